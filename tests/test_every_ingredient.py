@@ -61,7 +61,7 @@ RANKS += [
 ]
 OLD = [*sorted(BY_BOND), "foundation by chain", "dimer", "dimer of sizes", "exponent 1", "walls, gap"]
 OLD += [
-    "foundation rising along the chains",
+    "foundation rising, modulated, damped",
     "foundations over time",
     "wavy contacts, gap, walls",
     "graded column of exponent 1",

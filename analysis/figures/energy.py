@@ -21,6 +21,9 @@ _STORED = {
 
 _LOST = ("#D55E00", "#E69F00", "#CC79A7", "#999999")
 
+MOST_MODES = 6
+"""That are drawn."""
+
 _NOTICED = 1e-3
 """Share of all energy that a layer must once have to be drawn."""
 
@@ -56,10 +59,14 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
 
 @mpl.rc_context(STYLE)
 def energy_figure(problem: Problem, flow: Flow) -> Figure:
-    """Share of the energy of each chain (those drawn in other figures too), its centre and its spread, over time."""
+    """Share of the energy of each chain (those drawn in other figures too), its centre and its spread, over time.
+
+    Of rows on springs that vary, also the share of the action of each mode.
+    """
     time = axis_unit(problem, "time", float(flow.time[-1]))
     figure = Figure(figsize=(7.0, 6.0), layout="constrained")
-    share, place = figure.subplots(2, 1, sharex=True)
+    panels = figure.subplots(2 if flow.action is None else 3, 1, sharex=True)
+    share, place, *more = panels
     for position, chain in enumerate(shown_chains(problem)):
         draw_chain(share, position, chain, flow.time * time.worth, flow.share[:, chain])
         draw_chain(place, position, chain, flow.time * time.worth, flow.centre[:, chain])
@@ -68,8 +75,14 @@ def energy_figure(problem: Problem, flow: Flow) -> Figure:
     share.set_ylabel("share of the energy $E_n / E$")
     share.set_ylim(0.0, max(1.0, 1.05 * float(np.nanmax(flow.share))))
     place.set_ylabel("centre of the energy (bead),\nband: standard deviation")
-    letter((share, place))
-    place.set_xlabel(time.label(Flow, "time"))
+    for axis, actions in zip(more, () if flow.action is None else (flow.action,), strict=True):
+        for mode, action in enumerate(actions.T[:MOST_MODES], 1):
+            axis.plot(flow.time * time.worth, action, label=f"mode {mode}", linewidth=1.0)
+        axis.set_ylabel("share of the action")
+        axis.set_ylim(0.0, 1.0)
+        axis.legend(title="slowest first", fontsize="small", title_fontsize="small")
+    letter(panels)
+    panels[-1].set_xlabel(time.label(Flow, "time"))
     figure.suptitle(title(problem, each_chain=True, until=float(flow.time[-1])))
     chain_legend(figure, share)
     return figure

@@ -7,12 +7,15 @@ read a second time. The energy of a spring is shared by its two chains there. In
 `analysis.shape.waveforms.reach` of its peak, with the contacts between them.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from analysis import motion
 from analysis.conservation import energy_input
 from analysis.quantity import declare, result
 from analysis.shape.waveforms import reach
+from analysis.sharing import actions
 from analysis.sharing.equipartition import Sharing
 from analysis.trajectory import Flags, Floats, Trajectory
 from lammps_inputs import Problem
@@ -24,6 +27,8 @@ LEAST = 1e-9
 
 
 NO_CENTRE = "the chain has no energy"
+
+NO_MODES = "one chain, no springs to the ground that vary in time, or springs that are cubic or differ from row to row"
 
 
 @result
@@ -40,6 +45,18 @@ class Flow:
     )
     centre: Floats = declare("mean bead number of the chain's energy, [instant][chain]", "beads", NO_CENTRE)
     spread: Floats = declare("standard deviation of the bead number of the chain's energy", "beads", NO_CENTRE)
+    action: Floats | None = declare(
+        "action (energy over angular frequency) of each mode of the rows over that of all modes, slowest mode first, "
+        "[instant][mode]",
+        undefined=f"{NO_MODES}; at instants at which a contact is loaded",
+        default=None,
+    )
+    fastest_mode_action: float | None = declare(
+        "share of the action that the fastest mode of the rows has at the end",
+        undefined=f"{NO_MODES}, or a contact is loaded then",
+        column="share of the action in the fastest mode at the end",
+        default=None,
+    )
 
     def extremes(self, chain: int) -> tuple[tuple[float, float], tuple[float, float]]:
         """Least and largest share of a chain (from 0) after the start, each with its time; the start if alone."""
@@ -56,6 +73,9 @@ class EnergyFlow:
         self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
         self._seen = 0
         self._found: list[tuple[Floats, ...]] = []
+        self._action: list[Floats] = []
+        self._last_action: Floats | None = None
+        self._has_modes = actions.has_modes(problem.system)
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
@@ -76,6 +96,9 @@ class EnergyFlow:
         centre = np.sum(weight * block.beads, axis=-1)
         spread = np.sqrt(np.sum(weight * (block.beads - centre[..., np.newaxis]) ** 2, axis=-1))
         self._found.append((block.time[chosen], share, between, centre, spread))
+        if self._has_modes:
+            self._action.append(actions.shares(block, chosen))
+            self._last_action = actions.shares(block, slice(-1, None))
 
     def result(self) -> Flow:
         """Of the frames so far.
@@ -85,7 +108,11 @@ class EnergyFlow:
         """
         if not self._found:
             raise ValueError("no frames to measure")
-        return Flow(*(np.concatenate(part) for part in zip(*self._found, strict=True)))
+        time, share, between, centre, spread = (np.concatenate(part) for part in zip(*self._found, strict=True))
+        found = Flow(time, share, between, centre, spread)
+        if self._last_action is None:
+            return found
+        return replace(found, action=np.concatenate(self._action), fastest_mode_action=float(self._last_action[-1, -1]))
 
 
 MAX_PLACES = 400

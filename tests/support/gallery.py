@@ -34,6 +34,7 @@ PICTURES = {
     "gallery/striker-train": ("striker-train", "response"),
     "gallery/hammer-from-a-file": ("hammer-from-a-file", "spacetime"),
     "gallery/beats-on-a-foundation": ("beats-on-a-foundation", "energy"),
+    "gallery/landau-zener": ("landau-zener", "energy"),
     "gallery/cubic-coupling": ("cubic-coupling", "spacetime"),
     "gallery/damped-contacts": ("damped-contacts", "spacetime"),
     "gallery/restitution": ("restitution", "spacetime"),
@@ -59,6 +60,7 @@ PANELS = {
     "gallery/striker-train": (0, 4),
     "gallery/beats-on-a-foundation": (0,),
     "gallery/driven-chain": (0, 3),
+    "gallery/landau-zener": (2,),
 }
 """Panels of a figure that a picture of the gallery has, one below the other; all where it is not named here."""
 

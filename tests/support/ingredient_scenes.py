@@ -80,7 +80,6 @@ CASES: dict[str, dict[str, Any]] = {
     "cubic foundation": {"foundation": {"stiffness": 0.3, "cubic": 0.7}},
     "purely cubic foundation": {"foundation": {"cubic": 0.5}},
     "foundation in some rows": {"foundation": {"stiffness": 0.4, "rows": [3, 6]}},
-    "foundation rising along the chains": {"foundation": {"stiffness": RISING_BED, "cubic": 0.3}},
     "foundation modulated": {"foundation": {"stiffness": 0.4, "modulation": MODULATED}},
     "foundation rising, modulated, damped": {
         "foundation": {"stiffness": RISING_BED, "modulation": MODULATED, "rows": [1, 6]},
@@ -170,12 +169,12 @@ CASES: dict[str, dict[str, Any]] = {
         ],
     },
     "driven": {"drive": [MOVED, FORCED], "kick": None},
-    "driven dimer, damped, on a foundation": {
+    "driven dimer, damped, on a rising foundation": {
         **DIMER,
         "drive": [MOVED, FORCED],
         "kick": None,
         "damping": {"beads": 0.2},
-        "foundation": {"stiffness": 0.3},
+        "foundation": {"stiffness": RISING_BED, "cubic": 0.3},
     },
     "driven, pressed": {"drive": MOVED, "kick": None, **PRESSED},
     "driven column": {"drive": MOVED, "kick": None, **COLUMN},

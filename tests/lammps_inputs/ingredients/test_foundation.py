@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 from plain_scene import scene
 
+from analysis.conservation import Conservation
 from analysis.sharing.energies import EnergyFlow
-from lammps_inputs import find
+from analysis.trajectory import Trajectory
+from lammps_inputs import find, physics
+from lammps_inputs.decks import deck
+from lammps_inputs.limits import rates
+from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
@@ -42,3 +47,66 @@ def test_analysis_says_where_the_energy_is_in_place_of_a_verdict(directory, draw
     assert report["equipartition"]["state"] == "does not apply"
     assert len(report["energy"]["share"]) == len(report["energy"]["time"]) == directory.problem.frames + 1
     assert report["energy"]["centre"][0] == [1.0, None]
+
+
+MODULATED = {"stiffness": 0.3, "modulation": {"depth": 0.5, "frequency": 0.1}}
+CROSSING = [{"from": 0.6, "to": 1.4, "times": [0, 9]}, {"from": 1.4, "to": 0.6, "times": [0, 9]}]
+
+
+@pytest.mark.slow
+def test_growth_and_tunnelling_have_the_numbers_that_were_found_independently(tmp_path):
+    """Floquet's exponent, the chain of 60 beads, and the share of the action, by LAMMPS and the reference."""
+    words = [word for name in ("parametric", "landau-zener") for word in ("--only", name)]
+    assert main(["gallery", "-o", str(tmp_path), "--quiet", *words]) == 0
+    page = (tmp_path / "index.html").read_text()
+    assert "reference 0.02499268" in page
+    assert "LAMMPS 0.668106, reference 0.668106" in page
+    assert "reference 0.536736" in page
+    assert "reference 0.555905" in page
+
+
+@pytest.mark.parametrize(
+    ("neutral", "plain"),
+    [
+        ({"stiffness": 0.3, "modulation": {"depth": 0, "frequency": 0.1}}, {"stiffness": 0.3}),
+        ({"stiffness": {"from": 0.3, "to": 0.3, "times": [0, 9]}}, {"stiffness": 0.3}),
+        ({"stiffness": {"from": 0.3, "to": 0.3, "rows": [2, 6]}}, {"stiffness": 0.3}),
+    ],
+)
+def test_a_ramp_or_modulation_that_changes_nothing_is_none(neutral, plain):
+    one, other = (scene(foundation=keys).problem() for keys in (neutral, plain))
+    assert one.system == other.system
+    assert deck.render_deck(one) == deck.render_deck(other)
+
+
+def test_the_time_step_is_bounded_by_the_largest_stiffness_over_time():
+    largest = 200.0 * 1.5
+    modulated, constant = ({"stiffness": 200.0, "modulation": MODULATED["modulation"]}, {"stiffness": largest})
+    bounds = [rates.stability_bound(scene(foundation=keys).system) for keys in (modulated, constant)]
+    assert bounds[0] == pytest.approx(bounds[1], rel=0.01)
+    ramp = scene(foundation={"stiffness": {"from": 1.0, "to": largest, "times": [0, 9]}})
+    assert rates.stability_bound(ramp.system) == bounds[0]
+
+
+def test_the_budget_of_the_reference_closes_with_the_work_of_the_ground():
+    seen, problem = Conservation(), scene(foundation={"stiffness": CROSSING}).problem()
+    for block in engine.blocks(problem, steps_per_frame=40):
+        seen.add(block)
+    assert physics.exchanges(problem.system)
+    assert seen.energy_drift < 1e-7
+
+
+def test_modes_have_shares_of_the_action_where_no_contact_is_loaded():
+    """Half way the chains are alike; they move by 0.3 and 0.1, so by 0.4 and 0.2 over sqrt(2) in the modes."""
+    problem = scene(foundation={"stiffness": CROSSING}).problem()
+    shape = (1, problem.chains, problem.beads)
+    displacement = np.broadcast_to([[[0.3], [0.1]]], shape).copy()
+    flow = EnergyFlow(problem)
+    flow.add(Trajectory(problem, np.array([4.5]), displacement, np.zeros(shape)))
+    slow, fast = 0.08 * 1.0, 0.02 * np.sqrt(1.0 + 2.0 * physics.kappa(problem.system))
+    assert flow.result().action == pytest.approx(np.array([[slow, fast]]) / (slow + fast))
+    assert flow.result().fastest_mode_action == pytest.approx(fast / (slow + fast))
+    displacement[0, 0, 3] += 0.01
+    loaded = EnergyFlow(problem)
+    loaded.add(Trajectory(problem, np.array([4.5]), displacement, np.zeros(shape)))
+    assert np.isnan(loaded.result().fastest_mode_action)

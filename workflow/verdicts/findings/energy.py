@@ -103,6 +103,8 @@ class Energy(Finding):
         when = [scale.heading(f"{which} at time", "time") for which in ("least", "most")]
         head = ["chain", *when, "at the end", "there, around bead"]
         yield Table(f"{self.problem.name}: share of the energy", head, rows)
+        if flow.fastest_mode_action is not None:
+            yield f"share of the action in the fastest mode of the rows at the end: {flow.fastest_mode_action:.6f}"
 
     def draw(self) -> "Figure":
         """Over time."""

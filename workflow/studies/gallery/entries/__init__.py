@@ -21,6 +21,8 @@ NAMES = (
     "impurity",
     "wall",
     "beats",
+    "parametric",
+    "landau-zener",
     "rosas",
     "kuwabara-kono",
     "precompressed",
