@@ -21,7 +21,9 @@ Where energy is dissipated, ``lost(...)`` is the part of it that follows from th
 A law that depends on time takes the time ``t`` after the strain in all of these but the bounds, and has
 
 - ``now(t)``: the law at a time, whose ``change(s, ...)`` is how fast its force changes at a strain that does not;
-- ``power(s, t, ...)``: how fast its energy changes at such a strain, which is work from outside.
+- ``power(s, t, ...)``: how fast its energy changes at such a strain, which is work from outside;
+- ``steady``: the law without what depends on time;
+- ``bends``: times between which it depends on time smoothly.
 
 They are written without branches, so that NumPy takes them as they are and the reference's kernel compiles them into
 vector instructions. Methods ``along``, ``across`` and ``ground``, where a law has them, spell it in LAMMPS on that kind

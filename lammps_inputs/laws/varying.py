@@ -112,6 +112,12 @@ class Varying(NamedTuple):
         """The springs without ramp or modulation."""
         return Linear(self.spring)
 
+    @property
+    def bends(self) -> tuple[float, ...]:
+        """Times at which ramps start and end."""
+        both = np.broadcast_arrays(self.rate, self.begin, self.end)
+        return tuple(np.unique([one[both[0] != 0.0] for one in both[1:]]).tolist())
+
     def now(self, t: Any) -> Instant:
         """The spring at a time."""
         one = np.ones(np.broadcast_shapes(np.shape(t), *map(np.shape, self)))

@@ -59,7 +59,7 @@ RANDOM = {"spread": 0.3, "seed": 4}
 
 RISING_BED = {"from": 0.1, "to": 0.6, "rows": [2, 7]}
 MODULATED = {"depth": 0.5, "frequency": 0.3, "phase": 30.0}
-SOFTENING = {"from": 0.9, "to": 0.2, "times": [1.5, 9]}
+SOFTENING = {"from": 0.9, "to": 0.2, "times": [1.37, 9.1]}
 KINDS = [
     {"mass": 0.3, "stiffness": 0.2, "rows": [2, 5]},
     {"mass": 0.1, "stiffness": 0.5, "rows": [4, 7]},
@@ -80,6 +80,7 @@ CASES: dict[str, dict[str, Any]] = {
     "cubic foundation": {"foundation": {"stiffness": 0.3, "cubic": 0.7}},
     "purely cubic foundation": {"foundation": {"cubic": 0.5}},
     "foundation in some rows": {"foundation": {"stiffness": 0.4, "rows": [3, 6]}},
+    "foundation rising along the chains": {"foundation": {"stiffness": RISING_BED, "cubic": 0.3}},
     "foundation modulated": {"foundation": {"stiffness": 0.4, "modulation": MODULATED}},
     "foundation rising, modulated, damped": {
         "foundation": {"stiffness": RISING_BED, "modulation": MODULATED, "rows": [1, 6]},
@@ -169,12 +170,12 @@ CASES: dict[str, dict[str, Any]] = {
         ],
     },
     "driven": {"drive": [MOVED, FORCED], "kick": None},
-    "driven dimer, damped, on a rising foundation": {
+    "driven dimer, damped, on a foundation": {
         **DIMER,
         "drive": [MOVED, FORCED],
         "kick": None,
         "damping": {"beads": 0.2},
-        "foundation": {"stiffness": RISING_BED, "cubic": 0.3},
+        "foundation": {"stiffness": 0.3},
     },
     "driven, pressed": {"drive": MOVED, "kick": None, **PRESSED},
     "driven column": {"drive": MOVED, "kick": None, **COLUMN},

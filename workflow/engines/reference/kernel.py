@@ -263,6 +263,9 @@ class _Writer:
             "press": press,
             "step": step,
             "before": self._before(),
+            "split_step": self._lines(template.SPLIT, step=step, bends=self._terms.bends)
+            if self._terms.bends
+            else step,
             "velocities": self._lines(template.VELOCITIES) if kind == "drift" else [],
             "actual": "actual" if kind == "drift" else "v",
             "held_by_dashpots": self._held_by_dashpots() if self._terms.moved_with_loss else [],

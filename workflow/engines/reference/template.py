@@ -85,6 +85,17 @@ for stage in range(kicks.shape[0]):
 {remembered}
 """
 
+SPLIT = """
+whole_step, end_of_step = h, time + h
+for bend in range({bends}.shape[0] + 1):
+    stop = min(max({bends}[bend], time), end_of_step) if bend < {bends}.shape[0] else end_of_step
+    if stop > time:
+        h = stop - time
+        {step}
+        time = stop
+h = whole_step
+"""
+
 SPAN = """
 low, high = uint64(span[0] * chains), uint64((span[1] + 1) * chains)
 """
@@ -147,7 +158,7 @@ def advance(state, p, scheme, first_step, steps, recorded, frames):
     for frame in range(frames.x.shape[0]):
         for number in range(frame * steps, (frame + 1) * steps):
             time = (first_step + number) * h
-            {step}
+            {split_step}
         {velocities}
         for j in range(frames.x.shape[1]):
             for k in range(recorded.shape[0]):

@@ -62,6 +62,7 @@ class Terms:
         per_mass: source of what makes a force at k an acceleration; empty where all masses are 1.
         dashpots: how they act: as in LAMMPS with those of half a step before, in the kicks, or in the drifts.
         as_lammps: whether loads act as LAMMPS has them.
+        bends: array of times at which stiffnesses change abruptly, where steps are split; empty if there are none.
         counts_work: whether the work of loads, motions and springs that vary is counted.
     """
 
@@ -77,6 +78,7 @@ class Terms:
     dashpots: Literal["none", "half step", "kick", "drift"]
     as_lammps: bool
     counts_work: bool
+    bends: str
 
     @property
     def counts_lost(self) -> bool:
@@ -108,6 +110,7 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     walls = [link for link in ends[Ground] if isinstance(link, Wall)]
     beads = [link for link in ends[Ground] if not isinstance(link, Wall)]
     cut = any(dashpot.cut(link.law) for link in system.dampers)
+    bends = np.unique([time for link in system.ground if laws.varies(link.law) for time in link.law.bends])  # type: ignore[attr-defined]
     inverse = _inverse_mass(system, step if as_lammps and physics.velocity_at_full_steps(system) else 0.0)
     terms = Terms(
         contacts=tuple(taken.term(link.law, *between, first=2, memory="memory[k]") for link in system.along),
@@ -123,6 +126,7 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
         dashpots="none" if not system.dampers else "half step" if as_lammps else "kick" if cut else "drift",
         as_lammps=as_lammps,
         counts_work=physics.acted_on(system) and not as_lammps,
+        bends="" if as_lammps or not len(bends) else taken.add("bends", bends),
         row=row,
         names=tuple(taken.names),
     )

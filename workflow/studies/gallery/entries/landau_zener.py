@@ -45,7 +45,7 @@ def scene(rate: float, *, mode: bool, every: float) -> dict[str, Any]:
             for bead in range(1, BEADS + 1)
         ],
         "duration": duration,
-        "timestep": 0.01,
+        "timestep": 0.02,
         "output": {"every": every},
     }
 
