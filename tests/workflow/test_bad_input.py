@@ -93,7 +93,6 @@ COMMAND_LINES = [
     (f"{FIT} ,", "name at least one field"),
     ("trade s.yaml -o out --budget 0", "above 0"),
     ("trade s.yaml -o out --budget nan", "above 0"),
-    ("trade s.yaml -o out --repeats -1", "0 or more"),
     ("compare two-chains-gapped -o out --engines collisions,gromacs", "'gromacs' given"),
     ("compare two-chains-gapped -o out --engines collisions,collisions", "named twice"),
     ("compare two-chains-gapped -o out --engines ''", "'' given"),

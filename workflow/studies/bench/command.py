@@ -4,8 +4,8 @@ import argparse
 
 from lammps_inputs import InputError, library
 from workflow.errors import RunError
-from workflow.screen import print_table
-from workflow.studies.bench.study import PARTS, measure
+from workflow.studies.bench.study import PARTS, Ratio, measure
+from workflow.studies.study import print_records
 
 EXAMPLES = (
     "bench",
@@ -15,7 +15,7 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Which parts."""
-    parser.add_argument("parts", metavar="PART", nargs="*", help="such as window, reader (default all)")
+    parser.add_argument("parts", metavar="PART", nargs="*", help=f"of {', '.join(PARTS)} (default all)")
 
 
 def execute(arguments: argparse.Namespace) -> int:
@@ -23,22 +23,20 @@ def execute(arguments: argparse.Namespace) -> int:
     for name in arguments.parts:
         if name not in PARTS:
             raise InputError(f"bench: {name!r} given{library.suggestion(name, PARTS)}; of {', '.join(PARTS)}")
-    rows, missed, failed = [], 0, []
+    ratios: list[Ratio] = []
+    failed = []
     try:
         for name in arguments.parts or PARTS:
             try:
                 for ratio in measure(name):
                     print(f"{ratio.name}: {ratio.value:.3g}", flush=True)
-                    missed += not ratio.reached
-                    verdict = "" if ratio.reached else "MISSED"
-                    rows.append([ratio.name, f"{ratio.value:.3g}", ratio.goal, verdict, ratio.detail])
+                    ratios.append(ratio)
             except Exception as error:  # whatever it is, the other parts are measured
                 failed.append(f"{name} ({type(error).__name__}: {error})")
     finally:
-        if rows:
+        if ratios:
             print()
-            head = ["what", "found", "goal", "", "first, second, spread"]
-            print_table("measured side by side, medians", head, rows)
+            print_records("measured side by side, medians", Ratio, ratios)
     if failed:
         raise RunError(f"bench: failed: {', '.join(failed)}")
-    return 1 if missed else 0
+    return 1 if any(ratio.verdict for ratio in ratios) else 0

@@ -32,7 +32,6 @@ class Cell:
         axis, value: its name.
         scene: what a scene file would say.
         ranks: MPI ranks; more than one must compute bit for bit what one computes.
-        diameter: of the beads in LAMMPS, in place of the scene's own.
         scaling: whether the run must be a scaled copy of that at another V, 1 in reduced units.
         drift: whether the energy must stay as near to the kick's in the second half as in the first.
         force: whether a time step above the stability bound is let pass.
@@ -42,7 +41,6 @@ class Cell:
     value: str
     scene: Plain
     ranks: int = 1
-    diameter: float | None = None
     scaling: bool = False
     drift: bool = False
     force: bool = False
@@ -110,9 +108,8 @@ def numbers() -> list[Cell]:
         ),
         *axis("chains", (1, 2, 3, 10, 100, 1000), lambda n: {"chains": n, "beads": 20, "duration": 20.0}, "d"),
         *axis("beads", (2, 3, 10, 100, 1000, 10_000, 100_000), _beads, ",d"),
-        *axis("beads, window", (100, 1000, 3000, 10_000), _window, ",d"),
+        *axis("beads, window", (100, 1000, 3000), _window, ",d"),
         *axis("gap", (0.0, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9), _gap),
-        *(Cell("diameter", f"2^{p}", BASE, diameter=2.0**p) for p in (0, 1, 2, 10, 20, 25, 30, 35, 40)),
         *(replace(cell, drift=True) for cell in axis("steps", (10**3, 10**4, 10**5, 10**6), _duration, ",d")),
         *(Cell("ranks", str(n), BASE, ranks=n) for n in (0, 1, 2, cores() + 1)),
     ]
@@ -136,8 +133,7 @@ def _beads(beads: int) -> Plain:
 
 def _window(beads: int) -> Plain:
     """The pulse runs most of the way, and only the rows near it exist."""
-    chains: Plain = {"chains": 1, "coupling": None} if beads > 3000 else {}
-    return {**chains, "beads": beads, "window": "auto", "duration": 1.15 * beads, "output": {"every": 0.5}}
+    return {"beads": beads, "window": "auto", "duration": 1.15 * beads, "output": {"every": 0.5}}
 
 
 def _gap(gap: float) -> Plain:
@@ -162,89 +158,82 @@ def _duration(steps: int) -> Plain:
     return {**length, "duration": duration, "timestep": step, "output": {"every": step * max(1, round(0.5 / step))}}
 
 
-def _five_frames_a_swing() -> Plain:
-    """Frames 0.05 apart all show one phase of the springs' oscillation."""
-    kappa = 0.5 * (2.0 * math.pi / 0.05) ** 2
-    return {"coupling": springs(kappa), "accuracy": 1e-3, "duration": 1.0, "output": {"every": 0.01}}
-
-
 def corners() -> list[Cell]:
     """Several numbers at once."""
-    return [*_corners_of_motion(), *_corners_of_computation()]
-
-
-def _corner(value: str, *, like: Plain = BASE, scaling: bool = False, drift: bool = False, **changes: Any) -> Cell:
-    return Cell("corners", value, changed(like, **changes), scaling=scaling, drift=drift)
-
-
-def _corners_of_motion() -> list[Cell]:
-    """Kicks, springs and gaps."""
-    touching = changed(BASE, coupling=springs(1.0))
-    head_on = [{"velocity": 1.0}, {"velocity": -1.0, "bead": 30}]
-    every_bead = [{"velocity": (-1.0) ** (i + j), "chain": j, "bead": i} for i in range(1, 31) for j in (1, 2)]
-    stiff: Plain = {"coupling": springs(1e4), "timestep": 2e-4, "output": {"every": 0.1}}
     return [
-        _corner("V 1e-12, springs 0.1", kick={"velocity": 1e-12}, duration=1e3),
-        _corner("V 1e12, springs 0.1", kick={"velocity": 1e12}, duration=0.1),
-        _corner("V 1e-12, gap 1", kick={"velocity": 1e-12}, gap=1.0, duration=1e4),
-        _corner("V 1e12, gap 1e6", like=scaled(changed(BASE, gap=1e6 * 1e12**-0.8), 1e12), scaling=True),
-        _corner("V 1e-30", like=scaled(BASE, 1e-30), scaling=True),
-        _corner("V 1e30", like=scaled(BASE, 1e30), scaling=True),
-        _corner("kappa 1e4, 1000 chains, long step", chains=1000, beads=4, duration=2.0, **stiff),
-        _corner("kappa 1e4, 1000 chains, default step", chains=1000, beads=4, duration=0.1, coupling=springs(1e4)),
-        _corner(
-            "kappa 1e4, bead 10,000, long step",
-            beads=10_000,
-            kick={"bead": 9990, "velocity": 1.0},
-            duration=0.5,
-            **stiff,
-        ),
-        _corner("kappa 1e12", coupling=springs(1e12), duration=1e-3, output={"every": 1e-6}),
-        _corner("both ends, chain 1", kick=head_on),
-        _corner("both ends, two chains", kick=[head_on[0], {**head_on[1], "chain": 2}]),
-        _corner("backwards from bead 1", kick={"velocity": -1.0}),
-        _corner("backwards from bead 30", kick={"velocity": -1.0, "bead": 30}),
-        _corner("backwards, gap", kick={"velocity": -1.0}, gap=1.0),
-        _corner("all beads, +1 and -1", kick=every_bead),
-        _corner("kicks 1 and 1e-12", kick=[{"velocity": 1.0}, {"velocity": 1e-12, "bead": 20, "chain": 2}]),
-        _corner("one recorded bead", output={"beads": [17]}),
-        _corner("frames 10 T apart", beads=100, duration=100.0, output={"every": 10.0}),
-        _corner("one step", duration=1e-3, timestep=1e-3, output={"every": 1e-3}),
-        _corner(
-            "far, short steps, gap",
-            like=touching,
-            gap=1e6,
-            kick={"velocity": 1.0, "bead": 25},
-            timestep=1e-5,
-            duration=2.0,
-        ),
+        Cell("corners", name, changed(BASE, **changes), scaling=name in _SCALING, drift=name == "ten rows, 1e6 steps")
+        for name, changes in (_MOTION | _COMPUTATION).items()
     ]
 
 
-def _corners_of_computation() -> list[Cell]:
-    """Schemes, windows, accuracies and units."""
-    slow: Plain = {"chains": 1, "coupling": None, "material": JELLY}
-    return [
-        _corner("suzuki4", scheme="suzuki4"),
-        _corner("suzuki4, kappa 100", scheme="suzuki4", coupling=springs(100.0)),
-        _corner("suzuki4, step 0.15", scheme="suzuki4", timestep=0.15, output={"every": 0.75}),
-        _corner("window, past the end", beads=500, coupling=springs(0.01), window=64, duration=1300.0),
-        _corner("window, kappa 0.001", beads=500, coupling=springs(1e-3), window="auto", duration=600.0),
-        _corner("window, accuracy 1e-5", beads=200, window="auto", accuracy=1e-5, duration=200.0),
-        _corner("accuracy, kappa 1e4", coupling=springs(1e4), accuracy=1e-3, duration=2.0),
-        _corner("accuracy, 5 frames a period", **_five_frames_a_swing()),
-        _corner("accuracy, gap", gap=10.0, beads=6, accuracy=1e-4, duration=200.0),
-        _corner("until bead 25", duration=None, until_bead=25),
-        _corner("until bead 25, uncoupled", coupling=springs(1e-8), duration=None, until_bead=25),
-        _corner("two rows, 1e6 steps", beads=2, duration=1e4, output={"every": 1.0}),
-        _corner("ten rows, 1e6 steps", beads=10, duration=1e4, output={"every": 1.0}, drift=True),
-        _corner("steel, 1 nm/s", material=STEEL, kick={"velocity": 1e-9}, coupling=springs(6e2), duration=0.024),
-        _corner("jelly, 1 um", **slow, kick={"velocity": 1e-3}, duration=1e-2, scaling=True),
-        _corner(
-            "diamond, 100 m", **{**slow, "material": DIAMOND}, kick={"velocity": 1e-6}, duration=60.0, scaling=True
-        ),
-        _corner("units overflow", **{**slow, "material": {**STEEL, "density": 1e30, "radius": 1e30}}),
-    ]
+_HEAD_ON: list[Plain] = [{"velocity": 1.0}, {"velocity": -1.0, "bead": 30}]
+_EVERY_BEAD = [{"velocity": (-1.0) ** (i + j), "chain": j, "bead": i} for i in range(1, 31) for j in (1, 2)]
+_STIFF: Plain = {"coupling": springs(1e4), "timestep": 2e-4, "output": {"every": 0.1}}
+_SLOW: Plain = {"chains": 1, "coupling": None, "material": JELLY}
+
+_SCALING = ("V 1e12, gap 1e6", "V 1e-30", "V 1e30", "jelly, 1 um", "diamond, 100 m")
+
+_MOTION: dict[str, Plain] = {
+    "V 1e-12, springs 0.1": {"kick": {"velocity": 1e-12}, "duration": 1e3},
+    "V 1e12, springs 0.1": {"kick": {"velocity": 1e12}, "duration": 0.1},
+    "V 1e-12, gap 1": {"kick": {"velocity": 1e-12}, "gap": 1.0, "duration": 1e4},
+    "V 1e12, gap 1e6": scaled(changed(BASE, gap=1e6 * 1e12**-0.8), 1e12),
+    "V 1e-30": scaled(BASE, 1e-30),
+    "V 1e30": scaled(BASE, 1e30),
+    "kappa 1e4, 1000 chains, long step": {"chains": 1000, "beads": 4, "duration": 2.0, **_STIFF},
+    "kappa 1e4, 1000 chains, default step": {"chains": 1000, "beads": 4, "duration": 0.1, "coupling": springs(1e4)},
+    "kappa 1e4, bead 10,000, long step": {
+        "beads": 10_000,
+        "kick": {"bead": 9990, "velocity": 1.0},
+        "duration": 0.5,
+        **_STIFF,
+    },
+    "kappa 1e12": {"coupling": springs(1e12), "duration": 1e-3, "output": {"every": 1e-6}},
+    "both ends, chain 1": {"kick": _HEAD_ON},
+    "both ends, two chains": {"kick": [_HEAD_ON[0], {**_HEAD_ON[1], "chain": 2}]},
+    "backwards from bead 1": {"kick": {"velocity": -1.0}},
+    "backwards from bead 30": {"kick": {"velocity": -1.0, "bead": 30}},
+    "backwards, gap": {"kick": {"velocity": -1.0}, "gap": 1.0},
+    "all beads, +1 and -1": {"kick": _EVERY_BEAD},
+    "kicks 1 and 1e-12": {"kick": [{"velocity": 1.0}, {"velocity": 1e-12, "bead": 20, "chain": 2}]},
+    "one recorded bead": {"output": {"beads": [17]}},
+    "frames 10 T apart": {"beads": 100, "duration": 100.0, "output": {"every": 10.0}},
+    "one step": {"duration": 1e-3, "timestep": 1e-3, "output": {"every": 1e-3}},
+    "far, short steps, gap": {
+        "coupling": springs(1.0),
+        "gap": 1e6,
+        "kick": {"velocity": 1.0, "bead": 25},
+        "timestep": 1e-5,
+        "duration": 2.0,
+    },
+}
+"""Kicks, springs and gaps."""
+
+_COMPUTATION: dict[str, Plain] = {
+    "suzuki4": {"scheme": "suzuki4"},
+    "suzuki4, kappa 100": {"scheme": "suzuki4", "coupling": springs(100.0)},
+    "suzuki4, step 0.15": {"scheme": "suzuki4", "timestep": 0.15, "output": {"every": 0.75}},
+    "window, past the end": {"beads": 500, "coupling": springs(0.01), "window": 64, "duration": 1300.0},
+    "window, kappa 0.001": {"beads": 500, "coupling": springs(1e-3), "window": "auto", "duration": 600.0},
+    "window, accuracy 1e-5": {"beads": 200, "window": "auto", "accuracy": 1e-5, "duration": 200.0},
+    "accuracy, kappa 1e4": {"coupling": springs(1e4), "accuracy": 1e-3, "duration": 2.0},
+    "accuracy, 5 frames a period": {  # frames 0.05 apart would all show one phase of the springs' oscillation
+        "coupling": springs(0.5 * (2.0 * math.pi / 0.05) ** 2),
+        "accuracy": 1e-3,
+        "duration": 1.0,
+        "output": {"every": 0.01},
+    },
+    "accuracy, gap": {"gap": 10.0, "beads": 6, "accuracy": 1e-4, "duration": 200.0},
+    "until bead 25": {"duration": None, "until_bead": 25},
+    "until bead 25, uncoupled": {"coupling": springs(1e-8), "duration": None, "until_bead": 25},
+    "two rows, 1e6 steps": {"beads": 2, "duration": 1e4, "output": {"every": 1.0}},
+    "ten rows, 1e6 steps": {"beads": 10, "duration": 1e4, "output": {"every": 1.0}},
+    "steel, 1 nm/s": {"material": STEEL, "kick": {"velocity": 1e-9}, "coupling": springs(6e2), "duration": 0.024},
+    "jelly, 1 um": {**_SLOW, "kick": {"velocity": 1e-3}, "duration": 1e-2},
+    "diamond, 100 m": {**_SLOW, "material": DIAMOND, "kick": {"velocity": 1e-6}, "duration": 60.0},
+    "units overflow": {**_SLOW, "material": {**STEEL, "density": 1e30, "radius": 1e30}},
+}
+"""Schemes, windows, accuracies and units."""
 
 
 # --- loads, losses, masses, exponents and drives ----------------------------------------------------------------------
@@ -284,8 +273,28 @@ def losses() -> list[Cell]:
         *lossy("restitution", (1e-30, 0.5, 0.999999, 1.0), "contact", law="restitution"),
         *lossy("drag", (1e-9, 0.1, 1.0, 10.0, 1e3, 1e4), "beads"),
         *lossy("drag, rows", (0.1, 10.0, 1e3), "coupling"),
-        *_lossy_corners(),
+        *(
+            Cell("losses, corners", name, changed(BASE, **{"duration": 10.0, **changes}), ranks=1 + ("ranks" in name))
+            for name, changes in _LOSSY.items()
+        ),
     ]
+
+
+_DASHPOTS: Plain = {"damping": {"contact": 0.1}}
+
+_LOSSY: dict[str, Plain] = {
+    "dashpots, V 1e-12": {**scaled(BASE, 1e-12), "damping": {"contact": 1e-4}, "duration": 3e3},
+    "dashpots, gap": {**_DASHPOTS, "gap": 1.0},
+    "dashpots, accuracy 1e-4": {**_DASHPOTS, "accuracy": 1e-4},
+    "stuck, accuracy 1e-4": {"damping": {"contact": 10.0}, "accuracy": 1e-4, "duration": 1.0},
+    "drag 100, accuracy 1e-4": {"damping": {"beads": 100.0}, "accuracy": 1e-4, "duration": 1.0},
+    "dashpots, two ranks": _DASHPOTS,
+    "dashpots, walls": {**_DASHPOTS, "walls": {"left": "bead", "right": "rigid"}},
+    "dashpots, hard wall": {**_DASHPOTS, "walls": {"left": {"stiffness": 1e4}, "right": "flat"}},
+    "dashpots, load": {**_DASHPOTS, "precompression": {"force": 1.0}},
+    "drag, load": {"damping": {"beads": 0.1}, "precompression": {"force": 1.0}},
+}
+"""Losses with other ingredients."""
 
 
 def masses() -> list[Cell]:
@@ -321,25 +330,6 @@ def drives() -> list[Cell]:
     return [
         *axis("drive", (1e-3, 0.1, 1.0, 1e3), lambda f: driven(f, displacement=1.0, phase=-90.0)),
         *axis("drive, force", (0.1, 1e3), lambda f: driven(f, force=1.0)),
-    ]
-
-
-def _lossy_corners() -> list[Cell]:
-    def corner(value: str, *, like: Plain = BASE, ranks: int = 1, **changes: object) -> Cell:
-        return Cell("losses, corners", value, changed(like, **{"duration": 10.0, **changes}), ranks=ranks)
-
-    dashpots: Plain = {"contact": 0.1}
-    return [
-        corner("dashpots, V 1e-12", like=scaled(BASE, 1e-12), damping={"contact": 1e-4}, duration=3e3),
-        corner("dashpots, gap", damping=dashpots, gap=1.0),
-        corner("dashpots, accuracy 1e-4", damping=dashpots, accuracy=1e-4),
-        corner("stuck, accuracy 1e-4", damping={"contact": 10.0}, accuracy=1e-4, duration=1.0),
-        corner("drag 100, accuracy 1e-4", damping={"beads": 100.0}, accuracy=1e-4, duration=1.0),
-        corner("dashpots, two ranks", damping=dashpots, ranks=2),
-        corner("dashpots, walls", damping=dashpots, walls={"left": "bead", "right": "rigid"}),
-        corner("dashpots, hard wall", damping=dashpots, walls={"left": {"stiffness": 1e4}, "right": "flat"}),
-        corner("dashpots, load", damping=dashpots, precompression={"force": 1.0}),
-        corner("drag, load", damping={"beads": 0.1}, precompression={"force": 1.0}),
     ]
 
 

@@ -4,8 +4,10 @@ import argparse
 from pathlib import Path
 
 from lammps_inputs import InputError, library
-from workflow.screen import count_bar, one_line, print_table
+from workflow.screen import count_bar, one_line
 from workflow.studies.extremes import cells, study
+from workflow.studies.extremes.measure import KINDS, Outcome
+from workflow.studies.study import print_records
 
 EXAMPLES = (
     "extremes --quick",
@@ -34,27 +36,13 @@ def execute(arguments: argparse.Namespace) -> int:
         chosen = [cell for cell in chosen if study.cost(cell) <= study.QUICK]
     with count_bar("extremes") as progress:
         outcomes = study.make_report(chosen, arguments.output, progress=progress)
-    rows = [
-        [
-            outcome.axis,
-            outcome.value,
-            outcome.kind,
-            *(
-                study.written(number)
-                for number in (outcome.error, outcome.reported, outcome.reported_uncertainty, outcome.asked)
-            ),
-            "-" if outcome.steps is None else f"{outcome.steps:,}",
-            f"{outcome.seconds:.1f}",
-        ]
-        for outcome in outcomes
-    ]
-    head = ["axis", "value", "ends", "error / V", "reported", "uncertainty", "asked", "steps", "seconds"]
-    print_table("largest error of any velocity, against a more accurate reference", head, rows)
+    title = "largest error of any velocity (V), against a more accurate reference"
+    print_records(title, Outcome, outcomes)
     for outcome in outcomes:
         if outcome.kind in ("REFUSED", "STOPPED", "WRONG"):
             print(f"{outcome.kind} {outcome.axis} {outcome.value}: {outcome.why}")
-    found = study.counts(outcomes)
-    print(f"{len(outcomes)} cells: " + ", ".join(f"{number} {kind}" for kind, number in found.items()))
+    counts = {kind: sum(outcome.kind == kind for outcome in outcomes) for kind in KINDS}
+    print(f"{len(outcomes)} cells: " + ", ".join(f"{number} {kind}" for kind, number in counts.items()))
     if arguments.output is not None:
         print(f"{one_line(arguments.output)}: {', '.join(study.STUDY.files)}")
-    return 1 if found["WRONG"] else 0
+    return 1 if counts["WRONG"] else 0

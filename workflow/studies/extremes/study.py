@@ -1,15 +1,12 @@
 """All cells on all cores, each kept when it is done, so that an interrupted report is resumed."""
 
-import hashlib
-import math
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 from lammps_inputs import InputError, library
 from workflow.studies.extremes.cells import Cell
-from workflow.studies.extremes.measure import KINDS, Outcome
+from workflow.studies.extremes.measure import Outcome
 from workflow.studies.study import Study, to_csv
 from workflow.workers import evaluate
 from workflow.workers.evaluate import key_of
@@ -75,19 +72,5 @@ def cost(cell: Cell) -> float:
 def _program() -> str:
     """Fingerprint of all that computes or compares."""
     root = Path(__file__).parents[3]
-    digest = hashlib.sha256()
-    for package in ("lammps_inputs", "analysis", "workflow"):
-        for path in sorted((root / package).rglob("*.py")):
-            digest.update(f"{path.relative_to(root)}\n".encode() + path.read_bytes())
-    return digest.hexdigest()
-
-
-def counts(outcomes: Sequence[Outcome]) -> dict[str, int]:
-    """How many there are of each kind."""
-    found = Counter(outcome.kind for outcome in outcomes)
-    return {kind: found[kind] for kind in KINDS}
-
-
-def written(number: float | None) -> str:
-    """An error as it is shown: two digits, or a dash."""
-    return "-" if number is None or math.isnan(number) else f"{number:.1e}"
+    files = [path for package in ("lammps_inputs", "analysis", "workflow") for path in (root / package).rglob("*.py")]
+    return key_of([[path.relative_to(root).as_posix(), path.read_text("utf-8")] for path in sorted(files)])

@@ -19,7 +19,7 @@ def sentences(study: Findings) -> list[str]:
     found = [uncertainty(study.truth)]
     found += left_out(study)
     found += [advice(study, study.truth, accuracy) for accuracy in ACCURACIES]
-    return found + suzuki(study) + ranks(study) + windows(study) + frames(study) + study.notes
+    return found + suzuki(study) + beside(study) + frames(study) + study.notes
 
 
 def uncertainty(truth: Truth) -> str:
@@ -104,36 +104,22 @@ def suzuki(study: Findings) -> list[str]:
     return [f"In LAMMPS suzuki4 {found}, for the {study.problem.chains * study.problem.beads} beads of this scene."]
 
 
-def ranks(study: Findings) -> list[str]:
-    """What more ranks gain."""
-    several, one = _beside(study, RANKS)
-    if one is None:
-        return []
-    best = min(several, key=lambda point: point.seconds)
-    same = all(point.errors == one.errors for point in several)
-    errors = "the errors are the same" if same else "THE ERRORS DIFFER"
-    return [f"{best.setting.label} take {best.seconds / one.seconds:.2g} of the time of one; {errors}."]
-
-
-def windows(study: Findings) -> list[str]:
-    """What windows gain, and lose, near the front."""
-    narrow, whole = _beside(study, WINDOW)
-    if whole is None:
-        return []
-    best = min(narrow, key=lambda point: point.seconds)
-    worse = any(best.errors[name] > 1.01 * whole.errors[name] for name in whole.errors)
-    lost = f"but leaves an error of {best.errors['velocity']:.1e} V" if worse else "and costs no accuracy"
-    return [
-        f"A window of {best.setting.label} takes {best.seconds / whole.seconds:.2g} of the time of all "
-        f"{study.problem.beads} {lost} near the front."
-    ]
-
-
-def _beside(study: Findings, method: str) -> tuple[list[Point], Point | None]:
-    """Measured points of a method, and the scene as it is; None where there is nothing to compare."""
-    points = [point for point in study.by_method().get(method, []) if point.measured]
-    own = (point for point in study.comparable if point.setting.problem == study.problem and point.setting.ranks == 1)
-    return points, next((one for one in own if one.setting.method != REFERENCE), None) if points else None
+def beside(study: Findings) -> list[str]:
+    """What more ranks and windows gain, and lose."""
+    own = [one for one in study.comparable if one.setting.method == f"{LAMMPS}verlet"]
+    scene = next((one for one in own if one.setting.problem == study.problem), None)
+    said = []
+    for method, where in ((RANKS, ""), (WINDOW, " near the front")):
+        points = [one for one in study.by_method().get(method, []) if one.measured]
+        if not points or scene is None:
+            continue
+        best = min(points, key=lambda point: point.seconds)
+        worse = [name for name, error in best.errors.items() if error > 1.01 * scene.errors[name]]
+        errors = "different errors" if best.errors != scene.errors else "the same errors"
+        errors = f"larger errors of {', '.join(worse)}" if worse else "no larger errors" if where else errors
+        share = best.seconds / scene.seconds
+        said.append(f"{best.setting.label} take {share:.2g} of the time of the scene as it is, with {errors}{where}.")
+    return said
 
 
 def frames(study: Findings) -> list[str]:

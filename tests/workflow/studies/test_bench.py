@@ -1,0 +1,69 @@
+"""The benchmarks: what they compare computes the same, and ratios say what was measured."""
+
+import numpy as np
+import pytest
+
+from analysis.tracking.leading_waves import leading_waves
+from analysis.tracking.peaks import find_peaks
+from workflow.runs.run import run
+from workflow.studies.bench import engines, reader, runs
+from workflow.studies.bench.decks import scene
+from workflow.studies.bench.study import ratio_of
+
+
+@pytest.mark.slow
+def test_the_textbook_way_finds_the_same_waves(tmp_path):
+    one = scene(2, 120, 30.0)
+    reader.textbook(tmp_path / "plain", one.problem())
+    table = np.genfromtxt(tmp_path / "plain" / "waves.csv", delimiter=",", names=True)
+    waves = leading_waves(find_peaks([run(one, tmp_path / "ours", check=False).trajectory]))
+    np.testing.assert_array_equal(table["bead"], waves.bead)
+    # the neighbour lists differ, so sums are taken in other orders
+    np.testing.assert_allclose(table["peak_velocity"], waves.peak_velocity, atol=1e-11)
+    reader.ours(tmp_path / "read", one)
+    read = np.genfromtxt(tmp_path / "read" / "waves.csv", delimiter=",", names=True)
+    np.testing.assert_allclose(read["peak_velocity"], waves.peak_velocity, rtol=1e-15)
+
+
+def test_the_reference_reaches_in_one_run_what_scipy_reaches():
+    problem = scene(2, 120, 5.0).problem()
+    difference = np.abs(engines.last_velocities(problem, 16) - engines.scipy_velocities(problem, 1e-12))
+    assert np.max(difference) < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("value", "below", "verdict"), [(2.0, False, "MISSED"), (3.0, False, ""), (3.0, True, "MISSED")]
+)
+def test_a_ratio_says_whether_it_reached_its_goal(value, below, verdict):
+    assert ratio_of("x", [(1.0, value)], 2.5, below=below).verdict == verdict
+
+
+@pytest.mark.slow
+def test_the_sweeps_have_all_cases(tmp_path, monkeypatch):
+    monkeypatch.setattr(runs, "CASES", 2)
+    (ratio,) = runs.sweep_ratios(tmp_path)
+    assert ratio.value > 0.0
+    assert all(len(list(tmp_path.glob(f"{jobs}/*/analysis.json"))) == 2 for jobs in (1, 2))
+
+
+def test_a_crowd_has_more_collisions_than_are_timed():
+    for rows in (100, 1_000):
+        found = engines.collisions.run(engines.crowd(rows, seed=1), max_events=engines.PER_ROW * rows)
+        assert len(found) == engines.PER_ROW * rows
+
+
+@pytest.mark.slow
+def test_ratios_of_collisions_say_what_was_measured(tmp_path, monkeypatch):
+    monkeypatch.setattr(engines, "EVENTS", 300)
+    assert engines.collision_seconds(100) > 0.0
+    assert engines.force_seconds(engines.crowd(100), 10) > 0.0
+    seconds = {100: 2e-6, 1_000: 2.5e-6}
+    monkeypatch.setattr(engines, "collision_seconds", seconds.get)
+    monkeypatch.setattr(engines, "ROWS", tuple(seconds))
+    monkeypatch.setattr(engines, "force_seconds", lambda _: 1.2e-4)
+    rate, growth = engines.collision_ratios(tmp_path)
+    assert (rate.value, rate.verdict) == (pytest.approx(48.0), "")
+    assert (growth.value, growth.verdict) == (pytest.approx(1.25), "")
+    assert "1,000 rows" in growth.name
+    seconds[1_000] = 4e-6
+    assert [ratio.verdict for ratio in engines.collision_ratios(tmp_path)] == ["MISSED", "MISSED"]
