@@ -15,6 +15,12 @@ from lammps_inputs.links import Across
 from lammps_inputs.numbers import power_of_two_at_least, text
 from lammps_inputs.system import System
 
+
+def _nowhere(_: float) -> float:
+    """Of contacts of beads that touch."""
+    return 0.0
+
+
 PLACES = "places"
 """Fix of LAMMPS that has noted where beads rest, where that is no formula of their numbers."""
 
@@ -78,7 +84,16 @@ class Layout:
         # a row's dashpots know each other by their distance
         damped = any(isinstance(link, Across) and not physics.is_inner(system, link) for link in system.dampers)
         rows = (rest + 2.0 * laws.max_strain(link.law, total) for link in system.across if damped)
-        return power_of_two_at_least(max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows))
+        least = max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows)
+        return power_of_two_at_least(
+            max(least, 2.0 * least, 4.0 * self.farthest) if 0.0 < self.farthest < np.inf else least
+        )
+
+    @cached_property
+    def farthest(self) -> float:
+        """How much farther apart than at rest neighbours that act at a distance come, at most; 0 where none do."""
+        energy = physics.energy(self.system)
+        return max(float(getattr(link.law, "farthest", _nowhere)(energy)) for link in self.system.along)
 
     @property
     def inner_diameter(self) -> float:

@@ -168,7 +168,8 @@ def _path(detail: ErrorDetails, model: type[BaseModel]) -> list[int | str]:
     for position, part in enumerate(detail["loc"]):
         named = {field.alias or name: field for name, field in at.model_fields.items()} if at else {}
         unknown = detail["type"] == "extra_forbidden" and position == len(detail["loc"]) - 1
-        if isinstance(part, int) or by_name or part in named or unknown:
+        own = at is not None and at.model_config.get("extra") == "allow"
+        if isinstance(part, int) or by_name or part in named or unknown or own:
             found.append(part)
         if by_name:
             by_name = False

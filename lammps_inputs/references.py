@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 UNEQUAL = {"pattern": "jayaprakash2011", "taper": "doney2006", "disorder": "ponson2010", "striker": "sokolow2007"}
 HERTZ, POWER_LAW, GRADED = "hertz1882", ("nesterenko2001", "spadoni2010"), "chaunsali2018"
+MAGNETS = "moleron2014"
 LAMMPS, REFERENCE = "thompson2022", "blanes2002"
 SCHEMES = {"verlet": "swope1982", "suzuki4": "suzuki1990"}
 ENGINES = [LAMMPS, SCHEMES["verlet"], REFERENCE]
@@ -71,6 +72,7 @@ def of_models() -> dict[str, list[str]]:
     from lammps_inputs.ingredients import INGREDIENTS, damping, plastic
 
     found = {"contacts of spheres": [HERTZ], "`contact.exponent`": [*POWER_LAW], "`contact.strength`": [GRADED]}
+    found |= {"`contact.force`": [MAGNETS]}
     found |= {f"`{key}`": [source] for key, source in UNEQUAL.items()}
     found |= {f"`{key}`": [*kind.sources] for key, kind in INGREDIENTS.items() if kind.sources}
     found |= {f"`contact.yield`, law `{law}`": [*keys] for law, keys in plastic.SOURCES.items()}

@@ -15,7 +15,7 @@ from wrong_runs import deck_run, substituted
 
 from analysis.conservation import Conservation
 from analysis.mirror import mirrored_problem
-from lammps_inputs import InputError, physics
+from lammps_inputs import InputError, laws, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.slurm import job
@@ -43,7 +43,7 @@ AT_REST = [name for name, keys in CASES.items() if keys.keys() & {"precompressio
 AT_REST = [name for name in AT_REST if not CASES[name].keys() & {"damping", "drive"}]
 AT_REST += ["damping linear, pressed", "damped column of exponent 2"]
 
-BY_BOND = {"ramp", "lattice", "cubic ring"}
+BY_BOND = {"ramp", "lattice", "cubic ring", "formulas of springs"}
 """Ranks may add up the springs of a row on their border in another order."""
 RANKS = [*sorted(BY_BOND), "foundation by chain", "dimer", "disorder", "exponent 1.25", "walls", "walls of exponent 2"]
 RANKS += [
@@ -55,11 +55,12 @@ RANKS += [
     "column",
     "driven",
     "pushed",
+    "magnets",
     "damping cut, pressed by a wall",
     "resonators of two kinds, in some rows",
     "resonators, damped in some rows, pushed, with all other dashpots",
 ]
-OLD = [*sorted(BY_BOND), "foundation by chain", "dimer", "dimer of sizes", "exponent 1", "walls, gap"]
+OLD = ["ramp", "lattice", "cubic ring", "foundation by chain", "dimer", "dimer of sizes", "exponent 1", "walls, gap"]
 OLD += [
     "foundation rising, modulated, damped",
     "foundations over time",
@@ -196,7 +197,10 @@ def numbers(problem):
     found |= {f"load {n} ends": load.end for n, load in enumerate(system.loads)}
     for kind in ("links", "dampers", "loads"):
         for n, part in enumerate(getattr(system, kind)):
-            found |= {f"{kind} {n}, {parameter}": value for parameter, value in enumerate(part.law)}
+            values = part.law
+            if hasattr(part.law, "derived"):  # a formula, which is scaled as a whole
+                values = [laws.force(part.law, s) for s in (-0.1, 0.1, 0.3)]
+            found |= {f"{kind} {n}, {parameter}": value for parameter, value in enumerate(values)}
     return found | {f"motion {n}": (one.amplitude, one.omega, one.phase) for n, one in enumerate(system.motions)}
 
 

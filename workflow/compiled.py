@@ -64,6 +64,12 @@ def inlined(function: F) -> F:
     return cast(F, numba.njit(**options)(function))
 
 
+def inlined_ieee(function: F) -> F:
+    """The same with IEEE arithmetic: division by zero gives inf."""
+    options: Any = {"forceinline": True, "no_cpython_wrapper": True, "error_model": "numpy"}
+    return cast(F, numba.njit(**options)(function))
+
+
 def ieee(function: F) -> F:
     """The function with IEEE arithmetic: no reordering, division by zero gives inf.
 

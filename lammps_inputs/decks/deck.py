@@ -177,8 +177,9 @@ def refusal(system: System) -> str:
     if why := _missing(system):
         return why
     try:
-        for link in system.along:
-            if laws.differs(link.law) or laws.remembers(link.law):
+        for link in system.links:
+            differs = laws.differs(link.law) or laws.remembers(link.law)
+            if hasattr(link.law, "derived") or (isinstance(link, Along) and differs):
                 _of_link(link, Layout(system))
     except ValueError as error:
         return str(error)
@@ -196,7 +197,7 @@ def _missing(system: System) -> str:
 def _kind(link: Link) -> str:
     """Lines that LAMMPS has for a law on such a link."""
     if isinstance(link, Wall) and not laws.remembers(link.law):
-        return "exponent"
+        return "wall" if hasattr(link.law, "wall") else "exponent"
     return "along" if isinstance(link, Along | Wall) else "across" if isinstance(link, Across) else "ground"
 
 

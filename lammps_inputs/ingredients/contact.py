@@ -5,18 +5,19 @@ spheres, cylinders and rubber O-rings: p from 1 to 3 (Nesterenko 2001; Spadoni &
 """
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, create_model, field_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import plastic, profile
-from lammps_inputs.ingredients.base import Ingredient, Positive
+from lammps_inputs.ingredients import by_formula, plastic, profile
+from lammps_inputs.ingredients.base import Positive
 from lammps_inputs.ingredients.profile import Strength
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power
+from lammps_inputs.laws.written import AlongChains, Force, Kind
 from lammps_inputs.links import Along
 from lammps_inputs.units import PURE, Unit
 
@@ -27,12 +28,15 @@ if TYPE_CHECKING:
 HERTZ = 1.5
 """Exponent of the contact of spheres."""
 
+MOST_EXPONENT = 3.0
+"""Exponent up to which there are solitary waves to compare with."""
+
 LEAST_OF_PULSES = 1.05
 """Exponent below which a solitary wave, if there is one, is longer than forty beads."""
 
 
-class _Contact(Ingredient):
-    """A force ``stiffness * overlap**exponent``."""
+class _Contact(by_formula.ByFormula):
+    """A force ``stiffness * overlap**exponent``, or any that grows as beads come closer."""
 
     example: ClassVar[str] = "{exponent: 2}"
 
@@ -40,7 +44,7 @@ class _Contact(Ingredient):
         {Fact.REVERSIBLE: "contacts of an exponent below 1.5 open and close so abruptly that suzuki4 gains nothing"}
     )
 
-    exponent: Annotated[float, Field(ge=1, le=3), PURE] = HERTZ
+    exponent: Annotated[float, Field(ge=1, le=MOST_EXPONENT), PURE] = HERTZ
     """Exponent p."""
     stiffness: Annotated[Positive, Unit("N/m^p")] | None = None
     """Constant A. Reduced units: 1 if omitted. With a material: required unless p = 1.5, where the material gives it.
@@ -48,12 +52,24 @@ class _Contact(Ingredient):
     strength: Strength | None = None
     """Factor on A of each contact: a number, a profile, or a list with one for each contact; 1 if omitted."""
 
+    force: str | None = None
+    """Force as a formula of s, with its parameters as keys beside it: where it grows with s, s is the overlap; where it
+    falls, s is by how much beads are farther apart than at rest. In place of `exponent` and `stiffness`.
+    """
+    tension: Literal["allowed", "cut"] | None = None
+    """Whether `force` acts at a distance: if omitted, `cut` of forces that are 0 at s = 0, and `allowed` of others."""
+
     _from_list = field_validator("strength", mode="before")(strict_yaml.as_tuple)
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse units that do not fit, what is known of spheres only, and profiles that do not fit the chains."""
         if not self.model_fields_set:
             raise ValueError(f"contact: names nothing; valid: `contact: {self.example}`")
+        if self.formula is not None:
+            self._refuse_formula(self.formula, scene)
+            return
+        if self.tension is not None:
+            raise ValueError("contact.tension: is that of a formula; give contact.force, too, or leave it out")
         if self._yields is not None and "exponent" in self.model_fields_set and self.exponent != self._power:
             raise ValueError(f"contact.exponent: {self._power:g} with the law {self._yields.law}; leave it out")
         if scene.material is not None and self._power == HERTZ and self.stiffness is not None:
@@ -73,10 +89,78 @@ class _Contact(Ingredient):
             return self.exponent
         return 1.0 if self._yields.linear else HERTZ
 
-    def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
-        """Refuse what is known of spheres only."""
+    def _refuse_formula(self, force: Force, scene: "BaseScene") -> None:
+        """Refuse what is said twice, and forces at rest that nothing holds."""
+        self.refuse_beside("contact", "exponent", "stiffness", "yield")
+        kind = self._kind(force)
+        rest = float(force.at(0.0))
+        if kind.cut and rest:
+            raise ValueError(f"contact.tension: the force is {rest:.6g} at s = 0, where it would be cut; leave it out")
+        if rest:
+            walls = getattr(scene, "walls", None)
+            if walls is None or None in (walls.left, walls.right):
+                raise ValueError(
+                    f"contact.force: pushes neighbours apart with {rest:.6g} at rest, and nothing holds the beads at "
+                    "the ends; give `walls: {left: bead, right: bead}`"
+                )
+            loads = [key for key in ("gap", "precompression", "gravity") if getattr(scene, key)]
+            loads += ["contact.strength"] * (self.strength is not None)
+            if loads:
+                raise ValueError(
+                    f"{loads[0]}: contact.force is {rest:.6g} at s = 0, the force of every contact at rest; leave one "
+                    "of them out"
+                )
+
+    def _kind(self, force: Force) -> Kind:
+        """How the formula counts s, and whether it is cut where beads are apart.
+
+        Raises:
+            ValueError: there is no contact of such a force.
+        """
+        rest, small = float(force.at(0.0)), by_formula.SMALL
+        if not np.isfinite(rest):
+            raise ValueError(
+                "contact.force: has no real value at s = 0, where beads rest; valid: `A/(d+s)^p` with d > 0"
+            )
+        if rest < 0.0:
+            raise ValueError(
+                f"contact.force: is {rest:.6g} at s = 0, so that beads pull each other at rest; at least 0"
+            )
+        law = force.law(AlongChains)
+        slopes = [float(law.stiffness(s, *law)) for s in (small, -small)]
+        way = 1.0 if slopes[0] > 0.0 or slopes[1] > 0.0 else -1.0
+        if not any(abs(slope) > 0.0 for slope in slopes):
+            raise ValueError("contact.force: is the same at all s near 0; it should grow as beads come closer")
+        kind = Kind(way, cut=rest == 0.0 if self.tension is None else self.tension == "cut")
+        if not kind.cut and not np.isfinite(slopes[1 if way > 0.0 else 0]):
+            raise ValueError(
+                "contact.tension: the force has no real value where beads are apart; leave it out: it is then cut there"
+            )
+        return kind
+
+    @property
+    def _known(self) -> tuple[float, float | None] | None:
+        """Exponent p and constant A of a force that is ``A overlap^p``; None of other formulas."""
+        if self.formula is None:
+            return self._power, self.stiffness
+        kind = self._kind(self.formula)
+        exponent, _ = by_formula.leading_power(self.formula, kind.way, cut=kind.cut)
+        known = kind.cut and exponent <= MOST_EXPONENT
+        a = by_formula.power_of_strain(self.formula, kind.way, exponent) if known else None
+        return None if a is None else (exponent, a)
+
+    def refuse_system(self, scene: "BaseScene", system: "System") -> None:
+        """Refuse what is known of spheres only, and formulas where they have no value."""
         from lammps_inputs.ingredients.unequal import sizes_and_moduli
 
+        for link in system.along:
+            if isinstance(link.law, AlongChains):
+                by_formula.refuse_reach("contact", link.law, system, scene.scale.length, pressed=True)
+        if self.formula is not None and any(np.any(np.not_equal(one, 1.0)) for one in sizes_and_moduli(scene)):
+            raise ValueError(
+                "contact.force: how the contacts of beads of unlike radius or modulus differ is known for spheres; let "
+                "them differ in mass alone"
+            )
         if self._power != HERTZ and any(np.any(np.not_equal(one, 1.0)) for one in sizes_and_moduli(scene)):
             raise ValueError(
                 f"contact.exponent: {self._power:g} given; how the contacts of beads of unlike radius or modulus "
@@ -85,31 +169,49 @@ class _Contact(Ingredient):
 
     def contact_law(self, strength: Parameter) -> Law:
         """Hertz's law where it is that."""
-        return Hertz(strength) if self._power == HERTZ else Power(strength, self._power)
+        if self._known is None:
+            assert self.formula is not None
+            return self.formula.law(AlongChains, self._kind(self.formula), strength)  # type: ignore[no-any-return]
+        exponent, _ = self._known
+        return Hertz(strength) if exponent == HERTZ else Power(strength, exponent)
 
     def cited(self) -> tuple[str, ...]:
         """Of the profile, and of a law that yields."""
-        law = () if self._yields is None else plastic.SOURCES[self._yields.law]
+        law: tuple[str, ...] = () if self._yields is None else plastic.SOURCES[self._yields.law]
+        if self.formula is not None and not self._kind(self.formula).cut:
+            law = ("moleron2014",)
         return law if self.strength is None else ("chaunsali2018", *law)
 
     @property
     def strength_key(self) -> str:
         """That of the profile."""
-        return "" if self.strength is None else "contact.strength"
+        return "contact.strength" if self.strength is not None else "" if self.force is None else "contact.force"
 
     def strengths(self, scene: "BaseScene") -> Parameter:
         """Those of the profile."""
+        if self.strength is None:
+            return 1.0
         profile.refuse(self.strength_key, self.strength, scene)
         return profile.strengths(self.strength, scene)
 
     def contact_scale(self) -> tuple[float, float | None]:
-        """By which the contacts have the strength 1."""
-        return self._power, self.stiffness
+        """By which the contacts have the strength 1: those of a formula as they begin."""
+        if self._known is not None:
+            return self._known
+        assert self.formula is not None
+        kind = self._kind(self.formula)
+        return by_formula.leading_power(self.formula, kind.way, cut=kind.cut)
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
-        """Linear contacts disperse any pulse; all that are harder at first than spheres begin abruptly."""
-        taken = {Fact.REVERSIBLE} if self._power < HERTZ else set()
-        return frozenset(taken | {Fact.PULSE} if self._power < LEAST_OF_PULSES else taken)
+        """Linear contacts disperse any pulse; all that are harder at first than spheres begin abruptly.
+
+        What acts at a distance transmits sound.
+        """
+        exponent = self.contact_scale()[0]
+        if self.formula is not None and not self._kind(self.formula).cut:
+            return frozenset({Fact.SONIC_VACUUM, Fact.FRONT, Fact.PULSE})
+        taken = {Fact.REVERSIBLE} if exponent < HERTZ else set()
+        return frozenset(taken | {Fact.PULSE} if exponent < LEAST_OF_PULSES else taken)
 
 
 # `yield` is a word of Python's, so it cannot be written as an attribute

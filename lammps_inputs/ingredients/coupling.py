@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Discriminator, Field, Tag, create_model, field_validator
 
-from lammps_inputs import physics, strict_yaml
-from lammps_inputs.ingredients.base import Ingredient, Part
+from lammps_inputs import laws, physics, strict_yaml
+from lammps_inputs.ingredients import by_formula
+from lammps_inputs.ingredients.base import Part
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.spring import Duffing, Linear
+from lammps_inputs.laws.written import AcrossChains, Force
 from lammps_inputs.layout import Layout
 from lammps_inputs.links import Across
 from lammps_inputs.units import Unit
@@ -77,8 +79,8 @@ _Name = Literal["open", "ring"]
 _Topology = Annotated[Annotated[_Name, Tag("<plain>")] | Annotated[Graph, Tag("<keys>")], _distinguished(Graph)]
 
 
-class Coupling(Ingredient):
-    """Springs between chains: a force ``stiffness s + cubic s**3`` for beads of a row that are s apart."""
+class Coupling(by_formula.ByFormula):
+    """Springs between chains: a force ``stiffness s + cubic s**3``, or any, for beads of a row that are s apart."""
 
     example: ClassVar[str] = "{stiffness: 0.1}"
     sources = ("starosvetsky2013",)
@@ -93,13 +95,17 @@ class Coupling(Ingredient):
     """Which chains are coupled, by the table below; `open` if omitted."""
     cubic: Annotated[float, Field(ge=0, le=1e30), Unit("N/m3")] | None = None
     """Cubic stiffness c; none if omitted."""
+    force: str | None = None
+    """Force as a formula of s, odd, with its parameters as keys beside it; in place of `stiffness` and `cubic`."""
 
     _from_list = field_validator("rows", mode="before")(strict_yaml.as_tuple)
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what does not fit the chains, springs that are practically rigid, and rows that differ in a window."""
         own = bool(self._named) and all(len(edge) == 3 for edge in self._named)
-        if self.stiffness is None and self.cubic is None and not own:
+        if self.formula is not None:
+            self._refuse_formula(self.formula)
+        elif self.stiffness is None and self.cubic is None and not own:
             raise ValueError("coupling.stiffness: is missing")
         if self.stiffness is not None and own:
             raise ValueError("coupling.stiffness: every edge has a stiffness of its own; leave this one out")
@@ -124,8 +130,20 @@ class Coupling(Ingredient):
                 "head with the springs they have, so all must have the same; leave the window out"
             )
 
+    def _refuse_formula(self, force: Force) -> None:
+        self.refuse_beside("coupling", "stiffness", "cubic")
+        if any(len(edge) == 3 for edge in self._named):
+            raise ValueError(
+                "coupling.topology.edges: a stiffness is that of linear springs; leave the third number out"
+            )
+        by_formula.refuse_unrest("coupling", force)
+        by_formula.refuse_even("coupling", force)
+
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:
-        """Refuse cubic springs over distances at which LAMMPS's lose their digits."""
+        """Refuse cubic springs over distances at which LAMMPS's lose their digits, and formulas without a value."""
+        for link in system.across:
+            if isinstance(link.law, AcrossChains):
+                by_formula.refuse_reach("coupling", link.law, system, scene.scale.length)
         edges = self._edges(scene.chains)
         farthest = max((higher - lower for lower, higher, _ in edges), default=0)
         lateral = 2.0 * (Layout(system).diameter + physics.gap(system)) * farthest
@@ -157,6 +175,8 @@ class Coupling(Ingredient):
     def links(self, scene: "BaseScene") -> tuple[Across, ...]:
         """None where no two chains are tied by any spring."""
         edges = self._edges(scene.chains)
+        if self.formula is not None and by_formula.multiple_of_strain(self.formula) is None:
+            return self._by_formula(self.formula, edges, scene)
         spring, cubic = self._stiffness(edges, scene), self._cubic(edges, scene)
         holds = np.zeros(len(edges), dtype=bool)
         for values in (spring, cubic):
@@ -167,6 +187,16 @@ class Coupling(Ingredient):
         law: Law = Duffing(spring, cubic) if np.any(cubic) else Linear(spring)
         kept = tuple((lower, higher) for (lower, higher, _), tied in zip(edges, holds, strict=True) if tied)
         return (Across("coupling", law, edges=kept, grid=self._grid),)
+
+    def _by_formula(self, force: Force, edges: list[Any], scene: "BaseScene") -> tuple[Across, ...]:
+        if not edges:
+            return ()
+        there: float | Floats = 1.0
+        if self.rows is not None:
+            there = np.zeros((len(edges), scene.beads))
+            there[:, self.rows[0] - 1 : self.rows[1]] = 1.0
+        law = laws.dimensionless(force.law(AcrossChains, strength=there), scene.scale)
+        return (Across("coupling", law, edges=tuple(edge[:2] for edge in edges), grid=self._grid),)
 
     @property
     def _grid(self) -> tuple[int, int] | None:
@@ -196,6 +226,8 @@ class Coupling(Ingredient):
     def _stiffness(self, edges: list[tuple[int, int, float | None]], scene: "BaseScene") -> float | Floats:
         """Dimensionless: a number, or [edge, row] where it differs."""
         shared: Any = 0.0 if self.stiffness is None else self.stiffness
+        if self.formula is not None:
+            shared = by_formula.multiple_of_strain(self.formula) or 0.0
         if isinstance(shared, Ramp):
             values = [getattr(shared, key) for key in ("from", "to")]
             shared = np.interp(np.arange(1, scene.beads + 1), shared.rows, values)

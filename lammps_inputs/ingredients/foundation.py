@@ -16,14 +16,17 @@ from pydantic import Discriminator, Field, Tag, create_model, field_validator
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient, Part, Positive
+from lammps_inputs.ingredients import by_formula
+from lammps_inputs.ingredients.base import Part, Positive
 from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.laws.varying import Varying
+from lammps_inputs.laws.written import ToGround
 from lammps_inputs.links import Ground
 from lammps_inputs.units import PURE, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
+    from lammps_inputs.system import System
 
 Stiffness = Annotated[float, Field(ge=0, le=1e30), Unit("N/m")]
 Cubic = Annotated[float, Field(ge=0, le=1e30), Unit("N/m3")]
@@ -102,8 +105,8 @@ _Stiffness = Annotated[
 ]
 
 
-class Foundation(Ingredient):
-    """Springs from the beads to the ground: a force ``-stiffness x - cubic x**3``."""
+class Foundation(by_formula.ByFormula):
+    """Springs from the beads to the ground: a force ``-stiffness x - cubic x**3``, or any against the displacement."""
 
     example: ClassVar[str] = "{stiffness: 0.1}"
     sources = ("starosvetsky2012",)
@@ -125,6 +128,10 @@ class Foundation(Ingredient):
     """Cubic stiffness c of all chains, or a list with one for each chain."""
     rows: tuple[Row, Row] | None = None
     """First and last bead with springs; all beads if omitted."""
+    force: str | None = None
+    """Force as a formula of s, the displacement, against which it acts; its parameters are keys beside it. In place of
+    `stiffness` and `cubic`.
+    """
 
     _from_list = field_validator("stiffness", "cubic", "rows", mode="before")(strict_yaml.as_tuple)
 
@@ -136,6 +143,9 @@ class Foundation(Ingredient):
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what does not fit the chains."""
+        if self.formula is not None:
+            self.refuse_beside("foundation", "stiffness", "cubic", "modulation")
+            by_formula.refuse_unrest("foundation", self.formula)
         for key in ("stiffness", "cubic"):
             given = getattr(self, key)
             if isinstance(given, tuple) and len(given) != scene.chains:
@@ -151,6 +161,8 @@ class Foundation(Ingredient):
         if self.modulation is not None and self.modulation.frequency * scene.scale.time > MOST:
             raise ValueError("foundation.modulation.frequency: at most 1e12, dimensionless")
         for link in self.links(scene):
+            if isinstance(link.law, ToGround):
+                continue
             largest = {"stiffness": laws.stiffest(link.law, 0.0), "cubic": np.max(getattr(link.law, "cubic", 0.0))}
             for key in (key for key, value in largest.items() if value > MOST):
                 raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
@@ -176,14 +188,23 @@ class Foundation(Ingredient):
         """One spring a bead, linear where it is; cubic ones apart from those that ramp or are modulated."""
         cubic = self._values(self.cubic, scene)
         named: dict[str, Any]
-        if self.modulation is not None or any(self._ramps()):
+        k = None if self.formula is None else by_formula.multiple_of_strain(self.formula)
+        if self.formula is not None and k is None:
+            named = {"foundation": self.formula.law(ToGround, strength=self._values(1.0, scene))}
+        elif self.modulation is not None or any(self._ramps()):
             named = {"foundation": self._in_space_and_time(scene), "cubic_foundation": Duffing(0.0 * cubic, cubic)}
         else:
-            stiffness = self._values(self.stiffness, scene)
+            stiffness = self._values(self.stiffness if k is None else k, scene)
             named = {"foundation": Duffing(stiffness, cubic) if np.any(cubic) else Linear(stiffness)}
         # the first two parameters of each law, all that Linear and Duffing have, are 0 where there are no springs
         there = {name: law for name, law in named.items() if any(map(np.any, law[:2]))}
         return tuple(Ground(name, laws.dimensionless(law, scene.scale)) for name, law in there.items())
+
+    def refuse_system(self, scene: "BaseScene", system: "System") -> None:
+        """Refuse formulas where they have no value."""
+        for link in system.ground:
+            if isinstance(link.law, ToGround):
+                by_formula.refuse_reach("foundation", link.law, system, scene.scale.length)
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
         """Also that a scheme may step back in time, where the stiffness depends on it."""

@@ -28,14 +28,14 @@ def wall_lines(link: "Wall", layout: "Layout") -> Lines:
     Only the beads that can reach them are asked, for the others cost as much. All have one radius in LAMMPS, so chains
     whose walls are not equally hard, or equally far along, have walls of their own.
     """
-    name, exponent, loss = link.name, link.law.exponent, layout.wall_loss(link.side)  # type: ignore[attr-defined]
+    name, exponent, loss = link.name, getattr(link.law, "exponent", None), layout.wall_loss(link.side)
     lost, model = ([0.0] * layout.chains, "damping velocity") if loss is None else loss.granular(layout)
     push = _of_spheres if exponent == 1.5 else _by_formula
     end = layout.beads if link.side > 0.0 else 1
     walls = [(*face, g) for face, g in zip(faces(link, layout), lost, strict=True)]
     if len(set(walls)) == 1:
         hard, face, g = walls[0]
-        strength = f"variable {name} index {text(hard)}   # force per overlap^{text(exponent)}"
+        strength = f"variable {name} index {text(hard)}   # {_unit(exponent)}"
         dashpot = f"variable {name}_damping index {text(g)}   # {model}"
         coefficient = "0" if loss is None else f"${{{name}_damping}}"
         return Lines(
@@ -54,6 +54,10 @@ def wall_lines(link: "Wall", layout: "Layout") -> Lines:
     return Lines(motion=tuple(lines))
 
 
+def _unit(exponent: float | None) -> str:
+    return "over the force of a contact" if exponent is None else f"force per overlap^{text(exponent)}"
+
+
 def _of_spheres(name: str, hard: str, face: float, g: str, model: str, link: Any, layout: "Layout") -> tuple[str, ...]:
     """LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``."""
     root = text(float(np.sqrt(layout.diameter / 2.0)))
@@ -67,8 +71,14 @@ def _by_formula(name: str, hard: str, face: float, g: str, model: str, link: Any
     """
     touched = text(face - link.side * layout.diameter / 2.0)
     sign, overlap = ("-", f"(x-{touched})*(x>{touched})") if link.side > 0.0 else ("", f"({touched}-x)*(x<{touched})")
+    if hasattr(link.law, "wall"):
+        if not link.law.kind.cut:
+            overlap = f"(x-{touched})" if link.side > 0.0 else f"({touched}-x)"
+        force = link.law.wall(f"({overlap})", hard)
+    else:
+        force = f"{hard}*({overlap})^{text(link.law.exponent)}"
     push = (
-        f"variable {name}_push atom {sign}{hard}*({overlap})^{text(link.law.exponent)}",
+        f"variable {name}_push atom {sign}{force}",
         f"fix {name} {name} addforce v_{name}_push 0.0 0.0",
     )
     return push if g == "0" else (*push, f"fix {name}_damping {name} {_granular('hertz 0', g, model, face, link)}")

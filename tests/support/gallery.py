@@ -48,6 +48,7 @@ PICTURES = {
     "gallery/tapered-chain": ("tapered-chain", "spacetime"),
     "gallery/graded-contacts": ("graded-contacts", "spacetime"),
     "gallery/resonators": ("resonators", "spacetime"),
+    "gallery/magnets": ("magnets", "spacetime"),
     "gallery/disordered-chain": ("disordered-chain", "spacetime"),
     "gallery/two-chains-gapped": ("two-chains-gapped", "spacetime"),
 }

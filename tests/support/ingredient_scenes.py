@@ -65,6 +65,8 @@ KINDS = [
     {"mass": 0.1, "stiffness": 0.5, "rows": [4, 7]},
     {"mass": 0.2, "stiffness": 0.9, "rows": [7, 8]},
 ]
+SATURATING = {"force": "k*s/sqrt(1+(s/s0)^2)", "k": 0.3, "s0": 0.5}
+MAGNETS = {"force": "A/(d+s)^p", "A": 0.2, "p": 4.0, "d": 1.0}
 
 CASES: dict[str, dict[str, Any]] = {
     "one chain": {"chains": 1, "coupling": None},
@@ -169,6 +171,11 @@ CASES: dict[str, dict[str, Any]] = {
             {"chain": 2, "bead": 3, "table": [[0, 0.2], [0.7, 0.5], [2, -0.1], [3, 0]]},
         ],
     },
+    "formulas of springs": {
+        "coupling": {**SATURATING, "rows": [2, 7]},
+        "foundation": {"force": "f*sin(s/s0)", "f": 0.2, "s0": 0.6},
+    },
+    "magnets": {"contact": MAGNETS, "walls": {"left": "bead", "right": "bead"}, "kick": {"velocity": 0.3}},
     "driven": {"drive": [MOVED, FORCED], "kick": None},
     "driven dimer, damped, on a foundation": {
         **DIMER,
@@ -281,6 +288,11 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
     for table in tables:
         scaled = [[time * unit.time, force * unit.force] for time, force in table]
         keys["push"] = [{**push, "table": scaled} if push.get("table") == table else push for push in keys["push"]]
+    sizes = {"k": unit.stiffness, "s0": unit.length, "d": unit.length, "f": unit.force}
+    sizes |= {"A": unit.force * unit.length**4, "a": unit.force / unit.length**1.5}
+    for key in ("coupling", "contact", "foundation"):
+        if "force" in (keys.get(key) or {}):
+            keys[key] = {name: value * sizes[name] if name in sizes else value for name, value in keys[key].items()}
     if keys.get("coupling") is not None:
         keys["coupling"] = _stiffness_of(keys["coupling"], unit)
     if material is not None:
@@ -291,7 +303,7 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
                 own |= {"youngs_modulus": plane * (1.0 - 0.45**2), "poisson_ratio": 0.45}
                 radius = own.get("radius", material["radius"])
                 own["density"] = own.pop("mass") / (4.0 / 3.0 * np.pi * radius**3)
-        if p != 1.5:
+        if p != 1.5 and "exponent" in keys["contact"]:
             keys["contact"] = {**keys["contact"], "stiffness": strength}
     return library.from_plain({key: value for key, value in keys.items() if value is not None}, "test")
 

@@ -22,6 +22,8 @@ def units(scene: Scene) -> Units:
         constant = ball.youngs_modulus * math.sqrt(2.0 * ball.radius) / (3.0 * (1.0 - ball.poisson_ratio**2))
     if scene.contact is not None and scene.contact.stiffness is not None:
         constant = scene.contact.stiffness
+    if (law := formula(scene, "contact")) is not None:
+        constant, p = law.first
     speeds = [abs(velocity) for *_, velocity in kicks(scene)]
     speeds += [_impulse(push, absolute=True) / mass for push in scene.push or ()]
     for drive in scene.drive or ():
@@ -33,6 +35,37 @@ def units(scene: Scene) -> Units:
 
 def exponent(scene: Scene) -> float:
     return 1.5 if scene.contact is None else float(scene.contact.exponent)
+
+
+class Formula:
+    """A force of s in the scene's units, evaluated by Python; of contacts of the overlap, 0 where they are cut."""
+
+    def __init__(self, part: Any, contact: bool) -> None:
+        self.code = compile(part.force.replace("^", "**"), "formula", "eval")
+        self.names = {**vars(np), "abs": np.abs, **part.__pydantic_extra__}
+        self.way = 1.0 if not contact or self(1e-6) > self(0.0) else -1.0
+        self.cut = contact and self(0.0) == 0.0 and part.tension != "allowed"
+
+    def __call__(self, s: Any) -> Any:
+        return eval(self.code, {}, {**self.names, "s": s})
+
+    @property
+    def first(self) -> tuple[float, float]:
+        """A and p of ``A overlap**p``, as which it begins: 1.5 where it is cut, else 1."""
+        if self.cut:
+            return self(self.way * 1e-20) / 1e-30, 1.5
+        return self.way * self(1e-30j).imag / 1e-30, 1.0
+
+    def scaled(self, unit: Units) -> Any:
+        def force(s: Any) -> Any:
+            return self(self.way * unit.length * (np.maximum(s, 0.0) if self.cut else s)) / unit.force
+
+        return force
+
+
+def formula(scene: Scene, key: str) -> Formula | None:
+    part = getattr(scene, key)
+    return None if part is None or part.force is None else Formula(part, key == "contact")
 
 
 def kicks(scene: Scene) -> list[tuple[int, int, float]]:
@@ -159,6 +192,8 @@ def springs(scene: Scene) -> list[tuple[int, int, Floats, Floats]]:
     if tied is None:
         return []
     there = _within(tied.rows, scene)
+    if tied.force is not None:
+        return [(a, b, there, 0.0 * there) for a, b, _ in edges(scene)]
     shared: Any = tied.stiffness or 0.0
     if not isinstance(shared, float | int):
         shared = np.interp(rows, shared.rows, [getattr(shared, "from"), shared.to])
@@ -254,6 +289,7 @@ def _turn(drive: Any, unit: Units) -> tuple[float, float]:
 def _nature(text: str) -> Nature:
     scene = Scene.model_validate_json(text)
     unit, p = units(scene), exponent(scene)
+    laws = {key: formula(scene, key) for key in ("contact", "coupling", "foundation")}
     mass, radius, modulus = beads_of(scene)
     size = 2.0 * radius[:, 1:] * radius[:, :-1] / (radius[:, 1:] + radius[:, :-1])
     strength = 2.0 / (1.0 / modulus[:, 1:] + 1.0 / modulus[:, :-1]) * np.sqrt(size) * along(scene)
@@ -301,6 +337,7 @@ def _nature(text: str) -> Nature:
         start=start,
         stiffness=stiffness,
         bends=bends,
+        formulas={key: law.scaled(unit) for key, law in laws.items() if law is not None},
     )
     return own if scene.resonators is None else _with_resonators(scene, own)
 

@@ -4,7 +4,7 @@ But for the scene itself, parsed. Everything is dimensionless at V = 1; arrays a
 [..., chain, bead - 1], and leading axes such as frames broadcast.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -110,6 +110,7 @@ class Nature:
             all arrays, empty but for their masses.
         pushes, moved: what acts from outside.
         start: velocities at the start.
+        formulas: force of contacts, springs and ground at a strain, by key, where the scene gives it as a formula.
     """
 
     unit: Units
@@ -133,6 +134,7 @@ class Nature:
     stiffness: Any = None
     bends: tuple[float, ...] = ()
     inner: tuple[tuple[int, int, Any, Any], ...] = ()
+    formulas: dict[str, Any] = field(default_factory=dict)
 
     @property
     def lossy(self) -> bool:
@@ -167,6 +169,8 @@ class Nature:
     def contacts(self, x: Floats, v: Floats) -> Floats:
         """Force of contacts, that at rest and the dashpots' included."""
         closed = np.maximum(self.overlap(x), 0.0)
+        if "contact" in self.formulas:
+            return np.asarray(self.formulas["contact"](self.overlap(x)))
         push = self.strength * _power(closed, self.exponent)
         coefficient, power = self.loss
         if self._has["loss"]:
@@ -176,6 +180,8 @@ class Nature:
     def at_wall(self, wall: Wall, x: Floats, v: Floats | None = None) -> Floats:
         """Force of a wall, [..., chain], that at rest included; without the dashpots' if there are no velocities."""
         closed = np.maximum(wall.rest + wall.side * x[..., wall.bead] - self.gap, 0.0)
+        if "contact" in self.formulas:
+            return np.asarray(self.formulas["contact"](wall.side * x[..., wall.bead] - self.gap))
         push = wall.strength * _power(closed, self.exponent)
         if v is not None and self._has["loss"]:
             push = (
@@ -192,6 +198,8 @@ class Nature:
         for one, other, stiffness, cubic in self.springs:
             apart = x[..., other, :] - x[..., one, :]
             pull = stiffness * apart + (cubic * apart**3 if self._has["cubic"] else 0.0)
+            if "coupling" in self.formulas:
+                pull = stiffness * self.formulas["coupling"](apart)
             if self.drag_across:
                 pull = pull + self.drag_across * (v[..., other, :] - v[..., one, :])
             force[..., one, :] += pull
@@ -203,6 +211,8 @@ class Nature:
         if self._has["ground"]:
             stiffness = self.ground[0] if self.stiffness is None else self.stiffness(time)[0]
             force -= stiffness * x + self.ground[1] * x**3
+        if "foundation" in self.formulas:
+            force -= self.formulas["foundation"](x)
         for wall in self.walls:
             force[..., wall.bead] -= wall.side * self.at_wall(wall, x, v)
         for push in self.pushes:

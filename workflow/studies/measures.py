@@ -90,7 +90,7 @@ def heading(name: str, scene: dict[str, Any]) -> str:
         unit = SI["mass"] if si else REDUCED
     else:
         base = _at_bead(name)[0] or name
-        unit = QUANTITIES[base].unit(si=si) if base in QUANTITIES else fields.unit(fields.parse(name), scene)
+        unit = QUANTITIES[base].unit(si=si) if base in QUANTITIES else fields.unit(fields.parse(name, scene), scene)
     return name if unit in ("", REDUCED) else f"{name} ({unit})"
 
 

@@ -46,7 +46,7 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
     complaints = _analyse([path for path in done if not is_analysed(path)], progress)
     requests = {path: asked(path) or Asked({}, {}, "") for path in found}
     names = sorted({name for request in requests.values() for name in request.swept})
-    paths = {name: _path(name, directory) for name in names}
+    paths = {name: _path(name, directory, requests.values()) for name in names}
     rows, kinds, scenes, bands = [], set(), set(), {}
     for path, request in requests.items():
         report, record = read_json(path / REPORT), account(path).plain()
@@ -92,9 +92,9 @@ def _scene(directory: Path) -> dict[str, Any]:
         return {}
 
 
-def _path(name: str, directory: Path) -> fields.Path:
+def _path(name: str, directory: Path, requests: Iterable[Asked]) -> fields.Path:
     try:
-        return fields.parse(name)
+        return fields.parse(name, next((request.scene for request in requests if name in request.swept), {}))
     except InputError as error:
         raise InputError(f"{directory}: a case in it: {error}") from None
 

@@ -13,7 +13,9 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from lammps_inputs import InputError, Scene, library
+from lammps_inputs.ingredients import INGREDIENTS
 from lammps_inputs.ingredients.base import Part
+from lammps_inputs.ingredients.by_formula import ByFormula
 from lammps_inputs.scene import SEVERAL
 from lammps_inputs.units import Unit
 
@@ -36,7 +38,7 @@ def parse(text: str, scene: Mapping[str, Any] = MappingProxyType({})) -> Path:
     Raises:
         InputError: no scene has such a field; names what it may have been meant for.
     """
-    known = all_fields(Scene)
+    known = [*all_fields(Scene), *_parameters(scene)]
     matches = [_STEP.fullmatch(part) for part in text.split(".")] if len(text) <= 200 else []
     keys = [match[1] for match in matches if match]
     if keys[:1] and keys[0] in _NAMED:
@@ -51,6 +53,22 @@ def parse(text: str, scene: Mapping[str, Any] = MappingProxyType({})) -> Path:
         if number is not None and key not in SEVERAL:
             raise InputError(f"`{key}` is not a list of parts, so it takes no [{number}]")
     return path
+
+
+def _parameters(scene: Mapping[str, Any]) -> list[str]:
+    """Dotted paths of the parameters of forces that are formulas."""
+    parts = ((key, part) for key, part in scene.items() if isinstance(part, dict) and "force" in part)
+    found = (
+        (key, name)
+        for key, part in parts
+        if key in FORMULAS
+        for name in FORMULAS[key].parameters_of(part["force"]) or ()
+    )
+    return [f"{key}.{name}" for key, name in found]
+
+
+FORMULAS = {key: ingredient for key, ingredient in INGREDIENTS.items() if issubclass(ingredient, ByFormula)}
+"""Ingredients whose force may be a formula, with parameters beside it."""
 
 
 _MOST_MEANT = 3
@@ -122,7 +140,7 @@ def put_all(scene: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
         InputError: as `put`.
     """
     for field, value in values.items():
-        scene = put(scene, parse(field), value)
+        scene = put(scene, parse(field, scene), value)
     return scene
 
 

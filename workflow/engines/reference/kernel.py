@@ -170,9 +170,12 @@ class _Writer:
             name, used = law.__name__, [other.__name__ for other in self._laws].count(law.__name__)
             self._laws[law] = name + str(used + 1) * (used > 0)
         called = f"{self._laws[law].lower()}_{function}"
-        if called not in self._functions:
-            self._used.append(getattr(law, function))
-        self._functions[called] = f"{called} = inlined({self._laws[law]}.{function})"
+        if hasattr(law, "source"):  # a formula's, which is in no module
+            self._functions[called] = f"\n\n@inlined_ieee\n{law.source(called)}"
+        else:
+            if called not in self._functions:
+                self._used.append(getattr(law, function))
+            self._functions[called] = f"{called} = inlined({self._laws[law]}.{function})"
         call = f"{called}({', '.join([*arguments, *term.parameters])})"
         return f"{term.sign} * {call}" if term.sign else call
 
@@ -201,11 +204,16 @@ class _Writer:
         for law in self._laws:
             if "<locals>" in law.__qualname__:
                 raise TypeError(f"law {law.__qualname__}: must be a class of a module, not of a function")
-        names = {law: law.__name__ + f" as {name}" * (law.__name__ != name) for law, name in self._laws.items()}
+        written = [law for law in self._laws if hasattr(law, "source")]
+        named = {law: name for law, name in self._laws.items() if law not in written}
+        names = {law: law.__name__ + f" as {name}" * (law.__name__ != name) for law, name in named.items()}
+        imports = sorted(f"from {law.__module__} import {name}" for law, name in names.items())
+        if written:
+            imports += ["import numpy as np", "from workflow.compiled import inlined_ieee"]
         head = _filled(
             template.HEAD,
             digest=compiled.digest(self._used),
-            imports=sorted(f"from {law.__module__} import {name}" for law, name in names.items()),
+            imports=imports,
             laws=list(self._functions.values()),
         )
         return "\n\n".join([head, *sections]).lstrip("\n")

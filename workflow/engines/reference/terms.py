@@ -156,7 +156,8 @@ class _Parameters:
             if label == "memory":
                 found.append(memory)
                 continue
-            if self._lines > chains:  # inner atoms have none of it: without parameters a law exerts no force
+            if self._lines > chains and label not in _one_number(law):
+                # inner atoms have none of it: without parameters a law exerts no force
                 value = np.broadcast_to(value, (chains, self._system.beads + 1 - first))
             differs = np.ndim(value) > 0
             name = self.add(label, self._laid(value, first) if differs else float(value))
@@ -196,16 +197,18 @@ class _Parameters:
     def _across(self, link: Across) -> list[Term]:
         law: Any = link.law
         distances, values = neighbours(link, self._system)
+        shared = {label: self.add(label, float(getattr(law, label))) for label in _one_number(law)}
+        arrays = [(label, value) for label, value in zip(law._fields, values, strict=True) if label not in shared]
         if len(distances) > UNROLLED:
             apart = self.add("apart", distances)
-            names = [self.add(label, value) for label, value in zip(law._fields, values, strict=True)]
+            names = shared | {label: f"{self.add(label, value)}[m, k]" for label, value in arrays}
             sums = self.add("sums", np.zeros((3, values[0].shape[1])))
-            return [Term(type(law), *_relative("apart"), tuple(f"{name}[m, k]" for name in names), apart, sums)]
+            return [Term(type(law), *_relative("apart"), tuple(names[label] for label in law._fields), apart, sums)]
         found = []
         for number, distance in enumerate(distances):
             apart = self.add("apart", distance)
-            of_one = (self.add(label, value[number]) for label, value in zip(law._fields, values, strict=True))
-            found.append(Term(type(law), *_relative(apart), tuple(f"{name}[k]" for name in of_one)))
+            names = shared | {label: f"{self.add(label, value[number])}[k]" for label, value in arrays}
+            found.append(Term(type(law), *_relative(apart), tuple(names[label] for label in law._fields)))
         return found
 
     def _laid(self, parameter: Floats, first: int) -> Floats:
@@ -227,6 +230,11 @@ def make_memory(system: System) -> Floats:
             side = -1 if link.side > 0.0 else 0
             here[-1 if side else 1] = np.broadcast_to(memory, (system.chains, system.beads))[:, side]
     return found
+
+
+def _one_number(law: Any) -> tuple[str, ...]:
+    """Parameters that are one number for all links, and stay it where there is none."""
+    return getattr(law, "one_number", ())
 
 
 def _relative(apart: str) -> tuple[str, str]:

@@ -330,10 +330,11 @@ def from_plain(data: Any, path: Path) -> Design:
             refuse_unknown(name, f"{path}: {key}", "quantity")
     if not file.vary:
         raise InputError(f"{path}: vary: names no field")
+    scene = scene_in(file.scene, path, "scene")
     design = Design(
         source=str(path),
-        scene=scene_in(file.scene, path, "scene"),
-        variables=tuple(_variable(name, given, path) for name, given in file.vary.items()),
+        scene=scene,
+        variables=tuple(_variable(name, given, path, scene) for name, given in file.vary.items()),
         beside=None if file.beside is None else scene_in(file.beside, path, "beside"),
         asked=file,
     )
@@ -345,10 +346,10 @@ def from_plain(data: Any, path: Path) -> Design:
     return design
 
 
-def _variable(name: str, given: Any, path: Path) -> Variable:
+def _variable(name: str, given: Any, path: Path, scene: dict[str, Any]) -> Variable:
     where = f"{path}: vary.{name}"
     try:
-        keys = fields.parse(name)
+        keys = fields.parse(name, scene)
     except InputError as error:
         raise InputError(f"{path}: vary: {error}") from None
     one = isinstance(given, list)

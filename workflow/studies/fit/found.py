@@ -217,7 +217,7 @@ def _free(model: Model, found: Estimate, *, intervals: bool) -> dict[str, Field]
     offset = model.finds_offset
     names = (*model.names, *[OFFSET] * offset)
     scene = model.scene_at(found.parameters)
-    units = (*(fields.unit(fields.parse(name), scene) for name in model.names), *[model.symbol("time")] * offset)
+    units = (*(fields.unit(fields.parse(name, scene), scene) for name in model.names), *[model.symbol("time")] * offset)
 
     def values(sign: float) -> list[float]:
         parameters = found.parameters + sign * found.half_width if sign else found.parameters

@@ -212,9 +212,9 @@ class Model:
         """Fixed fields that hold a number, and derivatives of the traces by their logarithms, [row, channel, field]."""
         count = len(self.names)
         names, columns = [], []
-        varied = {_entries(name) for name in self.names}
+        varied = {_entries(name, self.scene) for name in self.names}
         for name in _numbers(self.scene):
-            if _entries(name) in varied:
+            if _entries(name, self.scene) in varied:
                 continue
             wide = copy.copy(self)
             wide._kept = {}
@@ -240,9 +240,9 @@ def _numbers(scene: dict[str, Any], above: str = "") -> Iterator[str]:
             yield above + key
 
 
-def _entries(name: str) -> tuple[tuple[str, int], ...]:
+def _entries(name: str, scene: dict[str, Any]) -> tuple[tuple[str, int], ...]:
     """The keys of a field, of several parts each with its number."""
-    return tuple((key, number or 1) for key, number in fields.parse(name))
+    return tuple((key, number or 1) for key, number in fields.parse(name, scene))
 
 
 # --- offset -----------------------------------------------------------------------------------------------------------

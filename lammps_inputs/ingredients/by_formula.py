@@ -1,0 +1,233 @@
+"""Ingredients whose force may be a formula of the scene's: ``force``, with its parameters as keys beside it."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+    model_validator,
+)
+
+from lammps_inputs import physics
+from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.laws import expression, written
+from lammps_inputs.laws.expression import STRAIN
+from lammps_inputs.laws.written import Force
+
+if TYPE_CHECKING:
+    from lammps_inputs.system import System
+
+_SPAN = np.geomspace(1e-9, 1e9, 109)
+"""Strains at which formulas are compared, in any units."""
+
+_SAME, _ROUNDED = 1e-12, 1e-13
+
+SMALL = 1e-20
+"""A strain at which only the leading power of a force is left, in any units."""
+
+
+def _complaint(model: type[BaseModel], why: str) -> ValidationError:
+    error: Any = {"type": "value_error", "loc": ("force",), "input": "force", "ctx": {"error": ValueError(why)}}
+    return ValidationError.from_exception_data(model.__name__, [error])
+
+
+def _other_keys_with_force(schema: dict[str, Any]) -> None:
+    """Keys that are not known are those of a formula's parameters."""
+    schema["anyOf"] = [{"required": ["force"]}, {"propertyNames": {"enum": list(schema["properties"])}}]
+
+
+class ByFormula(Ingredient):
+    """Keys that are known, and with ``force`` one for each parameter that it names."""
+
+    model_config = ConfigDict(extra="allow", json_schema_extra=_other_keys_with_force)
+    __pydantic_extra__: dict[str, Annotated[float, Field(ge=-1e30, le=1e30)]]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, given: Any) -> Any:
+        """Refuse other keys, and missing parameters.
+
+        Raises:
+            ValidationError: naming each of them.
+        """
+        if not isinstance(given, dict):
+            return given
+        fields = {field.alias or name for name, field in cls.model_fields.items()}
+        named = cls.parameters_of(given.get("force"))
+        if named is None and isinstance(given["force"], str):
+            raise _complaint(cls, cls._wrong(given["force"]))
+        if named is None:  # no text
+            return {key: value for key, value in given.items() if key in fields}
+        wrong: list[Any] = [
+            {"type": "extra_forbidden", "loc": (key,), "input": value}
+            for key, value in given.items()
+            if key not in fields and key not in named
+        ]
+        wrong += [
+            {"type": "missing", "loc": (name,), "input": given}
+            for name in named
+            if name not in given and name not in fields
+        ]
+        if wrong:
+            raise ValidationError.from_exception_data(cls.__name__, wrong)
+        return given
+
+    @classmethod
+    def parameters_of(cls, force: Any) -> tuple[str, ...] | None:
+        """Parameters of a formula; None of what is none."""
+        if force is None:
+            return ()
+        if not isinstance(force, str) or cls._wrong(force):
+            return None
+        return tuple(name for name in expression.names(force) if name != STRAIN)
+
+    @classmethod
+    def _wrong(cls, force: str) -> str:
+        """What is wrong with a text that is no formula of s; empty if nothing is."""
+        try:
+            named = expression.names(force)
+        except expression.FormulaError as error:
+            return str(error)
+        if STRAIN not in named:
+            return "holds no `s`, of which it should be a formula, such as k*s"
+        meant = next((name for name in named if name in cls.model_fields), None)
+        return "" if meant is None else f"names `{meant}`, a key with another meaning; take another name, such as k"
+
+    @model_serializer(mode="wrap")
+    def _without_defaults(self, usual: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """With a formula, only what is said beside it."""
+        written: dict[str, Any] = usual(self)
+        if getattr(self, "force", None) is None:
+            return written
+        fields = type(self).model_fields
+        return {key: value for key, value in written.items() if key not in fields or value != fields[key].default}
+
+    @property
+    def formula(self) -> Force | None:
+        """The force and its parameters, in the scene's units; None where it is no formula."""
+        text = getattr(self, "force", None)
+        if text is None:
+            return None
+        return Force(text, tuple(sorted((self.__pydantic_extra__ or {}).items())))
+
+    def refuse_beside(self, own: str, *keys: str) -> None:
+        """Refuse keys that say what the formula says.
+
+        Raises:
+            ValueError: naming the first.
+        """
+        for key in keys if self.formula is not None else ():
+            if getattr(self, key) != type(self).model_fields[key].default:
+                raise ValueError(f"{own}.{key}: {own}.force says the whole force; leave one of them out")
+
+
+# --- what a formula is ------------------------------------------------------------------------------------------------
+
+
+def multiple_of_strain(force: Force) -> float | None:
+    """K of a force that is ``k s``; None of others."""
+    k = float(force.at(1.0))
+    s = np.concatenate([-_SPAN, _SPAN])
+    return k if np.isfinite(k) and np.allclose(force.at(s), k * s, rtol=_ROUNDED, atol=0.0) else None
+
+
+def power_of_strain(force: Force, way: float, exponent: float) -> float | None:
+    """A of a force that is ``A s^p`` at positive strain; None of others."""
+    a = float(force.at(way))
+    return a if np.allclose(force.at(way * _SPAN), a * _SPAN**exponent, rtol=_SAME, atol=0.0) else None
+
+
+def leading_power(force: Force, way: float, *, cut: bool) -> tuple[float, float]:
+    """Exponent and constant of ``A s^p``, as which the force of a contact begins above that at rest.
+
+    Raises:
+        ValueError: p is below 1.
+    """
+    law = force.law(written.AlongChains, written.Kind(way, cut))
+    stiffness = [float(law.stiffness(s, *law)) for s in (SMALL, 2.0 * SMALL)]
+    if not 0.999 * stiffness[0] <= stiffness[1] < np.inf:
+        raise ValueError("contact.force: is infinitely stiff at s = 0; powers of s from 1 on are valid")
+    exponent = 1.0 + round(float(np.log2(stiffness[1] / stiffness[0])), 6)
+    return exponent, stiffness[0] / (exponent * SMALL ** (exponent - 1.0))
+
+
+def refuse_unrest(key: str, force: Force) -> None:
+    """Refuse springs that do not leave beads at rest where they are.
+
+    Raises:
+        ValueError: naming the key and what was found.
+    """
+    rest = float(force.at(0.0))
+    largest = float(np.nanmax(np.where(np.isfinite(found := np.abs(force.at(_SPAN))), found, 0.0)))
+    if not np.isfinite(rest):
+        raise ValueError(f"{key}.force: has no real value at s = 0, where beads rest; add a term to what is divided by")
+    if abs(rest) > _SAME * largest:
+        raise ValueError(f"{key}.force: is {rest:.6g} at s = 0, where beads rest; it should be 0 there")
+    law = force.law(written.ToGround)
+    slope, beyond = (float(law.stiffness(s, *law)) for s in (SMALL, 4.0 * SMALL))
+    if not np.isfinite(slope) or abs(beyond) < 0.999 * abs(slope):
+        raise ValueError(f"{key}.force: is infinitely stiff at s = 0; powers of s from 1 on are valid")
+    if slope < 0.0:
+        raise ValueError(f"{key}.force: its slope is {slope:.6g} at s = 0, which drives beads away from rest; above 0")
+
+
+def refuse_even(key: str, force: Force) -> None:
+    """Refuse what is not odd: it would depend on which of two chains is counted first.
+
+    Raises:
+        ValueError: naming the key and where that shows.
+    """
+    one, other = force.at(_SPAN), force.at(-_SPAN)
+    with np.errstate(all="ignore"):
+        same = np.abs(one + other) <= 1e-9 * np.abs(one) + _SAME * np.nanmin(np.abs(one))
+    wrong = np.flatnonzero(~same & (np.isfinite(one) | np.isfinite(other)))
+    if len(wrong):
+        s = float(_SPAN[wrong[len(wrong) // 2]])
+        raise ValueError(
+            f"{key}.force: is {float(force.at(s)):.6g} at s = {s:.3g} and {float(force.at(-s)):.6g} at s = {-s:.3g}; "
+            "each of two beads pulls the other, so it should be odd, such as k*s + c*s^3"
+        )
+
+
+def refuse_reach(key: str, law: Any, system: "System", length: float, *, pressed: bool = False) -> None:
+    """Refuse formulas that are no number, or no spring, at strains that the energy of the system reaches.
+
+    Args:
+        key: of the ingredient.
+        law: dimensionless.
+        system: whose energy.
+        length: of a dimensionless unit, in the scene's.
+        pressed: whether it keeps beads apart.
+
+    Raises:
+        ValueError: naming the key and the strain.
+    """
+    energy = physics.energy(system)
+    law = law._replace(strength=float(np.max(law.strength)))
+    for side in (1.0, -1.0):
+        far = written.reach(law, energy, side)
+        if far == np.inf:
+            if pressed and side > 0.0:
+                held = float(np.max(law.energy(written.FARTHEST, *law)))
+                raise ValueError(
+                    f"{key}.force: holds at most {held / energy:.3g} of the energy of the excitation, so beads would "
+                    "pass through each other; slower kicks, or a force that grows further"
+                )
+            continue
+        beyond = side * far * (1.0 + 1e-6)
+        if float(law.energy(side * far, *law)) >= 0.99 * energy:
+            continue
+        s = law.kind.way * side * far * length
+        if np.isfinite(law.force(beyond, *law)):
+            raise ValueError(
+                f"{key}.force: its energy falls below that at rest near s = {s:.3g}, so s = 0 is no stable rest"
+            )
+        raise ValueError(
+            f"{key}.force: has no real value from s = {s:.3g} on, which the energy of the excitation reaches; slower "
+            "kicks or other parameters"
+        )

@@ -1,0 +1,78 @@
+"""Stiffness and energy of a force that is a formula, by sympy; a program of its own, which imports nothing of ours.
+
+It reads a request from standard input and writes one line of JSON for each thing found, the fast ones first: sympy may
+never find an energy, and is stopped after some time (`lammps_inputs.laws.expression.derived`).
+"""
+
+import ast
+import json
+import resource
+import sys
+from typing import Any
+
+STRAIN, SQUARE = "s", "s_squared"
+
+
+PATIENCE = 5
+"""Seconds of processor time; what is not found by then is not known."""
+
+
+def symbols_of(signs: dict[str, int], sympy: Any) -> dict[str, Any]:
+    """Symbols of parameters with the signs of their values; 0 for those that are 0."""
+    kinds: dict[int, dict[str, Any]] = {1: {"positive": True}, -1: {"negative": True}}
+    return {name: sympy.Symbol(name, **kinds[sign]) if sign else sympy.Integer(0) for name, sign in signs.items()}
+
+
+def read(node: ast.AST, known: dict[str, Any], sympy: Any) -> Any:
+    """The expression of a syntax tree that has passed `expression.tree`."""
+    if isinstance(node, ast.Constant):
+        return sympy.Rational(repr(node.value))
+    if isinstance(node, ast.Name):
+        return known[node.id]
+    if isinstance(node, ast.UnaryOp):
+        value = read(node.operand, known, sympy)
+        return -value if isinstance(node.op, ast.USub) else value
+    if isinstance(node, ast.BinOp):
+        left, right = read(node.left, known, sympy), read(node.right, known, sympy)
+        if isinstance(node.op, ast.Pow):
+            return left**right
+        if isinstance(node.op, ast.Mult):
+            return left * right
+        if isinstance(node.op, ast.Div):
+            return left / right
+        return left + right if isinstance(node.op, ast.Add) else left - right
+    assert isinstance(node, ast.Call)
+    assert isinstance(node.func, ast.Name)
+    name = {"abs": "Abs"}.get(node.func.id, node.func.id)
+    return getattr(sympy, name)(read(node.args[0], known, sympy))
+
+
+def main() -> None:
+    """Answer a request: ``{"force": text, "signs": {name: -1, 0 or 1}, "exponents": {name: number as text}}``."""
+    resource.setrlimit(resource.RLIMIT_CPU, (PATIENCE, PATIENCE))
+    import sympy
+
+    asked = json.loads(sys.stdin.read())
+    s, q = sympy.Symbol(STRAIN, real=True), sympy.Symbol(SQUARE, positive=True)
+    known = symbols_of(asked["signs"], sympy) | {STRAIN: s, "pi": sympy.pi}
+    known |= {name: sympy.nsimplify(sympy.Rational(text)) for name, text in asked["exponents"].items()}
+    force = read(ast.parse(asked["force"], mode="eval").body, known, sympy)
+
+    def found(**what: Any) -> None:
+        sys.stdout.write(json.dumps({name: str(value) for name, value in what.items()}) + "\n")
+        sys.stdout.flush()
+
+    found(stiffness=sympy.diff(force, s))
+    energy = sympy.integrate(force, s)
+    forms = [sympy.factor(energy)] if energy.is_rational_function(s) else []
+    for form in (
+        *forms,
+        energy,
+        energy.replace(sympy.log, lambda x: sympy.log(sympy.Abs(x))),
+    ):  # some have logs below 0
+        whole = form - form.subs(s, 0)
+        found(energy=whole, even=whole.subs(s, sympy.sqrt(q)))
+
+
+if __name__ == "__main__":
+    main()

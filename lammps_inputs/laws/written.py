@@ -1,0 +1,452 @@
+"""Laws whose force is a formula of the user's: one class for each formula, made when it is met.
+
+The formula is that of the scene's own units, and the law is scaled as a whole: with lengths in units of L and forces
+in units of m V / T, ``F(s L) / (m V / T)``. So no parameter needs a unit.
+
+A law acts on both sides of rest, or only where its strain is above 0 (`Kind.cut`). It may push at rest: then, as of a
+contact under a static load, its force is counted from there, and so is its energy.
+"""
+
+import functools
+from collections import namedtuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_inputs.deck_lines import Lines, atoms_by_value, whole_contacts
+from lammps_inputs.laws import Parameter, Pure, expression, formula
+from lammps_inputs.laws.expression import SQUARE, STRAIN, Derived
+from lammps_inputs.numbers import text
+from lammps_inputs.units import Dimension
+
+if TYPE_CHECKING:
+    from lammps_inputs.layout import Layout
+    from lammps_inputs.links import Across
+
+Floats = NDArray[np.float64]
+
+_OWN = ("strength", "length", "per_force", "at_rest")
+"""Fields before the formula's own parameters, which follow with a prefix."""
+
+FARTHEST, _FINE = 1e8, 2000
+"""Largest strain that is looked at, in units of L, and steps of a grid."""
+
+_GEOMETRIC = np.geomspace(1.0 / FARTHEST, FARTHEST, 1281)
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
+
+COST = "some 0.5 ms a step"
+"""What LAMMPS takes for a formula of the distance, however few beads there are."""
+
+_DECADES = np.geomspace(1e-12, 1e6, 181)
+"""Strains at which an energy that sympy found is compared with the integral of the force."""
+
+_CLOSE, _ROUNDED = 1e-6, 1e-13
+"""Relative difference that they may have, and that by rounding of the energy's terms."""
+
+
+class Kind(NamedTuple):
+    """How a formula is read.
+
+    Attributes:
+        way: 1 where its strain is that of the link, -1 where it counts the other way.
+        cut: whether there is no force at negative strain.
+    """
+
+    way: float = 1.0
+    cut: bool = False
+
+
+class Written:
+    """What is common to the laws of all formulas; each is also a named tuple of `_OWN` and its parameters.
+
+    Attributes:
+        derived: texts of the formula and what follows from it.
+        kind: how it is read.
+        one_number: fields that are the same for all links.
+        base: name of the class of this module that it is made from.
+    """
+
+    derived: ClassVar[Derived]
+    kind: ClassVar[Kind]
+    one_number: ClassVar[tuple[str, ...]]
+    base: ClassVar[str]
+    rest = 0.0
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """As the texts, from which the class is made where it is read."""
+        return _again, (self.base, self.derived, self.kind, tuple(cast(Any, self)))
+
+    @property
+    def load(self) -> Parameter:
+        """Force at rest."""
+        law: Any = self
+        found: Parameter = law.strength * law.per_force * law.at_rest
+        return found
+
+    def form(self, find: Any) -> str:
+        """What `energy_form` or `even_form` finds for the law's parameters."""
+        law: Any = self
+        found: str = find(type(law), tuple(map(float, law[len(_OWN) :])))
+        return found
+
+    # --- functions of the strain and of the parameters ----------------------------------------------------------------
+
+    @classmethod
+    def source(cls, name: str) -> str:
+        """The force as a function of numbers, in Python, for the reference's compiled kernel."""
+        arguments = ", ".join(cls._fields)  # type: ignore[attr-defined]
+        strain = "max(s, 0.0)" if cls.kind.cut else "s"
+        names = {field: field for field in _parameters(cls)} | {STRAIN: "u"}
+        value = expression.written(cls.derived.force, names, "python")
+        acts = "s > 0.0" if cls.kind.cut else "s != 0.0"
+        return (
+            f"def {name}(s, {arguments}):\n    u = {cls.kind.way!r} * length * {strain}\n"
+            f"    return strength * per_force * ({value} - at_rest) if {acts} else 0.0\n"
+        )
+
+    @classmethod
+    @np.errstate(all="ignore")
+    def force(cls, s: Any, *values: Any) -> Floats:
+        """Above that at rest."""
+        strength, length, per_force, at_rest, *numbers = values
+        u = cls._argument(s, length)
+        return np.asarray(strength * per_force * (_value(cls, cls.derived.force)(u, *numbers) - at_rest) * cls._acts(s))
+
+    @classmethod
+    @np.errstate(all="ignore")
+    def energy(cls, s: Any, *values: Any) -> Floats:
+        """Integral of the force from rest: by the formula that sympy found, or by Gauss and Legendre's rule."""
+        strength, length, per_force, at_rest, *numbers = values
+        u = cls._argument(s, length)
+        own: Any = cls
+        form = energy_form(own, tuple(map(float, numbers)))
+        whole = _integral(cls, u, numbers) if not form else _value(cls, form)(u, *numbers)
+        return np.asarray(strength * (per_force / length) * cls.kind.way * (whole - at_rest * u) * cls._acts(s))
+
+    @classmethod
+    @np.errstate(all="ignore")
+    def stiffness(cls, s: Any, *values: Any) -> Floats:
+        """Slope of the force."""
+        strength, length, per_force, _, *numbers = values
+        u = cls._argument(s, length)
+        slope = _value(cls, cls.derived.stiffness)
+        found = slope(u, *numbers)
+        # formulas such as s^1.5 / s have none exactly at 0
+        found = np.where(np.isfinite(found) | (u != 0.0), found, slope(cls.kind.way * np.float64(1e-200), *numbers))
+        acts = np.asarray(s) > 0.0 if cls.kind.cut else 1.0
+        return np.asarray(strength * (per_force * length) * cls.kind.way * found * acts)
+
+    @classmethod
+    @np.errstate(all="ignore")
+    def max_strain(cls, energy: Any, *values: Any) -> Floats:
+        """Largest strain on the side where links are pressed, or of both where both are alike."""
+        return _of_each(lambda law: reach(law, energy, 1.0), cls, values)
+
+    @classmethod
+    @np.errstate(all="ignore")
+    def stiffest(cls, energy: Any, *values: Any) -> Floats:
+        """Largest stiffness within reach of an energy, wherever it is: of laws that soften at rest."""
+        return _of_each(lambda law: _stiffest(law, energy), cls, values)
+
+    @classmethod
+    def _argument(cls, s: Any, length: Any) -> Floats:
+        s = np.asarray(s, dtype=np.float64)
+        return np.asarray(cls.kind.way * length * (np.maximum(s, 0.0) if cls.kind.cut else s))
+
+    @classmethod
+    def _acts(cls, s: Any) -> Any:
+        return np.asarray(s) > 0.0 if cls.kind.cut else np.asarray(s) != 0.0
+
+
+def _value(law: type[Written], form: str, argument: str = STRAIN) -> Callable[..., Floats]:
+    return expression.function(form, (argument, *_parameters(law)))
+
+
+def _parameters(law: type[Written]) -> tuple[str, ...]:
+    return law._fields[len(_OWN) :]  # type: ignore[attr-defined,no-any-return]
+
+
+def _integral(law: type[Written], u: Floats, numbers: Any, panels: int = 1) -> Floats:
+    """Of the force from 0, with nodes that crowd towards 0, where powers begin."""
+    value, whole = _value(law, law.derived.force), np.zeros_like(u)
+    for panel in range(panels):
+        for node, weight in zip((panel + 0.5 + 0.5 * _NODES) / panels, 0.5 * _WEIGHTS / panels, strict=True):
+            whole = whole + 2.0 * node * weight * value(u * node * node, *numbers)
+    return np.asarray(whole * u)
+
+
+@functools.lru_cache(maxsize=256)
+def energy_form(law: Any, numbers: tuple[float, ...]) -> str:
+    """The form of the energy that is the integral of the force, as far as that is a number; or none."""
+    ways = (law.kind.way,) if law.kind.cut else (1.0, -1.0)
+    forms = sorted(law.derived.energies, key=len)
+    return next((form for form in forms if all(_agrees(law, numbers, form, way) for way in ways)), "")
+
+
+@functools.lru_cache(maxsize=256)
+def even_form(law: Any, numbers: tuple[float, ...]) -> str:
+    """The energy as a formula of the strain squared that has a slope at 0; or none."""
+    smooth = (form for form in sorted(law.derived.even, key=len) if not expression.has_root(form, SQUARE))
+    return next((form for form in smooth if _agrees(law, numbers, form, 1.0, SQUARE)), "")
+
+
+@np.errstate(all="ignore")
+def _agrees(law: type[Written], numbers: tuple[float, ...], form: str, way: float, argument: str = STRAIN) -> bool:
+    """Whether a form is the energy on a side, to rounding of its terms, until the force is no number or has a pole."""
+    u = way * _DECADES
+    right, finer = (_integral(law, u, numbers, panels) for panels in (1, 2))
+    known = np.isfinite(right) & (np.abs(right - finer) <= 1e-3 * _CLOSE * np.abs(finer))
+    known = np.logical_and.accumulate(known)
+    at = u if argument == STRAIN else u * u
+    terms = sum(np.abs(_value(law, term, argument)(at, *numbers)) for term in expression.terms(form))
+    off = np.abs(_value(law, form, argument)(at, *numbers) - right)
+    return bool(known.any() and np.all((off <= _CLOSE * np.abs(right) + _ROUNDED * terms)[known]))
+
+
+# --- how far an energy reaches ----------------------------------------------------------------------------------------
+
+
+def _of_each(find: Callable[[Any], float], law: type[Written], values: tuple[Any, ...]) -> Floats:
+    """A number for each strength; 0 where there is no link."""
+    different, places = np.unique(np.asarray(values[0], dtype=np.float64), return_inverse=True)
+    found = [find(law(strength, *values[1:])) if strength else 0.0 for strength in different]  # type: ignore[call-arg]
+    return np.asarray(np.array(found)[places].reshape(np.shape(values[0])))
+
+
+@np.errstate(all="ignore")
+def reach(law: Any, energy: float, side: float) -> float:
+    """Strain on a side at which one link holds an energy, or where its formula ends before; inf where neither is."""
+    if law.kind.cut and side < 0.0:
+        return np.inf
+    if not energy > 0.0:
+        return 0.0
+
+    def within(size: Any) -> Any:
+        held = law.energy(side * size, *law)
+        return np.isfinite(law.force(side * size, *law)) & (held < energy) & (held >= -1e-9 * energy)
+
+    there = within(_GEOMETRIC)
+    if there.all():
+        return np.inf
+    beyond = int(np.argmin(there))
+    low, high = (_GEOMETRIC[beyond - 1] if beyond else 0.0), _GEOMETRIC[beyond]
+    far = _bisected(within, low, high)
+    return _before_pole(law, side, far)
+
+
+def _bisected(within: Callable[[float], Any], low: float, high: float) -> float:
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if within(middle) else (low, middle)
+    return low
+
+
+def _before_pole(law: Any, side: float, far: float) -> float:
+    """A strain, or that of the first pole on the way to it, where the force changes its sign by infinity."""
+    grid = np.linspace(0.0, far, _FINE)
+    push = side * law.force(side * grid, *law)
+    for place in (np.flatnonzero(push[1:-1] * push[2:] < 0.0) + 1).tolist():
+
+        def as_before(size: float, before: float = float(push[place])) -> bool:
+            return bool(side * law.force(side * size, *law) * before > 0.0)
+
+        turn = _bisected(as_before, grid[place], grid[place + 1])
+        if abs(law.force(side * turn, *law)) > 2.0 * np.max(np.abs(push[place : place + 2])):
+            return turn
+    return far
+
+
+def _stiffest(law: Any, energy: float) -> float:
+    found = [abs(float(law.stiffness(0.0, *law)))]
+    for side in (1.0,) if law.kind.cut else (1.0, -1.0):
+        far = reach(law, energy, side)
+        grid = np.linspace(0.0, far, _FINE) if far < np.inf else _GEOMETRIC
+        found.append(float(np.nanmax(np.abs(law.stiffness(side * grid, *law)))))
+    return max(found)
+
+
+# --- LAMMPS -----------------------------------------------------------------------------------------------------------
+
+
+class AlongChains(Written):
+    """A contact."""
+
+    def farthest(self, energy: float) -> float:
+        """How much farther apart than at rest an energy brings beads, where the law acts at a distance; else 0."""
+        return 0.0 if self.kind.cut else max(reach(law, energy, -1.0) for law in _each(self))
+
+    def along(self, name: str, layout: "Layout") -> Lines:
+        """A pair style of the distance, from the energy.
+
+        Raises:
+            ValueError: LAMMPS has no such contacts.
+        """
+        law: Any = self
+        if np.ndim(law.strength):
+            raise ValueError(f"{name}: LAMMPS has one formula for all contacts; use the reference engine")
+        form = law.form(energy_form)
+        if not form:
+            raise ValueError(
+                f"{name}: no formula of the energy was found, which LAMMPS needs; use the reference engine"
+            )
+        if not self.kind.cut and not np.isfinite(layout.farthest):
+            raise ValueError(f"{name}: the energy separates neighbours for good, farther than LAMMPS looks")
+        u = f"({text(self.kind.way * float(law.length))}*({text(layout.spacing)}-r))"
+        energy = f"{text(self.kind.way * _factor(law))}*({_spelled(self, form, u, 'lepton', name)})"
+        if self.kind.cut:
+            touching = f"({text(layout.diameter)}-r)"
+            energy = energy.replace(f"({text(layout.spacing)}-r)", touching)
+            return formula.contacts(energy, f"from its energy, a formula, which takes {COST}", layout)
+        return Lines(
+            variables=(formula.SINCE,),
+            interactions=(
+                f"# contacts: force from its energy, a formula, at any distance of neighbours; takes {COST}",
+                f"pair_style lepton {text(1.25 * layout.diameter)}",
+                f'pair_coeff * * "{energy}"',
+            ),
+        )
+
+    def wall(self, overlap: str, strength: str) -> str:
+        """Force of a wall at an overlap, in LAMMPS's variables."""
+        law: Any = self
+        u = f"({text(self.kind.way * float(law.length))}*{overlap})"
+        return f"{strength}*{text(float(law.per_force))}*({_spelled(self, self.derived.force, u, 'variable', 'walls')})"
+
+
+class ToGround(Written):
+    """A spring to the ground."""
+
+    def ground(self, name: str, layout: "Layout") -> Lines:
+        """A force on the beads, in LAMMPS's variables."""
+        law: Any = self
+        lines = [f"variable {name}strain atom x-{layout.place_formula}"]
+        u = f"({text(float(law.length))}*v_{name}strain)"
+        value = _spelled(self, self.derived.force, u, "variable", name)
+        for number, ((strength,), atoms) in enumerate(atoms_by_value([law.strength], (layout.chains, layout.beads)), 1):
+            lines += [
+                f"group {name}{number} id {atoms}",
+                f"variable {name}{number} atom -{text(strength * float(law.per_force))}*({value})",
+                f"fix {name}{number} {name}{number} addforce v_{name}{number} 0.0 0.0",
+            ]
+        return Lines(motion=tuple(lines))
+
+
+class AcrossChains(Written):
+    """A spring between chains; its force is odd."""
+
+    def across(self, link: "Across", layout: "Layout") -> Lines:
+        """Bonds from an energy that is a formula of the strain squared, ``r^2 - d^2`` at the lateral distance d.
+
+        Raises:
+            ValueError: it is none that is smooth at rest.
+        """
+        law: Any = self
+        form = law.form(even_form)
+        if not form:
+            raise ValueError(
+                f"{link.name}: LAMMPS's bonds take an energy that is a formula of s^2, smooth at s = 0, and none was "
+                "found; use the reference engine"
+            )
+        shape = (len(link.edges), layout.beads)
+        there = np.broadcast_to(np.asarray(law.strength) != 0.0, shape)
+        apart = np.array([2.0 * (layout.diameter + layout.gap) * (higher - lower) for lower, higher in link.edges])
+        kinds, bonds = np.unique(apart, return_inverse=True)
+        scale = text(float(law.length) ** 2)
+        squares = (f"({scale}*(r^2-{text(distance * distance)}))" for distance in kinds.tolist())
+        energies = (_spelled(self, form, square, "lepton", link.name, SQUARE) for square in squares)
+        return Lines(
+            variables=(formula.SINCE,),
+            bonds=np.where(there, bonds.reshape(-1, 1) + 1, 0),
+            style="lepton",
+            coefficients=tuple(f'0.0 "{text(_factor(law))}*({energy})"' for energy in energies),
+            interactions=(
+                f"# springs between chains, from their energy, a formula of r^2 - d^2; takes {COST}",
+                *whole_contacts(link),
+            ),
+        )
+
+
+def _factor(law: Any) -> float:
+    return float(np.max(law.strength)) * float(law.per_force) / float(law.length)
+
+
+def _spelled(law: Any, form: str, strain: str, style: str, name: str, variable: str = STRAIN) -> str:
+    """A form with the numbers of a law.
+
+    Raises:
+        ValueError: LAMMPS has no such function.
+    """
+    numbers = {field: text(float(getattr(law, field))) for field in _parameters(type(law))}
+    numbers = {own: f"({number})" if number.startswith("-") else number for own, number in numbers.items()}
+    try:
+        return expression.written(form, numbers | {variable: strain}, style)
+    except expression.FormulaError as error:
+        raise ValueError(f"{name}: {error}, which its energy needs; use the reference engine") from None
+
+
+def _each(law: Any) -> list[Any]:
+    """The law with each of its strengths."""
+    return [law._replace(strength=float(strength)) for strength in np.unique(law.strength) if strength]
+
+
+# --- classes ----------------------------------------------------------------------------------------------------------
+
+
+@functools.lru_cache(maxsize=256)
+def law_class(base: Any, derived: Derived, kind: Kind) -> Any:
+    """The class of the laws of a formula: a named tuple of `_OWN` and of its parameters."""
+    parameters = sorted(set(expression.names(derived.force)) - {STRAIN})
+    fields = (*_OWN, *parameters)
+    hints: dict[str, Any] = dict.fromkeys(fields, Pure)
+    hints["length"] = Annotated[Parameter, Dimension(length=-1)]
+    hints["per_force"] = Annotated[Parameter, Dimension("force")]
+    parts = {
+        "derived": derived,
+        "kind": kind,
+        "one_number": fields[1:],
+        "base": base.__name__,
+        "__annotations__": hints,
+        "__module__": __name__,
+    }
+    return type(base.__name__, (base, namedtuple(base.__name__, fields)), parts)
+
+
+def _again(base: str, derived: Derived, kind: Kind, values: tuple[Any, ...]) -> Any:
+    return law_class(globals()[base], derived, kind)(*values)
+
+
+class Force(NamedTuple):
+    """A formula and the numbers of its parameters, in a scene's units.
+
+    Attributes:
+        text: of the formula, of ``s`` and its parameters.
+        numbers: of the parameters, in the order of their names.
+    """
+
+    text: str
+    numbers: tuple[tuple[str, float], ...]
+
+    @property
+    def derived(self) -> Derived:
+        """What follows from it, its parameters with a prefix, so that they are no names of sympy's."""
+        numbers = dict(self.numbers)
+        known = {name: f"p_{name}" for name in numbers} | {STRAIN: STRAIN}
+        exponents = expression.in_exponents(self.text)
+        return expression.derived(
+            expression.written(self.text, known, "plain"),
+            tuple((f"p_{name}", int(np.sign(number))) for name, number in self.numbers if name not in exponents),
+            tuple((f"p_{name}", repr(numbers[name])) for name in sorted(exponents)),
+        )
+
+    def law(self, base: Any, kind: Kind = Kind(), strength: Parameter = 1.0) -> Any:  # noqa: B008
+        """Its law in the scene's units, for `laws.dimensionless`; counted from the force at s = 0."""
+        found = law_class(base, self.derived, kind)
+        return found(strength, 1.0, 1.0, float(self.at(0.0)), *(number for _, number in sorted(self.numbers)))
+
+    def at(self, s: Any) -> Floats:
+        """The force; NaN or inf where it has no real value."""
+        ordered = [name for name, _ in self.numbers]
+        return expression.function(self.text, (STRAIN, *ordered))(s, *(number for _, number in self.numbers))

@@ -1,0 +1,173 @@
+"""Forces by formula: what may be written, what follows from it; their motion is also in `test_every_ingredient`."""
+
+import numpy as np
+import pytest
+from plain_scene import scene
+
+from lammps_inputs import InputError, laws, library
+from lammps_inputs.decks import deck
+from lammps_inputs.laws import expression
+from lammps_inputs.limits import rates
+from workflow.engines.reference import engine
+
+SATURATING = {"force": "k*s/sqrt(1+(s/s0)^2)", "k": 0.3, "s0": 0.5}
+MAGNETS = {"force": "A/(d+s)^p", "A": 1.0, "p": 4.0, "d": 1.0}
+HELD = {"walls": {"left": "bead", "right": "bead"}, "chains": 1, "coupling": None}
+
+
+def by_contact(force, **keys):
+    return scene(chains=1, coupling=None, contact={"force": force, **keys})
+
+
+@pytest.mark.parametrize(
+    ("force", "complaint"),
+    [
+        ("__import__('os').system('true')", 'holds "\'"'),
+        ("s.real*k", "holds 's.real'"),
+        ("gamma(s)*k", "holds gamma(...)"),
+        ("k*s if s else 0", "holds"),
+        ("k*s,", "holds ','"),
+        ("k*", "is no formula"),
+        ("k*s[0]", "holds '['"),
+        ("(" * 60 + "k*s" + ")" * 60 + "+0" * 300, "characters"),
+        ("1e200*k*s", "numbers below 1e100"),
+    ],
+)
+def test_a_formula_holds_names_numbers_and_some_functions_only(force, complaint):
+    with pytest.raises(expression.FormulaError) as refused:
+        expression.tree(force)
+    assert complaint in str(refused.value)
+    with pytest.raises(InputError, match=r"coupling\.force: "):
+        library.from_plain({**scene().plain(), "coupling": {"force": force, "k": 1.0}}, "test")
+
+
+@pytest.mark.parametrize(
+    ("key", "keys", "complaint"),
+    [
+        ("coupling", {"force": "k*s"}, "coupling.k: is missing"),
+        ("coupling", {"force": "k*s", "k": 1.0, "c": 1.0}, "coupling.c: unknown key"),
+        ("coupling", {"force": "k*s", "k": "x"}, "coupling.k: should be a number"),
+        ("coupling", {"force": "k", "k": 1.0}, "holds no `s`"),
+        ("coupling", {"force": "k*s", "k": 1.0, "stiffness": 1.0}, "leave one of them out"),
+        ("coupling", {"force": "stiffness*s", "stiffness": 1.0}, "a key with another meaning"),
+        ("coupling", {"force": "k*s^2", "k": 1.0}, "it should be odd"),
+        ("coupling", {"force": "k*(s+1)", "k": 1.0}, "is 1 at s = 0"),
+        ("coupling", {"force": "k/s", "k": 1.0}, "no real value at s = 0"),
+        ("coupling", {"force": "-k*s", "k": 1.0}, "drives beads away from rest"),
+        ("coupling", {"force": "k*s/sqrt(1-(s/s0)^2)", "k": 0.1, "s0": 0.1}, "no real value from s = 0.1 on"),
+        ("coupling", {"force": "k*s - c*s^3", "k": 0.1, "c": 0.1}, "falls below that at rest near s = 1.41"),
+        ("foundation", {"force": "k*abs(s)^0.5*s/(abs(s)+1e-30)", "k": 1.0}, "infinitely stiff"),
+        ("contact", {"force": "A*s^0.5", "A": 1.0}, "infinitely stiff"),
+        ("contact", {"force": "A*tanh(s)/(1+s^4)", "A": 0.1}, "pass through each other"),
+        ("contact", {"force": "A/(d-s)^2-1", "A": 0.5, "d": 1.0}, "is -0.5 at s = 0"),
+        ("contact", {"force": "A/s", "A": 0.5}, "no real value at s = 0"),
+        ("contact", MAGNETS, "nothing holds the beads at the ends"),
+        ("contact", {**MAGNETS, "tension": "cut"}, "the force is 1 at s = 0"),
+        ("contact", {"tension": "cut"}, "is that of a formula"),
+    ],
+)
+def test_a_force_that_is_none_is_refused_in_one_line(key, keys, complaint):
+    with pytest.raises(InputError) as refused:
+        library.from_plain({**scene().plain(), key: keys}, "test")
+    assert complaint in str(refused.value)
+    assert f"{key}" in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_formula_of_a_known_law_is_that_law_to_the_last_bit():
+    plain, written = scene(coupling={"stiffness": 0.1}), scene(coupling={"force": "k*s", "k": 0.1})
+    assert written.problem() == plain.problem()
+    assert (
+        by_contact("A*s^p", A=2.0, p=1.3).system
+        == scene(chains=1, coupling=None, contact={"exponent": 1.3, "stiffness": 2.0}).system
+    )
+    assert by_contact("A*s^1.5", A=1.0).system == scene(chains=1, coupling=None).system
+    ground = [scene(foundation=keys).system for keys in ({"stiffness": 0.2}, {"force": "k*s", "k": 0.2})]
+    assert ground[0] == ground[1]
+    assert scene(coupling={"force": "k*s", "k": 0.0}).system == scene(coupling=None).system
+
+
+def test_the_sign_of_the_strain_of_contacts_follows_from_where_they_push_harder():
+    apart, closer = (
+        scene(contact=keys, **HELD).system.along[0].law for keys in (MAGNETS, {**MAGNETS, "force": "A/(d-s)^p"})
+    )
+    strain = np.linspace(-1.0, 0.3, 27)
+    np.testing.assert_allclose(laws.force(apart, strain), laws.force(closer, strain), rtol=1e-13)
+    np.testing.assert_allclose(
+        laws.force(apart, strain), 0.5 * (1.0 - 0.5 * strain) ** -4.0 - 0.5, rtol=1e-12, atol=1e-13
+    )
+    assert laws.load(apart) == 0.5
+
+
+def test_contacts_that_touch_at_rest_pull_only_where_tension_is_allowed():
+    toda = {"force": "a*(exp(-b*s)-1)", "a": 0.7, "b": 1.3}
+    for tension, pull in ((None, 0.0), ("allowed", 0.7 * np.expm1(-0.13))):
+        keys = toda if tension is None else {**toda, "tension": tension}
+        made = scene(chains=1, coupling=None, contact=keys)
+        link, unit = made.system.along[0], made.scale
+        assert laws.force(link.law, -0.1 / unit.length) * unit.force == pytest.approx(pull, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("force", "largest"),
+    [("k*s/sqrt(1+(s/s0)^2)", 0.3), ("k*s*(1+(s/s0)^2)", None), ("k*s0*sin(s/s0)", 0.3)],
+)
+def test_the_bound_of_the_step_takes_the_largest_stiffness_within_reach_of_the_energy(force, largest):
+    system = scene(foundation={"force": force, "k": 0.3, "s0": 0.5}).system
+    law = system.ground[0].law
+    far = float(np.max(law.max_strain(0.5, *law)))
+    if largest is None:  # it stiffens: at the strain that holds all of the energy
+        largest = 0.3 * (1.0 + 3.0 * (far / 0.5) ** 2)
+        assert 0.3 * far**2 * (0.5 + (far / 0.5) ** 2 / 4.0) == pytest.approx(0.5, rel=1e-12)
+    assert laws.stiffest(law, 0.5) == pytest.approx(largest, rel=1e-12)
+    assert rates.fastest(system) > rates.fastest(scene().system)
+
+
+@pytest.mark.parametrize(
+    "force", ["k*s/sqrt(1+(s/s0)^2)", "k*tanh(s/s0)", "k*s+k*sin(s^3)*exp(-s^2)*s0", "k*s*abs(s)/s0"]
+)
+def test_the_energy_is_the_integral_of_the_force_whether_or_not_sympy_has_a_form_of_it(force):
+    law = scene(foundation={"force": force, "k": 0.3, "s0": 0.5}).system.ground[0].law
+    s = np.linspace(-1.5, 1.5, 3001)
+    push = laws.force(law, s)
+    simpson = np.cumsum((push[:-2:2] + 4.0 * push[1:-1:2] + push[2::2]) * (s[1] - s[0]) / 3.0)
+    held = laws.energy(law, s)[::2]
+    np.testing.assert_allclose(held[1:] - held[0], simpson, atol=1e-9)
+    np.testing.assert_allclose(np.gradient(push, s)[1:-1], laws.stiffness(law, s)[1:-1], atol=1e-3)
+
+
+def test_an_energy_that_is_no_smooth_formula_of_the_strain_squared_is_refused_for_lammps_only():
+    problem = scene(coupling={"force": "f*sin(s/s0)", "f": 0.1, "s0": 0.5}).problem()
+    assert "LAMMPS's bonds take an energy that is a formula of s^2" in deck.refusal(problem.system)
+    assert deck.refusal(scene(coupling=SATURATING).system) == ""
+
+
+def test_a_scene_keeps_its_formula_and_parameters_and_no_default_beside_them():
+    plain = scene(coupling=SATURATING).plain()
+    assert plain["coupling"] == SATURATING
+    assert library.from_plain(plain, "test").system == scene(coupling=SATURATING).system
+
+
+def first_maximum(trajectory, bead, chain=1):
+    """Time and value of the first maximum of the velocity of a bead, in the scene's units, by a parabola."""
+    v, scale = trajectory.velocity[:, chain - 1, bead - 1], trajectory.problem.scale
+    at = next(i for i in range(1, len(v) - 1) if v[i - 1] < v[i] >= v[i + 1] and v[i] > 0.1 * v.max())
+    low, top, high = v[at - 1 : at + 2]
+    part = 0.5 * (low - high) / (low - 2.0 * top + high)
+    return (trajectory.time[at] + part * trajectory.problem.every) * scale.time, (
+        top - 0.25 * (low - high) * part
+    ) * scale.velocity
+
+
+@pytest.mark.parametrize(("velocity", "peak", "time"), [(0.5, 0.154168, 9.28958), (2.0, 1.440944, 5.98560)])
+def test_magnets_have_the_peaks_of_an_independent_integration(velocity, peak, time):
+    case = scene(contact=MAGNETS, **HELD, beads=40, kick={"velocity": velocity}, duration=10.0, output={"every": 0.01})
+    found = first_maximum(engine.run(case.problem()), 20)
+    assert found == (pytest.approx(time, abs=1e-5), pytest.approx(peak, abs=1e-6))
+
+
+def test_saturating_springs_have_the_peaks_of_an_independent_integration():
+    case = scene(coupling=SATURATING, beads=120, duration=150.0, output={"every": 0.05})
+    found = engine.run(case.problem())
+    peaks = [first_maximum(found, bead, chain)[1] for bead in (50, 100) for chain in (1, 2)]
+    assert peaks == pytest.approx([0.348727, 0.348760, 0.348744, 0.348744], abs=1e-6)
