@@ -111,5 +111,6 @@ def test_examples_are_valid_scenes(example, tmp_path):
     base |= {"until_bead": 60} | ({} if has & {"striker", "drive"} else {"kick": {"velocity": 1}})
     steel = {"radius": 4.76e-3, "density": 8e3, "youngs_modulus": 2e11, "poisson_ratio": 0.3}
     base |= {"material": steel} if "9.81" in has else {}
+    base |= {"walls": {"left": "bead", "right": "bead"}} if "between walls" in example else {}
     scene = base | library.load_plain(tmp_path / "scene.yaml")
     assert library.from_plain(scene, "SCENES.md").beads
