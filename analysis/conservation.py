@@ -20,7 +20,7 @@ MOST_INSTANTS = 500
 
 
 def energy_input(block: Trajectory) -> Floats:
-    """[frame] energy input until each: that of the kicks, and the work of pushes and drives since then.
+    """[frame] energy input until each: that of the kicks, and the work of pushes, drives and springs that vary.
 
     NaN where that work is not known: nobody has counted it in the frames' exchange.
     """

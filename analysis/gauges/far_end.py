@@ -62,8 +62,8 @@ class Transmitted:
         column="delay until the far end",
     )
     transmitted_energy: float = declare(
-        "largest share at any time of the energy input until then (kicks, work of pushes and drives) that is in the "
-        "last tenth of the beads, the contacts between them and that of the wall",
+        "largest share at any time of the energy input until then (kicks, work of pushes, drives and "
+        "springs that vary) that is in the last tenth of the beads, the contacts between them and that of the wall",
         undefined=f"{UNPASSED}, {ACTED_ON}, or the work is not known",
         column="largest energy at the far end / energy input",
     )

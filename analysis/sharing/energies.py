@@ -40,7 +40,8 @@ class Flow:
         "energy of each chain (kinetic, contacts, ground) over that of all chains, [instant][chain]"
     )
     between: Floats = declare(
-        "energy in the springs between chains over the energy input until then (kicks, work of pushes and drives)",
+        "energy in the springs between chains over the energy input until then (kicks, work of pushes, "
+        "drives and springs that vary)",
         undefined="the input is not positive, or that work is not known",
     )
     centre: Floats = declare("mean bead number of the chain's energy, [instant][chain]", "beads", NO_CENTRE)

@@ -104,6 +104,8 @@ def cell_of(system: System) -> Cell:
     """
     if not physics.loaded(system):
         raise NoDispersionError(NO_SOUND)
+    if physics.varying(system):
+        raise NoDispersionError("springs to the ground vary in time")
     chains, beads, lines = system.chains, system.beads, physics.lines(system)
     inner = np.zeros((0, beads)) if system.inner_mass is None else system.inner_mass
     mass = np.vstack([np.broadcast_to(system.mass, (chains, beads)), inner])

@@ -134,7 +134,7 @@ class Varying(NamedTuple):
             names = (f"v_{name}_{label}" for label in _MODULATION)
             lines = held_by_variable(name, "", _formula(self, f"v_{name}", *names), layout)
             return Lines(variables=tuple(variables), motion=tuple(lines))
-        modulation = [f"({text(getattr(self, label))})" for label in _MODULATION]
+        modulation = [_signed(getattr(self, label)) for label in _MODULATION]
         if (profiles := atoms_by_row(self.spring, shape)) is not None:
             own = [(_formula(self, row_formula(values, ROW), *modulation), atoms) for values, atoms in profiles]
         else:
@@ -156,7 +156,11 @@ def _formula(law: Varying, spring: str, depth: str, omega: str, phase: str) -> s
     """Of the stiffness in LAMMPS."""
     t, level = "step*v_timestep", spring
     if np.any(law.rate):
-        begin, end = text(float(law.begin)), text(float(law.end))
-        passed = f"({t}>{begin})*({t}-({begin}))-({t}>{end})*({t}-({end}))"
-        level = f"({spring}+({text(float(law.rate))})*({passed}))"
+        begin, end = (f"({t}>{at})*({t}-{at})" for at in (_signed(float(law.begin)), _signed(float(law.end))))
+        level = f"({spring}+{_signed(float(law.rate))}*({begin}-{end}))"
     return f"{level}*(1+{depth}*sin({omega}*{t}+{phase}))" if law.depth else level
+
+
+def _signed(value: float) -> str:
+    """In brackets where it is negative."""
+    return f"({text(value)})" if value < 0.0 else text(value)

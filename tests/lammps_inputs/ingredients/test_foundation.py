@@ -8,6 +8,7 @@ from plain_scene import scene
 
 from analysis.conservation import Conservation
 from analysis.sharing.energies import EnergyFlow
+from analysis.sound.dispersion import NoDispersionError, cell_of
 from analysis.trajectory import Trajectory
 from lammps_inputs import find, physics
 from lammps_inputs.decks import deck
@@ -110,3 +111,10 @@ def test_modes_have_shares_of_the_action_where_no_contact_is_loaded():
     loaded = EnergyFlow(problem)
     loaded.add(Trajectory(problem, np.array([4.5]), displacement, np.zeros(shape)))
     assert np.isnan(loaded.result().fastest_mode_action)
+
+
+def test_sound_on_springs_that_vary_has_no_dispersion():
+    pressed = {"precompression": {"force": 0.3}}
+    assert cell_of(scene(foundation={"stiffness": 0.3}, **pressed).system).beads == 1
+    with pytest.raises(NoDispersionError, match="springs to the ground vary in time"):
+        cell_of(scene(foundation=MODULATED, **pressed).system)
