@@ -201,7 +201,6 @@ DESIGNS: list[tuple[Any, str]] = [
     ({"where": {"mass": {"from": 160, "to": 152}}}, "where.mass: goes from 160 to 152; the smaller first"),
     ({"where": {"weight": {"to": 1}}}, "where: 'weight' is no quantity"),
     ({"scene": "two-chain"}, "did you mean `two-chains`?"),
-    ({"vary": {"gap": {"from": 0.1, "to": 1}}, "search": {"method": "exhaustive"}}, "without end"),
 ]
 
 FILES = [

@@ -9,16 +9,17 @@ from lammps_inputs.slurm.job import render_command
 from lammps_inputs.slurm.site import JobOptions
 from workflow.runs.files import write_text
 from workflow.runs.own_files import claim, make_directory
+from workflow.screen import Answer
 
 
-def write_job(
-    directory: Path, options: JobOptions, words: Sequence[str], *, cores: int, jobs: int | None = None
-) -> None:
-    """Write ``job.sbatch`` into a directory, which is made if need be.
+def as_job(
+    options: JobOptions, directory: Path, words: Sequence[str], *, cores: int, jobs: int | None = None
+) -> Answer:
+    """Write ``job.sbatch`` into a directory, which is made if need be, and say what to do with it.
 
     Args:
-        directory: to be submitted in; the command is to name it as ``.``.
         options: of the job.
+        directory: to be submitted in; the command is to name it as ``.``.
         words: of the command, after ``granchain``; paths in them absolute.
         cores: that it uses.
         jobs: as of `render_command`.
@@ -32,9 +33,5 @@ def write_job(
     make_directory(directory)
     claim(directory, (file_names.JOB, file_names.JOB_OUTPUT))
     write_text(directory / file_names.JOB, text)
-
-
-def submit_hint(directory: Path) -> str:
-    """What to do with it, in one line."""
-    said = f"output: {file_names.JOB_OUTPUT}"
-    return f"{directory}: submit there: sbatch {file_names.JOB}; {said}"
+    print(f"{directory}: submit there: sbatch {file_names.JOB}; output: {file_names.JOB_OUTPUT}")
+    return Answer(0, {"job": str(directory / file_names.JOB)})

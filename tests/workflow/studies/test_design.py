@@ -121,7 +121,7 @@ def test_small_errors_of_manufacture_change_the_objective_a_little(found):
     assert all(0.0 < abs(value / best - 1.0) < 0.1 for value in members)
 
 
-EVOLUTION = {"evaluations": 20, "population": 8, "method": "evolution"}
+EVOLUTION = {"evaluations": 20, "population": 8}
 
 
 @pytest.mark.slow

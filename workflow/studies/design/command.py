@@ -4,13 +4,12 @@ import argparse
 import functools
 from pathlib import Path
 
-from lammps_inputs import file_names
 from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.screen import Answer, one_line, print_table
 from workflow.studies.design import file, study
 from workflow.studies.design.found import Found
 from workflow.studies.options import add_jobs, add_output, on_cores
-from workflow.sweep.command_job import submit_hint, write_job
+from workflow.sweep.command_job import as_job
 
 ANSWERS = "what design.json holds"
 EXAMPLES = (
@@ -34,9 +33,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     if options is not None:
         count = arguments.jobs or options.cores_per_node or 1
         words = ["design", str(arguments.design.absolute()), "-o", ".", "--jobs", str(count)]
-        write_job(arguments.output, options, words, cores=count)
-        print(submit_hint(arguments.output))
-        return Answer(0, {"job": str(arguments.output / file_names.JOB)})
+        return as_job(options, arguments.output, words, cores=count)
     found = on_cores("design", arguments.jobs, functools.partial(study.carry_out, what, arguments.output))
     if found is None:
         return Answer(130, {})

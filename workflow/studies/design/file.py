@@ -14,7 +14,7 @@
       mass: {to: 240}                        # from, to or both
     also: [delay]                            # what else to look at; the first makes a front with the objective
     beside: {...}                            # another scene to set the best against
-    search: {evaluations: 2000, population: 40, seed: 1, method: auto}
+    search: {evaluations: 2000, population: 40, seed: 1}   # no more designs than evaluations are all computed
     manufacture: {spread: 0.01, members: 32} # sizes and stiffnesses of beads, and the numbers above, off by so much
     verify: 3                                # of the best, so many in LAMMPS
 """
@@ -127,7 +127,6 @@ def values_of(variables: Sequence[Variable], vector: Sequence[float]) -> dict[st
 # --- file -------------------------------------------------------------------------------------------------------------
 
 MOST_PLACES = 64
-MOST_EXHAUSTED = 100_000
 
 
 class _Part(BaseModel):
@@ -138,12 +137,10 @@ class Search(_Part):
     """How to search."""
 
     evaluations: Annotated[int, Field(ge=20, le=10_000_000)] = 2000
-    """Designs that are asked for at most; one that was computed before costs nothing."""
+    """Designs that are asked for at most; where there are no more, all are computed."""
     population: Annotated[int, Field(ge=8, le=10_000)] | None = None
     """Designs of one generation; by default five for every coordinate, 20 to 100."""
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
-    method: Literal["auto", "evolution", "exhaustive"] = "auto"
-    """`auto` computes all there are where that is no more than ``evaluations``."""
 
 
 class Manufacture(_Part):
@@ -271,10 +268,8 @@ class Design:
 
     @property
     def exhaustive(self) -> bool:
-        """Whether every design is to be computed."""
-        if self.asked.search.method == "auto":
-            return self.count is not None and self.count <= self.asked.search.evaluations
-        return self.asked.search.method == "exhaustive"
+        """Whether every design is computed, since there are no more than evaluations."""
+        return self.count is not None and self.count <= self.asked.search.evaluations
 
     @property
     def population(self) -> int:
@@ -331,19 +326,13 @@ def from_plain(data: Any, path: Path) -> Design:
     if not file.vary:
         raise InputError(f"{path}: vary: names no field")
     scene = scene_in(file.scene, path, "scene")
-    design = Design(
+    return Design(
         source=str(path),
         scene=scene,
         variables=tuple(_variable(name, given, path, scene) for name, given in file.vary.items()),
         beside=None if file.beside is None else scene_in(file.beside, path, "beside"),
         asked=file,
     )
-    if file.search.method == "exhaustive" and (design.count is None or design.count > MOST_EXHAUSTED):
-        count = "without end" if design.count is None else f"{design.count}"
-        raise InputError(
-            f"{path}: search.method: there are {count} designs; exhaustive is for {MOST_EXHAUSTED} at most"
-        )
-    return design
 
 
 def _variable(name: str, given: Any, path: Path, scene: dict[str, Any]) -> Variable:

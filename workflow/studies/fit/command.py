@@ -3,14 +3,14 @@
 import argparse
 from pathlib import Path
 
-from lammps_inputs import file_names, library, shipped
+from lammps_inputs import library, shipped
 from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.formats import figure_files
 from workflow.screen import Answer, one_line, print_table
 from workflow.studies.fit import study
 from workflow.studies.fit.found import Fit
 from workflow.studies.options import add_output
-from workflow.sweep.command_job import submit_hint, write_job
+from workflow.sweep.command_job import as_job
 
 ANSWERS = "what fit.json holds"
 DRAWS = True
@@ -50,9 +50,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     """Print what was found; exit code 1 when the search did not converge or the test of fit rejects the model."""
     options = job_options(arguments)
     if options is not None:
-        write_job(arguments.output, options, _words(arguments), cores=1, jobs=1)
-        print(submit_hint(arguments.output))
-        return Answer(0, {"job": str(arguments.output / file_names.JOB)})
+        return as_job(options, arguments.output, _words(arguments), cores=1, jobs=1)
     found = study.fit(
         library.find(arguments.scene).plain(),
         arguments.against,
