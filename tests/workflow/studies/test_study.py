@@ -1,17 +1,20 @@
 """The contract of all studies: cases are evaluated once and cached, and a directory is one study's own."""
 
 import importlib
+import itertools
 import json
 import os
 import signal
 from pathlib import Path
 
 import pytest
+from pool_here import answers
 from processes import HANGS, children, started, wait_until
 from sweeps import GRANCHAIN, SMALL
 
 from lammps_inputs import InputError, strict_yaml
 from workflow import studies
+from workflow.cli import main
 from workflow.errors import RunError
 from workflow.runs.status import status
 from workflow.studies.study import Study
@@ -136,6 +139,39 @@ def test_ctrl_c_keeps_what_was_computed_and_leaves_neither_processes_nor_files_o
     assert len(kept()) >= before
     assert all(json.loads(line)["result"] for line in kept())
     assert status(out).state == "incomplete"
+
+
+SEARCHES = {
+    "threshold": ["--where", "mass=12.5", "--vary", "kinds.a.mass=0.5:3", "--points", "3"],
+    "ensemble": ["--seeds", "0:3", "--quantity", "mass", "--over", "disorder.mass=0.1,0.2"],
+}
+
+
+@pytest.mark.usefixtures("pool_here")
+@pytest.mark.parametrize("command", SEARCHES)
+def test_a_study_that_was_interrupted_keeps_what_it_computed_and_ends_as_one_that_was_not(
+    command, tmp_path, monkeypatch, capsys
+):
+    def interrupted(pool, tasks):
+        yield from itertools.islice(answers(pool, tasks), 2)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("workflow.studies.study.write_figure", lambda *_: None)
+    scene = {**SMALL, "kinds": {"a": {"mass": 1.0}}, "pattern": ["a"], "disorder": {"mass": 0.1}}
+    (tmp_path / "s.yaml").write_text(strict_yaml.dump(scene))
+    words = [command, str(tmp_path / "s.yaml"), *SEARCHES[command], "-o"]
+    with monkeypatch.context() as patch:
+        patch.setattr(Pool, "answers", interrupted)
+        assert main([*words, str(tmp_path / "cut")]) == 130
+    assert "the same command resumes" in capsys.readouterr().out
+    cache = tmp_path / "cut" / "evaluations.jsonl"
+    kept = cache.read_text()
+    assert len(kept.splitlines()) == 2
+    assert main([*words, str(tmp_path / "cut")]) == main([*words, str(tmp_path / "whole")]) == 0
+    assert cache.read_text().startswith(kept)
+    tables = [path.name for path in (tmp_path / "whole").glob("*.csv")]
+    assert len(tables) == 2
+    assert all((tmp_path / "cut" / name).read_text() == (tmp_path / "whole" / name).read_text() for name in tables)
 
 
 def test_the_studies_that_are_known_are_found():

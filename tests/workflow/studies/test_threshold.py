@@ -3,13 +3,11 @@
 import csv
 import math
 
-import pool_here
 import pytest
 
 from lammps_inputs import strict_yaml
 from workflow.cli import main
 from workflow.studies.threshold.bracket import Axis, crossings, wanted
-from workflow.workers.pool import Pool
 
 pytestmark = pytest.mark.usefixtures("pool_here")
 
@@ -125,38 +123,6 @@ def test_a_mass_is_found_exactly_and_a_second_field_makes_a_curve_with_a_figure(
         in capsys.readouterr().out
     )
     assert (tmp_path / "found" / "threshold.png").is_file()
-
-
-def test_a_search_that_was_cut_short_is_resumed_and_ends_with_the_same_tables(tmp_path):
-    asked(tmp_path, *BY_MASS, scene=STRUCK)
-    names = ("threshold.csv", "points.csv")
-    tables = [(tmp_path / "found" / name).read_text() for name in names]
-    cache = tmp_path / "found" / "evaluations.jsonl"
-    lines = cache.read_text().splitlines(keepends=True)
-    cache.write_text("".join(lines[:5]) + lines[5][:20])
-    (tmp_path / "found" / names[0]).unlink()
-    asked(tmp_path, *BY_MASS, scene=STRUCK)
-    assert [(tmp_path / "found" / name).read_text() for name in names] == tables
-    again = cache.read_text().splitlines(keepends=True)
-    assert (again[:5], len(again)) == (lines[:5], len(lines))
-
-
-def test_ctrl_c_keeps_what_was_computed_and_the_same_command_resumes(tmp_path, monkeypatch, capsys):
-    def interrupted(pool, tasks):
-        for count, answer in enumerate(pool_here.answers(pool, tasks)):
-            if count == 2:
-                raise KeyboardInterrupt
-            yield answer
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Pool, "answers", interrupted)
-        assert asked(tmp_path, *BY_MASS, scene=STRUCK) == (130, [])
-    assert "the same command resumes" in capsys.readouterr().out
-    kept = (tmp_path / "found" / "evaluations.jsonl").read_text()
-    assert len(kept.splitlines()) == 2
-    code, found = asked(tmp_path, *BY_MASS, scene=STRUCK)
-    assert (code, len(found)) == (0, 1)
-    assert (tmp_path / "found" / "evaluations.jsonl").read_text().startswith(kept)
 
 
 @pytest.mark.parametrize(

@@ -43,7 +43,6 @@ class Result:
             by the modes of one row whatever the contacts: a check of a run, not a result.
         energy_share: share of each chain's motion and contacts at the end, then of the springs, [chain + 1].
         seconds: wall time of the computation alone.
-        wall_seconds: wall time with files.
     """
 
     engine: str
@@ -54,14 +53,12 @@ class Result:
     momentum_share: Floats
     energy_share: Floats
     seconds: float
-    wall_seconds: float
 
     def plain(self) -> dict[str, Any]:
         """For ``compare.json``."""
         impulses = self.impulses
         return {
             "seconds": self.seconds,
-            "wall_seconds": self.wall_seconds,
             "momentum_share": self.momentum_share.tolist(),
             "energy_share": self.energy_share.tolist(),
             "peak": self.peak.tolist(),
@@ -100,7 +97,7 @@ def measure(directory: RunDirectory, rows: Sequence[int]) -> Result:
     for k, row in enumerate(rows):
         np.maximum.at(peak[:, k], chain[bead == row] - 1, peaks[bead == row])
     shares = partition(last)
-    return Result(directory.engine, impulses, peak, time, velocity, *shares, job.engine_seconds, job.wall_seconds)
+    return Result(directory.engine, impulses, peak, time, velocity, *shares, job.engine_seconds)
 
 
 def partition(state: Trajectory) -> tuple[Floats, Floats]:
@@ -292,10 +289,10 @@ class Comparison:
         for result in self.results:
             of, energy = result.impulses, result.energy_share
             passed = _list(of.whole[:, of.row(self.last)]) if self.last >= 2 else ""
-            seconds = (f"{one:.2g}" for one in (result.seconds, result.wall_seconds))
-            shares.append([result.engine, passed, _list(energy[:-1]), f"{energy[-1]:.4f}", *seconds])
+            numbers = [_list(energy[:-1]), f"{energy[-1]:.4f}", f"{result.seconds:.2g}"]
+            shares.append([result.engine, passed, *numbers])
         passed = f"passed to bead {self.last} by chain / mV"
-        own = ["engine", passed, "final energy by chain", "in springs", "computing (s)", "with files (s)"]
+        own = ["engine", passed, "final energy by chain", "in springs", "computing (s)"]
         until = scale.written(problem.duration, "time")
         return [(f"{problem.name}: rows, chains 1, 2, ...", head, rows), (f"shares until t = {until}", own, shares)]
 

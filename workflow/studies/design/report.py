@@ -24,12 +24,12 @@ def page(found: Found) -> str:
     """The report in HTML, pictures and all."""
     design, best = found.design, found.verified[0]
     wanted = ("least" if design.sign > 0.0 else "largest") + f" {design.objective}"
-    words = _warnings(found) + table(*found.table()) + _words(found)
-    parts = [
-        f"<section><h2>The best</h2>{words}{_shown(_of_best(found))}</section>",
-        f"<section><h2>The search</h2>{_search_words(found)}{_shown(_of_search(found))}</section>",
-        f"<section><h2>Manufacturing tolerance of {found.sensitivity.spread:.2%}</h2>{_made(found)}</section>",
-    ]
+    words = _warnings(found) + table(*found.table())
+    parts = {
+        "The best": words + _shown(_of_best(found)),
+        "The search": _search_words(found) + _shown(_of_search(found)),
+        f"Manufacturing tolerance of {found.sensitivity.spread:.2%}": _made(found),
+    }
     scene = best.directory.scene.name
     summary = (
         f"Of {len(found.records)} designs of {scene} the one with the {wanted}. Numbers are in the scene's units; "
@@ -37,7 +37,8 @@ def page(found: Found) -> str:
         f"In {found.undefined} of them the objective or a quantity with a limit is undefined; they do not count."
     )
     cited = {key: None for keys in references.of_scene(best.directory.scene).values() for key in keys}
-    return document(f"{scene}: {wanted}", summary, "\n".join(parts), cited)
+    body = "\n".join(f"<section><h2>{name}</h2>{part}</section>" for name, part in parts.items())
+    return document(f"{scene}: {wanted}", summary, body, cited)
 
 
 def _shown(pictures: list[Picture]) -> str:
@@ -46,14 +47,6 @@ def _shown(pictures: list[Picture]) -> str:
 
 def _warnings(found: Found) -> str:
     return "".join(f"<p><b>Warning:</b> {html.escape(warning)}.</p>" for warning in found.warnings)
-
-
-def _words(found: Found) -> str:
-    name = found.design.objective
-    if found.beside is None or not found.beside.reference[name]:
-        return ""
-    ratio = (found.verified[0].reference[name] or 0.0) / (found.beside.reference[name] or 1.0)
-    return f"<p>The best has {ratio:.3g} times the {html.escape(name)} of what it is set against.</p>"
 
 
 def _search_words(found: Found) -> str:

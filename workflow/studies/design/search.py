@@ -16,7 +16,7 @@ from scipy.stats import qmc
 
 from analysis.trajectory import Floats
 from workflow.studies import measures
-from workflow.studies.design.file import Design, values_of
+from workflow.studies.design.file import Design, Variable, values_of
 from workflow.sweep import fields
 from workflow.workers import evaluate
 from workflow.workers.evaluate import Results, key_of
@@ -126,21 +126,20 @@ def search(design: Design, compute: Compute) -> list[Record]:
     return list(asked.values())
 
 
-def _coordinates(design: Design) -> Iterator[tuple[float, float, bool]]:
-    """Low, high, and whether whole."""
-    for variable in design.variables:
-        for _ in range(variable.coordinates):
-            yield *variable.bounds, variable.steps
+def _axes(design: Design) -> list[Variable]:
+    """The variable of each coordinate."""
+    return [variable for variable in design.variables for _ in range(variable.coordinates)]
 
 
 def _all_vectors(design: Design) -> Iterator[Floats]:
-    axes = [np.arange(low, high + 1.0) for low, high, _ in _coordinates(design)]
+    axes = [np.arange(low, high + 1.0) for low, high in (variable.bounds for variable in _axes(design))]
     return (np.array(vector) for vector in itertools.product(*axes))
 
 
 def _evolved(design: Design, ask: Any) -> tuple[Floats, float]:
     """The best vector of the evolution, and its worth."""
-    low, high, whole = (np.array(column) for column in zip(*_coordinates(design), strict=True))
+    low, high = np.array([variable.bounds for variable in _axes(design)]).T
+    whole = np.array([variable.steps for variable in _axes(design)])
     generations = max(1, math.floor((1.0 - LEFT) * design.asked.search.evaluations / design.population) - 1)
     first = qmc.scale(
         qmc.LatinHypercube(len(low), seed=design.asked.search.seed).random(design.population),
@@ -192,24 +191,20 @@ def _stepped(design: Design, ask: Any, vector: Floats, value: float) -> None:
 
 
 def _around(design: Design, vector: Floats, stride: float) -> list[Floats]:
-    found, place = [], 0
-    for variable in design.variables:
-        low, high = variable.bounds
-        for _ in range(variable.coordinates):
-            for other in _others(
-                vector[place], low, high, stride, choices=bool(variable.choices), whole=variable.steps
-            ):
-                moved = vector.copy()
-                moved[place] = other
-                found.append(moved)
-            place += 1
+    found = []
+    for place, variable in enumerate(_axes(design)):
+        for other in _others(variable, float(vector[place]), stride):
+            moved = vector.copy()
+            moved[place] = other
+            found.append(moved)
     return found
 
 
-def _others(at: float, low: float, high: float, stride: float, *, choices: bool, whole: bool) -> list[float]:
+def _others(variable: Variable, at: float, stride: float) -> list[float]:
     """Other values of a coordinate: every choice, whole numbers on either side, or a stride up and down."""
-    if choices:
+    low, high = variable.bounds
+    if variable.choices:
         return [float(k) for k in range(round(low), round(high) + 1) if k != round(at)]
-    step = max(1.0, round(stride * (high - low))) if whole else stride * (high - low)
+    step = max(1.0, round(stride * (high - low))) if variable.steps else stride * (high - low)
     moved = {min(max(at + sign * step, low), high) for sign in (-1.0, 1.0)}
     return sorted(moved - {at})
