@@ -1,4 +1,4 @@
-"""What a step of LAMMPS costs: of our deck and of a plain one, of complete chains and in a window."""
+"""Decks of benchmarks and their time; the cost of a window beside that of complete chains."""
 
 import contextlib
 from collections.abc import Iterator
@@ -8,7 +8,7 @@ from typing import Any
 from lammps_inputs import Scene, file_names, library
 from lammps_inputs.decks import deck
 from workflow.engines.lammps import engine, mpi
-from workflow.studies.bench.study import Ratio, make_ratio, ratio_of, seconds
+from workflow.studies.bench.study import Ratio, make_ratio, seconds
 
 
 def scene(chains: int, beads: int, duration: float, **keys: Any) -> Scene:
@@ -33,11 +33,6 @@ def written(one: Scene, folder: Path) -> str:
     return (folder / file_names.DECK).read_text()
 
 
-def without_frames(text: str) -> str:
-    """A deck that writes none."""
-    return "\n".join(line for line in text.splitlines() if not line.startswith("dump"))
-
-
 def lammps_seconds(directory: Path, text: str) -> float:
     """Seconds of the time loop of a deck that ends in its run command, in this process (nothing here can crash it)."""
     mpi.preload()
@@ -53,20 +48,6 @@ def lammps_seconds(directory: Path, text: str) -> float:
     instance.close()
     return took
 
-
-def deck_ratios(root: Path) -> Iterator[Ratio]:
-    """The time loop of our deck, without frames, against that of a plain one."""
-    from workflow.studies.bench.reader import plain_data, plain_deck
-
-    large, by_hand = scene(100, 1000, 2.0), root / "plain"
-    ours, plain = without_frames(written(large, root)), plain_deck(large.problem(), dump=False)
-    by_hand.mkdir()
-    (by_hand / file_names.DATA).write_text(plain_data(large.problem()))
-    pairs = [(lammps_seconds(root, ours), lammps_seconds(by_hand, plain)) for _ in range(3)]
-    yield ratio_of("plain deck / ours, 100 x 1000", pairs, 3.0)
-
-
-# --- window -----------------------------------------------------------------------------------------------------------
 
 BEADS = (1_000, 3_000, 10_000, 30_000)
 ROWS = 64

@@ -22,31 +22,27 @@ from workflow.studies.bench.study import Ratio, ratio_of, seconds
 TEXT_DUMP = "chains.dump.txt"
 
 
-def plain_deck(problem: Problem, *, dump: bool) -> str:
+def plain_deck(problem: Problem) -> str:
     """A deck as the manual suggests it: periodic across, default neighbour lists, ``%.17g`` text dump."""
-    system = problem.system
+    system, beads = problem.system, problem.beads
     lines = [
-        f"atom_style {'hybrid sphere bond' if physics.coupled(system) else 'sphere'}",
+        "atom_style hybrid sphere bond",
         "boundary s p p",
         "comm_modify vel yes",
         f"read_data {file_names.DATA}",
         "set group all mass 1.0",
         *(line for section in deck.interactions(problem) for line in section if line.startswith("pair")),
+        "bond_style harmonic",
+        f"bond_coeff 1 {text(physics.kappa(system) / 2.0)} 0",
+        "fix motion all nve",
+        "fix line all setforce NULL 0 0",
+        *(f"set atom {(chain - 1) * beads + bead} vx {text(velocity)}" for chain, bead, velocity in system.kicks),
+        f"dump frames all custom {problem.steps_per_frame} {TEXT_DUMP} id x y z vx",
+        "dump_modify frames format float %.17g sort id",
+        f"timestep {text(problem.timestep)}",
+        "thermo_style custom step",
+        f"run {problem.steps}",
     ]
-    if physics.coupled(system):
-        lines += ["bond_style harmonic", f"bond_coeff 1 {text(physics.kappa(system) / 2.0)} 0"]
-    lines.append("fix motion all nve")
-    if physics.coupled(system):
-        lines.append("fix line all setforce NULL 0 0")
-    lines += [
-        f"set atom {(chain - 1) * problem.beads + bead} vx {text(velocity)}" for chain, bead, velocity in system.kicks
-    ]
-    if dump:
-        lines += [
-            f"dump frames all custom {problem.steps_per_frame} {TEXT_DUMP} id x y z vx",
-            "dump_modify frames format float %.17g sort id",
-        ]
-    lines += [f"timestep {text(problem.timestep)}", "thermo_style custom step", f"run {problem.steps}"]
     return "\n".join(lines) + "\n"
 
 
@@ -87,7 +83,7 @@ def textbook(directory: Path, problem: Problem) -> float:
     """From scene to waves.csv as one does it by hand; seconds of reading."""
     directory.mkdir()
     (directory / file_names.DATA).write_text(plain_data(problem))
-    lammps_seconds(directory, plain_deck(problem, dump=True))
+    lammps_seconds(directory, plain_deck(problem))
     return with_mdanalysis(directory, problem)
 
 

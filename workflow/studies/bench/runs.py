@@ -1,5 +1,6 @@
 """What the check of a run costs, and a sweep with two processes against one."""
 
+import functools
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -32,23 +33,13 @@ def check_ratios(root: Path) -> Iterator[Ratio]:
 def sweep_ratios(root: Path) -> Iterator[Ratio]:
     """The whole command, its start included, with one process and with two."""
     couplings = [float(f"{value:.6g}") for value in np.geomspace(0.01, 1.0, CASES)]
-    file = root / "sweep.yaml"
     plain = scene(2, 120, 192.0, output={"every": 0.2}).plain()
-    file.write_text(strict_yaml.dump({"scene": plain, "vary": {"coupling.stiffness": couplings}}))
+    (root / "sweep.yaml").write_text(strict_yaml.dump({"scene": plain, "vary": {"coupling.stiffness": couplings}}))
     took = {}
     for jobs in (2, 1):
-        command = [
-            sys.executable,
-            "-m",
-            "workflow",
-            "sweep",
-            f"{file}",
-            "-o",
-            f"{root / str(jobs)}",
-            "--jobs",
-            f"{jobs}",
-        ]
-        took[jobs] = seconds(lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL))  # noqa: B023
+        command = [sys.executable, "-m", "workflow", *f"sweep sweep.yaml -o {jobs} --jobs {jobs}".split()]
+        work = functools.partial(subprocess.run, command, cwd=root, check=True, stdout=subprocess.DEVNULL)
+        took[jobs] = seconds(work)
     detail = f"{took[1]:.4g} s, {took[2]:.4g} s; {cores()} cores, {took[1] / CASES:.2g} s a case"
     goal = SPEED_UP if cores() > 1 else 0.0
     yield make_ratio(f"sweep of {CASES} cases of 2 x 120, 1 process / 2", took[1] / took[2], goal, detail)

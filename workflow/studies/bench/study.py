@@ -10,7 +10,6 @@ from pathlib import Path
 from analysis.quantity import declare, result
 
 PARTS = {
-    "decks": "decks:deck_ratios",
     "window": "decks:window_ratios",
     "reader": "reader:reader_ratios",
     "check": "runs:check_ratios",

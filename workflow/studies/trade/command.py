@@ -58,12 +58,11 @@ def execute(arguments: argparse.Namespace) -> int:
 
 def _print(found: Findings) -> None:
     scale = found.problem.scale
-    measured = [one for one in study.records(found) if one.seconds is not None]
     title = (
         f"{found.problem.name}: largest errors (V, V, T), wall time (s) of the time loop with its frames; steps in T"
     )
     tables = (
-        (title, study.Record, measured),
+        (title, study.Record, study.records(found)),
         ("measured orders, of velocities", Order, found.orders()),
         ("errors of amplitudes (V) and arrivals (T), by the time between frames", Interval, found.frames),
     )

@@ -88,37 +88,25 @@ def measure(
         a point for each setting, in their order.
     """
     points = [Point(setting) for setting in settings]
-    done, total, started = 0, len(points) * (1 + limits.repeats), limits.clock()
+    clock, done, total = limits.clock, 0, len(points) * (1 + limits.repeats)
+    begun = clock()
     for number in range(1 + limits.repeats):
         for point in points:
             try:
-                if number == 0:
-                    _first(point, points, run, errors, limits)
-                elif point.measured and limits.clock() - started <= limits.budget:
-                    point.calls.append(run(point.setting))
+                if number > 0:
+                    if point.measured and clock() - begun <= limits.budget:
+                        point.calls.append(run(point.setting))
+                elif (expected := _expected(point.setting, points)) > limits.longest:
+                    point.left_out = f"would take {expected:.2g} s"
+                else:
+                    started, seconds = clock(), run(point.setting)
+                    point.errors = errors(point.setting)
+                    point.calls, point.first = [seconds], clock() - started
             except RunError as error:
                 point.left_out = str(error)
             done += 1
             follow(points, done, total)
     return points
-
-
-def _first(
-    point: Point,
-    points: Points,
-    run: Callable[[Setting], float],
-    errors: Callable[[Setting], dict[str, float]],
-    limits: Limits,
-) -> None:
-    expected = _expected(point.setting, points)
-    if expected > limits.longest:
-        point.left_out = f"would take {expected:.2g} s"
-        return
-    started = limits.clock()
-    seconds = run(point.setting)
-    point.errors = errors(point.setting)
-    point.calls.append(seconds)
-    point.first = limits.clock() - started
 
 
 def _expected(setting: Setting, points: Points) -> float:

@@ -2,9 +2,9 @@
 
 | file       | what                                                                                             |
 |------------|--------------------------------------------------------------------------------------------------|
-| trade.csv  | a row for each setting: its errors against the reference, and its times                          |
+| trade.csv  | a row for each measured setting: its errors against the reference, and its times                 |
 | frames.csv | a row for each time between frames: errors of amplitudes and arrivals that are read from them    |
-| trade.json | both with the advice, orders of convergence and Pareto fronts                                    |
+| trade.json | both with the advice and orders of convergence                                                    |
 | trade.png  | the work-precision figure                                                                        |
 """
 
@@ -27,7 +27,7 @@ from workflow.runs.files import as_json
 from workflow.runs.run_directory import provenance
 from workflow.studies.study import Study, to_csv
 from workflow.studies.trade.advice import sentences
-from workflow.studies.trade.points import Findings, Limits, Point, Points, measure
+from workflow.studies.trade.points import Findings, Limits, Points, measure
 from workflow.studies.trade.settings import WINDOW, run, settings
 from workflow.studies.trade.truth import QUANTITIES, Interval, Truth, intervals, make_truth
 
@@ -58,62 +58,43 @@ BUSY = 0.7
 
 @result
 class Record:
-    """A setting as it is printed and written."""
+    """A measured setting as it is printed and written."""
 
     method: str = declare("engine and scheme, or what varies", digits="")
     setting: str = declare("value of what varies", digits="")
     timestep: float = declare("time step", "time")
     every: float = declare("time between frames", "time")
-    velocity_error: float | None = declare(
-        "largest error of a velocity", "V", "not measured", digits=".1e", head="velocity"
-    )
-    amplitude_error: float | None = declare(
-        "largest error of a peak velocity of the leading pulse", "V", "not measured", digits=".1e", head="amplitude"
-    )
-    arrival_error: float | None = declare(
-        "largest error of its arrivals", "T", "not measured", digits=".1e", head="arrival"
-    )
+    velocity_error: float = declare("largest error of a velocity", "V", digits=".1e", head="velocity")
+    amplitude_error: float = declare("the same of the leading pulse's peaks", "V", digits=".1e", head="amplitude")
+    arrival_error: float = declare("the same of its arrivals", "T", digits=".1e", head="arrival")
     forces: int = declare("evaluations of all forces", digits=".3g")
-    seconds: float | None = declare(
-        "median time of the time loop with its frames, without the first call where there are others",
-        "s",
-        "not measured",
-        digits=".3g",
-        head="s",
-    )
-    seconds_min: float | None = declare("least of these", "s", "not measured", digits=".2g", head="min")
-    seconds_max: float | None = declare("largest of these", "s", "not measured", digits=".2g", head="max")
-    first: float | None = declare("first call with its start", "s", "not measured", digits=".2g")
+    seconds: float = declare("median of the time loop with its frames, first call apart", "s", digits=".3g", head="s")
+    seconds_min: float = declare("least of these", "s", digits=".2g", head="min")
+    seconds_max: float = declare("largest of these", "s", digits=".2g", head="max")
+    first: float = declare("first call with its start", "s", digits=".2g")
     front: str = declare("* on the Pareto front of the velocities' error and time", digits="")
-    note: str = declare("why there are no numbers")
-
-
-def record(point: Point, front: Points = ()) -> Record:
-    """A point as it is printed and written."""
-    setting, errors = point.setting, point.errors if point.measured else {}
-    seconds = point.repeats if point.measured else []
-    return Record(
-        method=setting.method,
-        setting=setting.label,
-        timestep=setting.problem.timestep,
-        every=setting.problem.every,
-        velocity_error=errors.get("velocity"),
-        amplitude_error=errors.get("amplitude"),
-        arrival_error=errors.get("arrival"),
-        forces=setting.forces,
-        seconds=point.seconds if seconds else None,
-        seconds_min=min(seconds, default=None),
-        seconds_max=max(seconds, default=None),
-        first=point.first if seconds else None,
-        front="*" if any(point is one for one in front) else "",
-        note=point.left_out,
-    )
 
 
 def records(found: Findings) -> list[Record]:
-    """Of all settings."""
+    """Of all settings that were measured."""
     front = found.front("velocity")
-    return [record(point, front) for point in found.points]
+    return [
+        Record(
+            method=point.setting.method,
+            setting=point.setting.label,
+            timestep=point.setting.problem.timestep,
+            every=point.setting.problem.every,
+            **{f"{name}_error": point.errors[name] for name in QUANTITIES},
+            forces=point.setting.forces,
+            seconds=point.seconds,
+            seconds_min=min(point.repeats),
+            seconds_max=max(point.repeats),
+            first=point.first,
+            front="*" if any(point is one for one in front) else "",
+        )
+        for point in found.points
+        if point.measured
+    ]
 
 
 # --- measurements -----------------------------------------------------------------------------------------------------
@@ -211,13 +192,7 @@ def report(found: Findings) -> dict[str, Any]:
         "advice": sentences(found),
         "reference": None if truth is None else {**asdict(truth.uncertainty), "seconds": truth.seconds},
         "orders": plain(found.orders(), scale),
-        "pareto": {
-            quantity: [f"{point.setting.method}, {point.setting.label}" for point in found.front(quantity)]
-            for quantity in QUANTITIES
-        },
-        "engines": [
-            {**plain(one, scale), "calls": point.calls} for one, point in zip(records(found), found.points, strict=True)
-        ],
+        "engines": plain(records(found), scale),
         "frames": plain(found.frames, scale),
         **provenance(),
     }
@@ -227,12 +202,9 @@ def _figure(found: Findings, truth: Truth) -> "Figure":
     from analysis.figures.work_precision import work_precision_figure  # matplotlib takes a while to import
 
     methods: dict[str, list[dict[str, Any]]] = {}
-    for point in found.points:
-        if point.measured:
-            name = (
-                f"{point.setting.method} (near the front)" if point.setting.method == WINDOW else point.setting.method
-            )
-            methods.setdefault(name, []).append(vars(record(point)))
+    for record in records(found):
+        name = f"{record.method} (near the front)" if record.method == WINDOW else record.method
+        methods.setdefault(name, []).append(vars(record))
     fronts = {
         quantity: np.array([(point.seconds, point.errors[quantity]) for point in found.front(quantity)])
         for quantity in QUANTITIES

@@ -92,8 +92,8 @@ def test_schemes_and_windows_are_measured_where_a_scene_may_have_them(name):
 
 
 def test_what_lammps_cannot_express_is_measured_by_the_reference_alone():
-    steel = {"name": "steel", "radius": 4.76e-3, "yield_strength": 0.25e9}
-    plain = {"name": "a", "beads": 9, "material": steel, "kick": {"velocity": 0.1}, "duration": 1e-3}
+    contact = {"yield": {"law": "walton-braun", "restitution": 0.8}}
+    plain = {"name": "a", "beads": 9, "contact": contact, "kick": {"velocity": 0.1}, "duration": 1.0}
     assert {one.method for one in choices.settings(library.from_plain(plain, "a").problem())} == {choices.REFERENCE}
 
 
