@@ -10,7 +10,7 @@ from workflow.studies.gallery.criteria import Measured, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain, each
 from workflow.studies.page import Statement
 
-MASS, STIFFNESS, OVERLAP, DRIVE = 0.1, 1.0, 0.25, 2.5
+MASS, STIFFNESS, FORCE, OVERLAP, DRIVE = 0.1, 1.0, 0.125, 0.25, 2.5
 CONTACT, OWN = 1.5 * math.sqrt(OVERLAP), STIFFNESS / MASS
 SUM = (1.0 + MASS) * OWN + 4.0 * CONTACT
 TOPS = [math.sqrt(0.5 * (SUM + sign * math.sqrt(SUM**2 - 16.0 * CONTACT * OWN))) for sign in (-1.0, 1.0)]
@@ -21,7 +21,7 @@ EDGES = {
 }
 EFFECTIVE = 1.0 + MASS * OWN / (OWN - DRIVE**2)
 RATIO = -math.exp(-math.acosh(EFFECTIVE * DRIVE**2 / (2.0 * CONTACT) - 1.0))
-KEYS = {"precompression": {"force": OVERLAP**1.5}, "resonators": {"mass": MASS, "stiffness": STIFFNESS}}
+KEYS = {"precompression": {"force": FORCE}, "resonators": {"mass": MASS, "stiffness": STIFFNESS}}
 SOURCE = "kim2014, abstract"
 
 
