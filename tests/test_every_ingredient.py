@@ -47,7 +47,7 @@ BY_BOND = {"ramp", "lattice", "cubic ring", "formulas of springs"}
 """Ranks may add up the springs of a row on their border in another order."""
 RANKS = [*sorted(BY_BOND), "foundation by chain", "dimer", "disorder", "exponent 1.25", "walls", "walls of exponent 2"]
 RANKS += [
-    "foundation modulated",
+    "foundation rising, modulated, damped",
     "foundations over time",
     "random contacts",
     "graded contacts, pressed",

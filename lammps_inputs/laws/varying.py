@@ -69,43 +69,40 @@ class Varying(NamedTuple):
     """In radians."""
 
     @staticmethod
-    def force(s: Any, t: Any, spring: Any, rate: Any, begin: Any, end: Any, depth: Any, omega: Any, phase: Any) -> Any:
+    def force(s: Any, t: Any, *law: Any) -> Any:
         """Proportional to the strain."""
+        spring, rate, begin, end, depth, omega, phase = law
         level = spring + rate * (np.minimum(np.maximum(t, begin), end) - begin)
         return level * (1.0 + depth * np.sin(omega * t + phase)) * s
 
     @staticmethod
-    def energy(s: Any, t: Any, spring: Any, rate: Any, begin: Any, end: Any, depth: Any, omega: Any, phase: Any) -> Any:
+    def energy(s: Any, t: Any, *law: Any) -> Any:
         """``k s**2 / 2``."""
-        return 0.5 * s * Varying.force(s, t, spring, rate, begin, end, depth, omega, phase)
+        return 0.5 * s * Varying.force(s, t, *law)
 
     @staticmethod
-    def stiffness(
-        s: Any, t: Any, spring: Any, rate: Any, begin: Any, end: Any, depth: Any, omega: Any, phase: Any
-    ) -> Any:
+    def stiffness(s: Any, t: Any, *law: Any) -> Any:
         """The same at any strain."""
-        return Varying.force(np.ones_like(s), t, spring, rate, begin, end, depth, omega, phase)
+        return Varying.force(np.ones_like(s), t, *law)
 
     @staticmethod
-    def power(s: Any, t: Any, spring: Any, rate: Any, begin: Any, end: Any, depth: Any, omega: Any, phase: Any) -> Any:
+    def power(s: Any, t: Any, *law: Any) -> Any:
         """``dk/dt s**2 / 2``."""
+        spring, rate, begin, end, depth, omega, phase = law
         level = spring + rate * (np.minimum(np.maximum(t, begin), end) - begin)
         angle = omega * t + phase
         ramp = rate * ((t >= begin) & (t < end)) * (1.0 + depth * np.sin(angle))
         return 0.5 * s * s * (ramp + level * (depth * omega) * np.cos(angle))
 
     @staticmethod
-    def max_strain(
-        energy: Any, spring: Any, rate: Any, begin: Any, end: Any, depth: Any, omega: Any, phase: Any
-    ) -> Any:
+    def max_strain(energy: Any, *law: Any) -> Any:
         """At the lowest stiffness."""
-        lowest = np.minimum(spring, spring + rate * (end - begin)) * (1.0 - np.abs(depth))
-        return Linear.max_strain(energy, lowest)
+        return Linear.max_strain(energy, np.minimum(*_ends_of_ramp(*law[:4])) * (1.0 - np.abs(law[4])))
 
     @staticmethod
-    def stiffest(energy: Any, spring: Any, rate: Any, begin: Any, end: Any, depth: Any, omega: Any, phase: Any) -> Any:
+    def stiffest(energy: Any, *law: Any) -> Any:
         """The largest over time."""
-        return np.maximum(spring, spring + rate * (end - begin)) * (1.0 + np.abs(depth))
+        return np.maximum(*_ends_of_ramp(*law[:4])) * (1.0 + np.abs(law[4]))
 
     @property
     def steady(self) -> Linear:
@@ -145,6 +142,11 @@ class Varying(NamedTuple):
         for number, (formula, atoms) in enumerate(own, 1):
             lines += held_by_variable(f"{name}{number}", atoms, formula, layout)
         return Lines(motion=(*([row_variable(layout)] if profiles is not None else []), *lines))
+
+
+def _ends_of_ramp(spring: Any, rate: Any, begin: Any, end: Any) -> tuple[Any, Any]:
+    """Stiffness before and after a ramp."""
+    return spring, spring + rate * (end - begin)
 
 
 _MODULATION = ("depth", "omega", "phase")

@@ -12,6 +12,7 @@ from analysis.conservation import Conservation
 from analysis.gauges.far_end import FarEnd
 from analysis.mirror import direction_of
 from analysis.motion import bead_energy, participation
+from analysis.sharing.energies import EnergyFlow
 from analysis.sharing.equipartition import sharing
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey
@@ -32,7 +33,11 @@ from workflow.workers import evaluate
 MASS = "mass"
 """Of all beads, in the scene's units: known before anything runs."""
 
-_AT_THE_END = tuple(name for name, quantity in QUANTITIES.items() if quantity.path[0] == "far_end")
+_METERS: dict[str, type[FarEnd | EnergyFlow]] = {"far_end": FarEnd, "energy": EnergyFlow}
+"""Part of a report -> what measures it alone."""
+
+_METERED = {name: q.path[0] for name, q in QUANTITIES.items() if q.path[0] in _METERS}
+_AT_THE_END = tuple(name for name, part in _METERED.items() if part == "far_end")
 
 KNOWN = (
     MASS,
@@ -135,12 +140,12 @@ def of_frames(
     found: dict[str, Any] = {}
     at_bead: dict[str, Any] = {}
     quick = _quick(problem, frames, scene, names) if _is_plain(problem) else {}
-    if any(name in _AT_THE_END for name in names):
-        end, count = FarEnd(problem), Accountant(problem).of
+    for part in {_METERED[name] for name in names if name in _METERED}:
+        meter, count = _METERS[part](problem), Accountant(problem).of
         for block in frames():
-            end.add(count(block) if physics.acted_on(problem.system) and block.exchange is None else block)
-        found["far_end"] = quantity.plain(end.result(), problem.scale)
-    if any(name not in (MASS, *_AT_THE_END, *quick) for name in names):
+            meter.add(count(block) if physics.acted_on(problem.system) and block.exchange is None else block)
+        found[part] = quantity.plain(meter.result(), problem.scale)
+    if any(name not in (MASS, *_METERED, *quick) for name in names):
         seen, allowed, count = Conservation(), Tolerances(), Accountant(problem).of
         surveyed = survey(frames, problem, watchers=[seen], tolerances=allowed, counted=count)
         found |= quantity.plain(report(surveyed, seen, allowed), problem.scale)

@@ -1,6 +1,7 @@
 """Chains on a foundation: a published beat, and the analysis; the motion is in `test_every_ingredient`."""
 
 import json
+import math
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from lammps_inputs.limits import rates
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run
+from workflow.studies.measures import by_reference
 from workflow.verdicts.analyse import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -118,3 +120,11 @@ def test_sound_on_springs_that_vary_has_no_dispersion():
     assert cell_of(scene(foundation={"stiffness": 0.3}, **pressed).system).beads == 1
     with pytest.raises(NoDispersionError, match="springs to the ground vary in time"):
         cell_of(scene(foundation=MODULATED, **pressed).system)
+
+
+def test_the_share_of_the_action_that_stays_is_a_quantity_of_studies():
+    """That of the installed scene is the formula's, but for a start that is no pure mode."""
+    share = by_reference(find("landau-zener").plain(), ("fastest_mode_action",), "landau-zener")["fastest_mode_action"]
+    coupling, rate, sweep = 0.03, 1.6 / 320.0, 0.8
+    stays = math.exp(-math.pi * coupling**2 / (math.sqrt(1.0 + coupling) * rate))
+    assert share == pytest.approx(stays, abs=2.0 * coupling / sweep * math.sqrt(stays * (1.0 - stays)))
