@@ -15,12 +15,6 @@ from lammps_inputs.links import Across
 from lammps_inputs.numbers import power_of_two_at_least, text
 from lammps_inputs.system import System
 
-
-def _nowhere(_: float) -> float:
-    """Of contacts of beads that touch."""
-    return 0.0
-
-
 PLACES = "places"
 """Fix of LAMMPS that has noted where beads rest, where that is no formula of their numbers."""
 
@@ -89,11 +83,10 @@ class Layout:
             max(least, 2.0 * least, 4.0 * self.farthest) if 0.0 < self.farthest < np.inf else least
         )
 
-    @cached_property
+    @property
     def farthest(self) -> float:
         """How much farther apart than at rest neighbours that act at a distance come, at most; 0 where none do."""
-        energy = physics.energy(self.system)
-        return max(float(getattr(link.law, "farthest", _nowhere)(energy)) for link in self.system.along)
+        return physics.farthest(self.system)
 
     @property
     def inner_diameter(self) -> float:

@@ -124,7 +124,20 @@ def why_no_pulse(system: System) -> str:
         return (
             f"resonators of angular frequency {slowest:.3g} / T are slower than a pulse, whose rate is {PULSE_RATE} / T"
         )
+    if farthest(system) > 0.0:
+        return "pulses are not followed where contacts act at a distance"
     return "no pulse keeps its shape in this scene"
+
+
+def _nowhere(_: float) -> float:
+    """How far contacts act that only push where beads touch."""
+    return 0.0
+
+
+@once
+def farthest(system: System) -> float:
+    """How much farther apart than at rest neighbours that act at a distance come, at most; 0 where none do."""
+    return max(float(getattr(link.law, "farthest", _nowhere)(energy(system))) for link in system.along)
 
 
 def uniform(system: System) -> bool:

@@ -263,6 +263,13 @@ EDITED = {
         "",
         "the forces that hold the beads at rest (on the ends, or weights) are missing",
     ),
+    "formula of contacts": (
+        "magnets",
+        r'pair_coeff \* \* "',
+        'pair_coeff * * "1.1*',
+        "the contacts are 1.1 times as strong as the scene says",
+    ),
+    "formula of the ground": ("formulas of springs", r"fix foundation1 .*\n", "", "the foundation is missing"),
     "weights": (
         "column",
         "-f_found",

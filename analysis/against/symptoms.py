@@ -366,14 +366,16 @@ class StaticLoad:
 
 
 def identify_load(trajectory: Trajectory) -> StaticLoad | None:
-    """Find the static load of a trajectory; None where the problem has none, or not all beads are recorded.
+    """Find the static load of a trajectory; None where the problem has none that contacts of a power of the overlap
+    carry, or not all beads are recorded.
 
     What links in incremental form leave of a bead's change of momentum is what holds it too much or too little. How
     hard the contacts are pressed shows in how they give: the load at which they explain most, among some.
     """
     problem = trajectory.problem
     system = problem.system
-    if not physics.loaded(system) or not problem.forces_known or trajectory.frames < 10:
+    powers = physics.loaded(system) and physics.exponent(system) is not None
+    if not powers or not problem.forces_known or trajectory.frames < 10:
         return None
     bearing = (*system.along, *physics.walls(system))
     others = [link for link in system.links if link not in bearing]

@@ -31,8 +31,8 @@ SMALL = 1e-20
 """A strain at which only the leading power of a force is left, in any units."""
 
 
-def _complaint(model: type[BaseModel], why: str) -> ValidationError:
-    error: Any = {"type": "value_error", "loc": ("force",), "input": "force", "ctx": {"error": ValueError(why)}}
+def _complaint(model: type[BaseModel], force: str, why: str) -> ValidationError:
+    error: Any = {"type": "value_error", "loc": ("force",), "input": force, "ctx": {"error": ValueError(why)}}
     return ValidationError.from_exception_data(model.__name__, [error])
 
 
@@ -60,7 +60,7 @@ class ByFormula(Ingredient):
         fields = {field.alias or name for name, field in cls.model_fields.items()}
         named = cls.parameters_of(given.get("force"))
         if named is None and isinstance(given["force"], str):
-            raise _complaint(cls, cls._wrong(given["force"]))
+            raise _complaint(cls, given["force"], cls._wrong(given["force"]))
         if named is None:  # no text
             return {key: value for key, value in given.items() if key in fields}
         wrong: list[Any] = [

@@ -131,6 +131,8 @@ class _Contact(by_formula.ByFormula):
         way = 1.0 if slopes[0] > 0.0 or slopes[1] > 0.0 else -1.0
         if not any(abs(slope) > 0.0 for slope in slopes):
             raise ValueError("contact.force: is the same at all s near 0; it should grow as beads come closer")
+        if not np.isfinite(slopes[0 if way > 0.0 else 1]):
+            raise ValueError("contact.force: falls as beads come closer; it should grow, as A*s^1.5 with A > 0")
         kind = Kind(way, cut=rest == 0.0 if self.tension is None else self.tension == "cut")
         if not kind.cut and not np.isfinite(slopes[1 if way > 0.0 else 0]):
             raise ValueError(

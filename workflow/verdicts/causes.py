@@ -195,7 +195,7 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
     found = found or _start(own) or pushes(own, reference)
     found = found or _static(own, reference) or _exponent(own, reference)
     found = found or ([] if physics.one_kind(own.problem.system) else _beads(own, reference))
-    found = found or _strengths(own, reference) or _springs(own, reference)
+    found = found or _by_formula(own) or _strengths(own, reference) or _springs(own, reference)
     found = found or (_beads(own, reference) if physics.one_kind(own.problem.system) else [])
     return found or _laws(own, reference)
 
@@ -336,6 +336,23 @@ def _profile(own: Trajectory, factor: Floats) -> list[str]:
         f"of beads {place + 1} and {place + 2} of chain {chain + 1}: {felt[chain, place]:.4g} instead of "
         f"{right[chain, place]:.4g}"
     ]
+
+
+def _by_formula(own: Trajectory) -> list[str]:
+    """Whether contacts whose force is a formula were so many times as strong, which no exponent or load shows."""
+    system = own.problem.system
+    if physics.exponent(system) is not None or len(system.along) != 1:
+        return []
+    (contact,) = system.along
+    others = [link for link in system.links if link is not contact]
+    left = symptoms.unexplained(own, others, system.dampers)
+    given = np.zeros_like(left)
+    contact.drive(given, symptoms.of_link(contact, own))
+    factor = float(np.sum(left * given) / np.sum(given**2)) if np.any(given) else 1.0
+    explained = np.sum((left - factor * given) ** 2) < _EXPLAINED * np.sum((left - given) ** 2)
+    if not explained or abs(factor - 1.0) < _BEAD_DOUBT:
+        return []
+    return [f"the contacts are {factor:.4g} times as strong as the scene says"]
 
 
 def _static(own: Trajectory, reference: Trajectory) -> list[str]:
