@@ -19,7 +19,7 @@ _STORED = {
 }
 """Okabe and Ito's palette and two of Tol's, with a hatch for what is dissipated."""
 
-_LOST = ("#D55E00", "#E69F00", "#CC79A7", "#999999")
+_LOST = ("#D55E00", "#E69F00", "#CC79A7", "#999999", "#661100")
 
 MOST_MODES = 6
 """That are drawn."""
@@ -34,7 +34,7 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
     most = account.most
     time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", most)
     layers = [(name, account.stored[name], colour, "") for name, colour in _STORED.items()]
-    lost = zip(account.losses.items(), _LOST, strict=False)  # there are four at most
+    lost = zip(account.losses.items(), _LOST, strict=False)  # there are five at most
     layers += [(name, part, colour, "////") for (name, part), colour in lost]
     figure = Figure(figsize=(7.0, 4.2), layout="constrained")
     axis = figure.subplots()

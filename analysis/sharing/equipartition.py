@@ -362,9 +362,9 @@ def resolved(shared: Sharing, system: System) -> bool:
 
 
 def dissipates(system: System) -> bool:
-    """Whether contacts or beads lose energy, so that every pulse decays as long as it runs."""
+    """Whether contacts or beads lose energy, or contacts yield, so that every pulse decays as long as it runs."""
     along, _, ground, _ = physics.dashpot_names(system)
-    return along is not None or ground is not None
+    return along is not None or ground is not None or bool(physics.remembering(system))
 
 
 def _extrapolated(tops: Floats, tolerance: float) -> float | None:

@@ -49,6 +49,7 @@ PICTURES = {
     "gallery/graded-contacts": ("graded-contacts", "spacetime"),
     "gallery/resonators": ("resonators", "spacetime"),
     "gallery/magnets": ("magnets", "spacetime"),
+    "gallery/plastic-contacts": ("plastic-contacts", "budget"),
     "gallery/disordered-chain": ("disordered-chain", "spacetime"),
     "gallery/two-chains-gapped": ("two-chains-gapped", "spacetime"),
 }

@@ -1,5 +1,6 @@
 """Contacts that yield: Thornton's and Walton and Braun's closed forms, and numbers of an independent program."""
 
+import json
 import math
 
 import numpy as np
@@ -242,3 +243,18 @@ def test_accelerations_of_frames_are_the_slopes_of_the_velocities():
     slope = (found.velocity[frame + 1, chain, bead] - found.velocity[frame - 1, chain, bead]) / 0.002
     # a force whose slope jumps within the two frames is off by half of the jump times their distance
     assert np.max(np.abs(motion.acceleration_and_rate(found, frame, chain, bead)[0] - slope)) < 1e-4
+
+
+def test_an_analysis_has_permanent_overlaps_forces_and_a_decay_but_no_final_amplitude(tmp_path):
+    case = plastic(beads=80, duration=140.0)
+    done = analyse(run(case, tmp_path / "run", engine="reference").directory)
+    report = json.loads((tmp_path / "run" / "analysis.json").read_text())
+    assert report["equipartition"]["final"] is None
+    table = np.genfromtxt(tmp_path / "run" / "plastic.csv", delimiter=",", names=True)
+    assert table["force"][[0, 9, 49]] == pytest.approx([0.492414, 0.140577, 0.054380], abs=6e-7)
+    assert np.sum(table["lost"]) == pytest.approx(0.475548, abs=6e-7)
+    law = Thornton(1.0, 0.1, table["overlap"])
+    np.testing.assert_allclose(table["permanent"], law.permanent(*law), atol=1e-14)
+    assert report["plastic"]["lost"] == pytest.approx(2.0 * 0.475548, abs=2e-6)
+    assert -0.6 < report["plastic"]["decay"] < -0.2
+    assert done.conservation.energy_drift < 3e-8

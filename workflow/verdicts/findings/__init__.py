@@ -9,6 +9,7 @@ from workflow.verdicts.findings.finding import Finding
 from workflow.verdicts.findings.gauges import Contacts, FarEnd, Forces, Spectra
 from workflow.verdicts.findings.pulses import Cells, Window
 from workflow.verdicts.findings.sound import Dispersion, Sound
+from workflow.verdicts.findings.yielding import PlasticContacts
 
 FINDINGS: tuple[type[Finding], ...] = (
     Energy,
@@ -20,6 +21,7 @@ FINDINGS: tuple[type[Finding], ...] = (
     FarEnd,
     Window,
     Contacts,
+    PlasticContacts,
     Budget,
 )
 """In the order in which they are printed."""

@@ -17,6 +17,7 @@ NAMES = (
     "dimer-resonance",
     "tapered",
     "graded",
+    "plastic",
     "decorated",
     "impurity",
     "wall",
