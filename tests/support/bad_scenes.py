@@ -318,8 +318,8 @@ def _graded(message: str, strength: Any) -> BadScene:
     return _refused(f"contact.strength{message}", contact={"strength": strength})
 
 
-def _yields(message: str, given: Any, **more: Any) -> BadScene:
-    return _refused(message, contact={"yield": given}, **more)
+def _yields(message: str, given: Any, force: str | None = None, **more: Any) -> BadScene:
+    return _refused(message, contact={"yield": given, **({} if force is None else {"force": force})}, **more)
 
 
 def _tied(message: str, **keys: Any) -> BadScene:
@@ -524,6 +524,12 @@ REFUSED = [
         precompression={"force": 0.1},
     ),
     _refused("material.yield_strength: should be greater than 0", material={**_SI, "yield_strength": -1.0}),
+    _yields("contact.yield: is known of spheres only", {"overlap": 0.1}, force="s^2"),
+    _refused(
+        "contact.exponent: 2 given; contacts yield by material.yield_strength as spheres",
+        contact={"exponent": 2.0, "stiffness": 1e9},
+        material={**_SI, "yield_strength": 1e9},
+    ),
     _kinds("kinds.a.yield_strength: needs", kinds={"a": {"yield_strength": 1e8}}, pattern=["a"], material=_SI),
     _kinds(
         "kinds.a.yield_strength: is missing beside material.yield_strength",
