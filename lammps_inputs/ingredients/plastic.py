@@ -94,12 +94,8 @@ def refuse(scene: "BaseScene") -> None:
         if named != "contact.yield":
             raise ValueError("contact.yield: material.yield_strength makes the contacts yield; leave one of them out")
     contact = getattr(scene, "contact", None)
-    if getattr(contact, "force", None) is not None:
-        raise ValueError(f"{named}: is known of spheres only, not of a force by formula; leave one of them out")
-    if own is None and scene.contact_scale[0] != 1.5:
-        raise ValueError(
-            f"contact.exponent: {scene.contact_scale[0]:g} given; contacts yield by {named} as spheres, of exponent 1.5"
-        )
+    if own is None and (scene.contact_scale[0] != 1.5 or getattr(contact, "force", None) is not None):
+        raise ValueError(f"contact: other contacts than spheres, which alone yield by {named}; leave one of them out")
     reference = overlap_at_yield(ball) if own is None else own.overlap
     if reference is not None and not reference / scene.scale.length >= SMALLEST:
         place, meant = ("contact.yield.overlap", "") if own is not None else (named, "; is it in Pa?")

@@ -524,9 +524,9 @@ REFUSED = [
         precompression={"force": 0.1},
     ),
     _refused("material.yield_strength: should be greater than 0", material={**_SI, "yield_strength": -1.0}),
-    _yields("contact.yield: is known of spheres only", {"overlap": 0.1}, force="s^2"),
+    _yields("contact.yield: contact.force says the whole force", {"overlap": 0.1}, force="s^2"),
     _refused(
-        "contact.exponent: 2 given; contacts yield by material.yield_strength as spheres",
+        "contact: other contacts than spheres, which alone yield by material.yield_strength",
         contact={"exponent": 2.0, "stiffness": 1e9},
         material={**_SI, "yield_strength": 1e9},
     ),
