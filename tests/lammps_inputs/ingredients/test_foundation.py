@@ -16,6 +16,7 @@ from lammps_inputs.decks import deck
 from lammps_inputs.limits import rates
 from workflow.cli import main
 from workflow.engines.reference import engine
+from workflow.errors import RunError
 from workflow.runs.run import run
 from workflow.studies.measures import by_reference
 from workflow.verdicts.analyse import analyse
@@ -128,3 +129,10 @@ def test_the_share_of_the_action_that_stays_is_a_quantity_of_studies():
     coupling, rate, sweep = 0.03, 1.6 / 320.0, 0.8
     stays = math.exp(-math.pi * coupling**2 / (math.sqrt(1.0 + coupling) * rate))
     assert share == pytest.approx(stays, abs=2.0 * coupling / sweep * math.sqrt(stays * (1.0 - stays)))
+
+
+def test_oscillations_that_grow_beyond_all_numbers_fail_in_one_line(tmp_path):
+    growing = {"stiffness": 1.0, "modulation": {"depth": 1.0, "frequency": 1.0 / math.pi}}
+    case = scene(foundation=growing, duration=400.0, output={"every": 1.0})
+    with pytest.raises(RunError, match="velocities are no longer finite numbers: the oscillations grow"):
+        run(case, tmp_path / "run", engine="reference")

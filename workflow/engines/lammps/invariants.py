@@ -53,4 +53,7 @@ def fault(
 def _remedy(problem: Problem) -> str:
     bound = stability_bound(problem.system) * problem.scale.time
     step = problem.timestep * problem.scale.time
-    return f"take a smaller timestep (it is {step:.3g}, unstable above {bound:.3g})"
+    smaller = f"take a smaller timestep (it is {step:.3g}, unstable above {bound:.3g})"
+    if not physics.varying(problem.system):
+        return smaller
+    return f"if the oscillations grow on the foundation, run for a shorter time or modulate less; else {smaller}"
