@@ -201,6 +201,8 @@ def written(found: Any, name: str, scale: Scale, digits: str) -> str:
     return cell(plain(getattr(found, name), scale, declared(type(found))[name][0].unit), digits)
 
 
-def cell(value: float | None, digits: str) -> str:
-    """A number of a printed table; ``-`` where it is undefined."""
+def cell(value: float | str | None, digits: str) -> str:
+    """A number of a printed table, or a text; ``-`` where it is undefined."""
+    if isinstance(value, str):
+        return value
     return "-" if value is None or known(value) is None else f"{value:{digits}}"

@@ -13,7 +13,9 @@
 - **Plan**: pure functions that return `workflow.workers.evaluate.Case`, which name a function and plain data.
 - **Evaluate**: `workflow.workers.evaluate` computes them in one pool of processes, with the cache that `opened`
   supplies. A search evaluates as often as it plans, in one open directory.
-- **Report**: `write` writes tables, pages and figures; `workflow.studies.page` makes a page of statements.
+- **Report**: a table is a list of records whose class declares its columns once (`analysis.quantity.result`): meaning,
+  unit, and how they are printed. `to_csv` and `print_records` follow from it. `write` writes tables, pages and figures;
+  `workflow.studies.page` makes a page of statements.
 
 `opened` creates or resumes the directory, refuses files of others, keeps other commands out of it, and records for
 ``granchain status`` whether the study came to its end. A command adds arguments and prints.
@@ -121,7 +123,7 @@ def print_records(
     """A table on standard output of the columns that declare ``digits`` (`analysis.quantity.Quantity`), likewise."""
     shown = {name: one for name, (one, _) in quantity.declared(kind).items() if one.digits is not None}
     rows = [
-        [_text(_measured(record, name, one.unit, scale), one.digits or "") for name, one in shown.items()]
+        [quantity.cell(_measured(record, name, one.unit, scale), one.digits or "") for name, one in shown.items()]
         for record in records
     ]
     print_table(title, [scale.heading(one.head or name, one.unit) for name, one in shown.items()], rows)
@@ -135,10 +137,6 @@ def _declared(kind: "type[DataclassInstance]", name: str) -> quantity.Quantity:
 def _measured(record: "DataclassInstance", name: str, unit: str, scale: Scale) -> Any:
     value = getattr(record, name)
     return None if value is None else quantity.in_units(value, unit, scale)
-
-
-def _text(value: Any, digits: str) -> str:
-    return value if isinstance(value, str) else quantity.cell(value, digits)
 
 
 def csv_text(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str:
