@@ -17,8 +17,7 @@ from workflow.runs.run import run
 from workflow.studies import measures
 from workflow.studies.design import file
 from workflow.studies.design.file import Variable
-from workflow.studies.design.found import Found, Verified
-from workflow.studies.design.manufacture import Sensitivity, sensitivity
+from workflow.studies.design.found import Found, Sensitivity, Verified, sensitivity
 from workflow.studies.design.search import Record, computed, search, worth
 from workflow.sweep.collect import collect
 from workflow.workers.evaluate import Results

@@ -296,9 +296,3 @@ def test_a_table_in_units_is_of_no_scene_without(tmp_path):
     reduced = {"name": "a", "beads": 30, "kick": {"velocity": 1.0}, "duration": 20.0}
     with pytest.raises(api.InputError, match="is in reduced units"):
         api.fit(reduced, data, "kick.velocity", tmp_path / "out")
-
-
-def test_from_python_what_cannot_be_free_raises_our_error(tmp_path):
-    data = measured.table(tmp_path / "data.csv")
-    with pytest.raises(api.InputError, match="counts something"):
-        api.fit(measured.scene(), data, "beads", tmp_path / "out")

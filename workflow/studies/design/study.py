@@ -21,8 +21,7 @@ from typing import Any
 from lammps_inputs import InputError, library, strict_yaml
 from workflow.runs.files import as_json
 from workflow.studies.design.file import Design
-from workflow.studies.design.found import Found, Verified
-from workflow.studies.design.manufacture import sensitivity
+from workflow.studies.design.found import Found, Verified, sensitivity
 from workflow.studies.design.search import RULED_OUT, Record, computed, search, worth
 from workflow.studies.kept_runs import kept_run
 from workflow.studies.measures import by_reference, of_frames, scene_to_run

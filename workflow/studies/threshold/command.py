@@ -30,9 +30,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--vary", metavar="FIELD=LOW:HIGH", required=True, help="the varied field, and its range")
     parser.add_argument("--log", action="store_true", help="divide the range by factors instead of differences")
     parser.add_argument("--over", metavar="FIELD=A,B,...", help="one threshold for each value of a second field")
-    parser.add_argument("--points", metavar="N", type=within(int, 2, 10_000), default=9, help="first scan (default 9)")
-    words = "largest half-width of a bracket / its place (default 0.001)"
-    parser.add_argument("--tolerance", metavar="X", type=within(float, 1e-12, 0.5), default=1e-3, help=words)
+    words = ("values of the first scan (default 9)", "largest half-width of a bracket / its place (default 0.001)")
+    parser.add_argument("--points", metavar="N", type=within(int, 2, 10_000), default=9, help=words[0])
+    parser.add_argument("--tolerance", metavar="X", type=within(float, 1e-12, 0.5), default=1e-3, help=words[1])
     add_output(parser)
     add_jobs(parser)
 
