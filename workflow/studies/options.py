@@ -47,7 +47,8 @@ def listed(kind: type[int] | type[float]) -> Callable[[str], tuple[float, ...]]:
         try:
             return tuple(kind(part) for part in text.split(","))
         except ValueError:
-            raise argparse.ArgumentTypeError(f"{text!r} given; numbers with commas between") from None
+            words = "whole numbers" if kind is int else "numbers"
+            raise argparse.ArgumentTypeError(f"{text!r} given; {words} with commas between") from None
 
     return read
 

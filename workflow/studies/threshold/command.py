@@ -7,6 +7,7 @@ from pathlib import Path
 from lammps_inputs import InputError, library
 from workflow.formats import figure_files
 from workflow.screen import Answer, cell, one_line, print_table
+from workflow.studies.measures import heading
 from workflow.studies.options import add_jobs, add_output, number, on_cores, second_field, split, within
 from workflow.studies.threshold import study
 from workflow.studies.threshold.bracket import Axis
@@ -70,7 +71,7 @@ def _question(arguments: argparse.Namespace) -> Question:
 def _print(found: Found, output: Path) -> None:
     asked = found.question
     if found.thresholds:
-        head = [asked.heading(name) for name in (asked.over, asked.field) if name]
+        head = [heading(name, asked.scene) for name in (asked.over, asked.field) if name]
         print_table(
             f"{one_line(asked.source)}: where {asked.quantity} crosses {asked.level:g}",
             [*head, "uncertainty", "from", "to", asked.quantity, ""],

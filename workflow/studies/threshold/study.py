@@ -69,10 +69,6 @@ class Question:
         number = int(value) if self.axis.whole else value
         return fields.put_all(self.scene, {**({self.over: over} if self.over else {}), self.field: number})
 
-    def heading(self, name: str) -> str:
-        """A field or the quantity with its unit, if it has one."""
-        return heading(name, self.scene) if name in (self.field, self.over, self.quantity) else name
-
     def __post_init__(self) -> None:
         refuse_unknown(self.quantity, self.source, "quantity of a threshold")
         names = [name for name in (self.field, self.over) if name]
@@ -177,14 +173,17 @@ def carry_out(
         InputError: the directory cannot be used.
         RunError: a process was killed.
     """
-    known: dict[Any, dict[float, float | None]] = {over: {} for over in question.lines}
-    errors: dict[tuple[Any, float], float | None] = {}
+    computed: dict[Any, dict[float, dict[str, float | None]]] = {over: {} for over in question.lines}
     refused: list[str] = []
+
+    def known(over: Any) -> dict[float, float | None]:
+        return {x: quantities.get(question.quantity) for x, quantities in computed[over].items()}
+
     with STUDY.opened(directory) as cache:
         while plan := [
-            (over, x) for over in question.lines for x in wanted(known[over], question.axis, question.level)
+            (over, x) for over in question.lines for x in wanted(known(over), question.axis, question.level)
         ]:
-            done = sum(map(len, known.values()))
+            done = sum(map(len, computed.values()))
 
             def show(now: int, total: int, _: int, done: int = done) -> None:
                 if progress is not None:
@@ -192,18 +191,16 @@ def carry_out(
 
             cases = [case(question.scene_at(x, over), question.names, question.source) for over, x in plan]
             for (over, x), value in zip(plan, evaluate.values(cases, cache, pool=pool, progress=show), strict=True):
-                quantities = value.get("quantities", {})
+                computed[over][x] = value.get("quantities", {})
                 refused += [value["refused"]] if "refused" in value else []
-                known[over][x] = quantities.get(question.quantity)
-                errors[over, x] = quantities.get(question.names[-1])
         found = Found(
             question,
             [
-                _threshold(question, over, one, errors)
+                _threshold(question, over, one, computed[over])
                 for over in question.lines
-                for one in crossings(known[over], question.axis, question.level)
+                for one in crossings(known(over), question.axis, question.level)
             ],
-            [Point(over, x, known[over][x]) for over in question.lines for x in sorted(known[over])],
+            [Point(over, x, quantity) for over in question.lines for x, quantity in sorted(known(over).items())],
             "".join(refused[:1]),
         )
         tables = {TABLE: to_csv(Threshold, found.thresholds), POINTS: to_csv(Point, found.points)}
@@ -212,18 +209,16 @@ def carry_out(
 
 
 def _threshold(
-    question: Question, over: Any, crossing: Crossing, errors: dict[tuple[Any, float], float | None]
+    question: Question, over: Any, crossing: Crossing, computed: dict[float, dict[str, float | None]]
 ) -> Threshold:
     low, high = crossing.low, crossing.high
     uncertainty: float | None = 0.5 * (high - low)
     if len(question.names) > 1:
-        own = [errors[over, low], errors[over, high]]
-        known = [one for one in own if one is not None]
-        uncertainty = None if len(known) < len(own) else 0.5 * (high - low) + max(known) / abs(crossing.slope)
-    place = question.axis.middle(low, high)
-    return Threshold(
-        over, place, uncertainty, low, high, crossing.rises, mixed=crossing.mixed, undefined=crossing.undefined
-    )
+        own = [computed[x].get(question.names[-1]) for x in (low, high)]
+        sizes = [one for one in own if one is not None]
+        uncertainty = None if len(sizes) < len(own) else 0.5 * (high - low) + max(sizes) / abs(crossing.slope)
+    edges = {name: value for name, value in vars(crossing).items() if name != "slope"}
+    return Threshold(over, question.axis.middle(low, high), uncertainty, **edges)
 
 
 def _figure(found: Found) -> "Figure":
@@ -232,17 +227,17 @@ def _figure(found: Found) -> "Figure":
 
     asked = found.question
     title = f"{asked.source}: {asked.quantity} = {asked.level:g}"
-    field = asked.heading(asked.field)
+    field = heading(asked.field, asked.scene)
     if asked.over and all(isinstance(over, int | float) for over in asked.places):
         lines: list[tuple[Any, float | None, float | None]]
         lines = [(one.over, one.place, one.uncertainty) for one in found.thresholds]
         # a value without a threshold is a tick at the foot
         lines += [(over, None, None) for over in asked.places if not any(one[0] == over for one in lines)]
         over, place, error = map(floats, zip(*sorted(lines, key=lambda line: asked.places.index(line[0])), strict=True))
-        return swept_figure(Shown(field, place, error), Shown(asked.heading(asked.over), over), title=title)
+        return swept_figure(Shown(field, place, error), Shown(heading(asked.over, asked.scene), over), title=title)
     values, quantity = (floats([getattr(point, name) for point in found.points]) for name in ("value", "quantity"))
     second = None
     if asked.over:
         numbers = floats([asked.places.index(point.over) + 1 for point in found.points])
         second = Shown(f"value of {asked.over}, by its number", numbers)
-    return swept_figure(Shown(asked.heading(asked.quantity), quantity), Shown(field, values), second, title)
+    return swept_figure(Shown(heading(asked.quantity, asked.scene), quantity), Shown(field, values), second, title)
