@@ -80,13 +80,18 @@ def mass_of_atoms(system: System) -> float | NDArray[np.float64]:
     return np.vstack([np.broadcast_to(system.mass, (system.chains, system.beads)), inner])
 
 
-def mass_with_inner(system: System) -> float | NDArray[np.float64]:
+def mass_with_inner(system: System) -> Any:
     """Of beads with the inner atoms that are tied to them, which move with them in slow motion, [chain, bead]."""
-    if system.inner_mass is None:
-        return system.mass
-    total = np.array(np.broadcast_to(system.mass, (system.chains, system.beads)))
-    for line, mass in enumerate(system.inner_mass):
-        total[line % system.chains] += mass
+    return with_inner(system.mass, system.inner_mass, system.chains)
+
+
+def with_inner(mass: Any, inner: NDArray[np.float64] | None, chains: int) -> Any:
+    """Masses of beads with those of inner atoms, [line, bead], if there are any."""
+    if inner is None:
+        return mass
+    total = np.array(np.broadcast_to(mass, (chains, inner.shape[1])), dtype=np.float64)
+    for line, own in enumerate(inner):
+        total[line % chains] += own
     return total
 
 

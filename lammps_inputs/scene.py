@@ -465,8 +465,9 @@ class BaseScene(Part):
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(self)}
         taken |= {Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set()
-        static = sum((ingredient.static(self, mass) for ingredient in self.ingredients), np.float64(0.0))
         inner_mass, inner_links, inner_dampers = self._inner
+        borne = physics.with_inner(mass, inner_mass, self.chains)
+        static = sum((ingredient.static(self, borne) for ingredient in self.ingredients), np.float64(0.0))
         if any(laws.remembers(link.law) for link in touching):
             taken |= {Fact.FRAMES, Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE}
             taken |= set() if plastic.key(self) else {Fact.MOMENTUM}

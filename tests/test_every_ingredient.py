@@ -233,6 +233,7 @@ def test_a_loaded_chain_that_is_not_kicked_stays_at_rest_to_the_last_bit(name, c
 
 
 MORE = "1.1 times as strong as the scene says"
+RESONANT = "resonators by chain, column, dimer"
 EDITED = {
     "exponent": (
         "exponent 3",
@@ -275,6 +276,19 @@ EDITED = {
         "-f_found",
         "-0.9*f_found",
         "the forces that hold the beads at rest are 0.9 times what the scene says",
+    ),
+    "no resonators": (RESONANT, r"bond_coeff 1 .*", "bond_coeff 1 0 0", "the resonators are missing"),
+    "resonators": (
+        "resonators of two kinds, in some rows",
+        "bond_coeff 2 0.1",
+        "bond_coeff 2 0.11",
+        f"the resonators 1 are {MORE}",
+    ),
+    "masses of resonators": (
+        RESONANT,
+        r"fix motion all nve",
+        "group inner subtract all beads\nset group inner mass 0.22\nfix motion all nve",
+        "the resonators are 1.1 times as heavy as the scene says",
     ),
     "drive": (
         "driven",

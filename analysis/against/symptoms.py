@@ -9,6 +9,7 @@ frames against the impulses of all links, how heavy each bead was felt to be and
 Impulses are [interval, chain, bead], the intervals between two frames. Every bead must be recorded.
 """
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
@@ -34,34 +35,44 @@ def intervals(trajectory: Trajectory) -> Floats:
 
 def of_link(link: Link, trajectory: Trajectory) -> Floats:
     """Impulse of each of some links, by their forces and how these change at the frames."""
-    x, v, link = trajectory.displacement, trajectory.velocity, link.at(trajectory.time)
+    (x, v), link = _seen(link, trajectory), link.at(trajectory.time)
     return integral(link.force(x), link.force_rate(x, v), intervals(trajectory))
 
 
 def of_damper(damper: Link, trajectory: Trajectory) -> Floats:
     """Impulse of each of some dampers, which have given one for every strain."""
-    return np.diff(damper.given(trajectory.displacement), axis=0)
+    return np.diff(damper.given(_seen(damper, trajectory)[0]), axis=0)
+
+
+def _seen(link: Link, trajectory: Trajectory) -> tuple[Floats, Floats]:
+    """Displacements and velocities of the beads; of all atoms for a link of others."""
+    inner = physics.is_inner(trajectory.problem.system, link)
+    return trajectory.atoms if inner else (trajectory.displacement, trajectory.velocity)
 
 
 def on_beads(link: Link, impulse: Floats, trajectory: Trajectory) -> Floats:
     """What impulses of links, or of dampers, give the beads."""
-    column = np.zeros_like(trajectory.velocity[1:])
+    column = np.zeros_like(_seen(link, trajectory)[0][1:])
     link.drive(column, impulse)
-    return column
+    return column[:, : trajectory.problem.chains]
 
 
 def unexplained(
     trajectory: Trajectory, links: Iterable[Link] = (), dampers: Iterable[Link] = (), *, loads: bool = True
 ) -> Floats:
-    """Change of momentum but for what these links and dampers and, if so, the forces from outside gave."""
+    """Change of the beads' momentum but for what these links and dampers and, if so, forces from outside gave."""
     problem = trajectory.problem
     change: Floats = np.diff(trajectory.velocity, axis=0) * problem.system.mass
     for load in problem.system.loads if loads else ():
         change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
-    for link in links:
-        link.drive(change, -of_link(link, trajectory))
-    for damper in dampers:
-        damper.drive(change, -of_damper(damper, trajectory))
+    for link, impulse in (
+        *((link, of_link(link, trajectory)) for link in links),
+        *((damper, of_damper(damper, trajectory)) for damper in dampers),
+    ):
+        if physics.is_inner(problem.system, link):
+            change -= on_beads(link, impulse, trajectory)
+        else:
+            link.drive(change, -impulse)
     return change
 
 
@@ -103,7 +114,7 @@ def identify_beads(trajectory: Trajectory) -> Felt | None:
         return None
     change = unexplained(trajectory)
     contacts, others = np.zeros(change[:, :, 1:].shape), []
-    for link in system.links:
+    for link in (*system.links, *system.inner_links):
         impulse = of_link(link, trajectory)
         if isinstance(link, Along):
             contacts += impulse
@@ -152,7 +163,8 @@ def _apart(behind: Floats, ahead: Floats) -> tuple[Floats, Floats]:
 def impulse_given(trajectory: Trajectory, load: Load) -> Floats:
     """Impulse from outside until each frame, [frame], on the bead of a load: what the links on it do not explain."""
     problem = trajectory.problem
-    change = unexplained(trajectory, problem.system.links, problem.system.dampers, loads=False)
+    links = (*problem.system.links, *problem.system.inner_links)
+    change = unexplained(trajectory, links, problem.system.dampers, loads=False)
     return np.concatenate([[0.0], np.cumsum(change[:, load.chain - 1, load.bead - 1])])
 
 
@@ -268,7 +280,7 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     if system.motions:  # by unknown forces
         return None
     x, v = trajectory.displacement, trajectory.velocity
-    change = unexplained(trajectory, (*system.along, *system.ground), system.dampers)
+    change = unexplained(trajectory, (*system.along, *system.ground, *system.inner_links), system.dampers)
     felt = np.cumsum(change, axis=1)[:, :-1]
     relative, relative_rate = x[:, 1:] - x[:, :-1], v[:, 1:] - v[:, :-1]
     if np.max(np.abs(relative)) < _APART:
@@ -318,7 +330,8 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
     if not problem.forces_known or trajectory.frames < 10:
         return None
     change = _but_for_driven(unexplained(trajectory), problem)
-    given = [part for link in problem.system.links for part in _parts(link, trajectory)]
+    links = (*problem.system.links, *problem.system.inner_links)
+    given = [part for link in links for part in _parts(link, trajectory)]
     given += [(damper.name, damper, of_damper(damper, trajectory)) for damper in problem.system.dampers]
     columns = np.array(
         [_but_for_driven(on_beads(link, impulse, trajectory), problem).reshape(-1) for _, link, impulse in given]
@@ -332,6 +345,24 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
     left, own = (float(np.sum((right - matrix @ fit) ** 2)) for fit in (factors, np.ones(len(felt))))
     found = {given[place][0]: float(factor) for place, factor in zip(felt, factors, strict=True)}
     return Strengths(found, left / own if own > 0.0 else 0.0)
+
+
+def felt_inner_mass(trajectory: Trajectory) -> float:
+    """How heavy inner atoms were felt to be, over the problem's masses, by the impulses of their links on them.
+
+    NaN where none has moved.
+    """
+    system, lines = trajectory.problem.system, slice(trajectory.problem.chains, None)
+    assert system.inner_mass is not None
+    momentum = np.diff(trajectory.atoms[1][:, lines], axis=0) * system.inner_mass
+    given = np.zeros_like(trajectory.atoms[1][1:])
+    for link in system.inner_links:
+        link.drive(given, of_link(link, trajectory))
+    for damper in system.dampers:
+        if physics.is_inner(system, damper):
+            damper.drive(given, of_damper(damper, trajectory))
+    power = float(np.sum(momentum * momentum))
+    return float(np.sum(momentum * given[:, lines])) / power if power > 0.0 else math.nan
 
 
 def _parts(link: Link, trajectory: Trajectory) -> list[tuple[str, Link, Floats]]:
@@ -378,7 +409,7 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     if not powers or not problem.forces_known or trajectory.frames < 10:
         return None
     bearing = (*system.along, *physics.walls(system))
-    others = [link for link in system.links if link not in bearing]
+    others = [link for link in (*system.links, *system.inner_links) if link not in bearing]
     change = unexplained(trajectory, others, system.dampers)
 
     def left(factor: float) -> Floats:
@@ -425,7 +456,7 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
     ):
         return None
     (contact,) = system.along
-    left = unexplained(trajectory, (*system.across, *system.ground), system.dampers)
+    left = unexplained(trajectory, (*system.across, *system.ground, *system.inner_links), system.dampers)
     spacing, v = intervals(trajectory), trajectory.velocity
     overlap, closing = np.maximum(contact.overlap(trajectory.displacement), 0.0), v[..., :-1] - v[..., 1:]
     rest = laws.rest(contact.law)

@@ -32,6 +32,12 @@ def atom_ids(problem: Problem) -> Integers:
     return np.arange(problem.chains)[:, np.newaxis] * problem.rows + row
 
 
+def rest_of_atoms(problem: Problem) -> Floats:
+    """[atom] the same of all atoms of a frame."""
+    rest = rest_positions(problem)[np.arange(problem.lines) % problem.chains].ravel()
+    return rest if problem.lines == problem.chains else np.asarray(rest[all_ids(problem) - 1])
+
+
 def all_ids(problem: Problem) -> Integers:
     """Numbers of all atoms of a frame, ascending: of the recorded beads, and of inner atoms where all beads are."""
     return physics.atom_ids(problem.system) if problem.lines > problem.chains else atom_ids(problem).ravel()
@@ -139,12 +145,11 @@ def _memory(columns: Floats) -> Floats | None:
 
 def _with_inner_atoms(problem: Problem, time: Floats, values: Floats) -> Trajectory:
     """Frames of all beads and inner atoms; places without one are at rest."""
-    lines, chains = problem.lines, problem.chains
+    lines = problem.lines
     full = np.zeros((*values.shape[:2], lines * problem.beads))
     place = all_ids(problem) - 1
     full[..., place] = values
-    rest = rest_positions(problem)[np.arange(lines) % chains].ravel()
-    full[:, 0, place] -= rest[place]
+    full[:, 0, place] -= rest_of_atoms(problem)
     displacement, velocity = full.reshape(len(time), 2, lines, problem.beads).swapaxes(0, 1)
     return of_atoms(problem, time, displacement, velocity)
 
@@ -172,10 +177,10 @@ class Writer:
     def __init__(self, path: Path | str, problem: Problem) -> None:
         """Begin a dump of the recorded beads, and of inner atoms with all of them; an existing file is replaced."""
         self._shape = problem.lines, problem.rows_a_frame
-        ids, lines = all_ids(problem), np.arange(problem.lines)
-        self._rest = rest_positions(problem)[lines % problem.chains].ravel()
+        ids = all_ids(problem)
+        self._rest = rest_of_atoms(problem)
         self._timestep = problem.timestep
-        self._place = slice(None) if len(ids) == len(self._rest) else ids - 1
+        self._place = slice(None) if problem.lines == problem.chains else ids - 1
         self._names = " ".join(("id", "x", "vx", *problem.memory_columns))
         self._rows = np.empty((len(ids), 3 + len(problem.memory_columns)), dtype="<f8")
         self._rows[:, 0] = ids
@@ -199,7 +204,7 @@ class Writer:
         for values in (displacement, velocity):
             if values.shape != self._shape:
                 raise ValueError(f"array of shape {values.shape}; [chain, recorded bead] is {self._shape}")
-        rows[:, 1] = (self._rest + displacement.ravel())[self._place]
+        rows[:, 1] = self._rest + displacement.ravel()[self._place]
         rows[:, 2] = velocity.ravel()[self._place]
         for place in range(3, rows.shape[1]):
             assert memory is not None

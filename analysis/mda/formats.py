@@ -50,7 +50,7 @@ _RECORDED = re.compile(r"^group recorded (type|id) (.+)$", re.MULTILINE)
 class ChainsParser(TopologyReaderBase):  # type: ignore[misc]  # MDAnalysis has no types
     """Topology of a ``data.chains``, with the beads that the ``in.chains`` beside it records.
 
-    - segment: a chain, ``segid C1``, ``C2`` and so on;
+    - segment: a chain, ``segid C1``, ``C2`` and so on; of resonators, ``R1`` and so on;
     - residue: a bead of a chain, ``resid`` from 1; in a window a row;
     - atom: the same bead; ``id`` is LAMMPS's, ``mass`` and ``radius`` are in LAMMPS's own (dimensionless) units;
     - bond: a spring between chains.
@@ -82,10 +82,13 @@ def of_deck(data: str, commands: str) -> Topology:
     sections = _sections(data)
     number, kind, mass, diameter, y = _atoms(sections.get("Atoms", ()))
     chain = np.unique(y, return_inverse=True)[1]
-    rows = len(number) // (chain[-1] + 1)
+    rows = int(np.count_nonzero(chain == 0))
+    beads = np.array([diameter[np.argmax(chain == line)] == diameter[0] for line in range(chain[-1] + 1)])
+    names = [*(f"C{n + 1}" for n in range(np.count_nonzero(beads))), *(f"R{n + 1}" for n in range(np.sum(~beads)))]
     kept = _recorded(commands, number, kind)
     bonds = np.array([line.split() for line in sections.get("Bonds", ())], dtype=np.int64).reshape(-1, 4)
-    bonds = bonds[kept[bonds[:, 2:] - 1].all(axis=1)]
+    ends = np.searchsorted(number, bonds[:, 2:])
+    ends = ends[kept[ends].all(axis=1)]
     place = np.cumsum(kept) - 1
     count = int(np.count_nonzero(kept))
     row = (number[kept] - 1) % rows + 1
@@ -102,8 +105,8 @@ def of_deck(data: str, commands: str) -> Topology:
             attributes.Resids(row),
             attributes.Resnums(row.copy()),
             attributes.Resnames(np.full(count, RESIDUE, dtype=object)),
-            attributes.Segids(np.array([f"C{number + 1}" for number in range(chain[-1] + 1)], dtype=object)),
-            attributes.Bonds([tuple(pair) for pair in place[bonds[:, 2:] - 1].tolist()]),
+            attributes.Segids(np.array(names, dtype=object)),
+            attributes.Bonds([tuple(pair) for pair in place[ends].tolist()]),
         ],
         atom_resindex=np.arange(count),
         residue_segindex=chain[kept],
@@ -126,11 +129,13 @@ def _atoms(lines: Iterable[str]) -> tuple[Any, ...]:
     except (ValueError, KeyError, IndexError):
         raise ValueError("its Atoms are not those of a data.chains") from None
     number, kind = rows[:, 0].astype(np.int64), rows[:, 1].astype(np.int64)
-    if not np.array_equal(number, np.arange(1, len(rows) + 1)):
+    if len(number) == 0 or number[0] != 1 or np.any(np.diff(number) < 1):
         raise ValueError("its Atoms are not those of a data.chains")
     diameter, density = rows[:, size], rows[:, size + 1]
     # the mass of 1 is exact in a run, and its density is not
-    mass = np.ones(len(rows)) if np.ptp(density) == 0.0 else density / sphere_density(float(diameter[0]))
+    mass = (
+        np.ones(len(rows)) if np.ptp(density) == 0.0 else density / np.array([*map(sphere_density, diameter.tolist())])
+    )
     return number, kind, mass, diameter, rows[:, y]
 
 
@@ -141,10 +146,8 @@ def _recorded(commands: str, number: Integers, kind: Integers) -> Flags:
         return np.ones(len(number), dtype=bool)
     if found[1] == "type":
         return np.asarray(kind == int(found[2]))
-    kept = np.zeros(len(number), dtype=bool)
-    for first, last, stride in (map(int, words.split(":")) for words in found[2].split()):
-        kept[first - 1 : last : stride] = True
-    return kept
+    chosen = (map(int, words.split(":")) for words in found[2].split())
+    return np.isin(number, [one for first, last, stride in chosen for one in range(first, last + 1, stride)])
 
 
 FORMAT = ["BIN", "LAMMPSBIN"]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import MDAnalysis
 
-from analysis.files.recording import rest_positions
+from analysis.files.recording import rest_of_atoms
 from analysis.mda.formats import BinaryDumpReader, of_deck
 from lammps_inputs import Problem
 from lammps_inputs.decks import deck
@@ -32,6 +32,6 @@ def universe(problem: Problem, dumps: Sequence[Path | str]) -> MDAnalysis.Univer
         format=BinaryDumpReader.format[0],
         parts=parts,
         timestep=problem.timestep,
-        rest=None if problem.window is not None else rest_positions(problem),
+        rest=None if problem.window is not None else rest_of_atoms(problem),
         scale=problem.scale,
     )

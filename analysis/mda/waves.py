@@ -39,7 +39,7 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
         self._problem = problem
         self._threshold = threshold
         self._columns = recording.columns(problem)
-        atoms = recording.atom_ids(problem).size
+        atoms = len(recording.all_ids(problem))
         if universe.trajectory.n_atoms != atoms:
             raise ValueError(f"{universe}: {problem.name} has {atoms} recorded beads")
         missing = [name for name in self._columns if name not in universe.trajectory.ts.data]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from analysis import hermite
 from analysis.mirror import direction_of, mirrored_bead
 from analysis.tracking.brackets import NODES, Brackets, bracketed, highest, largest, on_a_grid, together
-from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
+from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined, of_atoms
 from lammps_inputs import Problem
 
 THRESHOLD = 1e-3
@@ -155,12 +155,12 @@ class PeakFinder:
         """
         if self._carried is None:
             raise ValueError("no frames to continue from")
-        found = together(self._found)
+        found, (displacement, velocity) = together(self._found), self._carried.atoms
         return {
             **{f"found_{field.name}": getattr(found, field.name) for field in fields(Brackets)},
             "time": self._carried.time,
-            "displacement": self._carried.displacement,
-            "velocity": self._carried.velocity,
+            "displacement": displacement,
+            "velocity": velocity,
             "first": np.array(self._carried.first),
             "started": np.array(self._started),
             "passed": np.zeros((0, 0), dtype=bool) if self._passed is None else self._passed,
@@ -169,7 +169,7 @@ class PeakFinder:
     def resumed(self, problem: Problem, state: Mapping[str, NDArray[Any]]) -> "PeakFinder":
         """Continue, still unused, from the `state` of another."""
         self._found = [Brackets(**{field.name: state[f"found_{field.name}"] for field in fields(Brackets)})]
-        self._carried = Trajectory(
+        self._carried = of_atoms(
             problem, state["time"], state["displacement"], state["velocity"], first=int(state["first"])
         )
         self._started = bool(state["started"])

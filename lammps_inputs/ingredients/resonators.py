@@ -99,7 +99,9 @@ class Resonators(Ingredient):
         spring = Linear(self._number(np.where(there, stiffness, 0.0), scene))
         dashpot: Any = Dashpot(self._number(np.where(there, damping, 0.0), scene))
         dampers = (Across("resonator_damping", dashpot, edges=edges),) if np.any(damping[there]) else ()
-        return Inner(table, (Across(KEY, spring, edges=edges),), dampers)
+        kinds = [one is self for one in getattr(scene, KEY)]
+        name = KEY if len(kinds) == 1 else f"{KEY}_{kinds.index(True) + 1}"
+        return Inner(table, (Across(name, spring, edges=edges),), dampers)
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
         """Exact solitary waves; a leading pulse where resonators are too slow; with dashpots what these take."""

@@ -121,7 +121,12 @@ CASES: dict[str, dict[str, Any]] = {
     "pressed column of exponent 2": exponent(2.0, **PRESSED_COLUMN),
     "unlike columns of exponent 2": exponent(2.0, walls={"right": "bead"}, gravity=0.05, coupling=None, **MASSES),
     "resonators of two kinds, in some rows": {"resonators": KINDS},
-    "resonators by chain, column, dimer": {**COLUMN, **DIMER, "resonators": {"mass": [0.2, 0], "stiffness": [0.5, 1]}},
+    "resonators by chain, column, dimer": {
+        **COLUMN,
+        **DIMER,
+        "coupling": None,
+        "resonators": {"mass": [0.2, 0], "stiffness": [0.5, 1]},
+    },
     "resonators, driven, walls, foundation, drag": {
         **WALLS,
         "drive": [MOVED, FORCED],

@@ -293,7 +293,7 @@ def _nature(text: str) -> Nature:
     mass, radius, modulus = beads_of(scene)
     size = 2.0 * radius[:, 1:] * radius[:, :-1] / (radius[:, 1:] + radius[:, :-1])
     strength = 2.0 / (1.0 / modulus[:, 1:] + 1.0 / modulus[:, :-1]) * np.sqrt(size) * along(scene)
-    load = loads(scene, mass)
+    load = loads(scene, mass + sum(kind[0] for kind in _resonators(scene)))
     loss = _losses(scene, mass, strength)
     walls = _walls(scene, mass, load, loss)
     hold = np.diff(np.pad(load[:, 1:-1], ((0, 0), (1, 1))), axis=1)
@@ -342,18 +342,24 @@ def _nature(text: str) -> Nature:
     return own if scene.resonators is None else _with_resonators(scene, own)
 
 
+def _resonators(scene: Scene) -> list[tuple[Floats, Floats, Floats]]:
+    """Mass, stiffness and dashpot of each kind, [chain, bead]; 0 where there is none."""
+    unit, found = units(scene), []
+    for kind in scene.resonators or ():
+        numbers = kind.mass, kind.stiffness, kind.damping
+        mass, k, c = (np.reshape(np.broadcast_to(value, scene.chains), (-1, 1)) for value in numbers)
+        there = (mass > 0.0) * _within(kind.rows, scene)
+        found.append((mass / unit.mass * there, k / unit.stiffness * there, c * unit.velocity / unit.force * there))
+    return found
+
+
 def _with_resonators(scene: Scene, own: Nature) -> Nature:
     """Lines of masses after the chains, as many for each kind of resonator as there are chains."""
-    unit, chains = own.unit, scene.chains
+    chains = scene.chains
     masses, inner = [own.mass], []
-    for number, kind in enumerate(scene.resonators, 1):
-        mass, k, c = (
-            np.reshape(np.broadcast_to(v, chains), (-1, 1)) for v in (kind.mass, kind.stiffness, kind.damping)
-        )
-        there = (mass > 0.0) * _within(kind.rows, scene)
-        masses.append(np.where(there, mass / unit.mass, 1.0) * np.ones_like(own.mass))
-        rows = k / unit.stiffness * there, c * unit.velocity / unit.force * there
-        inner += [(j, number * chains + j, rows[0][j], rows[1][j]) for j in range(chains)]
+    for number, (mass, spring, dashpot) in enumerate(_resonators(scene), 1):
+        masses.append(np.where(mass > 0.0, mass, 1.0))
+        inner += [(j, number * chains + j, spring[j], dashpot[j]) for j in range(chains)]
     more = [[0, chains * len(scene.resonators)], [0, 0]]
     wide = {name: np.pad(getattr(own, name), more) for name in ("strength", "rest", "load", "hold", "start")}
     coefficient, power = own.loss

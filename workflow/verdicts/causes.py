@@ -192,6 +192,8 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
         reference: the same frames, right.
     """
     found = _numbers(own) or driven(own) or _times(own, reference) or moved(own)
+    if own.problem.system.inner_mass is not None and own.inner is None:
+        return found  # forces on the beads are not known
     found = found or _start(own) or pushes(own, reference)
     found = found or _static(own, reference) or _exponent(own, reference)
     found = found or ([] if physics.one_kind(own.problem.system) else _beads(own, reference))
@@ -310,10 +312,11 @@ def _profile(own: Trajectory, factor: Floats) -> list[str]:
     """Whether other strengths of the contacts along the chains, the scene's times factors, explain the motion."""
     system = own.problem.system
     (contact,) = system.along
-    others = [link for link in system.links if link is not contact]
+    links = (*system.links, *system.inner_links)
+    others = [link for link in links if link is not contact]
     left = symptoms.unexplained(own, others, system.dampers)
     contact.drive(left, -np.where(np.isfinite(factor), factor, 1.0) * symptoms.of_link(contact, own))
-    if np.sum(left**2) > _EXPLAINED * np.sum(symptoms.unexplained(own, system.links, system.dampers) ** 2):
+    if np.sum(left**2) > _EXPLAINED * np.sum(symptoms.unexplained(own, links, system.dampers) ** 2):
         return []
     right = np.broadcast_to(laws.strength(contact.law), factor.shape)
     felt = right * factor
@@ -375,21 +378,34 @@ def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether the beads were held, or tied in ways that `_springs` does not know, otherwise than the scene says."""
     problem = own.problem
     system = problem.system
-    links = (*system.ground, *(() if physics.open_row(system) else system.across), *system.dampers)
+    links = (*system.ground, *(() if physics.open_row(system) else system.across), *system.inner_links, *system.dampers)
     if not links:
         return []
     felt, right = symptoms.identify_strengths(own), symptoms.identify_strengths(reference)
     if felt is None or right is None or felt.left > _EXPLAINED:
-        return []
+        return _inner_masses(own, reference, 1.0)
     found = []
     names = [link.name for link in links]
     for name in (*names, *(symptoms.in_time(link) for link in links if laws.varies(link.law))):
         factor, doubt = _factor(name, felt, right)
+        said = f"the {name.replace('_', ' ')} {'are' if name.rstrip('_0123456789').endswith('s') else 'is'}"
         if abs(factor) < doubt:
-            found.append(f"the {name.replace('_', ' ')} is missing")
+            found.append(f"{said} missing")
         elif abs(factor - 1.0) > doubt:
-            found.append(f"the {name.replace('_', ' ')} is {factor:.4g} times as strong as the scene says")
-    return found
+            found.append(f"{said} {factor:.4g} times as strong as the scene says")
+    strength = next((_factor(link.name, felt, right)[0] for link in system.inner_links), 1.0)
+    return found + _inner_masses(own, reference, strength)
+
+
+def _inner_masses(own: Trajectory, reference: Trajectory, strength: float) -> list[str]:
+    """Whether inner atoms on springs so many times as strong have another mass than the scene says."""
+    if len(own.problem.system.inner_links) != 1:
+        return []
+    factor = strength * symptoms.felt_inner_mass(own) / symptoms.felt_inner_mass(reference)
+    if not abs(factor - 1.0) > _BEAD_DOUBT or strength < _BEAD_DOUBT:
+        return []
+    name = own.problem.system.inner_links[0].name
+    return [f"the {name.replace('_', ' ')} are {factor:.4g} times as heavy as the scene says"]
 
 
 def _laws(own: Trajectory, reference: Trajectory) -> list[str]:

@@ -171,7 +171,9 @@ def as_trajectory(given: Table, problem: Problem, *, dimensionless: bool) -> Tra
         if column is not None:
             full[:, given.chains - 1] = column / unit
         values.append(full)
-    everything = len(given.beads) == problem.beads and not np.isnan(values).any()
+    # a table holds no atoms that are no beads
+    everything = problem.system.inner_mass is None and len(given.beads) == problem.beads
+    everything = everything and not np.isnan(values).any()
     recorded = None if everything else tuple(int(bead) for bead in given.beads)
     displacement, velocity = values
     return Trajectory(replace(problem, recorded=recorded), given.time / units[0], displacement, velocity)

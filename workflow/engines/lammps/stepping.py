@@ -18,7 +18,7 @@ from analysis import motion
 from analysis.quantity import csv_of
 from analysis.tracking.leading_waves import leading_finder, leading_passages, leading_waves, usual_arrival
 from analysis.tracking.peaks import PeakFinder
-from analysis.trajectory import Floats, Trajectory, frames_per_block
+from analysis.trajectory import Floats, frames_per_block, of_atoms
 from lammps_inputs import Problem, file_names, physics, scheme, window
 from lammps_inputs.limits import rates
 from workflow.engines.lammps.files_on_disk import write_whole
@@ -202,7 +202,7 @@ class LivePeaks:
         Path(file_names.PEAKS_STATE).unlink(missing_ok=True)
 
     def _take(self) -> None:
-        displacement, velocity = (values[: self._problem.chains] for values in self._travel.state())
+        displacement, velocity = self._travel.state()
         if not self._keeps or self._step <= self._last:
             return
         self._steps.append(self._step)
@@ -215,5 +215,5 @@ class LivePeaks:
             return
         time = np.array(self._steps) / self._problem.steps_per_frame * self._problem.every
         displacement, velocity = (np.array([state[k] for state in self._states]) for k in (0, 1))
-        self._finder.add(Trajectory(self._problem, time, displacement, velocity))
+        self._finder.add(of_atoms(self._problem, time, displacement, velocity))
         self._steps, self._states = [], []

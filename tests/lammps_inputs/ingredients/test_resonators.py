@@ -1,0 +1,139 @@
+"""Resonators: peaks, bands and decay in a gap against independent programs; what their deck and data file hold."""
+
+import math
+
+import numpy as np
+import pytest
+
+from analysis.conservation import Conservation
+from analysis.files import recording
+from analysis.mda.universe import universe
+from analysis.sound.dispersion import NoDispersionError, cell_of
+from analysis.tracking.peaks import find_peaks
+from lammps_inputs import library, physics
+from lammps_inputs.decks import deck
+from lammps_inputs.facts import Fact
+from lammps_inputs.limits import rates
+from workflow.engines.reference import engine
+from workflow.runs.run import run
+from workflow.verdicts.analyse import analyse
+
+LIGHT, HEAVY = {"mass": 0.1, "stiffness": 1.0}, {"mass": 0.5, "stiffness": 0.1}
+IN_ROWS = {"mass": 0.3, "stiffness": 0.2, "rows": [41, 60]}
+PEAKS = [
+    (LIGHT, {20: 0.588365, 80: 0.583870, 140: 0.579514}),
+    (IN_ROWS, {120: 0.456372}),
+    (HEAVY, {20: 0.096440, 40: 0.151090}),
+]
+
+
+def scene(resonators, **more):
+    keys = {"name": "test", "beads": 160, "duration": 190.0, "timestep": 0.005, "kick": {"velocity": 1.0}}
+    return library.from_plain({**keys, "output": {"every": 0.1}, "resonators": resonators, **more}, "test")
+
+
+def small(resonators=LIGHT, **more):
+    return scene(resonators, **{"beads": 12, "duration": 10.0, **more})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("resonators", "peaks"), PEAKS)
+def test_first_peaks_are_those_of_an_independent_program(resonators, peaks, tmp_path, lammps_here):  # noqa: ARG001
+    case = scene(resonators)
+    found = run(case, tmp_path / "run", check=False).trajectory
+    for trajectory, most in ((engine.run(case.problem()), 1e-6), (found, 6e-6)):
+        first = find_peaks([trajectory]).first()
+        for bead, peak in peaks.items():
+            assert first.velocity[first.bead == bead][0] == pytest.approx(peak, abs=most)
+
+
+def test_edges_of_the_bands_and_the_ratio_in_the_gap_are_the_derived_ones():
+    case = small(precompression={"force": 0.125}, kick={"velocity": 1e-3}, timestep=None)
+    cell, second = cell_of(case.system), case.scale.time
+    assert cell.bands().ravel() / second == pytest.approx([0.0, 1.625146, 3.316625, 3.370297], abs=5e-7)
+    assert cell.ratio(2.5 * second) == pytest.approx(-0.118525, abs=5e-7)
+    assert math.isnan(cell.ratio(1.0 * second))
+    assert cell.ratio(4.0 * second) < 0.0
+    with pytest.raises(NoDispersionError, match="single chain of equal beads"):
+        cell_of(small(precompression={"force": 0.125}, chains=2).system).ratio(1.0)
+
+
+def test_slow_waves_carry_the_resonators_along():
+    case = small(precompression={"force": 0.125}, kick={"velocity": 1e-3}, timestep=None)
+    cell, q = cell_of(case.system), 1e-3
+    assert cell.branches(np.array([q]))[0, 0] / q == pytest.approx(math.sqrt(0.75 / 1.1) * case.scale.time, rel=1e-5)
+
+
+def test_a_resonator_weighs_on_the_contacts_of_a_column():
+    keys = {"gravity": 0.05, "walls": {"right": "flat"}, "timestep": 0.01, "output": {"every": 0.5}}
+    with_resonators = small(**keys).system
+    heavier = small([], kinds={"heavy": {"mass": 1.1, "radius": 1.0}}, pattern=["heavy"], **keys).system
+    for one, other in zip(with_resonators.along, heavier.along, strict=True):
+        np.testing.assert_allclose(one.law.rest, other.law.rest, rtol=1e-9)
+
+
+def test_the_bound_of_the_step_holds_the_frequency_of_a_bead_and_its_resonator():
+    plain, own = rates.fastest(small([]).system) ** 2, rates.fastest(small().system) ** 2
+    assert own - plain == pytest.approx(1.0 * (1.0 + 1.0 / 0.1), rel=1e-12)
+
+
+@pytest.mark.parametrize("neutral", [{"mass": 0.0, "stiffness": 1.0}, {"mass": 0.1, "stiffness": 0.0}, []])
+def test_what_is_no_resonator_leaves_nothing(neutral):
+    own, other = small(neutral).problem(), small(None).problem()
+    assert own.system == other.system
+    assert deck.render_deck(own) == deck.render_deck(other)
+    assert deck.render_data(own) == deck.render_data(other)
+
+
+def test_resonators_are_small_atoms_of_their_own_type_after_the_beads():
+    problem = small([{**LIGHT, "rows": [3, 4]}, {**HEAVY, "rows": [4, 5]}], chains=2).problem()
+    lines = deck.render_data(problem).partition("Atoms # hybrid sphere bond\n\n")[2].partition("\n\n")[0].splitlines()
+    atoms = np.array([line.split() for line in lines], dtype=float)
+    np.testing.assert_array_equal(atoms[24:, 0], [27, 28, 39, 40, 52, 53, 64, 65])  # the second kind has its own lines
+    assert set(atoms[:24, 1]) == {1.0}
+    assert set(atoms[24:, 1]) == {2.0}
+    assert set(atoms[24:, 5]) == {0.5}  # those of two rows, 4 apart, never touch
+    np.testing.assert_array_equal(physics.atom_ids(problem.system), atoms[:, 0])
+    said = deck.render_deck(problem)
+    for line in ("special_bonds lj/coul 1 1 1 ", "bond_style harmonic", "fix line all lineforce 1 0 0 "):
+        assert f"\n{line}" in said
+
+
+def test_frames_hold_the_resonators_and_tables_of_beads_do_not(tmp_path, lammps_here):  # noqa: ARG001
+    case = small([{**LIGHT, "rows": [3, 4]}, {**HEAVY, "rows": [4, 5]}], timestep=0.01)
+    done = run(case, tmp_path / "run", check=False)
+    found, exact = done.trajectory, engine.run(case.problem())
+    assert found.velocity.shape == (101, 1, 12)
+    for own, other in zip(found.inner, exact.inner, strict=True):
+        np.testing.assert_allclose(own, other, rtol=0.0, atol=2e-4)
+    seen = universe(done.directory.problem, [done.directory.dump])
+    assert seen.segments.segids.tolist() == ["C1", "R1", "R2"]
+    velocity = seen.trajectory[-1].data["velocity"]
+    np.testing.assert_array_equal(velocity[12:], found.inner[1][-1].ravel()[[2, 3, 15, 16]])
+    assert recording.all_ids(case.problem()).tolist() == [*range(1, 13), 15, 16, 28, 29]
+    shares = analyse(done.directory, figures=False).conservation.budget.result()
+    assert shares.resonators[-1] > 0.05
+    assert np.max(np.abs(shares.missing)) < 1e-4
+
+
+def test_beads_alone_do_not_give_the_energy():
+    trajectory = engine.run(small(output={"every": 0.1, "beads": [2, 3]}).problem())
+    assert trajectory.inner is None
+    seen = Conservation()
+    seen.add(trajectory)
+    assert math.isnan(seen.energy_drift)
+
+
+@pytest.mark.parametrize(("resonators", "leads"), [(LIGHT, True), (HEAVY, False), ({**HEAVY, "rows": [5, 6]}, True)])
+def test_resonators_slower_than_a_pulse_at_all_beads_leave_none(resonators, leads):
+    system = small(resonators).system
+    assert system.holds(Fact.PULSE) == leads
+    assert leads or "angular frequency 0.447 / T are slower than a pulse" in physics.why_no_pulse(system)
+
+
+@pytest.mark.slow
+def test_no_leading_pulse_is_found_where_a_later_maximum_is_larger(tmp_path):
+    done = run(scene(HEAVY, beads=60, duration=80.0), tmp_path / "run", engine="reference", check=False)
+    found = analyse(done.directory, figures=False)
+    assert 20 not in found.waves.bead
+    assert "slower than a pulse" in found.survey.verdict.sentence
