@@ -15,6 +15,7 @@ from pydantic import Field, field_validator
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Inner
+from lammps_inputs.ingredients.damping import MOST
 from lammps_inputs.laws.dashpot import Dashpot
 from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across
@@ -80,6 +81,12 @@ class Resonators(Ingredient):
         if np.any(mass[there] < LIGHTEST):
             raise ValueError(
                 f"{KEY}.mass: {np.min(mass[there]):.3g} of the reference bead's; at least {LIGHTEST:g}, or 0 for none"
+            )
+        dragged = float(np.max(damping[there] / mass[there], initial=0.0))
+        if dragged > MOST:
+            raise ValueError(
+                f"{KEY}.damping: {dragged:.3g} times the mass in dimensionless units; at most {MOST:g}, where the "
+                "resonator sticks to its bead"
             )
         fastest = math.sqrt(float(np.max(stiffness[there] / mass[there], initial=0.0)))
         if fastest > FASTEST:

@@ -360,6 +360,13 @@ def _gauged(message: str, forces: dict[str, Any], **more: Any) -> BadScene:
     return _refused(f"output.{message}", **{"walls": {"right": "bead"}, "output": {"forces": forces}, **more})
 
 
+_RESONATOR = {"mass": 0.1, "stiffness": 1.0}
+
+
+def _resonant(message: str, **keys: Any) -> BadScene:
+    return _refused(message, resonators={**_RESONATOR, **keys})
+
+
 def _bed(message: str, stiffness: Any, **more: Any) -> BadScene:
     return _refused(message, foundation={"stiffness": stiffness, **more})
 
@@ -437,6 +444,16 @@ REFUSED = [
     _driven("output.peaks: finds the pulse that leads", _FORCED, output={"peaks": True, "beads": [1]}),
     _driven("output.spectra.beads: 13 is outside the array", _FORCED, output={"spectra": {"beads": [13]}}),
     _driven("output.spectra.beads: 2 not recorded", _FORCED, output={"spectra": {"beads": [2]}, "beads": [1]}),
+    _resonant("resonators.mass: should be greater than or equal to 0, -1.0 given", mass=-1.0),
+    _resonant("resonators.mass: should be a finite number, nan given", mass=float("nan")),
+    _resonant("resonators.mass: 1e-09 of the reference bead's; at least 1e-06, or 0 for none", mass=1e-9),
+    _resonant("resonators.mass: 3 numbers for 2 chains; one, or one for each", mass=[1.0, 2.0, 3.0]),
+    _resonant("resonators.stiffness: is 0 beside a damping", stiffness=0.0, damping=1.0),
+    _resonant("resonators.stiffness: an angular frequency of 3.16e+07", stiffness=1e14),
+    _resonant("resonators.damping: 1e+04 times the mass", damping=1e3),
+    _resonant("resonators.rows: 5 to 13 given", rows=[5, 13]),
+    _resonant("resonators.springs: unknown key", springs=1.0),
+    _refused("resonators: resonators behind a window keep oscillating", resonators=_RESONATOR, window=64, beads=200),
     _refused("foundation.stiffness: should be greater than or equal to 0", foundation={"stiffness": -1.0}),
     _refused("foundation.stiffness: 3 numbers for 2 chains; one, or one", foundation={"stiffness": [1.0, 2.0, 3.0]}),
     _refused("foundation.rows: 5 to 13 given", foundation={"stiffness": 1.0, "rows": [5, 13]}),
