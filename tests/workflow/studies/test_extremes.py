@@ -45,13 +45,11 @@ def named(axis, value):
     [
         ("RIGHT", Error(1e-5, 1e-6), 1e-5),
         ("RIGHT", Error(1e-3, 1e-3), 1e-5),  # says more than is true
-        ("RIGHT", None, 1e-5),
         ("RIGHT", Error(0.0, 0.0), 1e-9),
         ("REPORTED", Error(0.1, 1e-3), 0.1),
         ("REPORTED", Error(1e-4, 0.1), 0.1),  # says how uncertainty it is
         ("REPORTED", Error(math.nan, 0.0), math.nan),
-        ("WRONG", None, 1e-3),
-        ("WRONG", None, math.nan),
+        ("WRONG", Error(4.5e-4, 0.0), 6e-4),  # nearly as reported, and more than asked
         ("WRONG", Error(1e-5, 1e-6), 1e-3),
         ("WRONG", Error(1e-5, 1e-6), math.nan),
         ("WRONG", Error(1e-2, 1e-6), 2e-2),  # large, but still half of what is true
@@ -104,7 +102,7 @@ def wrong_kappa(tmp_path_factory):
 
 
 def test_a_deck_with_the_wrong_springs_is_silently_wrong(wrong_kappa):
-    assert classify(measure.PROMISED, None, true_error(wrong_kappa, 1e-5))[0] == "WRONG"
+    assert classify(measure.PROMISED, Error(1e-4, 1e-6), true_error(wrong_kappa, 1e-5))[0] == "WRONG"
 
 
 def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(monkeypatch):

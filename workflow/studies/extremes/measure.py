@@ -106,32 +106,31 @@ class Outcome:
     asked: float = declare("largest error that was asked for", "V", digits=".1e")
     error: float | None = declare("found by a finer reference", "V", "no run was completed", digits=".1e", default=None)
     uncertainty: float | None = declare("of that", "V", "no run was completed", default=None)
-    reported: float | None = declare("error that the run reports", "V", "no check was made", digits=".1e", default=None)
+    reported: float | None = declare(
+        "error that the run reports", "V", "no run was completed", digits=".1e", default=None
+    )
     reported_uncertainty: float | None = declare(
-        "of that", "V", "no check was made", digits=".1e", head="uncertainty", default=None
+        "of that", "V", "no run was completed", digits=".1e", head="uncertainty", default=None
     )
     steps: int | None = declare("time steps", "", "no run was completed", digits=",d", default=None)
     seconds: float = declare("time of the run and its comparison", "s", digits=".1f", default=0.0)
 
 
-def classify(asked: float, reported: Error | None, truth: Error) -> tuple[str, str]:
+def classify(asked: float, reported: Error, truth: Error) -> tuple[str, str]:
     """Kind and reason of a run that came to its end. NaN counts as an infinite error.
 
     Args:
         asked: largest error that was asked for, in units of V.
-        reported: by the run itself; None without a check.
+        reported: by the run itself.
         truth: by a finer reference.
     """
-    if reported is not None:
-        most = TRUE_WITHIN * sum(reported) + LEAST_ERROR
-        if most < truth.value - truth.uncertainty or (math.isnan(truth.value) and not math.isnan(most)):
-            return (
-                "WRONG",
-                f"reports {reported.value:.1e} V (uncertainty {reported.uncertainty:.1e}), is {truth.value:.1e} V",
-            )
+    most = TRUE_WITHIN * sum(reported) + LEAST_ERROR
+    if most < truth.value - truth.uncertainty or (math.isnan(truth.value) and not math.isnan(most)):
+        says = f"{reported.value:.1e} V (uncertainty {reported.uncertainty:.1e})"
+        return "WRONG", f"reports {says}, is {truth.value:.1e} V"
     if truth.value <= asked:
         return "RIGHT", ""
-    if reported is not None and not sum(reported) <= asked:
+    if not sum(reported) <= asked:
         return "REPORTED", f"more than {asked:.0e} V, and reports it"
     return "WRONG", f"is {truth.value:.1e} V, more than {asked:.0e} V, and does not report it"
 
@@ -173,11 +172,10 @@ def _run_and_compare(cell: Cell, folder: Path, outcome: Outcome) -> Outcome:
         return replace(outcome, kind="REFUSED", why=str(error))
     except RunError as error:
         return replace(outcome, kind="STOPPED", why=str(error))
-    if done.outcome != "done":
+    if done.outcome != "done" or done.check is None:
         raise KeyboardInterrupt
-    reported = None if done.check is None else Error(done.check.velocity, done.check.reference.velocity)
-    sharp = min(outcome.asked, outcome.asked if reported is None else max(reported.value, LEAST_ERROR))
-    truth = true_error(done.directory, sharp / SHARPER)
+    reported = Error(done.check.velocity, done.check.reference.velocity)
+    truth = true_error(done.directory, min(outcome.asked, max(reported.value, LEAST_ERROR)) / SHARPER)
     kind, why = classify(outcome.asked, reported, truth)
     fault = _fault(cell, done.directory, folder)
     return replace(
@@ -186,8 +184,8 @@ def _run_and_compare(cell: Cell, folder: Path, outcome: Outcome) -> Outcome:
         why=why if fault is None else fault,
         error=truth.value,
         uncertainty=truth.uncertainty,
-        reported=None if reported is None else reported.value,
-        reported_uncertainty=None if reported is None else reported.uncertainty,
+        reported=reported.value,
+        reported_uncertainty=reported.uncertainty,
         steps=done.directory.problem.steps,
     )
 
