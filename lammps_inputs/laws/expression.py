@@ -128,16 +128,19 @@ def has_root(text: str, name: str) -> bool:
     return False
 
 
-def terms(text: str) -> list[str]:
-    """What a formula is a sum of, signs aside."""
-    found, waiting = [], [tree(text, _FOUND)]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
-            waiting += [node.left, node.right]
-        else:
-            found.append(ast.unparse(node))
-    return found
+def size(text: str) -> str:
+    """A formula of how large a formula would be if the terms of its sums did not cancel, which bounds its rounding."""
+    return _size(tree(text, _FOUND))
+
+
+def _size(node: ast.expr) -> str:
+    if isinstance(node, ast.UnaryOp):
+        return _size(node.operand)
+    if isinstance(node, ast.BinOp) and not isinstance(node.op, ast.Pow):
+        if isinstance(node.op, ast.Div):
+            return f"({_size(node.left)}/abs({ast.unparse(node.right)}))"
+        return f"({_size(node.left)}{'*' if isinstance(node.op, ast.Mult) else '+'}{_size(node.right)})"
+    return f"abs({ast.unparse(node)})"
 
 
 class Derived(NamedTuple):

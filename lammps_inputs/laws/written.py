@@ -37,6 +37,9 @@ _GEOMETRIC = np.geomspace(1.0 / FARTHEST, FARTHEST, 1281)
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 
+SINCE = formula.SINCE.replace("contacts of any exponent need", "forces by formula need")
+"""Earlier releases of LAMMPS have no potentials from formulas."""
+
 COST = "some 0.5 ms a step"
 """What LAMMPS takes for a formula of the distance, however few beads there are."""
 
@@ -198,12 +201,13 @@ def _agrees(law: type[Written], numbers: tuple[float, ...], form: str, way: floa
     """Whether a form is the energy on a side, to rounding of its terms, until the force is no number or has a pole."""
     u = way * _DECADES
     right, finer = (_integral(law, u, numbers, panels) for panels in (1, 2))
-    known = np.isfinite(right) & (np.abs(right - finer) <= 1e-3 * _CLOSE * np.abs(finer))
+    rounding = _ROUNDED * np.abs(u) * _value(law, expression.size(law.derived.force))(u, *numbers)
+    known = np.isfinite(right) & (np.abs(right - finer) <= 1e-3 * _CLOSE * np.abs(finer) + rounding)
     known = np.logical_and.accumulate(known)
     at = u if argument == STRAIN else u * u
-    terms = sum(np.abs(_value(law, term, argument)(at, *numbers)) for term in expression.terms(form))
+    rounding = rounding + _ROUNDED * _value(law, expression.size(form), argument)(at, *numbers)
     off = np.abs(_value(law, form, argument)(at, *numbers) - right)
-    return bool(known.any() and np.all((off <= _CLOSE * np.abs(right) + _ROUNDED * terms)[known]))
+    return bool(known.any() and np.all((off <= _CLOSE * np.abs(right) + rounding)[known]))
 
 
 # --- how far an energy reaches ----------------------------------------------------------------------------------------
@@ -301,7 +305,7 @@ class AlongChains(Written):
             energy = energy.replace(f"({text(layout.spacing)}-r)", touching)
             return formula.contacts(energy, f"from its energy, a formula, which takes {COST}", layout)
         return Lines(
-            variables=(formula.SINCE,),
+            variables=(SINCE,),
             interactions=(
                 f"# contacts: force from its energy, a formula, at any distance of neighbours; takes {COST}",
                 f"pair_style lepton {text(1.25 * layout.diameter)}",
@@ -358,7 +362,7 @@ class AcrossChains(Written):
         squares = (f"({scale}*(r^2-{text(distance * distance)}))" for distance in kinds.tolist())
         energies = (_spelled(self, form, square, "lepton", link.name, SQUARE) for square in squares)
         return Lines(
-            variables=(formula.SINCE,),
+            variables=(SINCE,),
             bonds=np.where(there, bonds.reshape(-1, 1) + 1, 0),
             style="lepton",
             coefficients=tuple(f'0.0 "{text(_factor(law))}*({energy})"' for energy in energies),
