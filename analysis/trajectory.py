@@ -60,7 +60,7 @@ class Trajectory:
             counted, or nothing is exchanged.
         memory: [frame, chain, bead + 1] largest overlap so far of each contact whose force depends on it: of the wall
             before the first bead, of the contact behind each other bead, of the wall behind the last; None where no
-            force does, or not all beads are recorded.
+            force does, or a file holds not all beads.
         inner: displacement and velocity of the atoms that are no beads, each [frame, line, bead], 0 where there is
             none; None where nobody recorded them.
     """
@@ -130,7 +130,7 @@ class Trajectory:
     @property
     def forces_known(self) -> bool:
         """Whether every frame determines the forces on its beads, with what contacts remember."""
-        return self.problem.forces_known or self.memory is not None
+        return self.problem.forces_known or (self.memory is not None and self.problem.recorded is None)
 
     def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
         """Displacements and velocities of all atoms, and memories, of each frame."""

@@ -75,7 +75,7 @@ MARGIN = 0.01
 
 
 def at_times(trajectory: Trajectory, times: Floats) -> Trajectory:
-    """The states at given times within the trajectory's own, by polynomials of degree seven.
+    """The states at given times within the trajectory's own, by polynomials of degree seven; memories of frames before.
 
     Raises:
         InputError: a time lies outside by more than a hundredth of a frame, or there are fewer than four frames, or
@@ -93,6 +93,7 @@ def at_times(trajectory: Trajectory, times: Floats) -> Trajectory:
             "(dimensionless)"
         )
     start = np.clip(np.searchsorted(own, times, side="right") - 2, 0, trajectory.frames - len(_NODES))
+    before = np.clip(np.searchsorted(own, times, side="right") - 1, 0, trajectory.frames - 1)
     data = np.array([(trajectory.displacement[start + node], trajectory.velocity[start + node]) for node in _NODES])
     polynomials = hermite.coefficients(_NODES, data, float(spacing))
     s = ((times - own[start]) / spacing)[:, np.newaxis, np.newaxis] * np.ones(trajectory.displacement.shape[1:])
@@ -101,6 +102,7 @@ def at_times(trajectory: Trajectory, times: Floats) -> Trajectory:
         time=times,
         displacement=hermite.value(polynomials, s),
         velocity=hermite.value(hermite.derivative(polynomials), s) / spacing,
+        memory=None if trajectory.memory is None else trajectory.memory[before],
     )
 
 

@@ -110,6 +110,8 @@ def refuse(scene: "BaseScene") -> None:
     damping = getattr(scene, "damping", None)
     if damping is not None and damping.contact:
         raise ValueError("damping.contact: dashpots beside contacts that yield are not known; leave one of them out")
+    if scene.output.forces is not None and scene.output.beads != "all":
+        raise ValueError("output.beads: frames of all beads hold the memory on which forces depend; leave it out")
     for side in ("left", "right"):
         wall = getattr(getattr(scene, "walls", None), side, None)
         if getattr(wall, "stiffness", None) is not None and not (own is not None and own.linear):

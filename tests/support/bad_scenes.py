@@ -541,6 +541,11 @@ REFUSED = [
         precompression={"force": 0.1},
     ),
     _refused("material.yield_strength: should be greater than 0", material={**_SI, "yield_strength": -1.0}),
+    _yields(
+        "output.beads: frames of all beads hold the memory",
+        {"overlap": 0.1},
+        output={"beads": [3, 4], "forces": {"contacts": [3]}},
+    ),
     _yields("contact.yield: contact.force says the whole force", {"overlap": 0.1}, force="s^2"),
     _refused(
         "contact: other contacts than spheres, which alone yield by material.yield_strength",

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ from stock_lammps import run as run_deck
 
 from analysis import motion
 from analysis.conservation import Conservation
+from analysis.gauges.forces import at_frames
+from analysis.gauges.gauge import gauges
 from lammps_inputs import laws, library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.laws.plastic import Thornton, restitution_of
@@ -258,3 +261,11 @@ def test_an_analysis_has_permanent_overlaps_forces_and_a_decay_but_no_final_ampl
     assert report["plastic"]["lost"] == pytest.approx(2.0 * 0.475548, abs=2e-6)
     assert -0.6 < report["plastic"]["decay"] < -0.2
     assert done.conservation.energy_drift < 3e-8
+
+
+def test_forces_on_a_wall_are_the_same_from_frames_of_the_last_bead_alone():
+    problem = plastic(walls={"right": "rigid"}, beads=10, duration=40.0).problem()
+    whole, part = engine.run(problem), engine.run(replace(problem, recorded=(10,)))
+    wall = gauges(problem.system, wall=True, contacts=(), sensors=())
+    np.testing.assert_array_equal(at_frames(part, wall), at_frames(whole, wall))
+    assert np.max(at_frames(whole, wall)) == pytest.approx(0.2937, abs=1e-3)

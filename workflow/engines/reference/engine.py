@@ -98,7 +98,7 @@ def blocks(
     counts = scheme is not VERLET and physics.exchanges(problem.system)
     none = np.zeros((1, len(EXCHANGES))) if counts else None
     past = state.memory[np.newaxis].copy()
-    remembered = past if past.size and problem.recorded is None else None
+    remembered = past if past.size else None
     yield of_atoms(problem, np.zeros(1), *start, _first(problem, recorded), none, remembered)
     size = frames_per_block(problem)
     if problem.window is not None:
