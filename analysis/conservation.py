@@ -61,6 +61,16 @@ class Account:
         """Energy input that is nowhere."""
         return np.asarray(self.energy_input - sum(self.stored.values()) - sum(self.lost.values()))
 
+    @property
+    @derived(
+        undefined="there are no resonators, or the energy input is not positive",
+        column="energy of the resonators at the end / energy input",
+    )
+    def in_resonators(self) -> float:
+        """Energy of the resonators at the last instant over the energy input until then."""
+        known = np.any(self.resonators) and self.energy_input[-1] > 0.0
+        return float(self.resonators[-1] / self.energy_input[-1]) if known else float("nan")
+
     def sentence(self, scale: Scale) -> str:
         """Where the energy is at the last instant, largest part first."""
         total = float(self.energy_input[-1])

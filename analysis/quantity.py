@@ -96,12 +96,12 @@ def declare(
     return field(default=default, metadata={_DECLARED: Quantity(meaning, unit, undefined, symbol, columns, **shown)})
 
 
-def derived(unit: str = "", undefined: str = "", symbol: str = "") -> Callable[[Kind], Kind]:
+def derived(unit: str = "", undefined: str = "", symbol: str = "", column: str | None = None) -> Callable[[Kind], Kind]:
     """A property of a result, and the `Quantity` that it holds; the docstring says the meaning."""
 
     def mark(function: Kind) -> Kind:
         said = " ".join((function.__doc__ or "").split()).removesuffix(".")
-        setattr(function, _DECLARED, Quantity(said[:1].lower() + said[1:], unit, undefined, symbol))
+        setattr(function, _DECLARED, Quantity(said[:1].lower() + said[1:], unit, undefined, symbol, column=column))
         return function
 
     return mark

@@ -106,6 +106,7 @@ def _print(found: Analysis) -> None:
         print("frame checksum mismatch with run.json: a file was damaged or modified")
     if problem.system.holds(Fact.PULSE):
         _print_waves(found)
+        _print_overtaken(found)
         _print_accuracy(found)
     _print_pulses(found.survey)
     for finding in found.findings.values():
@@ -115,6 +116,22 @@ def _print(found: Analysis) -> None:
             else:
                 print_table(*said)
     _print_drifts(found)
+
+
+def _print_overtaken(found: Analysis) -> None:
+    """How many beads on the way of the leading pulse have none, as a later maximum is larger."""
+    if physics.slowest_resonator(found.problem.system) >= physics.PULSE_RATE:
+        return
+    for chain in range(1, found.problem.chains + 1):
+        reached = found.waves.of_chain(chain).bead
+        passed = found.problem.recorded_beads
+        passed = passed[(passed >= np.min(reached, initial=10**9)) & (passed <= np.max(reached, initial=0))]
+        missing = np.setdiff1d(passed, reached)
+        if len(missing):
+            print(
+                f"chain {chain}: no leading pulse at {len(missing)} beads from {missing[0]} to {missing[-1]}: a later "
+                "maximum is larger (slow resonators)"
+            )
 
 
 def _print_waves(found: Analysis) -> None:

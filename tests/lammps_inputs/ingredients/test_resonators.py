@@ -112,7 +112,8 @@ def test_frames_hold_the_resonators_and_tables_of_beads_do_not(tmp_path, lammps_
     np.testing.assert_array_equal(velocity[12:], found.inner[1][-1].ravel()[[2, 3, 15, 16]])
     assert recording.all_ids(case.problem()).tolist() == [*range(1, 13), 15, 16, 28, 29]
     shares = analyse(done.directory, figures=False).conservation.budget.result()
-    assert shares.resonators[-1] > 0.05
+    assert shares.in_resonators == pytest.approx(shares.resonators[-1] / 0.5)
+    assert shares.in_resonators > 0.1
     assert np.max(np.abs(shares.missing)) < 1e-4
 
 
