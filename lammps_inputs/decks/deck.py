@@ -477,11 +477,17 @@ def render_data(problem: Problem) -> str:
             numbered = enumerate(zip(tied.tolist(), kind_of[tied].tolist(), strict=True), bond + 1)
             out.writelines(f"{number} {t} {lower + i} {higher + i}\n" for number, (i, t) in numbered)
             bond += len(tied)
-    if (numbers := _numbers(problem)) is not None:
-        out.write("\nNumbers\n\n")
-        rows_of = np.moveaxis(numbers, 0, -1).reshape(-1, len(numbers)).tolist()
-        out.writelines(f"{atom} {' '.join(map(text, row))}\n" for atom, row in enumerate(rows_of, 1))
+    out.writelines(_number_lines(problem))
     return out.getvalue()
+
+
+def _number_lines(problem: Problem) -> Iterator[str]:
+    """Section of the numbers of every bead; none where no law has them."""
+    if (numbers := _numbers(problem)) is None:
+        return
+    yield "\nNumbers\n\n"
+    for atom, row in enumerate(np.moveaxis(numbers, 0, -1).reshape(-1, len(numbers)).tolist(), 1):
+        yield f"{atom} {' '.join(map(text, row))}\n"
 
 
 def _inner_atoms(problem: Problem, kind: int, apart: float) -> Iterator[str]:

@@ -50,7 +50,31 @@ def contacts(law: "Thornton", name: str, layout: "Layout") -> Lines:
     )
     if differ:
         numbers, variables = [["c_contacts[1]", "c_contacts[2]"], ["c_contacts[3]", "c_contacts[4]"]], ()
-    beads, columns = layout.beads, table(law, walls, layout) if differ else None
+    lines = _overlaps(walls, layout, differ=differ)
+    for n, a, y in zip((1, 2), *numbers, strict=True):
+        lines += _of_pair(n, a, y)
+    lines += [
+        "fix memory all store/state 1 " + " ".join(f"v_{what}{n}" for what in _STORED for n in (1, 2)),
+        "variable push atom f_pairs[1]*(v_force2-v_force1)",
+        "fix contacts all addforce v_push 0.0 0.0",
+        "variable memory atom f_memory[1]*(1-f_pairs[1])/2+f_memory[2]*(1+f_pairs[1])/2",
+        "variable memory_ahead atom f_memory[1]*(1+f_pairs[1])/2+f_memory[2]*(1-f_pairs[1])/2",
+    ]
+    return Lines(
+        variables=variables,
+        interactions=(
+            "# contacts: no forces of LAMMPS's own, but neighbours; see fix contacts",
+            f"pair_style zero {text(layout.diameter)} nocoeff",
+            "pair_coeff * *",
+        ),
+        motion=tuple(lines),
+        numbers=table(law, walls, layout) if differ else None,
+    )
+
+
+def _overlaps(walls: list[Any], layout: "Layout", *, differ: bool) -> list[str]:
+    """The pairs, and variables of the two overlaps of each bead."""
+    beads = layout.beads
     pairs = beads // 2 + 1
     place, chain = f"((id-1)%{beads})", f"floor((id-1)/{beads})*{pairs}"
     lines = [
@@ -72,25 +96,7 @@ def contacts(law: "Thornton", name: str, layout: "Layout") -> Lines:
             f"variable overlap{n} atom f_pairs[{n + 1}]*({text(layout.diameter)}{sign}c_apart{n})"
             + "".join(_at_wall(wall, n, layout) for wall in walls),
         ]
-    for n, a, y in zip((1, 2), *numbers, strict=True):
-        lines += _of_pair(n, a, y)
-    lines += [
-        "fix memory all store/state 1 " + " ".join(f"v_{what}{n}" for what in _STORED for n in (1, 2)),
-        "variable push atom f_pairs[1]*(v_force2-v_force1)",
-        "fix contacts all addforce v_push 0.0 0.0",
-        "variable memory atom f_memory[1]*(1-f_pairs[1])/2+f_memory[2]*(1+f_pairs[1])/2",
-        "variable memory_ahead atom f_memory[1]*(1+f_pairs[1])/2+f_memory[2]*(1-f_pairs[1])/2",
-    ]
-    return Lines(
-        variables=variables,
-        interactions=(
-            "# contacts: no forces of LAMMPS's own, but neighbours; see fix contacts",
-            f"pair_style zero {text(layout.diameter)} nocoeff",
-            "pair_coeff * *",
-        ),
-        motion=tuple(lines),
-        numbers=columns,
-    )
+    return lines
 
 
 _STORED = ("most", "top", "z", "permanent")
