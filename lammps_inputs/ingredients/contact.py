@@ -96,6 +96,12 @@ class _Contact(by_formula.ByFormula):
         rest = float(force.at(0.0))
         if kind.cut and rest:
             raise ValueError(f"contact.tension: the force is {rest:.6g} at s = 0, where it would be cut; leave it out")
+        damping = getattr(scene, "damping", None)
+        if not kind.cut and damping is not None and damping.contact:
+            raise ValueError(
+                "damping.contact: is that of contacts that touch, and contact.force acts at a distance; take "
+                "damping.beads, or leave it out"
+            )
         if rest:
             walls = getattr(scene, "walls", None)
             if walls is None or None in (walls.left, walls.right):

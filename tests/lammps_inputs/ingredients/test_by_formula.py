@@ -200,3 +200,9 @@ def test_lammps_has_the_same_peaks(tmp_path):
     springs = scene(coupling=SATURATING, beads=70, duration=75.0, output={"every": 0.06})
     found = extrapolated(springs, 0.03, tmp_path / "springs", [(50, 1), (50, 2)])
     assert found == pytest.approx([0.348727, 0.348760], abs=2e-6)
+
+
+@pytest.mark.slow
+def test_dashpots_of_contacts_are_refused_beside_forces_at_a_distance():
+    with pytest.raises(InputError, match=r"damping\.contact: is that of contacts that touch"):
+        scene(contact=MAGNETS, **HELD, damping={"contact": 0.1})
