@@ -459,7 +459,7 @@ class BaseScene(Part):
         scale = self.scale
         mass, strength = masses_and_strengths(self)
         law = plastic.between(self, strength) or self.contact_law(strength)
-        touching = contacts(self.gap / scale.length, strength, law)
+        touching = contacts(self.gap / scale.length, strength, law and laws.for_all(law, (self.chains, self.beads - 1)))
         made = [link for ingredient in self.ingredients for link in ingredient.links(self)]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))

@@ -8,15 +8,15 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, create_model, field_validator
+from pydantic import Discriminator, Field, Tag, create_model, field_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import by_formula, plastic, profile
 from lammps_inputs.ingredients.base import Positive
-from lammps_inputs.ingredients.profile import Strength
+from lammps_inputs.ingredients.profile import Floats, Strength
 from lammps_inputs.laws import Law, Parameter
-from lammps_inputs.laws.contact import Hertz, Power
+from lammps_inputs.laws.contact import Hertz, Power, PowerByContact
 from lammps_inputs.laws.written import AlongChains, Force, Kind
 from lammps_inputs.links import Along
 from lammps_inputs.units import PURE, Unit
@@ -35,6 +35,16 @@ LEAST_OF_PULSES = 1.05
 """Exponent below which a solitary wave, if there is one, is longer than forty beads."""
 
 
+_Power = Annotated[float, Field(ge=1, le=MOST_EXPONENT), PURE]
+Exponent = Annotated[
+    Annotated[_Power, Tag("<plain>")]
+    | Annotated[tuple[_Power, ...], Tag("<row>")]
+    | Annotated[tuple[tuple[_Power, ...], ...], Tag("<rows>")],
+    Discriminator(lambda value: "<plain>" if isinstance(value, dict) else profile.kind(value)),
+]
+"""A number for all contacts, a list with one for each, or a list of such lists, one a chain."""
+
+
 class _Contact(by_formula.ByFormula):
     """A force ``stiffness * overlap**exponent``, or any that grows as beads come closer."""
 
@@ -44,8 +54,8 @@ class _Contact(by_formula.ByFormula):
         {Fact.REVERSIBLE: "contacts of an exponent below 1.5 open and close so abruptly that suzuki4 gains nothing"}
     )
 
-    exponent: Annotated[float, Field(ge=1, le=MOST_EXPONENT), PURE] = HERTZ
-    """Exponent p."""
+    exponent: Exponent = HERTZ
+    """Exponent p, or a list with one for each contact; in reduced units and without `stiffness`."""
     stiffness: Annotated[Positive, Unit("N/m^p")] | None = None
     """Constant A. Reduced units: 1 if omitted. With a material: required unless p = 1.5, where the material gives it.
     """
@@ -59,7 +69,15 @@ class _Contact(by_formula.ByFormula):
     tension: Literal["allowed", "cut"] | None = None
     """Whether `force` acts at a distance: if omitted, `cut` of forces that are 0 at s = 0, and `allowed` of others."""
 
-    _from_list = field_validator("strength", mode="before")(strict_yaml.as_tuple)
+    _from_list = field_validator("strength", "exponent", mode="before")(strict_yaml.as_tuple)
+
+    @field_validator("exponent")
+    @classmethod
+    def _one_for_each(cls, value: Any) -> Any:
+        rows = value if isinstance(value, tuple) and value and isinstance(value[0], tuple) else (value,)
+        if any(row == () for row in rows) or len({np.size(row) for row in rows}) > 1:
+            raise ValueError("should have one number for each contact of each chain")
+        return value
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse units that do not fit, what is known of spheres only, and profiles that do not fit the chains."""
@@ -70,6 +88,9 @@ class _Contact(by_formula.ByFormula):
             return
         if self.tension is not None:
             raise ValueError("contact.tension: is that of a formula; give contact.force, too, or leave it out")
+        profile.refuse("contact.exponent", self.exponent, scene)
+        if self._powers is not None:
+            self._refuse_exponents(scene)
         if self._yields is not None and "exponent" in self.model_fields_set and self.exponent != self._power:
             raise ValueError(f"contact.exponent: {self._power:g} with the law {self._yields.law}; leave it out")
         if scene.material is not None and self._power == HERTZ and self.stiffness is not None:
@@ -83,11 +104,31 @@ class _Contact(by_formula.ByFormula):
         return found
 
     @property
+    def _powers(self) -> Floats | None:
+        """Exponents of the contacts, [1 or chain, contact]; None where all are the same."""
+        return None if np.ptp(self.exponent) == 0.0 else np.atleast_2d(self.exponent)
+
+    @property
     def _power(self) -> float:
-        """Exponent of first loading."""
+        """Exponent of first loading; where contacts have their own, that by which lengths are measured."""
         if self._yields is None:
-            return self.exponent
+            return HERTZ if self._powers is not None else float(np.max(self.exponent))
         return 1.0 if self._yields.linear else HERTZ
+
+    def _refuse_exponents(self, scene: "BaseScene") -> None:
+        """Refuse what is said for contacts of one exponent only."""
+        keys = ("material", "walls", "gravity", "precompression", "window", "taper")
+        given = [key for key in keys if getattr(scene, key)]
+        given += ["contact.stiffness"] * (self.stiffness is not None)
+        damping = getattr(scene, "damping", None)
+        if damping is not None and damping.contact:
+            given += ["damping.law"] * (damping.law not in (None, "linear"))
+            given += ["damping.tension"] * (damping.tension == "cut")
+        if given:
+            raise ValueError(
+                f"{given[0]}: is known for contacts of one exponent, and contact.exponent is a list; leave one of them "
+                "out"
+            )
 
     def _refuse_formula(self, force: Force, scene: "BaseScene") -> None:
         """Refuse what is said twice, and forces at rest that nothing holds."""
@@ -169,9 +210,10 @@ class _Contact(by_formula.ByFormula):
                 "contact.force: how the contacts of beads of unlike radius or modulus differ is known for spheres; let "
                 "them differ in mass alone"
             )
-        if self._power != HERTZ and any(np.any(np.not_equal(one, 1.0)) for one in sizes_and_moduli(scene)):
+        other = f"{self._power:g}" if self._powers is None else "a list"
+        if other != f"{HERTZ:g}" and any(np.any(np.not_equal(one, 1.0)) for one in sizes_and_moduli(scene)):
             raise ValueError(
-                f"contact.exponent: {self._power:g} given; how the contacts of beads of unlike radius or modulus "
+                f"contact.exponent: {other} given; how the contacts of beads of unlike radius or modulus "
                 "differ is known for spheres, which have 1.5; let them differ in mass alone"
             )
 
@@ -181,6 +223,8 @@ class _Contact(by_formula.ByFormula):
             assert self.formula is not None
             return self.formula.law(AlongChains, self._kind(self.formula), strength)  # type: ignore[no-any-return]
         exponent, _ = self._known
+        if self._powers is not None:
+            return PowerByContact(strength * np.ones_like(self._powers), self._powers)
         return Hertz(strength) if exponent == HERTZ else Power(strength, exponent)
 
     def cited(self) -> tuple[str, ...]:
@@ -192,15 +236,19 @@ class _Contact(by_formula.ByFormula):
 
     @property
     def strength_key(self) -> str:
-        """That of the profile."""
-        return "contact.strength" if self.strength is not None else "" if self.force is None else "contact.force"
+        """That of the profile, or of the exponents."""
+        given = {"contact.strength": self.strength, "contact.force": self.force, "contact.exponent": self._powers}
+        return next((key for key, value in given.items() if value is not None), "")
 
     def strengths(self, scene: "BaseScene") -> Parameter:
-        """Those of the profile."""
-        if self.strength is None:
-            return 1.0
-        profile.refuse(self.strength_key, self.strength, scene)
-        return profile.strengths(self.strength, scene)
+        """Those of the profile, at the overlap by which lengths are measured."""
+        found: Parameter = 1.0
+        if self.strength is not None:
+            profile.refuse("contact.strength", self.strength, scene)
+            found = profile.strengths(self.strength, scene)
+        if self._powers is not None:
+            found = found * scene.scale.length ** (self._powers - HERTZ)
+        return found
 
     def contact_scale(self) -> tuple[float, float | None]:
         """By which the contacts have the strength 1: those of a formula as they begin."""
@@ -215,7 +263,7 @@ class _Contact(by_formula.ByFormula):
 
         What acts at a distance transmits sound.
         """
-        exponent = self.contact_scale()[0]
+        exponent = self.contact_scale()[0] if self._powers is None else float(np.min(self._powers))
         if self.formula is not None and not self._kind(self.formula).cut:
             return frozenset({Fact.SONIC_VACUUM, Fact.FRONT, Fact.PULSE})
         taken = {Fact.REVERSIBLE} if exponent < HERTZ else set()

@@ -96,7 +96,8 @@ else:
     Profile = create_model("Profile", __base__=_Profile, __module__=__name__, **_ENDS)
 
 
-def _kind(value: Any) -> str:
+def kind(value: Any) -> str:
+    """Tag of what is given: keys, a row for all chains, rows of chains, or a number."""
     if isinstance(value, dict | Profile):
         return "<keys>"
     rows = isinstance(value, tuple | list) and any(isinstance(row, tuple | list) for row in value)
@@ -109,7 +110,7 @@ Strength = Annotated[
     | Annotated[Profile, Tag("<keys>")]
     | Annotated[_Row, Tag("<row>")]
     | Annotated[tuple[_Row, ...], Tag("<rows>")],
-    Discriminator(_kind),
+    Discriminator(kind),
 ]
 """A number for all contacts, a profile, a list with one for each contact, or a list of such lists, one a chain."""
 

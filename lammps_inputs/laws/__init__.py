@@ -174,6 +174,11 @@ def differs(law: Law) -> bool:
     return any(np.ndim(parameter) > 0 for parameter in law)
 
 
+def for_all(law: Any, shape: tuple[int, int]) -> Any:
+    """A law whose parameters that differ are arrays of a shape, also those that were given for one chain."""
+    return type(law)(*(np.array(np.broadcast_to(one, shape)) if np.ndim(one) > 0 else one for one in law))
+
+
 def at(law: Law, *index: Any) -> Any:
     """The law of chosen links: parameters that differ are taken at an index of the arrays."""
     return type(law)(*(parameter[index] if np.ndim(parameter) > 0 else parameter for parameter in law))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs.deck_lines import Lines, types_by_contact
+from lammps_inputs.deck_lines import AtomTypes, Lines, types_by_contact
 from lammps_inputs.laws import Parameter, Pure, formula
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
@@ -69,7 +69,7 @@ class Hertz(NamedTuple):
 
 
 def _granular(law: str, unit: float, strength: Parameter, power: str, layout: "Layout") -> Lines:
-    """A pair style that distinguishes contacts by the types of their beads, and has dashpots beside them.
+    """A pair style that has dashpots beside contacts of one law, and distinguishes these by the types of their beads.
 
     Args:
         law: in LAMMPS's words.
@@ -78,27 +78,32 @@ def _granular(law: str, unit: float, strength: Parameter, power: str, layout: "L
         power: of the overlap, for the comment.
         layout: of the beads.
     """
-    same, loss = np.ndim(strength) == 0, "0"
+    if np.ndim(strength) == 0:
+        return _of_types(f"{law} {text(unit * float(strength))}", None, power, layout)
+    types = types_by_contact(np.asarray(strength))
+    models = {pair: f"{law} {text(unit * a)}" for pair, a in types.strength.items()}
+    return _of_types(f"{law} {text(unit)}", (types, models), f"{power}, strength by the bead types", layout)
+
+
+def _of_types(
+    general: str, own: tuple[AtomTypes, dict[tuple[int, int], str]] | None, power: str, layout: "Layout"
+) -> Lines:
+    """Contacts in LAMMPS's words, in general and of pairs of types, with the dashpots of the layout."""
+    loss, model, says = "0", "damping velocity", f"{power}{';' if own else ','} no friction, no loss"
     variables: tuple[str, ...] = ()
-    types = None if same else types_by_contact(np.asarray(strength))
-    says, model = f"{power}, strength by the bead types; no friction, no loss", "damping velocity"
     if layout.contact_loss is not None:
         coefficient, model = layout.contact_loss.granular(layout)
         loss, says = "${contact_damping}", f"{power} and a dashpot, no friction"
         variables = (f"variable contact_damping index {text(coefficient)}   # {model}", *_since(model))
     model = f"{loss} tangential linear_nohistory 0 0 {model}"
-    general = unit * float(strength) if same else unit
     return Lines(
-        types=types,
+        types=None if own is None else own[0],
         variables=variables,
         interactions=(
             f"# contacts: force = strength * {says}",
             "pair_style granular",
-            f"pair_coeff * * {law} {text(general)} {model}",
-            *(
-                f"pair_coeff {one} {two} {law} {text(unit * a)} {model}"
-                for (one, two), a in ({} if types is None else types.strength).items()
-            ),
+            f"pair_coeff * * {general} {model}",
+            *(f"pair_coeff {one} {two} {law} {model}" for (one, two), law in ({} if own is None else own[1]).items()),
         ),
         damped=bool(variables),
     )
@@ -174,3 +179,52 @@ class Power(NamedTuple):
         power = self.exponent + 1.0
         energy = f"{text(float(self.strength) / power)}*({text(layout.diameter)}-r)^{text(power)}"
         return formula.contacts(energy, f"= overlap^{text(self.exponent)}, from its energy", layout)
+
+
+class PowerByContact(NamedTuple):
+    """``A (s)+^p`` with an exponent of its own for each contact."""
+
+    strength: Pure
+    """A, in units of the scale's contact constant."""
+    power: Pure
+    """p, [chain, contact]."""
+
+    @staticmethod
+    def force(s: Any, strength: Any, power: Any) -> Any:
+        """Repulsion at an overlap; none where the beads are apart."""
+        return strength * np.maximum(s, 0.0) ** power
+
+    @staticmethod
+    def energy(s: Any, strength: Any, power: Any) -> Any:
+        """As of `Power`."""
+        return Power.energy(s, strength, power)
+
+    @staticmethod
+    def stiffness(s: Any, strength: Any, power: Any) -> Any:
+        """As of `Power`."""
+        return Power.stiffness(s, strength, power)
+
+    @staticmethod
+    def max_strain(energy: Any, strength: Any, power: Any) -> Any:
+        """As of `Power`."""
+        return Power.max_strain(energy, strength, power)
+
+    def along(self, name: str, layout: "Layout") -> Lines:
+        """LAMMPS distinguishes contacts by the types of their beads; it has two exponents for that.
+
+        Raises:
+            ValueError: other exponents than 1 and 1.5.
+        """
+        words = {1.0: ("hooke", 1.0), 1.5: ("hertz", float(1.0 / np.sqrt(layout.diameter / 4.0)))}
+        power = np.asarray(self.power)
+        if others := sorted(set(power.reshape(-1).tolist()) - set(words)):
+            raise ValueError(
+                f"{name}: LAMMPS has exponents that differ from contact to contact of 1 and 1.5, not {others[0]:g}; "
+                "use the reference engine"
+            )
+        both = np.stack(np.broadcast_arrays(self.strength, power), axis=-1)
+        kinds, kind = np.unique(both.reshape(-1, 2), axis=0, return_inverse=True)
+        types = types_by_contact(kind.reshape(power.shape).astype(np.float64))
+        law = [f"{words[p][0]} {text(words[p][1] * a)}" for a, p in kinds.tolist()]
+        models = {pair: law[int(number)] for pair, number in types.strength.items()}
+        return _of_types(law[0], (types, models), "overlap^exponent, both by the bead types", layout)

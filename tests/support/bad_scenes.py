@@ -313,6 +313,11 @@ def _refused(message: str, **changes: Any) -> BadScene:
 _RAMP = {"from": 1.0, "to": 4.0, "contacts": [2, 5]}
 
 
+def _exponents(message: str, **changes: Any) -> BadScene:
+    """Two chains whose contacts have exponents of their own."""
+    return _refused(message, **{"contact": {"exponent": [1.5] * 10 + [1.0]}, **changes})
+
+
 def _graded(message: str, strength: Any) -> BadScene:
     """Two chains with strengths of the contacts."""
     return _refused(f"contact.strength{message}", contact={"strength": strength})
@@ -505,6 +510,19 @@ REFUSED = [
     _refused("taper: should be greater than or equal to 0, -0.1 given", taper=-0.1),
     _refused("disorder.mass: should be less than or equal to 0.9, 1.0 given", disorder={"mass": 1.0}),
     _refused("kick: one bead is kicked twice", striker={"mass": 2.0, "velocity": 1.0}),
+    _exponents("contact.exponent: 2 numbers for the 11 contacts of 12 beads", contact={"exponent": [1.5, 1]}),
+    _exponents("contact.exponent[2]: should be less than or equal to 3, 5 given", contact={"exponent": [1.5, 5]}),
+    _exponents("contact.exponent: should be a number", contact={"exponent": {"from": 1}}),
+    _exponents(
+        "contact.stiffness: is known for contacts of one", contact={"exponent": [1.5] * 10 + [1.0], "stiffness": 2}
+    ),
+    _exponents("material: is known for contacts of one exponent", material=_SI),
+    _exponents("walls: is known for contacts of one exponent", walls={"right": "bead"}),
+    _exponents("precompression: is known for contacts of one exponent", precompression={"force": 0.1}),
+    _exponents("damping.law: is known for contacts of one", damping={"contact": 0.1, "law": "viscoelastic"}),
+    _exponents(
+        "contact.exponent: a list given; how the contacts", kinds={"a": {"radius": 2.0}, "b": {}}, pattern=["a", "b"]
+    ),
     _graded(": names nothing; valid: `strength: {from: 1, to: 4", {}),
     _graded(": should be greater than 0, 0.0 given", 0.0),
     _graded(": should be a number, 'x' given", "x"),

@@ -45,7 +45,7 @@ UNDER_LOAD = ("linear", "viscoelastic, cut", "restitution", "all")
 """Of these; what is cut under a load is before a wall, too."""
 
 
-def exponent(p: float, profile: Any = None, **more: Any) -> dict[str, Any]:
+def exponent(p: Any, profile: Any = None, **more: Any) -> dict[str, Any]:
     return {"contact": {"exponent": p, **({} if profile is None else {"strength": profile})}, **more}
 
 
@@ -106,6 +106,8 @@ CASES: dict[str, dict[str, Any]] = {
     "exponent 1": exponent(1.0),
     "exponent 1.25": exponent(1.25),
     "exponent 3": exponent(3.0),
+    "exponents by contact": exponent([1.5, 1.0, 1.5, 1.5, 1.0, 1.5, 1.5], RISING, kick={"velocity": 0.5}),
+    "exponents by chain, damped": exponent([[1.0] * 7, [1.5] * 3 + [1.0] * 4], damping=LOSSES["linear"]),
     "walls of exponent 2": exponent(2.0, **AT_END),
     "walls of exponent 3, gap": exponent(3.0, **AT_END, gap=0.3),
     "graded contacts": strength(RISING),

@@ -34,7 +34,9 @@ def units(scene: Scene) -> Units:
 
 
 def exponent(scene: Scene) -> float:
-    return 1.5 if scene.contact is None else float(scene.contact.exponent)
+    """By which lengths are measured."""
+    given = 1.5 if scene.contact is None else scene.contact.exponent
+    return 1.5 if isinstance(given, tuple) else float(given)
 
 
 class Formula:
@@ -293,6 +295,10 @@ def _nature(text: str) -> Nature:
     mass, radius, modulus = beads_of(scene)
     size = 2.0 * radius[:, 1:] * radius[:, :-1] / (radius[:, 1:] + radius[:, :-1])
     strength = 2.0 / (1.0 / modulus[:, 1:] + 1.0 / modulus[:, :-1]) * np.sqrt(size) * along(scene)
+    powers: float | Floats = p
+    if scene.contact is not None and isinstance(scene.contact.exponent, tuple):
+        powers = np.array(scene.contact.exponent) * np.ones_like(strength)
+        strength = strength * unit.length ** (powers - p)
     load = loads(scene, mass + sum(kind[0] for kind in _resonators(scene)))
     loss = _losses(scene, mass, strength)
     walls = _walls(scene, mass, load, loss)
@@ -318,11 +324,11 @@ def _nature(text: str) -> Nature:
     damping, dashpot = scene.damping, unit.force / unit.velocity
     own = Nature(
         unit=unit,
-        exponent=p,
+        exponent=powers,
         gap=scene.gap / unit.length,
         mass=mass,
         strength=strength,
-        rest=(load[:, 1:-1] / strength) ** (1.0 / p),
+        rest=(load[:, 1:-1] / strength) ** (1.0 / powers),
         load=load[:, 1:-1],
         hold=hold,
         springs=springs(scene),

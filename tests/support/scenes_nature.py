@@ -94,7 +94,7 @@ class Nature:
     """All forces of a scene.
 
     Attributes:
-        exponent: of the overlap in the contacts' force.
+        exponent: of the overlap in the contacts' force, a number or [chain, bead - 1].
         mass: [chain, bead].
         strength, rest, load: of contacts, [chain, bead - 1]: force over overlap**exponent, overlap and force at rest.
         hold: force from outside at rest, [chain, bead].
@@ -114,7 +114,7 @@ class Nature:
     """
 
     unit: Units
-    exponent: float
+    exponent: float | Floats
     gap: float
     mass: Floats
     strength: Floats
@@ -296,5 +296,5 @@ class Nature:
         return np.asarray(found)
 
 
-def _power(closed: Floats, exponent: float) -> Floats:
-    return closed * np.sqrt(closed) if exponent == 1.5 else closed**exponent
+def _power(closed: Floats, exponent: float | Floats) -> Floats:
+    return closed * np.sqrt(closed) if np.ndim(exponent) == 0 and exponent == 1.5 else closed**exponent

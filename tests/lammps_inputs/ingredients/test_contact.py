@@ -12,7 +12,7 @@ from analysis.shape.exact_wave import solitary_wave
 from analysis.sound.dispersion import cell_of
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import Scene, file_names, strict_yaml
+from lammps_inputs import InputError, Scene, file_names, strict_yaml
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
@@ -106,6 +106,17 @@ def test_strengths_of_1_leave_the_deck_of_a_chain_without(strength):
     assert {name: text for name, text in found.items() if name != file_names.SCENE} == {
         name: text for name, text in plain.items() if name != file_names.SCENE
     }
+
+
+def test_a_list_of_one_exponent_is_that_exponent():
+    one, other = (touching(p, timestep=0.01) for p in (2.0, [2.0] * 7))
+    assert other.problem().system == one.problem().system
+
+
+def test_lammps_refuses_exponents_that_differ_other_than_1_and_3_halves(tmp_path):
+    case = touching([2.0] * 6 + [1.5], timestep=0.01)
+    with pytest.raises(InputError, match=r"of 1 and 1\.5, not 2; use the reference engine"):
+        run(case, tmp_path / "run")
 
 
 @pytest.mark.parametrize("command", ["deck", "run"])
