@@ -148,19 +148,19 @@ def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
     found, uncertainty = _compared(problem.coarser(step), lambda: directory.blocks(step), settings)
     velocity = found["velocity"]
     if problem.frames_per_snapshot is not None:
-        others, uncertainty = _compared(problem.snapshots(), directory.snapshots, settings)
+        others, of_snapshots = _compared(problem.snapshots(), directory.snapshots, settings)
         velocity = max(velocity, others["velocity"], key=lambda deviation: deviation.largest)
-        uncertainty = replace(uncertainty, velocity=max(uncertainty.velocity, uncertainty.velocity))
+        uncertainty = replace(uncertainty, velocity=max(uncertainty.velocity, of_snapshots.velocity))
     amplitude, arrival = (found[name].largest if name in found else math.nan for name in ("amplitude", "arrival"))
     waves = directory.peaks_table()
     if waves is not None:
-        true, uncertainty = _leading(replace(problem, recorded=None), settings)
+        true, of_waves = _leading(replace(problem, recorded=None), settings)
         more = waves_apart(waves, true)
         amplitude, arrival = (float(np.fmax(*pair)) for pair in zip((amplitude, arrival), more, strict=True))
         uncertainty = replace(
             uncertainty,
-            velocity=max(uncertainty.velocity, uncertainty.velocity),
-            arrival=max(uncertainty.arrival, uncertainty.arrival),
+            velocity=max(uncertainty.velocity, of_waves.velocity),
+            arrival=max(uncertainty.arrival, of_waves.arrival),
         )
     return Check(
         velocity=velocity.largest,
