@@ -229,7 +229,7 @@ def test_the_worse_of_frames_and_peaks_csv_counts(other, finished, monkeypatch):
     assert (found.amplitude, found.arrival) == (max(own.amplitude, other[0]), max(own.arrival, other[1]))
 
 
-@pytest.mark.parametrize(("wrong", "peaks"), [(0.0, False), (0.1, False), (0.0, True)])
+@pytest.mark.parametrize(("wrong", "peaks"), [(0.0, None), (0.1, None), (0.0, True)])
 def test_snapshots_are_checked_as_frames_are(wrong, peaks, tmp_path, monkeypatch):
     output = Output(every=0.2, beads=(8,), snapshots=2.0, peaks=peaks)
     directory = run(scene(beads=8, duration=8.0, output=output), tmp_path / "run", check=False).directory
