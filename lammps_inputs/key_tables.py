@@ -53,9 +53,11 @@ _UNBROKEN: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": Fals
 
 def _materials(_: str) -> str:
     """Rows of the catalogue of materials."""
-    rows = ["| name | meaning | E (GPa) | nu | density (kg/m3) | source |", "|---|---|---|---|---|---|"]
+    heads = ("name", "meaning", "E (GPa)", "nu", "density (kg/m3)", "yield strength (MPa)", "source")
+    rows = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
     for name, solid in materials.CATALOGUE.items():
-        numbers = f"{solid.youngs_modulus / 1e9:g} | {solid.poisson_ratio:g} | {solid.density:g}"
+        soft = f"{solid.yield_strength / 1e6:g}" if solid.yield_strength else "-"
+        numbers = f"{solid.youngs_modulus / 1e9:g} | {solid.poisson_ratio:g} | {solid.density:g} | {soft}"
         rows.append(f"| `{name}` | {solid.meaning} | {numbers} | {references.short(solid.source)} |")
     return "\n".join(rows) + "\n"
 

@@ -1,13 +1,31 @@
-"""Elastic constants and density of materials by name, each with its source.
+"""Elastic constants, density and yield strength of materials by name, each with its source.
 
 A row never changes, as stored scenes may name it; other values of a material get another name.
 """
 
 from collections.abc import Mapping
-from typing import Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import Field, WithJsonSchema
+
+from lammps_inputs.units import Unit
 
 Name = Literal["steel", "steel-420c", "steel-52100", "brass", "aluminium", "titanium", "glass", "ptfe"]
 CONSTANTS = ("youngs_modulus", "poisson_ratio", "density")
+
+OF_THE_CATALOGUE = "catalogue"
+"""In place of a yield strength: that of the named material."""
+
+YIELD_SOURCE = "asm2020"
+"""Publication of the yield strengths."""
+
+YieldStrength = Annotated[
+    float,
+    Field(gt=0, le=1e30),
+    Unit("Pa"),
+    WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"const": OF_THE_CATALOGUE}]}),
+]
+"""A number, once `completed`."""
 
 
 class Solid(NamedTuple):
@@ -18,15 +36,17 @@ class Solid(NamedTuple):
     density: float
     source: str
     meaning: str
+    yield_strength: float | None = None
+    """In tension, annealed or of the temper of the meaning; None where it depends on a treatment that is not stated."""
 
 
 CATALOGUE: dict[str, Solid] = {
-    "steel": Solid(193e9, 0.3, 8000.0, "daraio2006", "Stainless steel AISI 316"),
+    "steel": Solid(193e9, 0.3, 8000.0, "daraio2006", "Stainless steel AISI 316", 240e6),
     "steel-420c": Solid(226e9, 0.3, 7650.0, "coste1997", "Stainless steel AISI 420C, bearing balls"),
     "steel-52100": Solid(203e9, 0.3, 7780.0, "job2005", "Chrome steel AISI 52100 (100Cr6), bearing balls"),
     "brass": Solid(103e9, 0.34, 8500.0, "carretero2009", "Brass, alloy 260"),
-    "aluminium": Solid(68.9e9, 0.33, 2700.0, "davis1993", "Aluminium alloy 6061-T6"),
-    "titanium": Solid(113.8e9, 0.342, 4430.0, "boyer1994", "Titanium alloy Ti-6Al-4V"),
+    "aluminium": Solid(68.9e9, 0.33, 2700.0, "davis1993", "Aluminium alloy 6061-T6", 276e6),
+    "titanium": Solid(113.8e9, 0.342, 4430.0, "boyer1994", "Titanium alloy Ti-6Al-4V", 880e6),
     "glass": Solid(70e9, 0.2, 2500.0, "en572", "Soda lime silicate glass"),
     "ptfe": Solid(1.46e9, 0.46, 2178.0, "daraio2005", "Polytetrafluoroethylene"),
 }
@@ -40,9 +60,11 @@ def completed(given: Any, key: str) -> Any:
         key: that holds the material's name.
 
     Raises:
-        ValueError: none of the named material's constants would be used.
+        ValueError: none of the named material's constants would be used, or it has no yield strength.
     """
     name = given.get(key) if isinstance(given, Mapping) else None
+    if isinstance(given, Mapping) and isinstance(given.get("yield_strength"), str):
+        given = {**given, "yield_strength": _yield_strength(given["yield_strength"], name, key)}
     if not isinstance(name, str):
         return given
     solid = CATALOGUE.get(name, CATALOGUE["steel"])._asdict()  # an unknown name is refused where it is read
@@ -51,3 +73,19 @@ def completed(given: Any, key: str) -> Any:
         raise ValueError(f"{name} is named, but {', '.join(own)} are all given; leave the name or the constants out")
     wanted = CONSTANTS if given.get("mass") is None else CONSTANTS[:2]
     return {**given, **{constant: solid[constant] for constant in wanted}, **own}
+
+
+def _yield_strength(said: str, name: Any, key: str) -> float:
+    """Of the material that is named.
+
+    Raises:
+        ValueError: another word, no such material, or one without yield strength.
+    """
+    if said != OF_THE_CATALOGUE:
+        raise ValueError(f"yield_strength: should be a number (Pa) or {OF_THE_CATALOGUE}, {said!r} given")
+    found = CATALOGUE.get(name, CATALOGUE["steel"]).yield_strength if isinstance(name, str) else None
+    if found is None:
+        known = ", ".join(other for other, solid in CATALOGUE.items() if solid.yield_strength)
+        what = f"{name!r}" if name is not None else f"no `{key}`"
+        raise ValueError(f"yield_strength: {OF_THE_CATALOGUE} holds that of {known}; {what} given; valid: 0.25e9 (Pa)")
+    return found

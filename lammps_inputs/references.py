@@ -95,7 +95,10 @@ def of_scene(scene: "BaseScene") -> dict[str, list[str]]:
     if solids := [materials.CATALOGUE[name].source for name in names if name]:
         found["material"] = list(dict.fromkeys(solids))
     if plastic.key(scene) == "material.yield_strength":
-        found["yield strength"] = [*plastic.SOURCES["thornton"]]
+        used = [(kind.material, kind.yield_strength) for kind in kinds]
+        used += [(scene.material.name, scene.material.yield_strength)] if scene.material else []
+        named = any(name and materials.CATALOGUE[name].yield_strength == value for name, value in used if value)
+        found["yield strength"] = [*plastic.SOURCES["thornton"], *([materials.YIELD_SOURCE] if named else [])]
     found |= {key: [source] for key, source in UNEQUAL.items() if getattr(scene, key)}
     for key, ingredient in scene.named:
         if keys := ingredient.cited():

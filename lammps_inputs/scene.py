@@ -116,8 +116,10 @@ class Material(Part):
     """Young's modulus E; required without `name`."""
     poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE]
     """Poisson's ratio; required without `name`."""
-    yield_strength: Annotated[Positive, Unit("Pa")] | None = None
-    """Yield strength of the beads, whose contacts then yield; they are elastic if omitted."""
+    yield_strength: materials.YieldStrength | None = None
+    """Yield strength of the beads, whose contacts then yield, or `catalogue`: that of the table below; they are elastic
+    if omitted.
+    """
 
     @model_validator(mode="before")
     @classmethod

@@ -86,7 +86,9 @@ def refuse(scene: "BaseScene") -> None:
         if kind.yield_strength is not None and (ball is None or ball.yield_strength is None):
             raise ValueError(f"{place}.yield_strength: needs `material.yield_strength`, too")
         if ball is not None and ball.yield_strength is not None and other and kind.yield_strength is None:
-            raise ValueError(f"{place}.yield_strength: is missing beside material.yield_strength (Pa)")
+            raise ValueError(
+                f"{place}.yield_strength: is missing beside material.yield_strength; a number (Pa) or catalogue"
+            )
     if not named:
         return
     if own is not None:

@@ -47,8 +47,10 @@ class Kind(Part):
     """Young's modulus; with a material only."""
     poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE] | None = None
     """Poisson's ratio; with a material only."""
-    yield_strength: Annotated[Positive, Unit("Pa")] | None = None
-    """Yield strength; with that of a material only, which it has if neither material nor modulus is its own."""
+    yield_strength: materials.YieldStrength | None = None
+    """Yield strength, or `catalogue`; with that of a material only, which it has if neither material nor modulus is its
+    own.
+    """
     stiffness: Annotated[Positive, PURE] | None = None
     """Plane modulus E / (1 - nu^2) relative to the reference bead's; without a material only."""
 

@@ -559,6 +559,15 @@ REFUSED = [
         precompression={"force": 0.1},
     ),
     _refused("material.yield_strength: should be greater than 0", material={**_SI, "yield_strength": -1.0}),
+    _refused(
+        "material: yield_strength: catalogue holds that of steel, aluminium, titanium; 'brass' given; valid: 0.25e9",
+        material={"name": "brass", "radius": 1e-3, "yield_strength": "catalogue"},
+    ),
+    _refused("material: yield_strength: catalogue holds", material={**_SI, "yield_strength": "catalogue"}),
+    _refused(
+        "material: yield_strength: should be a number (Pa) or catalogue, 'soft'",
+        material={**_SI, "yield_strength": "soft"},
+    ),
     _yields(
         "output.beads: frames of all beads hold the memory",
         {"overlap": 0.1},

@@ -46,7 +46,7 @@ class Contacts:
             f"contacts: overlaps {most} {self.overlap:.2g} of the radius ({self.radius:g} m), "
             f"forces {self.force:.2g} N, pressures {self.pressure:.2g} Pa; elastic only if the yield strength is above "
             f"{self.yield_strength:.2g} Pa (yield begins at {YIELD_PRESSURE} times it: Johnson, Contact "
-            "Mechanics, 1985, 6.1); with `material: {yield_strength: ...}` contacts yield"
+            "Mechanics, 1985, 6.1); with `material: {yield_strength: ...}`, a number or `catalogue`, contacts yield"
         ]
         if not self.possible:
             found.append(

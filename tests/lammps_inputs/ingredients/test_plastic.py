@@ -14,7 +14,7 @@ from analysis import motion
 from analysis.conservation import Conservation
 from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import gauges
-from lammps_inputs import laws, library, physics
+from lammps_inputs import laws, library, materials, physics, references
 from lammps_inputs.decks import deck
 from lammps_inputs.laws.plastic import Thornton, restitution_of
 from workflow.engines.reference import engine
@@ -93,6 +93,19 @@ def test_walls_and_unlike_beads_yield_at_the_overlap_of_their_own_radius_and_mod
     assert system.along[0].law.onset == pytest.approx(0.1 * (2 / 3) / (4 / 3) ** 2)
     onset = system.ground[0].law.onset[0, -1]
     assert onset == pytest.approx(0.1 * 0.5 * size / (2.0 * modulus) ** 2)
+
+
+def test_a_named_metal_yields_at_the_strength_of_the_catalogue_only_where_the_scene_asks_for_it():
+    named = {"name": "steel", "radius": 4.76e-3}
+    kinds = {"a": {"material": "aluminium", "yield_strength": "catalogue"}}
+    found, same = (
+        plastic(None, material={**named, "yield_strength": strength}, kinds=kinds, pattern=["a"])
+        for strength in ("catalogue", materials.CATALOGUE["steel"].yield_strength)
+    )
+    assert found.system == same.system
+    assert found.kinds["a"].yield_strength == 276e6
+    assert references.of_scene(found)["yield strength"] == ["thornton1997", materials.YIELD_SOURCE]
+    assert not laws.remembers(plastic(None, material=named).system.along[0].law)
 
 
 def test_the_softer_of_two_beads_yields():
