@@ -5,8 +5,6 @@ import importlib.resources
 import re
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from lammps_inputs import materials
 
 if TYPE_CHECKING:
@@ -88,8 +86,7 @@ def of_scene(scene: "BaseScene") -> dict[str, list[str]]:
     from lammps_inputs.ingredients import plastic
 
     exponent = scene.contact_scale[0]
-    alike = np.ptp(getattr(getattr(scene, "contact", None), "exponent", 0.0)) == 0.0
-    found = {"contacts": [HERTZ] if exponent == 1.5 and alike else [*POWER_LAW]}
+    found = {"contacts": [HERTZ] if exponent == 1.5 else [*POWER_LAW]}
     kinds = [*(scene.kinds or {}).values(), *filter(None, [scene.striker])]
     names = [kind.material for kind in kinds] + ([scene.material.name] if scene.material else [])
     if solids := [materials.CATALOGUE[name].source for name in names if name]:

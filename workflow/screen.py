@@ -1,13 +1,13 @@
 """What the terminal shows: a progress bar, tables. Nothing is computed here."""
 
 import errno
+import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
-from lammps_inputs.numbers import known
 from workflow.errors import RunError
 
 if TYPE_CHECKING:
@@ -126,7 +126,7 @@ def cell(value: Any, digits: str = ".6g") -> str:
     """A value of a scene or a quantity in a table; ``-`` where it is undefined."""
     if isinstance(value, list | tuple):
         return " ".join(map(cell, value))
-    if value is None or (isinstance(value, float) and known(value) is None):
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return "-"
     return f"{value:{digits}}" if isinstance(value, float) else one_line(value)
 

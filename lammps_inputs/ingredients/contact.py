@@ -228,10 +228,12 @@ class _Contact(by_formula.ByFormula):
         return Hertz(strength) if exponent == HERTZ else Power(strength, exponent)
 
     def cited(self) -> tuple[str, ...]:
-        """Of the profile, and of a law that yields."""
+        """Of the profile, of a law that yields, and of exponents that differ."""
         law: tuple[str, ...] = () if self._yields is None else plastic.SOURCES[self._yields.law]
         if self.formula is not None and not self._kind(self.formula).cut:
             law = ("moleron2014",)
+        if self._powers is not None:
+            law = ("nesterenko2001", "spadoni2010")
         return law if self.strength is None else ("chaunsali2018", *law)
 
     @property

@@ -121,6 +121,8 @@ def _inner(system: System) -> float:
 
 def _at_ends(system: System, links: tuple[Across, ...], values: list[Any]) -> float:
     """Largest sum over both ends of a link of the values of all links there over the mass (Anderson & Morley 1985)."""
+    if not links:
+        return 0.0
     total = np.zeros((physics.lines(system), system.beads))
     found: list[tuple[tuple[int, int], NDArray[np.float64]]] = []
     for link, value in zip(links, values, strict=True):

@@ -195,6 +195,8 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
     if own.problem.system.inner_mass is not None and own.inner is None:
         return found  # forces on the beads are not known
     found = found or _start(own) or pushes(own, reference)
+    if own.problem.system.inner_links:  # whose forces on their beads act as static ones where they are wrong
+        found = found or _strengths(own, reference)
     found = found or _static(own, reference) or _exponent(own, reference)
     found = found or ([] if physics.one_kind(own.problem.system) else _beads(own, reference))
     found = found or _by_formula(own) or _strengths(own, reference) or _springs(own, reference)

@@ -58,6 +58,7 @@ IN = {
     "V": ("amplitude", "amplitude_uncertainty", "error_velocity", "error_amplitude"),
     "T": ("error_arrival",),
     "s": ("arrival", "delay"),
+    "m": ("permanent",),
     "m/s": ("peak_velocity",),
     "beads/s": ("speed",),
     "N": ("wall_force", "wall_force_chain"),
