@@ -33,7 +33,12 @@ _config: Any = numba.config
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_SOURCES = ("lammps_inputs/laws", "workflow/engines/reference", "workflow/engines/collisions")
+_SOURCES = (
+    "lammps_inputs/laws",
+    "workflow/engines/lammps",
+    "workflow/engines/reference",
+    "workflow/engines/collisions",
+)
 
 
 def compiled(function: F | None = None, **options: Any) -> Any:

@@ -2,7 +2,7 @@
 
 The deck is the equation of motion and nothing else: what the scene does not name leaves no line. It runs with a stock
 ``lmp`` (GRANULAR; MOLECULE for coupled chains, CLASS2 for cubic springs, DPD-BASIC for damped ones) from the 29Sep2021
-release on, serial or with MPI, without Python.
+release on, serial or with MPI, without Python; contacts that yield of many beads alone need `granchain run`.
 
 How the equation becomes LAMMPS:
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from lammps_inputs import laws
 from lammps_inputs.deck_lines import Lines
+from lammps_inputs.laws import by_callback
 from lammps_inputs.laws.wall import faces
 from lammps_inputs.numbers import text
 
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
     from lammps_inputs.laws.plastic import Thornton
     from lammps_inputs.layout import Layout
     from lammps_inputs.links import Wall
-
-MOST_BEADS = 4000
-"""Beads up to which it is worth while: a step takes some 2 us a bead, over fifty times as long as elastic contacts."""
 
 COLUMNS = ("d_strength1", "d_strength2", "d_onset1", "d_onset2")
 """Per-atom numbers of the first and of the second pairs, where contacts differ."""
@@ -31,16 +29,13 @@ def contacts(law: "Thornton", name: str, layout: "Layout") -> Lines:
     """Contacts along chains, and with walls, that yield by Thornton's law.
 
     Raises:
-        ValueError: more beads than are worth while, or a static load.
+        ValueError: a static load.
     """
     system = layout.system
-    if layout.chains * layout.beads > MOST_BEADS:
-        raise ValueError(
-            f"{name}: LAMMPS has contacts that yield by variables, which are slow: at most {MOST_BEADS} beads; use the "
-            "reference engine"
-        )
     if np.any(laws.load(law)):
         raise ValueError(f"{name}: LAMMPS has contacts that yield without a static load only; use the reference engine")
+    if by_callback.needed(system):
+        return by_callback.lines(layout)
     walls: list[Any] = [link for link in system.ground if laws.remembers(link.law)]
     differ = laws.differs(law) or bool(walls)
     numbers = [[f"v_{what}"] * 2 for what in ("strength", "onset")]

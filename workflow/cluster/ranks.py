@@ -14,6 +14,7 @@ import math
 from dataclasses import dataclass
 
 from lammps_inputs import Problem, physics
+from lammps_inputs.laws import by_callback
 from lammps_inputs.laws.in_time import Table
 from lammps_inputs.laws.written import AcrossChains, AlongChains
 from lammps_inputs.numbers import size_text, time_text
@@ -109,6 +110,9 @@ class Cost:
 YIELDING = 2e-6
 """Seconds a bead and step of contacts that yield (`lammps_inputs.laws.by_pairs`)."""
 
+HOST, HOSTED = 25e-6, 10e-9
+"""Seconds a step, and a bead and step, where the host computes them (`lammps_inputs.laws.by_callback`)."""
+
 
 def bead_seconds(problem: Problem) -> float:
     """Seconds a bead and step."""
@@ -125,7 +129,7 @@ def _more(problem: Problem, beads: int) -> float:
         seconds += LEPTON
     seconds += WRITTEN * sum(isinstance(link.law, AlongChains | AcrossChains) for link in system.links)
     if physics.remembering(system):
-        seconds += beads * YIELDING
+        seconds += HOST + beads * HOSTED if by_callback.needed(system) else beads * YIELDING
     return seconds + beads * (LOADED * physics.loaded(system) + DAMPED * (physics.contact_loss(system) is not None))
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError, file_names, library
 from lammps_inputs.decks import deck
+from lammps_inputs.laws import by_callback
 from lammps_inputs.slurm import job
 from workflow.cluster import ranks
 from workflow.cluster.job_arguments import add_job_arguments, job_options, with_ranks
@@ -34,7 +35,7 @@ def execute(arguments: argparse.Namespace) -> int:
     """Write deck, data and scene, and the job."""
     options = job_options(arguments)
     scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=arguments.force)
-    if why := deck.refusal(scene.system):
+    if why := deck.refusal(scene.system) or by_callback.refusal(scene.system):
         raise InputError(f"{arguments.scene}: {why}")
     files = deck.render(scene)
     if options is not None:

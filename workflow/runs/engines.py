@@ -16,6 +16,8 @@ from analysis.quantity import csv_of
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene, file_names, physics
 from lammps_inputs.decks import deck
+from lammps_inputs.laws import by_callback
+from lammps_inputs.system import System
 from workflow.cluster import ranks as model
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.errors import RunError
@@ -70,8 +72,8 @@ class Engine(ABC):
         none = scene.window is None
         return "" if none else f"only lammps records a window, not {self.name}; leave `window` out of the scene"
 
-    def refused_ranks(self, ranks: int, beads: int) -> str:  # noqa: ARG002  of the beads ask those that divide them
-        """Why it cannot run chains of so many beads on a number of ranks; empty where it can."""
+    def refused_ranks(self, ranks: int, system: System) -> str:  # noqa: ARG002  of the beads ask those that divide them
+        """Why it cannot run a system on a number of ranks; empty where it can."""
         return "" if ranks == 1 else f"the engine {self.name!r} runs on one core; {ranks} given"
 
     def begins_with(self, scene: Scene, problem: Problem | None = None) -> dict[str, str]:  # noqa: ARG002  decks need it
@@ -109,8 +111,8 @@ class _Lammps(Engine):
     def refusal(self, scene: Scene) -> str:
         return deck.refusal(scene.system)
 
-    def refused_ranks(self, ranks: int, beads: int) -> str:
-        return lammps_engine.refused_ranks(ranks, beads)
+    def refused_ranks(self, ranks: int, system: System) -> str:
+        return lammps_engine.refused_ranks(ranks, system.beads) or by_callback.refusal(system, ranks)
 
     def begins_with(self, scene: Scene, problem: Problem | None = None) -> dict[str, str]:
         return deck.render(scene, problem)

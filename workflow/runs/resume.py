@@ -65,7 +65,7 @@ def resume(
                 return None
             return Run(result, "done", measure_error(result, settings))
         ranks = job.ranks or 1 if ranks is None else ranks
-        if refusal := engine.refused_ranks(ranks, result.problem.beads):
+        if refusal := engine.refused_ranks(ranks, result.problem.system):
             raise InputError(f"--ranks: {refusal}")
         refuse_unwritable(path, all_parts(path))
         spent = _spent(path, job)

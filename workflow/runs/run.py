@@ -153,7 +153,7 @@ def refuse(scene: Scene, path: Path, *, engine: str, ranks: int, overwrite: bool
         InputError: the directory, engine or number of ranks cannot be used.
     """
     what = engine_called(engine)
-    for option, refusal in (("--engine", what.refusal(scene)), ("--ranks", what.refused_ranks(ranks, scene.beads))):
+    for option, refusal in (("--engine", what.refusal(scene)), ("--ranks", what.refused_ranks(ranks, scene.system))):
         if refusal:
             raise InputError(f"{option}: {refusal}")
     refuse_unusable(path, what.files, overwrite=overwrite)

@@ -2,11 +2,14 @@
 
 import json
 import math
+from contextlib import contextmanager
 from dataclasses import replace
 
+import lammps_here
 import numpy as np
 import pytest
 from plain_scene import goes_on_bit_for_bit
+from refusals import refusal
 from stock_lammps import DEBIAN, scene
 from stock_lammps import run as run_deck
 
@@ -14,15 +17,22 @@ from analysis import motion
 from analysis.conservation import Conservation
 from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import gauges
-from lammps_inputs import laws, library, materials, physics, references
+from lammps_inputs import InputError, laws, library, materials, physics, references
 from lammps_inputs.decks import deck
+from lammps_inputs.laws import by_callback
 from lammps_inputs.laws.plastic import Thornton, restitution_of
+from workflow.engines.lammps import engine as lammps_engine
+from workflow.engines.lammps import yielding
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
+from workflow.errors import RunError
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
+
+IN_A_PROCESS = lammps_engine.run
+"""LAMMPS in a process of its own."""
 
 YIELD = {"yield": {"overlap": 0.1}}
 WALTON = {"yield": {"law": "walton-braun", "restitution": 0.8}}
@@ -242,13 +252,72 @@ def test_ranks_and_the_release_of_2021_compute_the_same_bits(tmp_path):
             np.testing.assert_allclose(old.velocity, one.velocity, rtol=0.0, atol=1e-11)
 
 
-def test_lammps_refuses_many_beads_static_loads_and_the_other_law_in_one_line():
+def test_lammps_refuses_static_loads_and_the_other_law_in_one_line():
     for case, why in (
-        (plastic(beads=4001), "at most 4000 beads"),
         (plastic(beads=12, precompression={"force": 0.1}), "without a static load only"),
         (plastic(WALTON), "LAMMPS has no such force"),
     ):
         assert why in deck.refusal(case.system)
+
+
+@contextmanager
+def by_host(beads=0):
+    """The process that hosts LAMMPS computes the forces of contacts that yield of more than so many beads."""
+    with pytest.MonkeyPatch.context() as patch:
+        deck._of_links.cache_clear()
+        patch.setattr(by_callback, "MOST_STOCK", beads)
+        yield
+    deck._of_links.cache_clear()
+
+
+def same_by_host_and_stock(case, host, stock):
+    np.testing.assert_allclose(host.velocity, stock.velocity, rtol=0.0, atol=1e-12)
+    # places of LAMMPS, of which overlaps are differences, are some 5 a bead
+    np.testing.assert_allclose(host.memory, stock.memory, rtol=0.0, atol=1e-14 * max(1, case.beads))
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name != "walls")) for name in IN_LAMMPS]
+)
+def test_forces_of_the_host_are_those_of_the_stock_deck(name, tmp_path):
+    case = in_lammps(name, beads=20)
+    with by_host():
+        host = run(case, tmp_path / "host", check=False)
+        assert by_callback.EXTERNAL in (tmp_path / "host" / "in.chains").read_text()
+    same_by_host_and_stock(case, host.trajectory, run(case, tmp_path / "stock", check=False).trajectory)
+
+
+@pytest.mark.slow
+def test_forces_of_the_host_are_those_of_the_stock_deck_with_many_beads(tmp_path):
+    case = plastic(beads=3000, chains=2, coupling={"stiffness": 0.2}, kick={"velocity": 1.0, "bead": 99}, duration=5.0)
+    host = run(case, tmp_path / "host", check=False, lammps=IN_A_PROCESS).trajectory
+    with by_host(6000):
+        stock = run(case, tmp_path / "stock", check=False).trajectory
+    same_by_host_and_stock(case, host, stock)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["walls", "damped"])
+def test_a_run_with_forces_of_the_host_goes_on_bit_for_bit(name, tmp_path):
+    with by_host():
+        goes_on_bit_for_bit(in_lammps(name, duration=60.0), tmp_path, after=500, lammps=lammps_here.run)
+
+
+def test_more_beads_than_the_stock_deck_is_for_run_on_one_rank_and_in_no_other_program(tmp_path, capsys):
+    few, many = (plastic(beads=beads) for beads in (4000, 4001))
+    assert [by_callback.refusal(few.system), deck.refusal(many.system), by_callback.refusal(many.system, 1)] == [""] * 3
+    with pytest.raises(InputError, match=r"^--ranks: .*of more than 4000 beads.* on one rank"):
+        run(many, tmp_path / "run", ranks=2)
+    (tmp_path / "many.yaml").write_text(deck.render_scene(many))
+    said = refusal(["deck", tmp_path / "many.yaml", "-o", tmp_path / "deck"], capsys)
+    assert "their forces are computed by `granchain run`, on one rank" in said
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_an_error_in_forces_of_the_host_ends_the_run(tmp_path, monkeypatch):
+    monkeypatch.setattr(yielding, "_contacts", None)
+    with by_host(), pytest.raises(RunError, match="no longer a finite number"):
+        run(plastic(beads=12), tmp_path / "run", check=False)
 
 
 def test_accelerations_of_frames_are_the_slopes_of_the_velocities():

