@@ -4,6 +4,8 @@ Every bead has two contacts: one in the first pairs (beads 1 and 2, 3 and 4, ...
 A chunk holds the beads of a pair, the sum of their places with alternating sign is their overlap, and each bead takes
 it from there. Where a bead at the end is in no pair, a wall takes that place. At the end of a step the memories are
 updated, and what follows from them; each number is computed once, for LAMMPS evaluates a variable wherever it is named.
+Under a static load the forces found at rest, with the memories of that state, are stored and subtracted, in a continued
+run as well, so that rest is exactly rest.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -29,14 +31,21 @@ def contacts(law: "Thornton", name: str, layout: "Layout") -> Lines:
     """Contacts along chains, and with walls, that yield by Thornton's law.
 
     Raises:
-        ValueError: a static load.
+        ValueError: a static load and too many beads, or walls that are not at one place for all chains.
     """
-    system = layout.system
-    if np.any(laws.load(law)):
-        raise ValueError(f"{name}: LAMMPS has contacts that yield without a static load only; use the reference engine")
+    system, loaded = layout.system, bool(np.any(laws.load(law)))
     if by_callback.needed(system):
+        if loaded:
+            raise ValueError(
+                f"{name}: LAMMPS has contacts that yield under a static load up to {by_callback.MOST_STOCK} beads "
+                "only; use the reference engine"
+            )
         return by_callback.lines(layout)
     walls: list[Any] = [link for link in system.ground if laws.remembers(link.law)]
+    if any(len({face for _, face in faces(wall, layout)}) > 1 for wall in walls):
+        raise ValueError(
+            f"{name}: LAMMPS has walls that yield at one place for all chains only; use the reference engine"
+        )
     differ = laws.differs(law) or bool(walls)
     numbers = [[f"v_{what}"] * 2 for what in ("strength", "onset")]
     variables: tuple[str, ...] = (
@@ -51,7 +60,8 @@ def contacts(law: "Thornton", name: str, layout: "Layout") -> Lines:
     lines += [
         "fix memory all store/state 1 " + " ".join(f"v_{what}{n}" for what in _STORED for n in (1, 2)),
         "variable push atom f_pairs[1]*(v_force2-v_force1)",
-        "fix contacts all addforce v_push 0.0 0.0",
+        *(_HELD if loaded else ()),
+        f"fix contacts all addforce v_{'free' if loaded else 'push'} 0.0 0.0",
         "variable memory atom f_memory[1]*(1-f_pairs[1])/2+f_memory[2]*(1+f_pairs[1])/2",
         "variable memory_ahead atom f_memory[1]*(1+f_pairs[1])/2+f_memory[2]*(1-f_pairs[1])/2",
     ]
@@ -65,6 +75,18 @@ def contacts(law: "Thornton", name: str, layout: "Layout") -> Lines:
         motion=tuple(lines),
         numbers=table(law, walls, layout) if differ else None,
     )
+
+
+_HELD = (
+    "# static load: forces at rest, stored once",
+    "variable stored atom 1",
+    "variable rest_push atom f_held[1]*f_held[2]+v_push*(1-f_held[2])",
+    "fix held all store/state 0 v_rest_push v_stored",
+    "variable free atom v_push-f_held[1]",
+)
+"""LAMMPS evaluates a fix store/state again in a continued run, where the memories are others: its second column is 1
+where the first holds a force already.
+"""
 
 
 def _overlaps(walls: list[Any], layout: "Layout", *, differ: bool) -> list[str]:
