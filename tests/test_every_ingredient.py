@@ -61,7 +61,7 @@ RANKS += [
     "resonators of two kinds, in some rows",
     "resonators, damped in some rows, pushed, with all other dashpots",
 ]
-OLD = ["ramp", "lattice", "cubic ring", "foundation by chain", "dimer", "dimer of sizes", "exponent 1", "walls, gap"]
+OLD = ["ramp", "lattice", "cubic ring", "foundation by chain", "dimer", "dimer of sizes", "exponent 1"]
 OLD += [
     "foundation rising, modulated, damped",
     "foundations over time",

@@ -41,19 +41,19 @@ def drawn(seed: int) -> Scene:
     return found
 
 
-def some(*seeds, slow=()):
-    return pytest.mark.parametrize("seed", [*seeds, *(pytest.param(seed, marks=pytest.mark.slow) for seed in slow)])
+def some(*seeds):
+    return pytest.mark.parametrize("seed", seeds)
 
 
 @pytest.mark.slow
-@some(2, 12, 36, slow=(15, 28, 39, 45))  # gaps, suzuki4, springs, peaks; a window, a push, walls, a foundation
+@some(2, 12, 15, 28, 39, 45)  # gaps, suzuki4, springs, peaks; a window, a push, walls, a foundation
 def test_random_scenes_are_not_silently_wrong(seed, tmp_path):
     assert random_scenes.judge(drawn(seed), tmp_path / "run", cut=seed % 2 == 0).verdict in ("right", "stated")
 
 
 @pytest.mark.slow
 @TWO
-@some(slow=(8, 36))  # walls, gaps, springs, either scheme (ranks wait by computing)
+@some(8, 36)  # walls, gaps, springs, either scheme (ranks wait by computing)
 def test_what_one_rank_can_do_two_can_also_when_they_go_on_from_it(seed, tmp_path):
     case = drawn(seed)
     one = run(case, tmp_path / "one", lammps=lammps_here.run, check=False).trajectory

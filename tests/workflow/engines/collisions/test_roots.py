@@ -41,7 +41,7 @@ def distances(draw, fewest=0):
 
 
 @pytest.mark.slow
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(distances(), st.floats(0.1, 300.0))
 def test_nothing_closes_before_the_time_that_the_search_returns(distance, limit):
     found, outcome = distance.search(limit)
