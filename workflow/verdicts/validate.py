@@ -132,6 +132,10 @@ class Validation:
         }
 
 
+_PAST = "no cause could be determined: forces of contacts that yield depend on their past"
+"""Said where frames differ and nothing else explains it."""
+
+
 def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None) -> Validation:
     """Compare a run with the accurate_reference reference, and write ``validation.json`` and a figure beside it.
 
@@ -170,7 +174,12 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         deviations=deviations,
         tolerances=limits,
         causes=tuple(found),
-        remarks=(*filter(None, [directory.failure]), *_half(problem), *_doubts(halving.uncertainty, limits)),
+        remarks=(
+            *filter(None, [directory.failure]),
+            *_half(problem),
+            *_doubts(halving.uncertainty, limits),
+            *([_PAST] if exceeded and not found and physics.remembering(problem.system) else []),
+        ),
         uncertainty=halving.uncertainty,
         interpolation=None,
         frames=difference.frames,

@@ -12,6 +12,7 @@ from plain_scene import goes_on_bit_for_bit
 from refusals import refusal
 from stock_lammps import DEBIAN, scene
 from stock_lammps import run as run_deck
+from wrong_runs import deck_run, substituted
 
 from analysis import motion
 from analysis.conservation import Conservation
@@ -28,6 +29,7 @@ from workflow.engines.reference.schemes import VERLET
 from workflow.errors import RunError
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
+from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -270,6 +272,14 @@ def test_lammps_refuses_many_beads_under_a_static_load_and_the_other_law_in_one_
         (plastic(WALTON), "LAMMPS has no such force"),
     ):
         assert why in deck.refusal(case.system)
+
+
+@pytest.mark.slow
+def test_a_deck_whose_contacts_yield_elsewhere_fails_and_no_cause_is_named(tmp_path):
+    case, edit = plastic(beads=8, duration=10.0), substituted(r"variable onset index 0\.1", "variable onset index 0.11")
+    found = validate(deck_run(case, tmp_path / "run", edit))
+    assert found.causes == ()
+    assert found.remarks[-1].startswith("no cause could be determined")
 
 
 @contextmanager
