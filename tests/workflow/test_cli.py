@@ -307,7 +307,7 @@ def test_scenes_lists_a_line_for_each_installed_scene(capsys):
 
 
 TEXTS = {
-    **{name: strict_yaml.dump(library.load_plain(path)) for name, path in shipped.installed().items()},
+    **{name: strict_yaml.dump(library.load_plain(path)) for name, path in [*shipped.installed().items()][::3]},
     "least": scene_text(),
     "until a bead": scene_text(duration=None, until_bead="7"),
     "several kicks": scene_text(kick="[{bead: 1, velocity: 1.0}, {bead: 9, velocity: -0.3}]"),
