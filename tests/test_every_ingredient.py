@@ -28,7 +28,7 @@ from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-QUICK = {"cubic ring", "dimer of sizes", "walls", "damping linear"}
+QUICK = {"dimer of sizes", "walls"}
 
 
 def marked(names):

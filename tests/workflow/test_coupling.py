@@ -45,6 +45,7 @@ def stated(result):
     return 3.0 * result.check.amplitude + 5e-6
 
 
+@pytest.mark.slow
 def test_springs_from_row_41_on(tmp_path):
     result = run(find("coupled-from-row-41"), tmp_path / "run")
     assert peaks(result.directory, 90) == pytest.approx([0.37115, 0.37203], abs=stated(result))
@@ -94,6 +95,7 @@ def test_the_two_neighbours_in_a_ring_are_mirror_images():
 # --- what the house says of them --------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "factor", "said"), [("ring", "0.404", "1.01 times"), ("ring", "0", "is missing")])
 def test_wrong_springs_of_any_graph_are_named(name, factor, said, tmp_path):
     one = scene(name, output={"every": 0.1})

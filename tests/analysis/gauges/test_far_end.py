@@ -63,6 +63,7 @@ def test_a_front_is_what_nothing_else_betters_in_both():
     assert front(one, other).tolist() == [0, 2, 4]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wall", [{}, {"walls": {"right": "bead"}}], ids=["free end", "wall"])
 @pytest.mark.parametrize("load", [{}, {"precompression": {"force": 0.5}}], ids=["no load", "static load"])
 def test_a_record_that_ends_before_or_inside_the_pulse_has_no_largest_value_of_it(wall, load):

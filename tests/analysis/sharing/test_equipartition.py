@@ -126,6 +126,7 @@ def test_lag_changes_sign_with_the_beat_and_dies_away():
     assert abs(lag[-1]) < 0.002
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kappa", "beat"), [(0.5, 10.0), (0.1, 28.5), (0.01, 98.0)])
 def test_beats_are_as_long_as_they_look(kappa, beat):
     assert run(2, kappa).shared.beat_length.value == pytest.approx(beat, rel=0.03)

@@ -46,6 +46,7 @@ def test_in_the_mirror_it_is_the_same(bead):
         assert getattr(other, name) == pytest.approx(getattr(one, name), rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pattern", [["heavy"], ["heavy", "light"], ["heavy", "light", "light"]], ids=len)
 def test_a_front_of_sound_runs_as_fast_as_its_dispersion_says(pattern):
     """Its maximum is Airy's, 1.0188 (a c0 t)**(1/3) behind c0 t where omega = c0 (q - a q**3 / 3)."""

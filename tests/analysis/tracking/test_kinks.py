@@ -63,6 +63,7 @@ def test_maxima_are_as_sure_as_they_say_whatever_the_contacts(keys):
     assert 0.05 < worst < 1.0
 
 
+@pytest.mark.slow
 def test_beads_that_are_kicked_between_damped_walls_are_fastest_at_the_start():
     plain = {"name": "a", "beads": 3, "kick": {"velocity": 1.0}, "duration": 4.0, "output": {"every": 0.1}}
     plain |= {"damping": {"contact": 0.3}, "walls": {"right": "flat", "left": "bead"}}

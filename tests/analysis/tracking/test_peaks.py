@@ -206,6 +206,7 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_contact_has_closed_ju
         assert np.all(np.abs(found.time - time) <= found.time_error), start
 
 
+@pytest.mark.slow
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_force_jumps_before_the_largest_frame():
     """A contact with a linear dashpot opens: the bead is fastest then, and again a quarter of T later."""
     plain = {"name": "test", "beads": 8, "contact": {"exponent": 3.0}, "duration": 16.0, "timestep": 0.01}
@@ -223,6 +224,7 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_force_jumps_before_th
         assert np.all(np.abs(found.velocity - true.velocity) <= found.velocity_error), start
 
 
+@pytest.mark.slow
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_load_makes_motion_fast_between_two_frames():
     """Contacts so stiff under their load that the fastest motion turns by 2 rad from frame to frame."""
     plain = {"name": "test", "beads": 9, "contact": {"exponent": 2.0}, "precompression": {"force": 5.0}}

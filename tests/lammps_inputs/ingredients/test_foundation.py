@@ -92,6 +92,7 @@ def test_the_time_step_is_bounded_by_the_largest_stiffness_over_time():
     assert rates.stability_bound(ramp.system) == bounds[0]
 
 
+@pytest.mark.slow
 def test_the_budget_of_the_reference_closes_with_the_work_of_the_ground():
     seen, problem = Conservation(), scene(foundation={"stiffness": CROSSING}).problem()
     for block in engine.blocks(problem, steps_per_frame=40):
@@ -131,6 +132,7 @@ def test_the_share_of_the_action_that_stays_is_a_quantity_of_studies():
     assert share == pytest.approx(stays, abs=2.0 * coupling / sweep * math.sqrt(stays * (1.0 - stays)))
 
 
+@pytest.mark.slow
 def test_oscillations_that_grow_beyond_all_numbers_fail_in_one_line(tmp_path):
     growing = {"stiffness": 1.0, "modulation": {"depth": 1.0, "frequency": 1.0 / math.pi}}
     case = scene(foundation=growing, duration=400.0, output={"every": 1.0})

@@ -68,6 +68,7 @@ def test_restitution_over_four_decades_of_velocity_is_thornton_s_closed_form():
         assert found == pytest.approx(float(restitution_of(velocity, math.sqrt(1.6 * 0.1**2.5))), abs=1e-5)
 
 
+@pytest.mark.slow
 def test_walton_and_braun_s_restitution_is_the_same_at_every_velocity():
     for velocity in (0.1, 10.0):
         assert separation(plastic(WALTON, kick={"velocity": velocity}), 64) == pytest.approx(0.8, abs=1e-4)
@@ -216,9 +217,7 @@ def in_lammps(name, **keys):
     return plastic(**{"beads": 12, "duration": 30.0, **{**IN_LAMMPS, **LOADED}[name], **keys})
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name != "walls")) for name in (*IN_LAMMPS, *LOADED)]
-)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) for name in (*IN_LAMMPS, *LOADED)])
 def test_lammps_is_the_reference_with_its_scheme_to_rounding(name, tmp_path):
     done = run(in_lammps(name), tmp_path / "run")
     problem = done.directory.problem
@@ -301,9 +300,7 @@ def same_by_host_and_stock(case, host, stock):
     np.testing.assert_allclose(host.memory, stock.memory, rtol=0.0, atol=1e-14 * max(1, case.beads))
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name != "walls")) for name in IN_LAMMPS]
-)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) for name in IN_LAMMPS])
 def test_forces_of_the_host_are_those_of_the_stock_deck(name, tmp_path):
     case = in_lammps(name, beads=20)
     with by_host():
@@ -345,6 +342,7 @@ def test_an_error_in_forces_of_the_host_ends_the_run(tmp_path, monkeypatch):
         run(plastic(beads=12), tmp_path / "run", check=False)
 
 
+@pytest.mark.slow
 def test_accelerations_of_frames_are_the_slopes_of_the_velocities():
     keys = {"walls": {"left": "bead", "right": "rigid"}, "gap": 0.2, "kick": {"velocity": 1.0, "bead": 5}}
     problem = plastic(**keys, beads=12, duration=20.0, timestep=0.001, output={"every": 0.001}).problem()
@@ -371,6 +369,7 @@ def test_an_analysis_has_permanent_overlaps_forces_and_a_decay_but_no_final_ampl
     assert done.conservation.energy_drift < 3e-8
 
 
+@pytest.mark.slow
 def test_forces_on_a_wall_are_the_same_from_frames_of_the_last_bead_alone():
     problem = plastic(walls={"right": "rigid"}, beads=10, duration=40.0).problem()
     whole, part = engine.run(problem), engine.run(replace(problem, recorded=(10,)))

@@ -37,6 +37,7 @@ def test_added_cases_keep_the_numbers_of_those_before_and_done_ones_are_left_out
     assert "#SBATCH --array=1-2\n" in (tmp_path / "s" / "job.sbatch").read_text()
 
 
+@pytest.mark.slow
 def test_tasks_of_several_cases_are_lines_of_the_list(tmp_path):
     for beads, task in ([10, 11, 12, 13, 14], "0-2"), ([9], "3"):
         path = sweep_file(tmp_path, beads=beads)
@@ -50,6 +51,7 @@ def test_tasks_of_several_cases_are_lines_of_the_list(tmp_path):
     assert [one.directory.name for one in statuses([tmp_path / "s"], known)] == " ".join(lines).split()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["scene.yaml", "in.chains", "data.chains"])
 def test_a_damaged_file_of_a_case_is_written_anew(name, tmp_path):
     path, directory = sweep_file(tmp_path, UNTIL, beads=[12]), tmp_path / "s"

@@ -40,6 +40,7 @@ def momenta(t):
 # what the paper's scenes do
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kappa", [0.1, 1.0])
 def test_at_the_gap_of_eq_5_chain_2_collides_after_half_a_period_with_three_quarters_against_one(kappa):
     found = run(make_problem(kappa=kappa, gap=gap_of_eq_5(kappa), duration=50.0), max_events=2)
@@ -160,6 +161,7 @@ def test_a_million_collisions_keep_energy_and_momentum():
     assert np.all(np.diff(found.time) >= 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chains", [1, 2, 3, 5])
 @pytest.mark.parametrize("gap", [1e-3, 0.3, 10.0])
 def test_beads_never_overlap(chains, gap):
