@@ -79,9 +79,7 @@ class Layout:
         damped = any(isinstance(link, Across) and not physics.is_inner(system, link) for link in system.dampers)
         rows = (rest + 2.0 * laws.max_strain(link.law, total) for link in system.across if damped)
         least = max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows)
-        return power_of_two_at_least(
-            max(least, 2.0 * least, 4.0 * self.farthest) if 0.0 < self.farthest < np.inf else least
-        )
+        return power_of_two_at_least(max(2.0 * least, 4.0 * self.farthest) if 0.0 < self.farthest < np.inf else least)
 
     @property
     def farthest(self) -> float:

@@ -63,14 +63,8 @@ def inner(function: F) -> F:
 def inlined(function: F) -> F:
     """The same for scalar functions, such as those of laws, in loops that are to become vector instructions.
 
-    With IEEE arithmetic: a test of each divisor for 0 would prevent those.
+    With IEEE arithmetic, where division by zero gives inf: a test of each divisor would prevent those.
     """
-    options: Any = {"forceinline": True, "no_cpython_wrapper": True, "error_model": "numpy"}
-    return cast(F, numba.njit(**options)(function))
-
-
-def inlined_ieee(function: F) -> F:
-    """The same with IEEE arithmetic: division by zero gives inf."""
     options: Any = {"forceinline": True, "no_cpython_wrapper": True, "error_model": "numpy"}
     return cast(F, numba.njit(**options)(function))
 

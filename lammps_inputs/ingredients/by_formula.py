@@ -1,5 +1,6 @@
 """Ingredients whose force may be a formula of the scene's: ``force``, with its parameters as keys beside it."""
 
+import functools
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -127,8 +128,10 @@ class ByFormula(Ingredient):
 
 
 # --- what a formula is ------------------------------------------------------------------------------------------------
+# found once for each force, as a scene asks for it wherever it needs a unit or a law
 
 
+@functools.lru_cache(maxsize=256)
 def multiple_of_strain(force: Force) -> float | None:
     """K of a force that is ``k s``; None of others."""
     k = float(force.at(1.0))
@@ -136,12 +139,14 @@ def multiple_of_strain(force: Force) -> float | None:
     return k if np.isfinite(k) and np.allclose(force.at(s), k * s, rtol=_ROUNDED, atol=0.0) else None
 
 
+@functools.lru_cache(maxsize=256)
 def power_of_strain(force: Force, way: float, exponent: float) -> float | None:
     """A of a force that is ``A s^p`` at positive strain; None of others."""
     a = float(force.at(way))
     return a if np.allclose(force.at(way * _SPAN), a * _SPAN**exponent, rtol=_SAME, atol=0.0) else None
 
 
+@functools.lru_cache(maxsize=256)
 def leading_power(force: Force, way: float, *, cut: bool) -> tuple[float, float]:
     """Exponent and constant of ``A s^p``, as which the force of a contact begins above that at rest.
 

@@ -4,6 +4,7 @@ They are those of elastic spheres (Hertz 1882), unless the scene names another e
 spheres, cylinders and rubber O-rings: p from 1 to 3 (Nesterenko 2001; Spadoni & Daraio, PNAS 107, 2010).
 """
 
+import functools
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
@@ -133,7 +134,7 @@ class _Contact(by_formula.ByFormula):
     def _refuse_formula(self, force: Force, scene: "BaseScene") -> None:
         """Refuse what is said twice, and forces at rest that nothing holds."""
         self.refuse_beside("contact", "exponent", "stiffness", "yield")
-        kind = self._kind(force)
+        kind = _kind(force, self.tension)
         rest = float(force.at(0.0))
         if kind.cut and rest:
             raise ValueError(f"contact.tension: the force is {rest:.6g} at s = 0, where it would be cut; leave it out")
@@ -158,41 +159,12 @@ class _Contact(by_formula.ByFormula):
                     "of them out"
                 )
 
-    def _kind(self, force: Force) -> Kind:
-        """How the formula counts s, and whether it is cut where beads are apart.
-
-        Raises:
-            ValueError: there is no contact of such a force.
-        """
-        rest, small = float(force.at(0.0)), by_formula.SMALL
-        if not np.isfinite(rest):
-            raise ValueError(
-                "contact.force: has no real value at s = 0, where beads rest; valid: `A/(d+s)^p` with d > 0"
-            )
-        if rest < 0.0:
-            raise ValueError(
-                f"contact.force: is {rest:.6g} at s = 0, so that beads pull each other at rest; at least 0"
-            )
-        law = force.law(AlongChains)
-        slopes = [float(law.stiffness(s, *law)) for s in (small, -small)]
-        way = 1.0 if slopes[0] > 0.0 or slopes[1] > 0.0 else -1.0
-        if not any(abs(slope) > 0.0 for slope in slopes):
-            raise ValueError("contact.force: is the same at all s near 0; it should grow as beads come closer")
-        if not np.isfinite(slopes[0 if way > 0.0 else 1]):
-            raise ValueError("contact.force: falls as beads come closer; it should grow, as A*s^1.5 with A > 0")
-        kind = Kind(way, cut=rest == 0.0 if self.tension is None else self.tension == "cut")
-        if not kind.cut and not np.isfinite(slopes[1 if way > 0.0 else 0]):
-            raise ValueError(
-                "contact.tension: the force has no real value where beads are apart; leave it out: it is then cut there"
-            )
-        return kind
-
     @property
     def _known(self) -> tuple[float, float | None] | None:
         """Exponent p and constant A of a force that is ``A overlap^p``; None of other formulas."""
         if self.formula is None:
             return self._power, self.stiffness
-        kind = self._kind(self.formula)
+        kind = _kind(self.formula, self.tension)
         exponent, _ = by_formula.leading_power(self.formula, kind.way, cut=kind.cut)
         known = kind.cut and exponent <= MOST_EXPONENT
         a = by_formula.power_of_strain(self.formula, kind.way, exponent) if known else None
@@ -205,13 +177,15 @@ class _Contact(by_formula.ByFormula):
         for link in system.along:
             if isinstance(link.law, AlongChains):
                 by_formula.refuse_reach("contact", link.law, system, scene.scale.length, pressed=True)
-        if self.formula is not None and any(np.any(np.not_equal(one, 1.0)) for one in sizes_and_moduli(scene)):
+        if not any(np.any(np.not_equal(one, 1.0)) for one in sizes_and_moduli(scene)):
+            return
+        if self.formula is not None:
             raise ValueError(
                 "contact.force: how the contacts of beads of unlike radius or modulus differ is known for spheres; let "
                 "them differ in mass alone"
             )
         other = f"{self._power:g}" if self._powers is None else "a list"
-        if other != f"{HERTZ:g}" and any(np.any(np.not_equal(one, 1.0)) for one in sizes_and_moduli(scene)):
+        if other != f"{HERTZ:g}":
             raise ValueError(
                 f"contact.exponent: {other} given; how the contacts of beads of unlike radius or modulus "
                 "differ is known for spheres, which have 1.5; let them differ in mass alone"
@@ -219,10 +193,11 @@ class _Contact(by_formula.ByFormula):
 
     def contact_law(self, strength: Parameter) -> Law:
         """Hertz's law where it is that."""
-        if self._known is None:
+        known = self._known
+        if known is None:
             assert self.formula is not None
-            return self.formula.law(AlongChains, self._kind(self.formula), strength)  # type: ignore[no-any-return]
-        exponent, _ = self._known
+            return self.formula.law(AlongChains, _kind(self.formula, self.tension), strength)  # type: ignore[no-any-return]
+        exponent, _ = known
         if self._powers is not None:
             return PowerByContact(strength * np.ones_like(self._powers), self._powers)
         return Hertz(strength) if exponent == HERTZ else Power(strength, exponent)
@@ -230,7 +205,7 @@ class _Contact(by_formula.ByFormula):
     def cited(self) -> tuple[str, ...]:
         """Of the profile, of a law that yields, and of exponents that differ."""
         law: tuple[str, ...] = () if self._yields is None else plastic.SOURCES[self._yields.law]
-        if self.formula is not None and not self._kind(self.formula).cut:
+        if self.formula is not None and not _kind(self.formula, self.tension).cut:
             law = ("moleron2014",)
         if self._powers is not None:
             law = ("nesterenko2001", "spadoni2010")
@@ -254,10 +229,11 @@ class _Contact(by_formula.ByFormula):
 
     def contact_scale(self) -> tuple[float, float | None]:
         """By which the contacts have the strength 1: those of a formula as they begin."""
-        if self._known is not None:
-            return self._known
+        known = self._known
+        if known is not None:
+            return known
         assert self.formula is not None
-        kind = self._kind(self.formula)
+        kind = _kind(self.formula, self.tension)
         return by_formula.leading_power(self.formula, kind.way, cut=kind.cut)
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
@@ -266,10 +242,37 @@ class _Contact(by_formula.ByFormula):
         What acts at a distance transmits sound.
         """
         exponent = self.contact_scale()[0] if self._powers is None else float(np.min(self._powers))
-        if self.formula is not None and not self._kind(self.formula).cut:
+        if self.formula is not None and not _kind(self.formula, self.tension).cut:
             return frozenset({Fact.SONIC_VACUUM, Fact.FRONT, Fact.PULSE})
         taken = {Fact.REVERSIBLE} if exponent < HERTZ else set()
         return frozenset(taken | {Fact.PULSE} if exponent < LEAST_OF_PULSES else taken)
+
+
+@functools.lru_cache(maxsize=256)
+def _kind(force: Force, tension: str | None) -> Kind:
+    """How the formula counts s, and whether it is cut where beads are apart.
+
+    Raises:
+        ValueError: there is no contact of such a force.
+    """
+    rest, small = float(force.at(0.0)), by_formula.SMALL
+    if not np.isfinite(rest):
+        raise ValueError("contact.force: has no real value at s = 0, where beads rest; valid: `A/(d+s)^p` with d > 0")
+    if rest < 0.0:
+        raise ValueError(f"contact.force: is {rest:.6g} at s = 0, so that beads pull each other at rest; at least 0")
+    law = force.law(AlongChains)
+    slopes = [float(law.stiffness(s, *law)) for s in (small, -small)]
+    way = 1.0 if slopes[0] > 0.0 or slopes[1] > 0.0 else -1.0
+    if not any(abs(slope) > 0.0 for slope in slopes):
+        raise ValueError("contact.force: is the same at all s near 0; it should grow as beads come closer")
+    if not np.isfinite(slopes[0 if way > 0.0 else 1]):
+        raise ValueError("contact.force: falls as beads come closer; it should grow, as A*s^1.5 with A > 0")
+    kind = Kind(way, cut=rest == 0.0 if tension is None else tension == "cut")
+    if not kind.cut and not np.isfinite(slopes[1 if way > 0.0 else 0]):
+        raise ValueError(
+            "contact.tension: the force has no real value where beads are apart; leave it out: it is then cut there"
+        )
+    return kind
 
 
 # `yield` is a word of Python's, so it cannot be written as an attribute

@@ -18,10 +18,6 @@ if TYPE_CHECKING:
     from lammps_inputs.deck_lines import Lines
     from lammps_inputs.layout import Layout
 
-if TYPE_CHECKING:
-    from lammps_inputs.deck_lines import Lines
-    from lammps_inputs.layout import Layout
-
 YIELD_PRESSURE = 1.6
 """Peak pressure over the yield strength where a metal (Poisson's ratio 0.3) begins to flow, below the surface at 0.48
 contact radii (Johnson, Contact Mechanics, 1985, 6.1, Tresca or von Mises).

@@ -436,14 +436,7 @@ class Force(NamedTuple):
     @property
     def derived(self) -> Derived:
         """What follows from it, its parameters with a prefix, so that they are no names of sympy's."""
-        numbers = dict(self.numbers)
-        known = {name: f"p_{name}" for name in numbers} | {STRAIN: STRAIN}
-        exponents = expression.in_exponents(self.text)
-        return expression.derived(
-            expression.written(self.text, known, "plain"),
-            tuple((f"p_{name}", int(np.sign(number))) for name, number in self.numbers if name not in exponents),
-            tuple((f"p_{name}", repr(numbers[name])) for name in sorted(exponents)),
-        )
+        return _derived(self)
 
     def law(self, base: Any, kind: Kind = Kind(), strength: Parameter = 1.0) -> Any:  # noqa: B008
         """Its law in the scene's units, for `laws.dimensionless`; counted from the force at s = 0."""
@@ -454,3 +447,15 @@ class Force(NamedTuple):
         """The force; NaN or inf where it has no real value."""
         ordered = [name for name, _ in self.numbers]
         return expression.function(self.text, (STRAIN, *ordered))(s, *(number for _, number in self.numbers))
+
+
+@functools.lru_cache(maxsize=256)
+def _derived(force: Force) -> Derived:
+    numbers = dict(force.numbers)
+    known = {name: f"p_{name}" for name in numbers} | {STRAIN: STRAIN}
+    exponents = expression.in_exponents(force.text)
+    return expression.derived(
+        expression.written(force.text, known, "plain"),
+        tuple((f"p_{name}", int(np.sign(number))) for name, number in force.numbers if name not in exponents),
+        tuple((f"p_{name}", repr(numbers[name])) for name in sorted(exponents)),
+    )

@@ -8,9 +8,9 @@ import numpy as np
 from lammps_inputs import Problem
 from lammps_inputs.laws import by_callback
 from lammps_inputs.laws.plastic import Thornton
-from workflow.compiled import ieee, inlined_ieee
+from workflow.compiled import ieee, inlined
 
-_force: Any = inlined_ieee(Thornton.force)
+_force: Any = inlined(Thornton.force)
 
 
 def read(lmp: Any, problem: Problem, deck: str) -> None:

@@ -171,7 +171,7 @@ class _Writer:
             self._laws[law] = name + str(used + 1) * (used > 0)
         called = f"{self._laws[law].lower()}_{function}"
         if hasattr(law, "source"):  # a formula's, which is in no module
-            self._functions[called] = f"\n\n@inlined_ieee\n{law.source(called)}"
+            self._functions[called] = f"\n\n@inlined\n{law.source(called)}"
         else:
             if called not in self._functions:
                 self._used.append(getattr(law, function))
@@ -209,7 +209,7 @@ class _Writer:
         names = {law: law.__name__ + f" as {name}" * (law.__name__ != name) for law, name in named.items()}
         imports = sorted(f"from {law.__module__} import {name}" for law, name in names.items())
         if written:
-            imports += ["import numpy as np", "from workflow.compiled import inlined_ieee"]
+            imports.append("import numpy as np")
         head = _filled(
             template.HEAD,
             digest=compiled.digest(self._used),
