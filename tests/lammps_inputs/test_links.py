@@ -18,10 +18,6 @@ def test_the_largest_eigenvalue_is_that_of_an_open_row_of_chains(chains):
     assert largest_eigenvalue(open_row(chains), chains) == pytest.approx(np.linalg.eigvalsh(laplacian)[-1], abs=1e-13)
 
 
-def test_two_chains_have_eigenvalue_2():
-    assert largest_eigenvalue(open_row(2), 2) == pytest.approx(2.0, abs=1e-15)
-
-
 def test_any_row_of_chains_stays_below_4():
     assert all(largest_eigenvalue(open_row(chains), chains) < 4.0 for chains in (2, 3, 10, 1000))
 

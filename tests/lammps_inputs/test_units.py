@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lammps_inputs import Coupling, Kick, Material, Scene, physics, units
+from lammps_inputs import Material, units
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 BALL = units.make_scale(
@@ -41,28 +41,6 @@ def test_the_steel_row_comes_out_to_its_last_digit(quantity, value, printed):
     assert abs(value - float(printed)) <= half_a_digit(printed), quantity
 
 
-@given(SPEEDS)
-def test_reduced_units_scale_with_v_as_published(velocity):
-    scale = units.make_scale(1.0, 1.0, velocity, si=False)
-    assert scale.length == pytest.approx(velocity**0.8, rel=1e-14)
-    assert scale.time == pytest.approx(velocity**-0.2, rel=1e-14)
-
-
-@given(SPEEDS, st.floats(1e-6, 1e6))
-def test_kappa_is_the_spring_times_v_to_the_minus_0_4(velocity, stiffness):
-    scene = Scene(
-        name="a",
-        chains=2,
-        beads=2,
-        coupling=Coupling(stiffness=stiffness),
-        kick=(Kick(velocity=velocity),),
-        until_bead=2,
-    )
-    assert physics.kappa(scene.system) == pytest.approx(
-        stiffness * velocity**-0.4, rel=1e-14
-    )  # about 30 roundings of 2e-16 allowed
-
-
 @given(st.floats(1e-6, 1e6), st.floats(1e-6, 1e12), SPEEDS)
 def test_in_its_own_units_every_chain_has_the_equation_of_motion_of_v_equal_1(mass, constant, velocity):
     scale = units.make_scale(mass, constant, velocity, si=True)
@@ -85,11 +63,7 @@ def test_hertz_constant_is_that_of_johnson_for_equal_spheres():
     assert units.hertz_constant(radius, modulus, ratio) == pytest.approx(johnson, rel=1e-14)
 
 
-def test_a_reduced_quantity_has_no_unit_and_one_of_steel_has():
-    assert units.make_scale(1.0, 1.0, 1.0, si=False).symbol("velocity") == "reduced"
-    assert BALL.symbol("velocity") == "m/s"
-
-
-def test_every_quantity_of_steel_has_its_si_unit():
+def test_every_quantity_of_steel_has_its_si_unit_and_a_reduced_one_none():
     names = ("mass", "length", "velocity", "time", "stiffness", "force", "momentum", "energy", "speed")
     assert [BALL.symbol(name) for name in names] == ["kg", "m", "m/s", "s", "N/m", "N", "kg m/s", "J", "beads/s"]
+    assert units.make_scale(1.0, 1.0, 1.0, si=False).symbol("velocity") == "reduced"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from processes import HANGS
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names, physics, scheme
+from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names, scheme
 from lammps_inputs.decks import deck
 
 SCRIPTS = Path(sysconfig.get_path("scripts"))
@@ -73,14 +73,6 @@ class Run:
     def _by_chain(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         beads = self.id[0] <= self.problem.chains * self.problem.beads
         return values[:, beads].reshape(len(values), self.problem.chains, -1)
-
-    @property
-    def energy(self) -> NDArray[np.float64]:
-        """Kinetic, contact and spring energy [frame]."""
-        x = self.displacement
-        contacts = 0.4 * np.maximum(x[:, :, :-1] - x[:, :, 1:] - physics.gap(self.problem.system), 0.0) ** 2.5
-        springs = 0.5 * physics.kappa(self.problem.system) * (x[:, :-1] - x[:, 1:]) ** 2
-        return 0.5 * (self.velocity**2).sum((1, 2)) + contacts.sum((1, 2)) + springs.sum((1, 2))
 
 
 def run(

@@ -10,39 +10,12 @@ from hypothesis import strategies as st
 from small_problems import system
 
 from lammps_inputs import Coupling, Kick, Scene, laws, library
-from lammps_inputs import scheme as schemes
 from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.limits import rates
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import SUZUKI4, VERLET
 from workflow.engines.reference.step_halving import accurate_reference
-
-
-def growth(omega, step):
-    """Size of the larger eigenvalue of one Verlet step of an oscillator: 1 when stable."""
-    square = (omega * step) ** 2
-    verlet = [[1 - square / 2, step], [-(omega**2) * step * (1 - square / 4), 1 - square / 2]]
-    return max(abs(np.linalg.eigvals(verlet)))
-
-
-def cycle_growth(omega, step):
-    """The same of a cycle of Suzuki's five Verlet steps, per cycle; ``step`` is their mean."""
-    state = np.eye(2)
-    for weight in schemes.weights("suzuki4"):
-        h = 5.0 * weight * step
-        square = (omega * h) ** 2
-        state = np.array([[1 - square / 2, h], [-(omega**2) * h * (1 - square / 4), 1 - square / 2]]) @ state
-    return max(abs(np.linalg.eigvals(state)))
-
-
-@pytest.mark.parametrize("chains", [2, 3, 10])
-def test_with_springs_alone_verlet_is_stable_up_to_the_bound_and_not_beyond(chains):
-    kappa = 0.7
-    bound = rates.stability_bound(system(0.0, kappa, chains))
-    omega = rates.modal_frequency(system(0.0, kappa, chains))
-    assert growth(omega, 0.999 * bound) == pytest.approx(1.0, abs=1e-12)
-    assert growth(omega, 1.001 * bound) > 1.05
 
 
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=12), st.integers(1, 5), st.floats(0.0, 100.0))
@@ -145,15 +118,3 @@ def test_the_law_asks_for_shorter_steps_for_more_accuracy_time_and_stiffness(acc
 def test_velocity_verlet_needs_ten_times_the_steps_for_a_hundredth_of_the_error():
     few, many = (rates.timestep_for(accuracy, 192.0, system(0.5, 0.1, 2)) for accuracy in (1e-3, 1e-5))
     assert few / many == pytest.approx(10.0, rel=1e-12)
-
-
-def test_with_springs_alone_suzukis_cycle_is_stable_up_to_its_bound_and_not_beyond():
-    omega = rates.modal_frequency(system(0.0, 0.7, 3))
-    bound = rates.stability_bound(system(0.0, 0.7, 3), "suzuki4")
-    assert cycle_growth(omega, 0.999 * bound) == pytest.approx(1.0, abs=1e-9)
-    assert cycle_growth(omega, 1.01 * bound) > 1.01
-
-
-def test_a_stiff_scene_gets_a_shorter_step():
-    stiff = {"name": "a", "chains": 2, "beads": 9, "kick": {"velocity": 1.0}, "coupling": {"stiffness": 1e6}}
-    assert Scene.model_validate({**stiff, "until_bead": 9}).resolved().timestep < 1e-4

@@ -48,14 +48,17 @@ HOSTILE = (
     "a" * 10_000,
 )
 
-DEBIANS_MPI = "/usr/bin/mpirun --allow-run-as-root --oversubscribe -np {ranks}"
+LAUNCHERS = {
+    WHEEL: f"{MPIEXEC} -n {{ranks}}",
+    DEBIAN: "/usr/bin/mpirun --allow-run-as-root --oversubscribe -np {ranks}",
+}
 
 
 def placed(case, directory, **options):
     """The deck and job of a scene in a new directory."""
     directory.mkdir()
     deck.write(case, directory)
-    chosen = JobOptions(**{"lmp": str(WHEEL), "launcher": f"{MPIEXEC} -n {{ranks}}", "checkpoint": 2, **options})
+    chosen = JobOptions(**{"lmp": str(WHEEL), "launcher": LAUNCHERS[WHEEL], "checkpoint": 2, **options})
     for name, text in job.render_job(chosen, case.problem()).items():
         (directory / name).write_text(text)
     return directory
@@ -127,29 +130,9 @@ def kill_after_a_restart(directory):
 # --- what a job does --------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("lmp", "launcher"), [(WHEEL, f"{MPIEXEC} -n {{ranks}}"), (DEBIAN, DEBIANS_MPI)], ids=["wheel", "2021"]
-)
-@pytest.mark.parametrize("ranks", [1, 2])  # below, one goes on with either
-def test_a_killed_job_goes_on_bit_for_bit_with_either_lammps(lmp, launcher, ranks, tmp_path):
-    if not lmp.exists():
-        pytest.skip(f"no {lmp}: apt-get install lammps brings the 2021 release")
+KINDS = {
     # the pulse stays away from the border of the ranks, where sums may be taken in another order
-    case = scene(chains=3, beads=121, kappa=0.1, duration=60.0, every=2.0)
-    directory = placed(case, tmp_path / "job", lmp=str(lmp), launcher=launcher, ranks_per_node=ranks, checkpoint=1)
-    restart_often(directory)
-    kill_after_a_restart(directory)
-    go(directory)
-    assert told(directory)["state"] == "done", told(directory)
-    assert len(parts(directory)) == 2
-    expected = run_stock(case, tmp_path / "whole")
-    found = RunDirectory(directory).trajectory
-    np.testing.assert_array_equal(found.displacement, expected.displacement)
-    np.testing.assert_array_equal(found.velocity, expected.velocity)
-
-
-OTHERS = {
+    "coupled": scene(chains=3, beads=121, kappa=0.1, duration=60.0, every=2.0),
     "suzuki4": scene(chains=2, beads=100, kappa=0.1, duration=200.0, every=5.0, scheme="suzuki4"),
     "window": scene(chains=2, beads=200, kappa=0.1, duration=150.0, every=5.0, window=64),
     "snapshots": scene(chains=3, beads=101, kappa=0.1, duration=120.0).model_copy(
@@ -160,26 +143,30 @@ OTHERS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "lmp"), [*((name, WHEEL) for name in OTHERS), ("snapshots", DEBIAN)], ids=[*OTHERS, "snapshots of 2021"]
+    ("kind", "lmp", "ranks"),
+    [
+        *(("coupled", lmp, ranks) for lmp in LAUNCHERS for ranks in (1, 2)),
+        *((kind, WHEEL, 1) for kind in KINDS if kind != "coupled"),
+        ("snapshots", DEBIAN, 1),
+    ],
 )
-def test_a_killed_job_of_another_kind_of_deck_goes_on_bit_for_bit(name, lmp, tmp_path):
+def test_a_killed_job_goes_on_bit_for_bit(kind, lmp, ranks, tmp_path):
     if not lmp.exists():
         pytest.skip(f"no {lmp}: apt-get install lammps brings the 2021 release")
-    case = OTHERS[name]
-    whole = tmp_path / "whole"
+    case, whole = KINDS[kind], tmp_path / "whole"
     whole.mkdir()
     deck.write(case, whole)
     subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
-    launcher = DEBIANS_MPI if lmp == DEBIAN else f"{MPIEXEC} -n {{ranks}}"
-    directory = placed(case, tmp_path / "job", ranks_per_node=1, checkpoint=1, lmp=str(lmp), launcher=launcher)
+    options = {"lmp": str(lmp), "launcher": LAUNCHERS[lmp], "ranks_per_node": ranks, "checkpoint": 1}
+    directory = placed(case, tmp_path / "job", **options)
     restart_often(directory)
     kill_after_a_restart(directory)
     go(directory)
     assert told(directory)["state"] == "done", told(directory)
-    written = {"dump": case.problem()} | ({"snapshots": case.problem().snapshots()} if name == "snapshots" else {})
-    for kind, what in written.items():
-        assert len(parts(directory, kind)) == 2
-        found, expected = (joined(blocks(parts(path, kind), what)) for path in (directory, whole))
+    written = {"dump": case.problem()} | ({"snapshots": case.problem().snapshots()} if kind == "snapshots" else {})
+    for name, what in written.items():
+        assert len(parts(directory, name)) == 2
+        found, expected = (joined(blocks(parts(path, name), what)) for path in (directory, whole))
         np.testing.assert_array_equal(found.time, expected.time)
         np.testing.assert_array_equal(found.displacement, expected.displacement)
         np.testing.assert_array_equal(found.velocity, expected.velocity)
@@ -268,7 +255,7 @@ def placed_task(directory, cases, **options):
     for name, case in cases.items():
         placed(case, directory / name)
         (directory / name / file_names.JOB).unlink()
-    chosen = JobOptions(**{"lmp": str(WHEEL), "launcher": f"{MPIEXEC} -n {{ranks}}", "checkpoint": 2, **options})
+    chosen = JobOptions(**{"lmp": str(WHEEL), "launcher": LAUNCHERS[WHEEL], "checkpoint": 2, **options})
     for name, text in job.render_array(chosen, [tuple(cases)]).items():
         (directory / name).write_text(text)
     return directory
@@ -440,17 +427,7 @@ def test_no_text_makes_a_line_of_its_own(text, option):
     [
         [],
         ["a", "a"],
-        ["/etc"],
-        [".."],
-        ["a/../b"],
-        ["a/"],
-        [""],
-        ["a b"],
-        ["a\nb"],
-        ["-rf"],
-        [".git"],
-        ["$(ls)"],
-        ["ä"],
+        *([name] for name in ("/etc", "..", "a/../b", "a/", "", "a b", "a\nb", "-rf", ".git", "$(ls)", "ä")),
     ],
     ids=str,
 )
