@@ -37,18 +37,21 @@ except (ImportError, SyntaxError):
 
 _HERE = Path(__file__).parent
 
+_STUDIES = {path.parent.name: path for name in ("study", "command") for path in _HERE.glob(f"studies/*/{name}.py")}
+"""Command of a study -> its module."""
+
 GROUPS: dict[str, tuple[str, ...]] = {
     "Scenes": ("scenes", "show", "new", "cite", "help"),
     "Runs": ("run", "deck", "status", "rerun"),
     "Analysis": ("analyze", "view", "validate"),
     "Studies": (
         *("sweep", "collect"),
-        *sorted(path.parent.name for path in _HERE.glob("studies/*/command.py")),
+        *sorted(_STUDIES),
         "reproduce",
     ),
     "Setting up": ("schema", "completion"),
 }
-"""Commands by job: those of `workflow.commands`, and the folders of `workflow.studies` that have a ``command.py``."""
+"""Commands by job: those of `workflow.commands`, and the folders of `workflow.studies`."""
 
 COMMANDS = tuple(name for names in GROUPS.values() for name in names)
 
@@ -202,13 +205,11 @@ def _listed() -> str:
 
 def module_of(name: str) -> Any:
     """The module of a command."""
-    return importlib.import_module(
-        f"workflow.studies.{name}.command" if _is_study(name) else f"workflow.commands.{name}"
-    )
+    return importlib.import_module(".".join(("workflow", *_source(name).relative_to(_HERE).with_suffix("").parts)))
 
 
-def _is_study(name: str) -> bool:
-    return (_HERE / "studies" / name / "command.py").is_file()
+def _source(name: str) -> Path:
+    return _STUDIES.get(name, _HERE / "commands" / f"{name}.py")
 
 
 def _fill(one: argparse.ArgumentParser, module: Any) -> None:
@@ -236,8 +237,7 @@ def _examples(lines: Iterable[str]) -> str:
 
 def _summary(name: str) -> str:
     """First line of a command's docstring, read without importing it."""
-    place = f"studies/{name}/command.py" if _is_study(name) else f"commands/{name}.py"
-    source = (_HERE / place).read_text(encoding="utf-8")
+    source = _source(name).read_text(encoding="utf-8")
     return (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
 
 

@@ -1,16 +1,21 @@
-"""Options that commands of several studies have, and how such a command carries out its study."""
+"""Options that commands of several studies have; how such a command carries out its study, here or as a Slurm job."""
 
 import argparse
 import contextlib
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
 import yaml
 
-from lammps_inputs import InputError
+from lammps_inputs import InputError, file_names, library
+from lammps_inputs.slurm.job import render_command
+from lammps_inputs.slurm.site import JobOptions
 from workflow.engines.lammps.mpi import cores
-from workflow.screen import count_bar
+from workflow.runs.files import write_text
+from workflow.runs.own_files import claim, make_directory
+from workflow.screen import Answer, count_bar
 from workflow.workers.pool import Pool
 
 Found = TypeVar("Found")
@@ -26,6 +31,23 @@ def add_output(parser: argparse.ArgumentParser) -> None:
 def add_jobs(parser: argparse.ArgumentParser, words: str = "scenes at a time (default all cores)") -> None:
     """The number of worker processes; None by default."""
     parser.add_argument("--jobs", metavar="N", type=within(int, 1, 1024), help=words)
+
+
+def add_parts(parser: argparse.ArgumentParser, known: Iterable[str]) -> None:
+    """Which parts of a study; all by default."""
+    parser.add_argument("parts", metavar="PART", nargs="*", help=f"of {', '.join(known)} (default all)")
+
+
+def refuse_unknown_parts(command: str, parts: Iterable[str], known: Collection[str]) -> None:
+    """See that these are parts of a study.
+
+    Raises:
+        InputError: one is not.
+    """
+    for name in parts:
+        if name not in known:
+            hint = library.suggestion(name[:60], known)
+            raise InputError(f"{command}: {name[:60]!r} given{hint}; of {', '.join(known)}")
 
 
 def within(kind: type[int] | type[float], low: float, high: float) -> Callable[[str], float]:
@@ -67,6 +89,31 @@ def on_cores(command: str, jobs: int | None, carry_out: Callable[..., Found]) ->
     except KeyboardInterrupt:
         print("interrupted: computed scenes remain; the same command resumes")
         return None
+
+
+def as_job(
+    options: JobOptions, directory: Path, words: Sequence[str], *, cores: int, jobs: int | None = None
+) -> Answer:
+    """Write a command as a job on one node into a directory, which is made if need be, and say how to submit it.
+
+    Args:
+        options: of the job.
+        directory: to be submitted in; the command is to name it as ``.``.
+        words: of the command, after ``granchain``; paths in them absolute.
+        cores: that it uses.
+        jobs: as of `render_command`.
+
+    Raises:
+        InputError: the directory cannot be written, or holds such a file of somebody else's.
+    """
+    # -P: the directory it works in is no place for modules
+    command = [sys.executable, "-P", "-m", "workflow", *words]
+    text = render_command(options, f"granchain-{words[0]}", command, cores=cores, jobs=jobs, directory=directory)
+    make_directory(directory)
+    claim(directory, (file_names.JOB, file_names.JOB_OUTPUT))
+    write_text(directory / file_names.JOB, text)
+    print(f"{directory}: submit there: sbatch {file_names.JOB}; output: {file_names.JOB_OUTPUT}")
+    return Answer(0, {"job": str(directory / file_names.JOB)})
 
 
 def split(text: str, option: str, example: str) -> tuple[str, str]:

@@ -7,7 +7,7 @@ from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from workflow.runs.run import run
 from workflow.studies.bench import engines, reader, runs
-from workflow.studies.bench.decks import scene
+from workflow.studies.bench.runs import scene
 from workflow.studies.bench.study import ratio_of
 
 

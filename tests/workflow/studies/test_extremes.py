@@ -18,11 +18,9 @@ from workflow.errors import RunError
 from workflow.prepare.pilot import stride
 from workflow.runs import check as checking
 from workflow.runs.run import run
-from workflow.studies.extremes import cells as all_cells
-from workflow.studies.extremes import measure
-from workflow.studies.extremes import study as report
+from workflow.studies.extremes import study
 from workflow.studies.extremes.cells import BASE, Cell, changed, grid, scaled, springs
-from workflow.studies.extremes.measure import Error, classify, true_error
+from workflow.studies.extremes.study import Error, classify, true_error
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -72,8 +70,8 @@ def test_a_run_that_ends_by_an_error_is_refused_or_stopped_or_a_crash(error, kin
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr(measure, "run", fail)
-    found = measure.measure(Cell("x", "y", SHORT))
+    monkeypatch.setattr(study, "run", fail)
+    found = study.measure(Cell("x", "y", SHORT))
     assert found.kind == kind
     assert "no" in found.why
 
@@ -86,8 +84,8 @@ def test_a_failure_of_the_comparison_is_not_taken_for_a_refusal(monkeypatch):
         asked.append(tolerance / directory.job.check.velocity)
         raise InputError("other beads")
 
-    monkeypatch.setattr(measure, "true_error", fail)
-    assert measure.measure(Cell("x", "y", SHORT)).kind == "WRONG"
+    monkeypatch.setattr(study, "true_error", fail)
+    assert study.measure(Cell("x", "y", SHORT)).kind == "WRONG"
     assert asked == [pytest.approx(0.1)]
 
 
@@ -102,7 +100,7 @@ def wrong_kappa(tmp_path_factory):
 
 
 def test_a_deck_with_the_wrong_springs_is_silently_wrong(wrong_kappa):
-    assert classify(measure.PROMISED, Error(1e-4, 1e-6), true_error(wrong_kappa, 1e-5))[0] == "WRONG"
+    assert classify(study.PROMISED, Error(1e-4, 1e-6), true_error(wrong_kappa, 1e-5))[0] == "WRONG"
 
 
 def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(monkeypatch):
@@ -113,7 +111,7 @@ def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(
         return replace(lines, coefficients=tuple(k.replace("kappa/2", "kappa*0.51") for k in lines.coefficients))
 
     monkeypatch.setattr(Linear, "across", wrong)
-    honest = measure.measure(Cell("x", "y", BASE))
+    honest = study.measure(Cell("x", "y", BASE))
     assert honest.kind == "REPORTED"
     check = checking.check
 
@@ -121,7 +119,7 @@ def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(
         return replace(check(*arguments), velocity=1e-5)
 
     monkeypatch.setattr(checking, "check", lie)
-    assert measure.measure(Cell("x", "y", BASE)).kind == "WRONG"
+    assert study.measure(Cell("x", "y", BASE)).kind == "WRONG"
 
 
 @pytest.fixture(scope="module")
@@ -134,24 +132,24 @@ def test_one_bit_more_than_one_rank_computes_is_found(good, tmp_path):
         good, tmp_path / "other", lambda own: (own.displacement, np.nextafter(own.velocity, 2))
     )
     cell = Cell("ranks", "2", {}, ranks=2)
-    assert "differs from one rank" in measure._fault(cell, other, tmp_path)
-    assert measure._fault(cell, good, tmp_path / "again") is None
+    assert "differs from one rank" in study._fault(cell, other, tmp_path)
+    assert study._fault(cell, good, tmp_path / "again") is None
 
 
 def test_energy_that_grows_is_found(good, tmp_path):
     cell = Cell("steps", "2000", {}, drift=True)
-    assert measure._fault(cell, good, tmp_path) is None
+    assert study._fault(cell, good, tmp_path) is None
     growing = wrong_runs.rewritten(
         good, tmp_path / "growing", lambda own: (own.displacement, own.velocity * (1 + 1e-6 * own.time[:, None, None]))
     )
-    assert "the energy drifts" in measure._fault(cell, growing, tmp_path)
+    assert "the energy drifts" in study._fault(cell, growing, tmp_path)
 
 
 def test_a_run_that_is_not_the_scaled_copy_is_found(tmp_path):
     slow = scaled(SHORT, 1e-6)
     other = changed(slow, coupling={"stiffness": 1.0001 * slow["coupling"]["stiffness"]})
-    directory = run(measure.library.from_plain(other, "scene"), tmp_path / "run", check=False).directory
-    assert "differs from the scaled run" in measure._fault(Cell("V", "1e-6", slow, scaling=True), directory, tmp_path)
+    directory = run(study.library.from_plain(other, "scene"), tmp_path / "run", check=False).directory
+    assert "differs from the scaled run" in study._fault(Cell("V", "1e-6", slow, scaling=True), directory, tmp_path)
 
 
 # --- a small grid, for real -------------------------------------------------------------------------------------------
@@ -175,7 +173,7 @@ def test_a_run_that_is_not_the_scaled_copy_is_found(tmp_path):
     ids=lambda one: f"{one.axis} {one.value}" if isinstance(one, Cell) else one,
 )
 def test_a_cell_ends_as_it_should(kind, cell):
-    found = measure.measure(cell)
+    found = study.measure(cell)
     assert (found.kind, found.why) == (kind, found.why)
     assert found.why or kind == "RIGHT"
     assert kind != "RIGHT" or found.error <= found.asked
@@ -184,20 +182,20 @@ def test_a_cell_ends_as_it_should(kind, cell):
 @pytest.mark.slow
 @pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 def test_two_ranks_are_right():
-    assert measure.measure(Cell("ranks", "2", SHORT, ranks=2)).kind == "RIGHT"
+    assert study.measure(Cell("ranks", "2", SHORT, ranks=2)).kind == "RIGHT"
 
 
 def test_stiff_springs_are_checked_in_every_phase_of_their_swing():
     # 0.4 T are nine swings to a percent, so frames 0.4 apart show no error
     stiff = changed(SHORT, coupling=springs(1e4), timestep=2e-4, output={"every": 0.1}, duration=0.5)
-    found = measure.measure(Cell("kappa", "1e4", stiff))
+    found = study.measure(Cell("kappa", "1e4", stiff))
     assert found.kind == "REPORTED"
     assert found.reported == pytest.approx(found.error, rel=0.01)
 
 
 def test_an_accuracy_is_kept_in_every_phase_of_a_swing():
     cell = named("corners", "accuracy, 5 frames a period")
-    found = measure.measure(replace(cell, scene=changed(cell.scene, beads=8, duration=0.5)))
+    found = study.measure(replace(cell, scene=changed(cell.scene, beads=8, duration=0.5)))
     assert found.kind == "RIGHT"
 
 
@@ -221,7 +219,7 @@ def test_the_last_frame_is_checked_or_the_one_before(frames, every, left):
 def test_an_automatic_window_takes_in_kicks_that_are_far_apart(bead):
     kicks = [{"velocity": 1.0}, {"velocity": 0.7, "bead": bead}]
     far = changed(BASE, beads=150, kick=kicks, window="auto", duration=20.0, output={"every": 0.5})
-    assert measure.measure(Cell("window", "two kicks", far)).kind == "RIGHT"
+    assert study.measure(Cell("window", "two kicks", far)).kind == "RIGHT"
 
 
 # --- the report -------------------------------------------------------------------------------------------------------
@@ -233,7 +231,7 @@ def test_no_two_cells_share_a_name():
 
 
 def test_the_quick_report_has_cells_of_every_axis_and_leaves_the_long_ones_out():
-    quick = [cell for cell in grid() if report.cost(cell) <= report.QUICK]
+    quick = [cell for cell in grid() if study.cost(cell) <= study.QUICK]
     assert {cell.axis for cell in quick} == {cell.axis for cell in grid()}
     assert len(quick) < len(grid())
 
@@ -244,8 +242,8 @@ def test_parts_are_chosen_by_name():
 
 @pytest.mark.usefixtures("pool_here")
 def test_the_command_writes_a_table_goes_on_where_it_stopped_and_fails_for_a_wrong_cell(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(all_cells, "grid", lambda *_: [Cell("beads", "8", SHORT), REFUSED])
-    monkeypatch.setattr(report, "_program", lambda: "this one")
+    monkeypatch.setattr(study, "grid", lambda *_: [Cell("beads", "8", SHORT), REFUSED])
+    monkeypatch.setattr(study, "_program", lambda: "this one")
     command = ["extremes", "-o", str(tmp_path)]
     assert main(command) == 0
     out = capsys.readouterr().out
@@ -258,5 +256,5 @@ def test_the_command_writes_a_table_goes_on_where_it_stopped_and_fails_for_a_wro
     kept.write_text(kept.read_text().replace('"kind": "RIGHT", "why": ""', '"kind": "WRONG", "why": "planted"'))
     assert main(command) == 1  # taken from the file
     assert "WRONG beads 8: planted" in capsys.readouterr().out
-    monkeypatch.setattr(report, "_program", lambda: "another one")
+    monkeypatch.setattr(study, "_program", lambda: "another one")
     assert main(command) == 0  # measured again

@@ -16,7 +16,7 @@ from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines import collisions
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import accurate_reference
-from workflow.studies.bench.decks import scene
+from workflow.studies.bench.runs import scene
 from workflow.studies.bench.study import Ratio, make_ratio, ratio_of, seconds
 
 # --- reference --------------------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, Scene, file_names, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.numbers import text
-from workflow.studies.bench.decks import lammps_seconds, scene
+from workflow.studies.bench.runs import lammps_seconds, scene
 from workflow.studies.bench.study import Ratio, ratio_of, seconds
 
 TEXT_DUMP = "chains.dump.txt"

@@ -1,5 +1,9 @@
-"""Ratios of two ways to do the same thing, measured side by side on this machine (absolute times are noise)."""
+"""Measure the speed of granchain's components against alternative implementations.
 
+Ratios of two ways to do the same thing, measured side by side on this machine (absolute times are noise).
+"""
+
+import argparse
 import importlib
 import statistics
 import tempfile
@@ -8,9 +12,12 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from analysis.quantity import declare, result
+from workflow.errors import RunError
+from workflow.studies.options import add_parts, refuse_unknown_parts
+from workflow.studies.study import print_records
 
 PARTS = {
-    "window": "decks:window_ratios",
+    "window": "runs:window_ratios",
     "reader": "reader:reader_ratios",
     "check": "runs:check_ratios",
     "sweep": "runs:sweep_ratios",
@@ -58,3 +65,38 @@ def measure(name: str) -> Iterator[Ratio]:
     part = getattr(importlib.import_module(f"workflow.studies.bench.{module}"), function)
     with tempfile.TemporaryDirectory(prefix="granchain-bench-") as root:
         yield from part(Path(root))
+
+
+# --- command ----------------------------------------------------------------------------------------------------------
+
+EXAMPLES = (
+    "bench",
+    "bench window reader",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Which parts."""
+    add_parts(parser, PARTS)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Print a table of ratios, also where a part failed; exit code 1 if one failed or a ratio misses its goal."""
+    refuse_unknown_parts("bench", arguments.parts, PARTS)
+    ratios: list[Ratio] = []
+    failed = []
+    try:
+        for name in arguments.parts or PARTS:
+            try:
+                for ratio in measure(name):
+                    print(f"{ratio.name}: {ratio.value:.3g}", flush=True)
+                    ratios.append(ratio)
+            except Exception as error:  # whatever it is, the other parts are measured
+                failed.append(f"{name} ({type(error).__name__}: {error})")
+    finally:
+        if ratios:
+            print()
+            print_records("measured side by side, medians", Ratio, ratios)
+    if failed:
+        raise RunError(f"bench: failed: {', '.join(failed)}")
+    return 1 if any(ratio.verdict for ratio in ratios) else 0

@@ -1,8 +1,9 @@
-"""The same scene with several engines side by side: what the model of rigid beads reproduces, and what not.
+"""Run a scene with several engines and compare the results, such as rigid and Hertzian beads.
 
 Each engine's run has a directory of its name; ``compare.json`` and a figure are beside them.
 """
 
+import argparse
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,14 +17,17 @@ from analysis.files import events
 from analysis.sharing.impulses import ImpulseMeter, Impulses, from_events, relative_difference
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import InputError, Problem, Scene, file_names, physics, strict_yaml
+from lammps_inputs import InputError, Problem, Scene, file_names, library, physics, strict_yaml
 from workflow.engines.reference import engine as reference
 from workflow.errors import RunError
-from workflow.prepare.settings import settle
+from workflow.formats import figure_files
+from workflow.prepare.settings import refuse_unstable, settle
 from workflow.runs.engines import ENGINES, LAMMPS, REFERENCE, RIGID, engine_called
 from workflow.runs.files import EVENTS, as_json
 from workflow.runs.run_directory import RunDirectory
+from workflow.screen import Answer, count_bar, one_line, print_table
 from workflow.studies.kept_runs import kept_run
+from workflow.studies.options import add_output
 from workflow.studies.study import Study
 from workflow.workers.evaluate import Progress
 
@@ -384,3 +388,44 @@ def shown_rows(problem: Problem) -> tuple[int, ...]:
     if last > 200:
         wanted += np.geomspace(100, last, 3).round().astype(int).tolist()[1:-1]
     return (*wanted, last)[-MOST_SHOWN:]
+
+
+# --- command ----------------------------------------------------------------------------------------------------------
+
+ANSWERS = "what compare.json holds"
+DRAWS = True
+EXAMPLES = (
+    "compare two-chains-gapped -o compared",
+    "compare my/gapped.yaml -o compared --engines collisions,reference",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The scene, where to, and with what."""
+    parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
+    add_output(parser)
+    parser.add_argument(
+        "--engines", metavar="NAME,NAME", help=f"of {', '.join(ENGINES)} (default all that can do the scene)"
+    )
+
+
+def execute(arguments: argparse.Namespace) -> Answer:
+    """Print tables and an answer; write compare.json, a figure, and each engine's run directory."""
+    scene = library.find(arguments.scene)
+    engines = None if arguments.engines is None else tuple(arguments.engines.split(","))
+    if "lammps" in engines_for(scene, engines):
+        refuse_unstable(scene, arguments.scene)
+    with count_bar("compare") as progress:
+        found = compare(scene, arguments.output, engines, progress)
+    system = found.problem.system
+    if physics.gap(system) and physics.coupled(system):
+        from workflow.engines.collisions import modes  # numba takes a third of a second to import
+
+        print(f"theta = omega D / V = {modes.theta(found.problem):.5g} (eq. 5: {modes.THETA_OF_EQ_5:.5g})")
+    for table in found.tables():
+        print_table(*table)
+    for sentence in found.answer:
+        print(sentence)
+    files = [REPORT, *figure_files(FIGURE), *(f"{result.engine}/" for result in found.results)]
+    print(f"{one_line(arguments.output)}: {', '.join(files)}")
+    return Answer(0, found.plain())

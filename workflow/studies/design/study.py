@@ -1,4 +1,6 @@
-"""A design study from beginning to end: search, the best in LAMMPS, small errors, and what is written.
+"""Find the scene that minimises or maximises a quantity within bounds, such as the force on a wall.
+
+From beginning to end: search, the best in LAMMPS, small errors, and what is written.
 
 | file               | what                                                                            |
 |--------------------|---------------------------------------------------------------------------------|
@@ -10,6 +12,7 @@
 | index.html         | the report                                                                       |
 """
 
+import argparse
 import functools
 import json
 import math
@@ -19,12 +22,16 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, library, strict_yaml
+from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.runs.files import as_json
+from workflow.screen import Answer, one_line, print_table
+from workflow.studies.design import file
 from workflow.studies.design.file import Design
 from workflow.studies.design.found import Found, Verified, sensitivity
 from workflow.studies.design.search import RULED_OUT, Record, computed, search, worth
 from workflow.studies.kept_runs import kept_run
 from workflow.studies.measures import by_reference, of_frames, scene_to_run
+from workflow.studies.options import add_jobs, add_output, as_job, on_cores
 from workflow.studies.study import Study, csv_text
 from workflow.sweep import fields
 from workflow.workers.pool import Pool
@@ -132,3 +139,51 @@ def _table(design: Design, records: list[Record]) -> str:
 
 def _written(value: Any) -> str:
     return json.dumps(value) if isinstance(value, list | dict) else str(value)
+
+
+# --- command ----------------------------------------------------------------------------------------------------------
+
+ANSWERS = "what design.json holds"
+EXAMPLES = (
+    "design design.yaml -o designed          # the same command resumes; workflow/README.md has such a file",
+    "design design.yaml -o designed --slurm --jobs 64   # then there: sbatch job.sbatch",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The design, where to, and how."""
+    parser.add_argument("design", metavar="DESIGN.yaml", type=Path, help="a scene, bounds of its fields, an objective")
+    add_output(parser)
+    add_jobs(parser, "designs at a time (default all cores; of a job cores_per_node, or 1)")
+    add_job_arguments(parser)
+
+
+def execute(arguments: argparse.Namespace) -> Answer:
+    """Search, verify, print the best; exit code 130 when interrupted, with all that was computed kept."""
+    options = job_options(arguments)
+    what = file.load(arguments.design)
+    if options is not None:
+        count = arguments.jobs or options.cores_per_node or 1
+        words = ["design", str(arguments.design.absolute()), "-o", ".", "--jobs", str(count)]
+        return as_job(options, arguments.output, words, cores=count)
+    found = on_cores("design", arguments.jobs, functools.partial(carry_out, what, arguments.output))
+    if found is None:
+        return Answer(130, {})
+    _print(found, arguments)
+    return Answer(0, found.plain())
+
+
+def _print(found: Found, arguments: argparse.Namespace) -> None:
+    design = found.design
+    how = "all there are" if design.exhaustive else "by evolution"
+    print_table(f"{one_line(arguments.design)}: {len(found.records)} designs, {how}", *found.table())
+    if found.undefined:
+        print(
+            f"{found.undefined} designs do not count: {design.objective} or a quantity with a limit is undefined there "
+            "(for one at the far end: its largest value is not reached within the duration)"
+        )
+    for warning in found.warnings:
+        print(f"warning: {one_line(warning)}")
+    print(found.tolerance)
+    print(f"{found.seconds * 1e3:.3g} ms of processor time a design")
+    print(f"{one_line(arguments.output)}: {PAGE}, {BEST}, {TABLE}")

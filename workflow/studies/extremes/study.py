@@ -1,16 +1,257 @@
-"""All cells on all cores, each kept when it is done, so that an interrupted report is resumed."""
+"""Run scenes at the extremes of every number and check that errors are reported.
 
+All cells are run on all cores, each kept when it is done, so that an interrupted report is resumed. A cell is run for
+real, in a directory of its own, and ends as one of `KINDS`. The true error of a run is found by a reference that is
+finer than the one the run was checked with: every frame of every bead is compared.
+"""
+
+import argparse
+import math
+import tempfile
+import time
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any, NamedTuple
 
-from lammps_inputs import InputError, library
-from workflow.studies.extremes.cells import Cell
-from workflow.studies.extremes.measure import Outcome
-from workflow.studies.study import Study, to_csv
+import numpy as np
+
+from analysis.against.common_times import paired
+from analysis.against.difference import errors_of
+from analysis.conservation import Conservation
+from analysis.quantity import declare, result
+from lammps_inputs import InputError, Problem, Scene, library, physics
+from lammps_inputs.scene import DEFAULT_ACCURACY
+from workflow.engines.reference import engine
+from workflow.engines.reference.schemes import BLANES_MOAN
+from workflow.engines.reference.step_halving import StepHalving
+from workflow.errors import RunError
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.screen import count_bar, one_line
+from workflow.studies.extremes.cells import PARTS, Cell, grid, scaled
+from workflow.studies.options import add_parts, refuse_unknown_parts
+from workflow.studies.study import Study, print_records, to_csv
+from workflow.verdicts.validate import TOLERANCES
 from workflow.workers import evaluate
 from workflow.workers.evaluate import key_of
 from workflow.workers.pool import Answer, Task
+
+# --- true error -------------------------------------------------------------------------------------------------------
+
+LONGEST = 8.0
+"""Seconds that a refinement of the reference may take, as estimated."""
+
+_BEAD_STAGE = 1.5e-9
+_STAGE = 20e-9
+"""Seconds of the reference's kernel for a stage of a bead, and of a step beyond its beads."""
+
+_HALVINGS = 4
+
+
+class Error(NamedTuple):
+    """The largest error of any velocity, and its uncertainty, in units of V."""
+
+    value: float
+    uncertainty: float
+
+
+def true_error(directory: RunDirectory, tolerance: float) -> Error:
+    """The largest error of a run that came to its end.
+
+    Args:
+        directory: of the run.
+        tolerance: wanted uncertainty, in units of V, as far as the time allows.
+    """
+    problem = replace(directory.problem, window=None)  # all rows, whatever the run had
+    steps = 2 * engine.default_steps_per_frame(problem)
+    for _ in range(_HALVINGS):
+        halving = StepHalving(problem, steps_per_frame=steps)
+        references = (replace(block, problem=directory.problem) for block in halving.blocks())
+        error = errors_of(directory.blocks(), references)["velocity"].largest
+        steps *= 2
+        if halving.uncertainty.velocity <= tolerance or _seconds(problem, steps) > LONGEST:
+            break
+    return Error(error, halving.uncertainty.velocity)
+
+
+def _seconds(problem: Problem, steps_per_frame: int) -> float:
+    """About what two reference runs side by side take, one with half the steps; a pulse passes a bead in T or so."""
+    kicked = [bead for _, bead, _ in physics.excitations(problem.system)]
+    rows = min(problem.beads, max(kicked) - min(kicked) + 1 + 0.5 * problem.duration)
+    steps = 1.5 * problem.frames * steps_per_frame
+    return steps * BLANES_MOAN.forces_per_step * (rows * problem.chains * _BEAD_STAGE + _STAGE)
+
+
+# --- measure ----------------------------------------------------------------------------------------------------------
+
+KINDS = ("RIGHT", "REPORTED", "REFUSED", "STOPPED", "WRONG")
+"""In words:
+
+- RIGHT: the largest error of any velocity is what was asked for, or less;
+- REPORTED: it is more, and the run says so itself;
+- REFUSED: nothing was run, and one line says why;
+- STOPPED: the run ended itself, and one line says why;
+- WRONG: none of these. The run came to its end and let its user believe more than is true, or it crashed.
+"""
+
+TRUE_WITHIN = 1.5
+"""The error that a run reports is right if the true error is no larger than this times it. A run compares frames 0.4 T
+apart, which may miss the largest error of a wave by 7%, and more of a faster mode, of which it meets four phases.
+"""
+
+LEAST_ERROR = 1e-8
+"""Smaller errors are not distinguished, in units of V."""
+
+
+@result
+class Outcome:
+    """One cell of the report; errors are the largest of any velocity."""
+
+    axis: str = declare("what is extreme", digits="")
+    value: str = declare("its value", digits="")
+    kind: str = declare("one of RIGHT, REPORTED, REFUSED, STOPPED, WRONG", digits="", head="ends")
+    why: str = declare("what the kind rests on")
+    asked: float = declare("largest error that was asked for", "V", digits=".1e")
+    error: float | None = declare("found by a finer reference", "V", "no run was completed", digits=".1e", default=None)
+    uncertainty: float | None = declare("of that", "V", "no run was completed", default=None)
+    reported: float | None = declare(
+        "error that the run reports", "V", "no run was completed", digits=".1e", default=None
+    )
+    reported_uncertainty: float | None = declare(
+        "of that", "V", "no run was completed", digits=".1e", head="uncertainty", default=None
+    )
+    steps: int | None = declare("time steps", "", "no run was completed", digits=",d", default=None)
+    seconds: float = declare("time of the run and its comparison", "s", digits=".1f", default=0.0)
+
+
+def classify(asked: float, reported: Error, truth: Error) -> tuple[str, str]:
+    """Kind and reason of a run that came to its end. NaN counts as an infinite error.
+
+    Args:
+        asked: largest error that was asked for, in units of V.
+        reported: by the run itself.
+        truth: by a finer reference.
+    """
+    most = TRUE_WITHIN * sum(reported) + LEAST_ERROR
+    if most < truth.value - truth.uncertainty or (math.isnan(truth.value) and not math.isnan(most)):
+        says = f"{reported.value:.1e} V (uncertainty {reported.uncertainty:.1e})"
+        return "WRONG", f"reports {says}, is {truth.value:.1e} V"
+    if truth.value <= asked:
+        return "RIGHT", ""
+    if not sum(reported) <= asked:
+        return "REPORTED", f"more than {asked:.0e} V, and reports it"
+    return "WRONG", f"is {truth.value:.1e} V, more than {asked:.0e} V, and does not report it"
+
+
+PROMISED = TOLERANCES["velocity"]
+"""Largest error, in units of V, that a run with a `timestep` of its own has without a remark."""
+
+SHARPER = 10.0
+"""Part of the error asked for, and of that reported, which the uncertainty of the reference must not exceed."""
+
+
+def computed(**cell: Any) -> dict[str, Any]:
+    """`measure` for the worker pool."""
+    return asdict(measure(Cell(**cell)))
+
+
+def measure(cell: Cell) -> Outcome:
+    """Run a cell and compare it. Whatever happens, an outcome comes back, unless it is interrupted."""
+    started = time.perf_counter()
+    outcome = Outcome(cell.axis, cell.value, "WRONG", "", PROMISED)
+    with tempfile.TemporaryDirectory(prefix="granchain-extremes-") as folder:
+        try:
+            outcome = _run_and_compare(cell, Path(folder), outcome)
+        except Exception as error:  # its user would see a traceback, or no reference can be computed
+            outcome = replace(outcome, why=" ".join(f"crashed: {type(error).__name__}: {error}".split()))
+    return replace(outcome, seconds=time.perf_counter() - started)
+
+
+def _run_and_compare(cell: Cell, folder: Path, outcome: Outcome) -> Outcome:
+    path = folder / "run"
+    try:
+        scene = library.from_plain(cell.scene, "scene")
+        promised = DEFAULT_ACCURACY if scene.timestep is None else PROMISED
+        outcome = replace(outcome, asked=scene.accuracy or promised)
+        done = run(scene, path, ranks=cell.ranks, force=cell.force)
+    except InputError as error:
+        if path.exists():  # too late
+            raise
+        return replace(outcome, kind="REFUSED", why=str(error))
+    except RunError as error:
+        return replace(outcome, kind="STOPPED", why=str(error))
+    if done.outcome != "done" or done.check is None:
+        raise KeyboardInterrupt
+    reported = Error(done.check.velocity, done.check.reference.velocity)
+    truth = true_error(done.directory, min(outcome.asked, max(reported.value, LEAST_ERROR)) / SHARPER)
+    kind, why = classify(outcome.asked, reported, truth)
+    fault = _fault(cell, done.directory, folder)
+    return replace(
+        outcome,
+        kind=kind if fault is None else "WRONG",
+        why=why if fault is None else fault,
+        error=truth.value,
+        uncertainty=truth.uncertainty,
+        reported=reported.value,
+        reported_uncertainty=reported.uncertainty,
+        steps=done.directory.problem.steps,
+    )
+
+
+def _fault(cell: Cell, directory: RunDirectory, folder: Path) -> str | None:
+    """What else must hold in this cell, and does not."""
+    if cell.ranks > 1 and (off := _apart(directory, directory.scene, folder / "one")):
+        return f"differs from one rank by {off:.1e}"
+    if cell.scaling:
+        # to V = 1; beads of a material at most ten times faster, for none is kicked faster than its sound
+        factor = 1.0 / directory.scene.scale.velocity if directory.scene.material is None else 10.0
+        off = _apart(directory, library.from_plain(scaled(cell.scene, factor), "scene"), folder / "scaled", factor)
+        if not off <= 6.0 * _rounding(directory.problem):  # in both runs, and frequencies are below 3
+            return f"differs from the scaled run by {off:.1e}"
+    return _drifts(directory) if cell.drift else None
+
+
+def _apart(directory: RunDirectory, other: Scene, path: Path, factor: float = 1.0) -> float:
+    """Largest difference from the run of a scene on one rank whose kicks are so many times larger.
+
+    Compared in the scenes' own units, so that these are compared too.
+    """
+    one = run(other, path, check=False).directory
+    units, worst = (directory.scene.scale, one.scene.scale), 0.0
+    for pair in paired(directory.blocks(), one.blocks()):
+        for name, unit, power in (
+            ("time", "time", -0.2),
+            ("displacement", "length", 0.8),
+            ("velocity", "velocity", 1.0),
+        ):
+            ratio = getattr(units[0], unit) / getattr(units[1], unit) * factor**power
+            own, scaled_copy = (getattr(block, name) for block in pair)
+            worst = float(np.max(np.abs(own * ratio - scaled_copy), initial=worst))
+    return worst
+
+
+def _drifts(directory: RunDirectory) -> str | None:
+    problem = directory.problem
+    halves = (Conservation(), Conservation())
+    middle = 0.5 * problem.duration
+    for block in directory.blocks():
+        split = int(np.searchsorted(block.time, middle))
+        for half, part in zip(halves, (block[:split], block[split:]), strict=True):
+            if part.frames:
+                half.add(part)
+    first, second = (half.energy_drift for half in halves)
+    # rounding of positions does work on contacts whose force is below 1
+    rounding = _rounding(problem) / physics.energy(problem.system)
+    return None if second <= 1.1 * first + rounding else f"the energy drifts: off by {first:.1e}, then by {second:.1e}"
+
+
+def _rounding(problem: Problem) -> float:
+    """Rounding of LAMMPS's positions, summed over all steps."""
+    return problem.steps * float(np.spacing(problem.beads * problem.layout.spacing))
+
+
+# --- report -----------------------------------------------------------------------------------------------------------
 
 TABLE = "extremes.csv"
 STUDY = Study("extremes", f"{TABLE} is the table", tables=(TABLE,), cache="cells.jsonl")
@@ -34,8 +275,7 @@ def make_report(
         RunError: a process died.
     """
     with STUDY.opened(directory) as cache:
-        found = evaluate.values(plan(cells), cache, progress=progress, failed=_is_wrong)
-        outcomes = [Outcome(**value) for value in found]
+        outcomes = [Outcome(**one) for one in evaluate.values(plan(cells), cache, progress=progress, failed=_is_wrong)]
         if directory is not None:
             STUDY.write(directory, {TABLE: to_csv(Outcome, outcomes)})
     return outcomes
@@ -47,7 +287,7 @@ def plan(cells: Sequence[Cell]) -> list[evaluate.Case]:
     return [
         evaluate.Case(
             key_of([program, asdict(cell)]),
-            Task("workflow.studies.extremes.measure:computed", asdict(cell)),
+            Task(f"{__name__}:computed", asdict(cell)),
             cost(cell),
             alone=cell.ranks > 1,
         )
@@ -74,3 +314,39 @@ def _program() -> str:
     root = Path(__file__).parents[3]
     files = [path for package in ("lammps_inputs", "analysis", "workflow") for path in (root / package).rglob("*.py")]
     return key_of([[path.relative_to(root).as_posix(), path.read_text("utf-8")] for path in sorted(files)])
+
+
+# --- command ----------------------------------------------------------------------------------------------------------
+
+EXAMPLES = (
+    "extremes --quick",
+    "extremes losses loads",
+    "extremes -o extremes      # the same command resumes",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Where to, and how much."""
+    add_parts(parser, PARTS)
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, help="new directory, or one to resume: table, cells"
+    )
+    parser.add_argument("--quick", action="store_true", help="only the cells that take about a second")
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Run what is missing, print a table; exit code 1 if a cell is silently wrong."""
+    refuse_unknown_parts("extremes", arguments.parts, PARTS)
+    chosen = [cell for cell in grid(arguments.parts) if not arguments.quick or cost(cell) <= QUICK]
+    with count_bar("extremes") as progress:
+        outcomes = make_report(chosen, arguments.output, progress=progress)
+    title = "largest error of any velocity (V), against a more accurate reference"
+    print_records(title, Outcome, outcomes)
+    for outcome in outcomes:
+        if outcome.kind in ("REFUSED", "STOPPED", "WRONG"):
+            print(f"{outcome.kind} {outcome.axis} {outcome.value}: {outcome.why}")
+    counts = {kind: sum(outcome.kind == kind for outcome in outcomes) for kind in KINDS}
+    print(f"{len(outcomes)} cells: " + ", ".join(f"{number} {kind}" for kind, number in counts.items()))
+    if arguments.output is not None:
+        print(f"{one_line(arguments.output)}: {', '.join(STUDY.files)}")
+    return 1 if counts["WRONG"] else 0

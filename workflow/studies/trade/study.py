@@ -1,4 +1,6 @@
-"""Error against cost of everything that can be chosen for a scene, measured on this machine, written as it comes.
+"""Measure error against cost on this machine: time steps, schemes, ranks, windows, frames.
+
+Error against cost of everything that can be chosen for a scene, written as it comes.
 
 | file       | what                                                                                             |
 |------------|--------------------------------------------------------------------------------------------------|
@@ -8,7 +10,10 @@
 | trade.png  | the work-precision figure                                                                        |
 """
 
+import argparse
+import math
 import os
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -20,14 +25,16 @@ import numpy as np
 
 from analysis.files import recording
 from analysis.quantity import declare, plain, result
-from lammps_inputs import Problem, Scene, file_names
+from lammps_inputs import InputError, Problem, Scene, file_names, library
 from workflow.engines.lammps import mpi
 from workflow.prepare.settings import settle
+from workflow.runs.engines import REFERENCE
 from workflow.runs.files import as_json
 from workflow.runs.run_directory import provenance
-from workflow.studies.study import Study, to_csv
+from workflow.screen import count_bar, one_line
+from workflow.studies.study import Study, print_records, to_csv
 from workflow.studies.trade.advice import sentences
-from workflow.studies.trade.points import Findings, Limits, Points, measure
+from workflow.studies.trade.points import Findings, Limits, Order, Points, measure
 from workflow.studies.trade.settings import WINDOW, run, settings
 from workflow.studies.trade.truth import QUANTITIES, Interval, Truth, intervals, make_truth
 
@@ -210,3 +217,64 @@ def _figure(found: Findings, truth: Truth) -> "Figure":
         for quantity in QUANTITIES
     }
     return work_precision_figure(found.problem, methods, fronts, truth.floors)
+
+
+# --- command ----------------------------------------------------------------------------------------------------------
+
+DRAWS = True
+EXAMPLES = (
+    "trade two-chains -o trade",
+    "trade my/scene.yaml -o trade --budget 120   # seconds",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The scene, where to, and how long it may take."""
+    parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="directory to make")
+    parser.add_argument(
+        "--budget",
+        metavar="SECONDS",
+        type=float,
+        default=BUDGET,
+        help=f"about how long it may take; runs that would take much of it are left out (default {BUDGET:g})",
+    )
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Print tables and sentences; write two tables, a report and a figure."""
+    if not (math.isfinite(arguments.budget) and arguments.budget > 0.0):
+        raise InputError(f"--budget: {arguments.budget:g} given; a number of seconds above 0")
+    problem = plain_problem(library.find(arguments.scene))
+    seconds = REFERENCE.seconds(problem, 1) or 0.0
+    if seconds > arguments.budget:
+        print(
+            f"granchain: a large scene: the reference alone takes some {seconds:.0f} s; a shorter duration or fewer "
+            "beads show the same trade",
+            file=sys.stderr,
+        )
+    with count_bar("trade") as progress:
+        found = study(problem, arguments.output, budget=arguments.budget, follow=progress)
+    _print(found)
+    names = [name for name in STUDY.files if (arguments.output / name).exists()]
+    print(f"{one_line(arguments.output)}: {', '.join(names)}")
+    if not found.whole:
+        raise KeyboardInterrupt
+    return 0
+
+
+def _print(found: Findings) -> None:
+    scale = found.problem.scale
+    title = (
+        f"{found.problem.name}: largest errors (V, V, T), wall time (s) of the time loop with its frames; steps in T"
+    )
+    tables = (
+        (title, Record, records(found)),
+        ("measured orders, of velocities", Order, found.orders()),
+        ("errors of amplitudes (V) and arrivals (T), by the time between frames", Interval, found.frames),
+    )
+    for title, kind, found_of in tables:
+        if found_of:
+            print_records(title, kind, found_of, scale)
+    for sentence in sentences(found):
+        print(sentence)
