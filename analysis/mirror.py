@@ -57,5 +57,5 @@ def mirrored(block: Trajectory) -> Trajectory:
         -block.displacement[..., ::-1],
         -block.velocity[..., ::-1],
         first=1 if block.problem.window is None else mirrored_bead(block.problem, int(block.beads[-1])),
-        inner=None if block.inner is None else (-block.inner[0][..., ::-1], -block.inner[1][..., ::-1]),
+        inner=None if block.inner is None else -block.inner[..., ::-1],
     )

@@ -1,9 +1,9 @@
 """A trajectory: what every engine returns and every analysis reads, dimensionless and in float64."""
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,8 +61,8 @@ class Trajectory:
         memory: [frame, chain, bead + 1] largest overlap so far of each contact whose force depends on it: of the wall
             before the first bead, of the contact behind each other bead, of the wall behind the last; None where no
             force does, or a file holds not all beads.
-        inner: displacement and velocity of the atoms that are no beads, each [frame, line, bead], 0 where there is
-            none; None where nobody recorded them.
+        inner: [frame, 2, line, bead] displacement and velocity of the atoms that are no beads, 0 where there is none;
+            None where nobody recorded them.
     """
 
     problem: Problem
@@ -72,7 +72,7 @@ class Trajectory:
     first: int = 1
     exchange: Floats | None = None
     memory: Floats | None = None
-    inner: tuple[Floats, Floats] | None = None
+    inner: Floats | None = None
 
     def __repr__(self) -> str:
         until = f"to t = {self.time[-1]:.6g} T" if len(self.time) else "none yet"
@@ -93,11 +93,10 @@ class Trajectory:
     @property
     def atoms(self) -> tuple[Floats, Floats]:
         """Displacement and velocity, each [frame, line, bead], of the beads and the inner atoms after them."""
-        own = self.displacement, self.velocity
+        x, v = self.displacement, self.velocity
         if self.inner is None:
-            return own
-        displacement, velocity = (np.concatenate(both, axis=1) for both in zip(own, self.inner, strict=True))
-        return displacement, velocity
+            return x, v
+        return np.concatenate([x, self.inner[:, 0]], axis=1), np.concatenate([v, self.inner[:, 1]], axis=1)
 
     @property
     def spacing(self) -> float:
@@ -110,17 +109,15 @@ class Trajectory:
         scale = self.problem.scale
         return Measured(self.time * scale.time, self.displacement * scale.length, self.velocity * scale.velocity)
 
+    def _each(self, change: Callable[[Floats], Floats]) -> "Trajectory":
+        """The same with all arrays, whose first axis is that of frames, changed."""
+        found = vars(self).items()
+        arrays: dict[str, Any] = {name: change(values) for name, values in found if isinstance(values, np.ndarray)}
+        return replace(self, **arrays)
+
     def __getitem__(self, frames: slice) -> "Trajectory":
         """The same trajectory, some frames of it."""
-        return replace(
-            self,
-            time=self.time[frames],
-            displacement=self.displacement[frames],
-            velocity=self.velocity[frames],
-            exchange=None if self.exchange is None else self.exchange[frames],
-            memory=None if self.memory is None else self.memory[frames],
-            inner=None if self.inner is None else (self.inner[0][frames], self.inner[1][frames]),
-        )
+        return self._each(lambda values: values[frames])
 
     @property
     def system(self) -> System:
@@ -144,14 +141,7 @@ class Trajectory:
 
     def last(self) -> "Trajectory":
         """The last frame, copied, so that it keeps no others in memory."""
-        last = self[-1:]
-        return replace(
-            last,
-            time=last.time.copy(),
-            displacement=last.displacement.copy(),
-            velocity=last.velocity.copy(),
-            inner=None if last.inner is None else (last.inner[0].copy(), last.inner[1].copy()),
-        )
+        return self[-1:]._each(np.copy)
 
     @cached_property
     def moving(self) -> slice:
@@ -205,23 +195,12 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     if parts[0].problem.window is not None:
         first, last = min(part.beads[0] for part in parts), max(part.beads[-1] for part in parts)
         parts = [part.on(int(first), int(last), behind=np.nan) for part in parts]
-    exchange, memory = (_together([getattr(part, name) for part in parts]) for name in ("exchange", "memory"))
-    inner = [part.inner for part in parts if part.inner is not None]
-    return Trajectory(
-        parts[0].problem,
-        np.concatenate([part.time for part in parts]),
-        np.concatenate([part.displacement for part in parts]),
-        np.concatenate([part.velocity for part in parts]),
-        parts[0].first,
-        exchange,
-        memory,
-        (np.concatenate([x for x, _ in inner]), np.concatenate([v for _, v in inner])) if inner else None,
-    )
-
-
-def _together(parts: list[Floats | None]) -> Floats | None:
-    known = [part for part in parts if part is not None]
-    return np.concatenate(known) if len(known) == len(parts) else None
+    arrays: dict[str, Any] = dict.fromkeys(("exchange", "memory", "inner"))
+    for field in fields(Trajectory):
+        values = [getattr(part, field.name) for part in parts]
+        if all(isinstance(one, np.ndarray) for one in values):
+            arrays[field.name] = np.concatenate(values)
+    return replace(parts[0], **arrays)
 
 
 def of_atoms(
@@ -235,7 +214,7 @@ def of_atoms(
 ) -> Trajectory:
     """Frames of arrays [frame, line, bead], the chains' first and those of inner atoms after them, if at all."""
     chains = problem.chains
-    inner = (displacement[:, chains:], velocity[:, chains:]) if displacement.shape[1] > chains else None
+    inner = np.stack([displacement, velocity], axis=1)[:, :, chains:] if displacement.shape[1] > chains else None
     return Trajectory(problem, time, displacement[:, :chains], velocity[:, :chains], first, exchange, memory, inner)
 
 

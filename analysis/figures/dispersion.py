@@ -6,8 +6,8 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from analysis.dispersion import Branches, Map
 from analysis.figures.style import STYLE, Unit, axis_unit, title
-from analysis.sound.dispersion import Branches, Map
 from lammps_inputs import Problem
 
 DECADES = 8.0

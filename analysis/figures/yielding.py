@@ -4,9 +4,9 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from analysis.contacts import YieldTable
 from analysis.figures.style import STYLE, axis_unit, chain_legend, draw_chain, letter, shown_chains, title
 from analysis.trajectory import Floats
-from analysis.yielding import YieldTable
 from lammps_inputs import Problem
 
 LEAST = 1e-4

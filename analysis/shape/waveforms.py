@@ -5,14 +5,15 @@ depends on the number of passages only, not on how finely a run was recorded.
 """
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from analysis import hermite, motion
+from analysis.columns import Columns
 from analysis.shape.exact_wave import wave_of
-from analysis.shape.pattern import length_of
-from analysis.trajectory import Flags, Floats, Integers, Trajectory
+from analysis.shape.long_waves import length_of
+from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem, physics
 
 REACH = 4.0
@@ -26,7 +27,7 @@ SAMPLES = 128
 
 
 @dataclass(frozen=True)
-class Passages:
+class Passages(Columns):
     """What is to be watched: one entry per passage of a pulse at a recorded bead.
 
     Attributes:
@@ -41,12 +42,9 @@ class Passages:
     speed: Floats
     direction: Integers
 
-    def __len__(self) -> int:
-        return len(self.bead)
-
 
 @dataclass(frozen=True)
-class Shape:
+class Shape(Columns):
     """What the waveforms of passages say, one entry per passage; NaN where the run does not show it whole, but energy.
 
     Attributes:
@@ -67,18 +65,7 @@ class Shape:
 
     def entry(self, k: int) -> dict[str, float]:
         """The numbers of one passage, by name."""
-        return {field.name: float(getattr(self, field.name)[k]) for field in fields(self)}
-
-    def where(self, known: Flags) -> "Shape":
-        """The same numbers where a mask says so, NaN elsewhere."""
-        return Shape(*(np.where(known, getattr(self, field.name), np.nan) for field in fields(self)))
-
-    def spread_out(self, places: Integers, size: int) -> "Shape":
-        """The first passages' numbers put at the places given of longer columns that hold NaN elsewhere."""
-        columns = {field.name: np.full(size, np.nan) for field in fields(self)}
-        for name, column in columns.items():
-            column[places] = getattr(self, name)[: len(places)]
-        return Shape(**columns)
+        return {name: float(column[k]) for name, column in self.arrays().items()}
 
 
 def reach(problem: Problem) -> int:

@@ -11,7 +11,7 @@ import numpy as np
 from analysis import motion
 from analysis.mirror import along_the_way, direction_of
 from analysis.quantity import declare, result
-from analysis.shape.pattern import repeats_between
+from analysis.shape.long_waves import repeats_between
 from analysis.shape.waveforms import reach
 from analysis.sharing.equipartition import dissipates
 from analysis.sharing.survey import Survey

@@ -5,6 +5,10 @@ pulse stays together, such as chains on a foundation; it makes sense of any. `En
 chain, and inside the waves, at the instants at which the waves pass chosen beads; they are picked out while the run is
 read a second time. The energy of a spring is shared by its two chains there. Inside a wave are the beads within
 `analysis.shape.waveforms.reach` of its peak, with the contacts between them.
+
+Springs that vary in time: the action of the modes in which rows oscillate, energy over angular frequency, is an
+adiabatic invariant. Each mode keeps its action where stiffnesses change slowly, and modes exchange it where their
+frequencies come close (Landau and Zener; Novotny 2010). Rows are independent of each other while no contact is loaded.
 """
 
 from dataclasses import replace
@@ -15,10 +19,11 @@ from analysis import motion
 from analysis.conservation import energy_input
 from analysis.quantity import declare, result
 from analysis.shape.waveforms import reach
-from analysis.sharing import actions
 from analysis.sharing.equipartition import Sharing
 from analysis.trajectory import Flags, Floats, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, System, laws, physics
+from lammps_inputs.laws.spring import Linear
+from lammps_inputs.laws.varying import Varying
 
 MOST_INSTANTS = 500
 
@@ -76,7 +81,7 @@ class EnergyFlow:
         self._found: list[tuple[Floats, ...]] = []
         self._action: list[Floats] = []
         self._last_action: Floats | None = None
-        self._has_modes = actions.has_modes(problem.system)
+        self._has_modes = has_modes(problem.system)
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
@@ -98,8 +103,8 @@ class EnergyFlow:
         spread = np.sqrt(np.sum(weight * (block.beads - centre[..., np.newaxis]) ** 2, axis=-1))
         self._found.append((block.time[chosen], share, between, centre, spread))
         if self._has_modes:
-            self._action.append(actions.shares(block, chosen))
-            self._last_action = actions.shares(block, slice(-1, None))
+            self._action.append(shares_of_action(block, chosen))
+            self._last_action = shares_of_action(block, slice(-1, None))
 
     def result(self) -> Flow:
         """Of the frames so far.
@@ -114,6 +119,60 @@ class EnergyFlow:
         if self._last_action is None:
             return found
         return replace(found, action=np.concatenate(self._action), fastest_mode_action=float(self._last_action[-1, -1]))
+
+
+MOST_CHAINS = 30
+"""Whose modes are computed at every instant."""
+
+UNLOADED = 1e-9
+"""Share of the energy in contacts below which none counts as loaded."""
+
+
+def has_modes(system: System) -> bool:
+    """Whether rows have modes whose action can change: linear springs, the same in all rows, some of which vary."""
+    springs = (*system.across, *physics.ground_springs(system))
+    return (
+        1 < system.chains <= MOST_CHAINS
+        and physics.varying(system)
+        and isinstance(system.mass, float)
+        and system.inner_mass is None
+        and not physics.loaded(system)
+        and all(isinstance(link.law, Linear | Varying) for link in springs)
+        and all(np.ndim(value) == 0 or np.ptp(value, axis=-1).max() == 0.0 for link in springs for value in link.law)
+    )
+
+
+def shares_of_action(block: Trajectory, frames: slice) -> Floats:
+    """Share of the action that each mode has in some frames, slowest first, [frame, mode]; the system `has_modes`.
+
+    NaN where a contact or wall is loaded, a mode has no restoring force, or nothing moves.
+    """
+    displacement, velocity = block.displacement[frames], block.velocity[frames]
+    now = physics.at(block.problem.system, block.time[frames])
+    square, shape = np.linalg.eigh(_stiffness(now, len(displacement)) / now.mass)
+    x, v = (np.swapaxes(shape, -1, -2) @ part for part in (displacement, velocity))
+    omega = np.sqrt(np.where(square[:, 0, None] > 0.0, square, np.nan))
+    action = 0.5 * now.mass * np.sum(v * v + (square[..., None] * x) * x, axis=-1) / omega
+    total = np.sum(action, axis=-1, keepdims=True)
+    energy = motion.energy(now, displacement, velocity)
+    loaded = sum(link.energy(displacement).sum(axis=(-2, -1)) for link in (*now.along, *physics.walls(now)))
+    defined = (loaded <= UNLOADED * energy)[:, None] & (total > 0.0)
+    return np.asarray(np.where(defined, action / np.where(defined, total, 1.0), np.nan))
+
+
+def _stiffness(system: System, frames: int) -> Floats:
+    """Of a row, [frame, chain, chain]."""
+    found = np.zeros((frames, system.chains, system.chains))
+    chains = np.arange(system.chains)
+    for link in system.across:
+        edges = link.of_edges(laws.stiffness(link.law, 0.0)).tolist()
+        for (one, other), value in zip(link.edges, edges, strict=True):
+            found[:, [one, other], [one, other]] += value
+            found[:, [one, other], [other, one]] -= value
+    for spring in physics.ground_springs(system):
+        held = np.broadcast_to(laws.stiffness(spring.law, 0.0), (frames, system.chains, system.beads))
+        found[:, chains, chains] += held[..., 0]
+    return found
 
 
 MAX_PLACES = 400

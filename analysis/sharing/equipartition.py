@@ -14,8 +14,7 @@ import numpy as np
 
 from analysis.quantity import declare, result
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave, wave_of
-from analysis.shape.loaded_wave import LoadedSpeed, make_speed
-from analysis.shape.pattern import period_of, repeats_between
+from analysis.shape.long_waves import LoadedSpeed, make_speed, period_of, repeats_between
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import of_one_kind
 from analysis.tracking.undisturbed import CLEAR

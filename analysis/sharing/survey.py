@@ -10,10 +10,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from analysis.against.common_times import near_the_front
+from analysis.columns import together
 from analysis.conservation import energy_input
 from analysis.mirror import direction_of, mirrored, mirrored_bead, mirrored_problem
 from analysis.shape.exact_wave import wave_of
-from analysis.shape.loaded_wave import make_speed
+from analysis.shape.long_waves import make_speed
 from analysis.shape.waveforms import Passages, Shape, Waveforms, reach
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing, sharing
@@ -207,7 +208,7 @@ def survey(
         noise=noise,
         waves=waves,
         waveforms=waveforms,
-        shape=_sharp(shapes.spread_out(chosen, len(waves)), sharp),
+        shape=_of_waves(shapes, chosen, sharp),
         pulses=pulses,
         crests=crests,
         clear=clear,
@@ -230,9 +231,14 @@ def _uncertain(peaks: Peaks, problem: Problem, noise: float) -> Peaks:
     )
 
 
-def _sharp(shape: Shape, sharp: Flags) -> Shape:
-    """Shapes of waves, of which only the energy is known where their time is not."""
-    return replace(shape.where(sharp), energy=shape.energy)
+def _of_waves(shapes: Shape, chosen: Integers, sharp: Flags) -> Shape:
+    """Shapes of all waves: NaN where not measured, and but for the energy where the time is not known."""
+    columns = {name: np.full(len(sharp), np.nan) for name in shapes.arrays()}
+    for name, column in columns.items():
+        column[chosen] = getattr(shapes, name)[: len(chosen)]
+        if name != "energy":
+            column[~sharp] = np.nan
+    return Shape(**columns)
 
 
 def _of_one_pulse(shapes: Shape, passages: Passages, pulses: tuple[Pulse, ...], problem: Problem) -> Shape:
@@ -323,4 +329,4 @@ def _together(waves: Waves, chosen: Integers, direction: int, others: Passages) 
     own = waves.where(chosen)
     way = np.full(len(own), direction)
     leading = Passages(own.chain, own.bead, own.time, own.peak_velocity, own.speed, way)
-    return Passages(*map(np.concatenate, zip(vars(leading).values(), vars(others).values(), strict=True)))
+    return together([leading, others])

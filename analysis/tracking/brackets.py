@@ -12,13 +12,14 @@ its first two derivatives at both. How far that is off depends on the power and 
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 
 from analysis import hermite, motion
+from analysis.columns import Columns
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem, laws, physics
 from lammps_inputs.laws import dashpot
@@ -174,7 +175,7 @@ _SAMPLES_OF_FORCE = 65
 
 
 @dataclass(frozen=True)
-class Brackets:
+class Brackets(Columns):
     """Maxima between frames: a polynomial of velocity for each, and the piece of it where the maximum lies."""
 
     chain: Integers
@@ -196,6 +197,13 @@ class Brackets:
     """How far the velocity on the other side of the largest frame may exceed that frame's by such forces, [maximum]."""
     whole: Flags
     """Whether frames determine the forces on all beads."""
+
+
+def no_maxima() -> Brackets:
+    """To which others are added."""
+    number, one, polynomial = np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros((_POWERS, 0))
+    two, mask = np.zeros((2, 0)), np.zeros(0, dtype=bool)
+    return Brackets(number, number, one, one, one, one, one, one, polynomial, polynomial, two, one, mask)
 
 
 def bracketed(
@@ -351,20 +359,6 @@ def _share_of_doubt(problem: Problem, spacing: float, quick: float, *, by_equati
 def _padded(polynomials: Floats) -> Floats:
     missing = _POWERS - len(polynomials)
     return np.concatenate([polynomials, np.zeros((missing, *polynomials.shape[1:]))])
-
-
-def together(parts: list[Brackets]) -> Brackets:
-    """All of them in one."""
-    if not parts:
-        none = np.zeros(0, dtype=np.int64)
-        empty = np.zeros(0)
-        nothing = np.zeros((_POWERS, 0))
-        kink = np.zeros((2, 0))
-        return Brackets(
-            none, none, empty, empty, empty, empty, empty, empty, nothing, nothing, kink, empty, empty > 0.0
-        )
-    columns = {field.name: [getattr(part, field.name) for part in parts] for field in fields(Brackets)}
-    return Brackets(**{name: np.concatenate(column, axis=-1) for name, column in columns.items()})
 
 
 def largest(polynomials: Floats, found: Brackets) -> Floats:

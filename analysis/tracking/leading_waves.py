@@ -5,23 +5,24 @@ With kicks both ways, or noise, not every first maximum of a bead is the leading
 
 import csv
 import io
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.columns import Columns
 from analysis.mirror import direction_of, mirrored_bead
 from analysis.quantity import declare, declared, result, table
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, local_speed, track_pulses
-from analysis.trajectory import Flags, Floats, Integers
+from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, physics
 from lammps_inputs.units import Scale
 
 
 @result
-class Waves:
+class Waves(Columns):
     """Leading pulse of each chain at each bead that it reached, [wave], sorted by chain, then bead."""
 
     chain: Integers = declare("number of the chain")
@@ -50,12 +51,9 @@ class Waves:
     time: Floats
     """Time at which the bead is fastest, in units of T, whether or not that is sharp."""
 
-    def __len__(self) -> int:
-        return len(self.bead)
-
     def __repr__(self) -> str:
         chains, beads = (len(np.unique(numbers)) for numbers in (self.chain, self.bead))
-        return f"<leading pulses of {chains} chains at {beads} beads: {', '.join(f.name for f in fields(self))}>"
+        return f"<leading pulses of {chains} chains at {beads} beads: {', '.join(self.arrays())}>"
 
     def measured(self, scale: Scale) -> "Waves":
         """The same in the units of a scene."""
@@ -64,7 +62,7 @@ class Waves:
 
     def array(self) -> NDArray[np.void]:
         """A structured array of these columns."""
-        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        columns = self.arrays()
         made = np.zeros(len(self), dtype=[(name, column.dtype) for name, column in columns.items()])
         for name, column in columns.items():
             made[name] = column
@@ -77,10 +75,6 @@ class Waves:
     def of_chain(self, chain: int) -> "Waves":
         """One chain's leading pulse at all beads."""
         return self.where(self.chain == chain)
-
-    def where(self, chosen: Flags | Integers) -> "Waves":
-        """The entries that a mask or positions choose."""
-        return Waves(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
 
 Arrival = Literal["maximum", "impulse"]

@@ -5,15 +5,16 @@ with the number of frames; nothing depends on where the blocks begin.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis import hermite
+from analysis.columns import Columns, together
 from analysis.mirror import direction_of, mirrored_bead
-from analysis.tracking.brackets import NODES, Brackets, bracketed, highest, largest, on_a_grid, together
+from analysis.tracking.brackets import NODES, Brackets, bracketed, highest, largest, no_maxima, on_a_grid
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined, of_atoms
 from lammps_inputs import Problem
 
@@ -22,7 +23,7 @@ THRESHOLD = 1e-3
 
 
 @dataclass(frozen=True)
-class Peaks:
+class Peaks(Columns):
     """Maxima of bead velocity over time, sorted by chain, bead, time; one entry per maximum.
 
     Attributes:
@@ -50,19 +51,11 @@ class Peaks:
     centre_error: Floats
     direction: int = 1
 
-    def where(self, chosen: Flags | Integers) -> "Peaks":
-        """The maxima that a mask or positions choose."""
-        columns = {field.name: getattr(self, field.name)[chosen] for field in fields(self) if field.name != "direction"}
-        return replace(self, **columns)
-
     def first(self) -> "Peaks":
         """The first maximum of each bead."""
         new = np.ones(len(self), dtype=bool)
         new[1:] = (self.chain[1:] != self.chain[:-1]) | (self.bead[1:] != self.bead[:-1])
         return self.where(new)
-
-    def __len__(self) -> int:
-        return len(self.time)
 
 
 FREE = 0.05
@@ -108,7 +101,7 @@ class PeakFinder:
         self._threshold = threshold
         self._noisy = noisy
         self._direction = direction
-        self._found: list[Brackets] = []
+        self._found = [no_maxima()]
         self._carried: Trajectory | None = None
         self._started = False
         self._first_only = first_only
@@ -140,7 +133,7 @@ class PeakFinder:
 
     def forget(self) -> None:
         """Forget what was found but not where the frames ended, so that only what follows is found."""
-        self._found.clear()
+        self._found = [no_maxima()]
 
     def take_over(self, later: "PeakFinder") -> None:
         """Continue from another one, given the same frames last, which dropped what it had found, and found more."""
@@ -157,7 +150,7 @@ class PeakFinder:
             raise ValueError("no frames to continue from")
         found, (displacement, velocity) = together(self._found), self._carried.atoms
         return {
-            **{f"found_{field.name}": getattr(found, field.name) for field in fields(Brackets)},
+            **{f"found_{name}": column for name, column in found.arrays().items()},
             "time": self._carried.time,
             "displacement": displacement,
             "velocity": velocity,
@@ -168,7 +161,7 @@ class PeakFinder:
 
     def resumed(self, problem: Problem, state: Mapping[str, NDArray[Any]]) -> "PeakFinder":
         """Continue, still unused, from the `state` of another."""
-        self._found = [Brackets(**{field.name: state[f"found_{field.name}"] for field in fields(Brackets)})]
+        self._found = [Brackets(**{name: state[f"found_{name}"] for name in no_maxima().arrays()})]
         self._carried = of_atoms(
             problem, state["time"], state["displacement"], state["velocity"], first=int(state["first"])
         )

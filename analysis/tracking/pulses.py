@@ -17,10 +17,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analysis.columns import Columns
 from analysis.mirror import mirrored_bead, mirrored_problem
 from analysis.quantity import declare, derived, result
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave, wave_of
-from analysis.shape.loaded_wave import LoadedSpeed, make_speed
+from analysis.shape.long_waves import LoadedSpeed, make_speed
 from analysis.tracking.peaks import Peaks, in_mirror
 from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, physics
@@ -62,7 +63,7 @@ NEAR_SOUND = 2e-3
 
 
 @dataclass(frozen=True)
-class Pulse:
+class Pulse(Columns):
     """One pulse, bead by bead in the order in which it meets them.
 
     Attributes:
@@ -83,9 +84,6 @@ class Pulse:
     speed: Floats
     arrival_error: Floats
     peak_velocity_error: Floats
-
-    def __len__(self) -> int:
-        return len(self.bead)
 
     def recent(self, at: int) -> Integers:
         """Positions of the passages of the last `CONSTANT_OVER` beads up to one, and that itself."""
@@ -265,7 +263,7 @@ def _cheapest_pairs(cost: Floats) -> Iterator[tuple[int, int]]:
 
 
 @result
-class Train:
+class Train(Columns):
     """Pulses at one bead of one chain, in the order of their arrival."""
 
     chain: int = declare("number of the chain")
@@ -285,13 +283,6 @@ class Train:
         pulses, and of an amplitude that is constant to 1 % over the ten beads before.
         """
         return len(self)
-
-    def __len__(self) -> int:
-        return len(self.arrival)
-
-    def until(self, count: int) -> "Train":
-        """The first pulses of it."""
-        return Train(self.chain, self.bead, self.arrival[:count], self.peak_velocity[:count], self.uncertainty[:count])
 
     @property
     @derived()

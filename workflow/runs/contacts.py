@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.largest_overlap import LargestOverlap, shown_by_frames
+from analysis.contacts import LargestOverlap, shown_by_frames
 from analysis.quantity import declare, result
 from lammps_inputs import Scene, laws, physics
 from lammps_inputs.ingredients.unequal import sizes_and_moduli

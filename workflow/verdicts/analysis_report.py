@@ -369,7 +369,7 @@ def train(found: Survey) -> Train | None:
         return None
     best = [bead for bead, count in first.items() if count == most]
     seen = train_of(far, chain, ahead, max(best) if ahead > 0 else min(best), wave_of(found.problem.system))
-    return seen.until(most)
+    return seen.where(slice(most))
 
 
 def equipartition(found: Survey) -> Equipartition:

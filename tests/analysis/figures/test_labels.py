@@ -8,6 +8,7 @@ import pytest
 from stock_lammps import scene
 
 from analysis.against.difference import Deviation, ErrorMap
+from analysis.dispersion import Cell, Map
 from analysis.figures.dispersion import dispersion_figure
 from analysis.figures.energy import energy_figure
 from analysis.figures.engines import scan_figure
@@ -24,7 +25,6 @@ from analysis.gauges.spectra import Spectra
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.waveforms import Passages
 from analysis.sharing.energies import Flow
-from analysis.sound.dispersion import Cell, Map
 from lammps_inputs import Kick, Material
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)

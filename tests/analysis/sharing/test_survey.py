@@ -12,7 +12,7 @@ from synthetic_waves import exact_waves, problem, reader, reference
 from analysis.mirror import mirrored, mirrored_problem
 from analysis.quantity import csv_of
 from analysis.shape.exact_wave import solitary_wave
-from analysis.shape.loaded_wave import sound_speed
+from analysis.shape.long_waves import sound_speed
 from analysis.shape.waveforms import Passages, Waveforms
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey

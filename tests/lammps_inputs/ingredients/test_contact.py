@@ -8,8 +8,8 @@ from plain_scene import scene
 from processes import HANGS
 from stock_lammps import DEBIAN
 
+from analysis.dispersion import cell_of
 from analysis.shape.exact_wave import solitary_wave
-from analysis.sound.dispersion import cell_of
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import InputError, Scene, file_names, strict_yaml

@@ -8,8 +8,8 @@ import pytest
 from plain_scene import scene
 
 from analysis.conservation import Conservation
+from analysis.dispersion import NoDispersionError, cell_of
 from analysis.sharing.energies import EnergyFlow
-from analysis.sound.dispersion import NoDispersionError, cell_of
 from analysis.trajectory import Trajectory
 from lammps_inputs import find, physics
 from lammps_inputs.decks import deck

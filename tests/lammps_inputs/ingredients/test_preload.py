@@ -9,11 +9,11 @@ import pytest
 from ingredient_scenes import COLUMN, HELD, STEEL
 from plain_scene import scene
 
+from analysis.dispersion import Dispersion
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
+from analysis.loaded_pulse import LoadedPulse
 from analysis.sharing.impulses import measure
-from analysis.sound.dispersion import Dispersion
-from analysis.sound.loaded_pulse import LoadedPulse
 from lammps_inputs import InputError, laws, library
 from lammps_inputs.limits import rates
 from workflow.cli import main

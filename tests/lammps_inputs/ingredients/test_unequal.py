@@ -14,7 +14,7 @@ from analysis import motion
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
 from analysis.shape.exact_wave import solitary_wave
-from analysis.shape.pattern import period_of
+from analysis.shape.long_waves import period_of
 from analysis.sharing.cells import FinalEnergy, left
 from analysis.sharing.survey import survey
 from analysis.sharing.verdict import State

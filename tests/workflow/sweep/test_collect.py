@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from refusals import refusal
 
+from analysis.dispersion import cell_of
 from analysis.figures.swept import MOST_LINES, Axis, logarithmic, swept_figure
-from analysis.sound.dispersion import cell_of
 from lammps_inputs import strict_yaml
 from workflow import api
 from workflow.cli import main

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
+from analysis.dispersion import Cell, Map
 from analysis.gauges.far_end import Transmitted
 from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges as places_of
 from analysis.gauges.spectra import Spectra
+from analysis.loaded_pulse import LoadedWave
+from analysis.loaded_pulse import Sound as Measured
 from analysis.quantity import csv_of
 from analysis.sharing.energies import Flow
-from analysis.sound.dispersion import Cell, Map
-from analysis.sound.loaded_pulse import LoadedWave
-from analysis.sound.loaded_pulse import Sound as Measured
 from lammps_inputs import Kick, Material, library
 from workflow.screen import print_table
 from workflow.verdicts.findings import energy, gauges, sound

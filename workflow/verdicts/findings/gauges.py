@@ -26,9 +26,9 @@ from analysis.gauges.spectra import Spectra as Measured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+from analysis.contacts import LargestOverlap, shown_by_frames
 from analysis.gauges.far_end import FarEnd as Collected
 from analysis.gauges.far_end import Transmitted
-from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from workflow.runs.contacts import Contacts as ContactOverlaps
 from workflow.runs.contacts import has_contacts, of_overlap
 

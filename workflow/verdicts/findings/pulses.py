@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from analysis.shape.pattern import period_of
+from analysis.shape.long_waves import period_of
 from analysis.sharing.cells import CellEnergies, FinalEnergy, left
 from analysis.sharing.survey import Survey
-from analysis.tracking.behind_window import BehindWindow, Residual
+from analysis.tracking.undisturbed import BehindWindow, Residual
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from workflow.runs.run_directory import RunDirectory

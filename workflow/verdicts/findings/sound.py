@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from analysis.dispersion import Bands, Branches, Map, NoDispersionError
+from analysis.dispersion import Dispersion as Collected
 from analysis.sharing.survey import Survey
-from analysis.sound.dispersion import Bands, Branches, Map, NoDispersionError
-from analysis.sound.dispersion import Dispersion as Collected
 from lammps_inputs import physics
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.findings.finding import Finding, Measure
@@ -17,9 +17,9 @@ import math
 
 import numpy as np
 
-from analysis.shape.loaded_wave import sound_speed
-from analysis.sound.loaded_pulse import LoadedPulse, bands
-from analysis.sound.loaded_pulse import Sound as Measured
+from analysis.loaded_pulse import LoadedPulse, bands
+from analysis.loaded_pulse import Sound as Measured
+from analysis.shape.long_waves import sound_speed
 from lammps_inputs import Scene, laws
 from lammps_inputs.facts import Fact
 

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from analysis.contacts import Yielded, YieldMeter, YieldTable
 from analysis.sharing.survey import Survey
-from analysis.yielding import Yielded, YieldMeter, YieldTable
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.findings.finding import Finding, Measure
 

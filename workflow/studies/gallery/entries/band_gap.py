@@ -4,7 +4,7 @@ import math
 
 from matplotlib.axes import Axes
 
-from analysis.sound.dispersion import Dispersion, Map
+from analysis.dispersion import Dispersion, Map
 from workflow.studies.gallery.criteria import Measured, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain
 from workflow.studies.page import Statement

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.yielding import YieldMeter
+from analysis.contacts import YieldMeter
 from lammps_inputs.laws.plastic import restitution_of
 from workflow.studies.gallery.criteria import Measured, at_least, at_most, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain, each

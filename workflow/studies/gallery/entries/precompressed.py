@@ -5,8 +5,8 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.shape.loaded_wave import speed_over_sound
-from analysis.sound.loaded_pulse import LoadedPulse, LoadedWave
+from analysis.loaded_pulse import LoadedPulse, LoadedWave
+from analysis.shape.long_waves import speed_over_sound
 from workflow.studies.gallery.criteria import Measured, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain
 from workflow.studies.page import Statement

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from analysis.shape.pattern import length_of, period_of, repeats_between
+from analysis.shape.long_waves import length_of, period_of, repeats_between
 from lammps_inputs import library
 
 KINDS = {"kinds": {"a": {"mass": 1.0}, "b": {"mass": 0.3428}, "c": {"mass": 4.0}}}

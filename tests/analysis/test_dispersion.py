@@ -9,9 +9,9 @@ import pytest
 from small_problems import written_down
 
 from analysis import quantity
+from analysis.dispersion import Cell, Dispersion, Map, NoDispersionError, _ridge, cell_of
 from analysis.shape.exact_wave import nesterenko
-from analysis.shape.loaded_wave import make_speed, sound_speed, speed_over_sound
-from analysis.sound.dispersion import Cell, Dispersion, Map, NoDispersionError, _ridge, cell_of
+from analysis.shape.long_waves import make_speed, sound_speed, speed_over_sound
 from lammps_inputs import library
 from lammps_inputs.units import make_scale
 from workflow.runs.run import run

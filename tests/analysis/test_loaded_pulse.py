@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from analysis import motion
-from analysis.sound.dispersion import cell_of
-from analysis.sound.loaded_pulse import LoadedPulse
+from analysis.dispersion import cell_of
+from analysis.loaded_pulse import LoadedPulse
 from lammps_inputs import laws, library
 from workflow.engines.reference import engine
 

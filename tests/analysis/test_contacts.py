@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from analysis.largest_overlap import LargestOverlap, shown_by_frames
+from analysis.contacts import LargestOverlap, shown_by_frames
 from analysis.trajectory import Trajectory
 from lammps_inputs import Output
 

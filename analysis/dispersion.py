@@ -12,7 +12,7 @@ import numpy as np
 
 from analysis.mirror import direction_of
 from analysis.quantity import declare, result
-from analysis.shape.loaded_wave import repeats
+from analysis.shape.long_waves import repeats
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem, System, laws, physics
 
