@@ -1,8 +1,9 @@
 """The rule by which a statement of the gallery holds, holds with a correction, or does not hold."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 from workflow.studies.page import CORRECTED, FAILS, HOLDS, Statement
 
@@ -17,6 +18,8 @@ RULE = (
 )
 
 NAMES = {"lammps": "LAMMPS", "reference": "reference"}
+
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
@@ -112,6 +115,11 @@ class Measured:
     def verdict(self) -> str:
         """By the worst engine."""
         return _worst([self.required.verdict(value) for value in self.found.values()])
+
+
+def by_engine(found: Mapping[str, Value], text: Callable[[Value], str], before: str = "") -> list[str]:
+    """Lines of what was found by each engine."""
+    return [f"{before}{NAMES[engine]}: {text(value)}" for engine, value in found.items()]
 
 
 def state(

@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analysis.dispersion import Dispersion, Map
 from analysis.figures.style import CHAIN_COLOURS, STYLE
 from analysis.gauges.forces import ForceMeter, Readings
 from analysis.gauges.gauge import gauges
@@ -41,6 +42,7 @@ class _Meter(Protocol):
 
 
 Meter = TypeVar("Meter", bound=_Meter)
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,10 @@ class Ran:
         """Velocity of the leading pulse at a bead."""
         return float(self.waves.of_chain(chain).at(bead).peak_velocity[0])
 
+    def peaks(self, beads: Iterable[float]) -> Floats:
+        """Velocities of the leading pulse of chain 1 at beads."""
+        return np.array([self.peak(int(bead)) for bead in beads])
+
     def passages(self, bead: int) -> Floats:
         """Times of all maxima of the velocity of a bead of chain 1."""
         peaks = self._forwards
@@ -119,6 +125,11 @@ class Ran:
     def flow(self) -> Flow:
         """Energy of the chains over time."""
         return self.read(EnergyFlow(self.problem)).result()
+
+    @cached_property
+    def spectrum(self) -> Map:
+        """Power of the velocities over wavenumber and frequency."""
+        return self.read(Dispersion(self.problem)).result()
 
     def width(self, bead: int) -> float:
         """Full width at half maximum of the leading pulse at a bead of chain 1, in beads: time there times speed."""
@@ -154,6 +165,8 @@ def chain(beads: int, duration: float, *, timestep: float = 0.005, every: float 
     return {"beads": beads, **kick, **times, **keys}
 
 
+Statements = Iterable[Statement]
+
 # --- statements -------------------------------------------------------------------------------------------------------
 
 
@@ -162,9 +175,9 @@ def exponent(quantity: Floats, over: Floats) -> float:
     return float(np.polyfit(np.log(over), np.log(quantity), 1)[0])
 
 
-def each(runs: Runs, measure: Callable[[Ran], float]) -> dict[str, float]:
-    """A quantity by engine."""
-    return {engine: measure(run) for engine, run in runs.items()}
+def each(measure: Callable[..., Value], *runs: Runs) -> dict[str, Value]:
+    """A quantity by engine, measured in that engine's runs of one scene or of several."""
+    return {engine: measure(*(one[engine] for one in runs)) for engine in runs[0]}
 
 
 # --- figures ----------------------------------------------------------------------------------------------------------
@@ -215,7 +228,7 @@ class Entry:
     title: str
     introduction: str
     scenes: Mapping[str, Mapping[str, Any] | str]
-    statements: Callable[[Results], Sequence[Statement]]
+    statements: Callable[[Results], Statements]
     axes: tuple[str, str] = ("", "")
     draw: Draw | None = None
     caption: str = ""
