@@ -2,6 +2,7 @@
 
 import math
 import os
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,11 @@ def random_shares(seed: int | list[int], count: int) -> NDArray[np.float64]:
     """Evenly distributed numbers from 0 to 1: 53 bits of a generator whose stream NumPy keeps as it is."""
     stream = np.random.PCG64(np.random.SeedSequence(seed))
     return np.asarray((stream.random_raw(count) >> np.uint64(11)) * 2.0**-53)
+
+
+def number_or_array(values: Any) -> float | NDArray[np.float64]:
+    """The number that all values are, or an array where they differ."""
+    return float(np.max(values)) if np.ptp(values) == 0.0 else np.asarray(values)
 
 
 def known(value: float) -> float | None:

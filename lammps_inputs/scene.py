@@ -16,7 +16,7 @@ from lammps_inputs import scheme as schemes
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import INGREDIENTS, OWN_INGREDIENTS, contacts, plastic
-from lammps_inputs.ingredients.base import Count, Ingredient, Part, Positive
+from lammps_inputs.ingredients.base import Count, Ingredient, Part, Positive, refuse_outside
 from lammps_inputs.ingredients.unequal import (
     Disorder,
     Kinds,
@@ -192,11 +192,7 @@ class BaseScene(Part):
             missing = "" if "kick" in self.model_fields_set else "is missing; "
             raise ValueError(f"kick: {missing}at least one bead must be kicked, or a striker, a push or a drive named")
         for number, kick in enumerate(self.kicks):
-            key = _kick_key(self, number)
-            if kick.chain > self.chains:
-                raise ValueError(f"{key}.chain: {kick.chain} is outside the array (chains 1 to {self.chains})")
-            if kick.bead > self.beads:
-                raise ValueError(f"{key}.bead: {kick.bead} is outside the array (beads 1 to {self.beads})")
+            refuse_outside(_kick_key(self, number), kick, self)
         if len({(kick.chain, kick.bead) for kick in self.kicks}) < len(self.kicks):
             raise ValueError("kick: one bead is kicked twice; add the velocities")
         if (self.duration is None) == (self.until_bead is None):

@@ -15,7 +15,7 @@ from pathlib import Path
 from lammps_inputs.errors import InputError
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.contact import Contact, contacts
-from lammps_inputs.ingredients.coupling import Coupling, springs
+from lammps_inputs.ingredients.coupling import Coupling
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.drive import Drive
 from lammps_inputs.ingredients.foundation import Foundation
@@ -23,7 +23,8 @@ from lammps_inputs.ingredients.preload import Gravity, Precompression
 from lammps_inputs.ingredients.push import Push
 from lammps_inputs.ingredients.resonators import Resonators
 from lammps_inputs.ingredients.walls import Walls
-from lammps_inputs.links import Link
+from lammps_inputs.laws.spring import Linear
+from lammps_inputs.links import Across, Link
 
 OWN_INGREDIENTS = "GRANCHAIN_INGREDIENTS"
 """Environment variable that names modules with a user's own ingredients."""
@@ -83,4 +84,6 @@ def environment_of_children() -> dict[str, str]:
 
 def coupled_chains(chains: int, kappa: float, gap: float = 0.0) -> tuple[Link, ...]:
     """The links of the paper's arrays, dimensionless: contacts, and springs between neighbouring chains."""
-    return (*contacts(gap), *springs(kappa, chains))
+    edges = tuple((chain, chain + 1) for chain in range(chains - 1))
+    springs = (Across("coupling", Linear(kappa), edges=edges),) if kappa and edges else ()
+    return (*contacts(gap), *springs)

@@ -1,13 +1,13 @@
 """What an ingredient of a scene is: keys that a user may write, and what becomes of them."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law, Parameter
@@ -32,6 +32,64 @@ class Part(BaseModel):
 
     example: ClassVar[str] = ""
     """A valid value in YAML, shown where something else than keys and values is given."""
+
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def with_keys(keys: dict[str, Any]) -> Callable[[type[Model]], type[Model]]:
+    """Adds keys that are words of Python's, such as ``from``, which cannot be written as attributes."""
+
+    def extended(model: type[Model]) -> type[Model]:
+        about: dict[str, Any] = {"__base__": model, "__module__": model.__module__, "__doc__": model.__doc__}
+        return cast(type[Model], create_model(model.__name__, **about, **keys))
+
+    return extended
+
+
+def ends(unit: Any, first: str, last: str, default: Any = ...) -> dict[str, Any]:
+    """Keys ``from`` and ``to`` of a ramp, for `with_keys`: type, and meaning of each."""
+    said = {"from": first, "to": last}
+    return {key: (Annotated[unit, Field(description=meaning)], default) for key, meaning in said.items()}
+
+
+def refuse_range(key: str, given: tuple[int, int] | None, most: int, *, of: str = "bead", least: int = 0) -> None:
+    """Refuse a first and a last place that are not in this order, at least so far apart, and within the chain.
+
+    Raises:
+        ValueError: naming the key.
+    """
+    if given is not None and not given[0] + least <= given[1] <= most:
+        raise ValueError(f"{key}: {given[0]} to {given[1]} given; from a {of} to a later one, within {most}")
+
+
+def refuse_other_count(key: str, given: Any, chains: int, *, what: str = "numbers") -> None:
+    """Refuse a tuple that does not have one value for each chain.
+
+    Raises:
+        ValueError: naming the key.
+    """
+    if isinstance(given, tuple) and len(given) != chains:
+        raise ValueError(f"{key}: {len(given)} {what} for {chains} chains; one, or one for each")
+
+
+def refuse_outside(key: str, place: Any, scene: "BaseScene") -> None:
+    """Refuse a bead, of attributes ``chain`` and ``bead``, outside the array.
+
+    Raises:
+        ValueError: naming the key.
+    """
+    for name, number, most in (("chain", place.chain, scene.chains), ("bead", place.bead, scene.beads)):
+        if number > most:
+            raise ValueError(f"{key}.{name}: {number} is outside the array ({name}s 1 to {most})")
+
+
+def in_rows(values: Any, rows: tuple[int, int] | None, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Values, broadcast to [..., bead], from the first to the last of some rows, all if omitted; 0 in others."""
+    table = np.zeros(shape)
+    first, last = rows or (1, shape[-1])
+    table[..., first - 1 : last] = np.broadcast_to(values, shape)[..., first - 1 : last]
+    return table
 
 
 class Inner(NamedTuple):
@@ -166,7 +224,4 @@ class OnBead(Ingredient):
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse a bead outside the array."""
-        if self.chain > scene.chains:
-            raise ValueError(f"{self.key}.chain: {self.chain} is outside the array (chains 1 to {scene.chains})")
-        if self.bead > scene.beads:
-            raise ValueError(f"{self.key}.bead: {self.bead} is outside the array (beads 1 to {scene.beads})")
+        refuse_outside(self.key, self, scene)

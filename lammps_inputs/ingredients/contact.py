@@ -9,12 +9,12 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, create_model, field_validator
+from pydantic import Discriminator, Field, Tag, field_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import by_formula, plastic, profile
-from lammps_inputs.ingredients.base import Positive
+from lammps_inputs.ingredients.base import Positive, with_keys
 from lammps_inputs.ingredients.profile import Floats, Strength
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power, PowerByContact
@@ -46,7 +46,15 @@ Exponent = Annotated[
 """A number for all contacts, a list with one for each, or a list of such lists, one a chain."""
 
 
-class _Contact(by_formula.ByFormula):
+@with_keys(
+    {
+        "yield": (
+            Annotated[plastic.Yield | None, Field(description="How contacts yield; they are elastic if omitted.")],
+            None,
+        )
+    }
+)
+class Contact(by_formula.ByFormula):
     """A force ``stiffness * overlap**exponent``, or any that grows as beads come closer."""
 
     example: ClassVar[str] = "{exponent: 2}"
@@ -273,19 +281,6 @@ def _kind(force: Force, tension: str | None) -> Kind:
             "contact.tension: the force has no real value where beads are apart; leave it out: it is then cut there"
         )
     return kind
-
-
-# `yield` is a word of Python's, so it cannot be written as an attribute
-_YIELD: dict[str, Any] = {
-    "yield": (
-        Annotated[plastic.Yield | None, Field(description="How contacts yield; they are elastic if omitted.")],
-        None,
-    )
-}
-if TYPE_CHECKING:
-    Contact = _Contact
-else:
-    Contact = create_model("Contact", __base__=_Contact, __module__=__name__, __doc__=_Contact.__doc__, **_YIELD)
 
 
 def contacts(gap: float, strength: Parameter = 1.0, law: Law | None = None) -> tuple[Along, ...]:

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Discriminator, Field, Tag, create_model, field_validator
+from pydantic import Discriminator, Field, Tag, field_validator
 
 from lammps_inputs import laws, physics, strict_yaml
 from lammps_inputs.ingredients import by_formula
-from lammps_inputs.ingredients.base import Part
+from lammps_inputs.ingredients.base import Part, ends, in_rows, refuse_range, with_keys
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.laws.written import AcrossChains, Force
@@ -38,24 +38,14 @@ _ROUNDED = 1e-10
 """Stiffness that may be lost where the lateral part of LAMMPS's cubic bond is taken away."""
 
 
-class _Ramp(Part):
+@with_keys(ends(Stiffness, "Stiffness up to the first bead of `rows`.", "Stiffness from the last bead of `rows` on."))
+class Ramp(Part):
     """Stiffness that changes evenly from bead ``rows[0]`` to ``rows[1]``, and stays as it is before and after."""
 
     rows: Rows
     """First and last bead of the ramp; the stiffness is constant before and after."""
 
     _from_list = field_validator("rows", mode="before")(strict_yaml.as_tuple)
-
-
-# `from` is a word of Python's, so it cannot be written as an attribute
-_ENDS: dict[str, Any] = {
-    "from": (Annotated[Stiffness, Field(description="Stiffness up to the first bead of `rows`.")], ...),
-    "to": (Annotated[Stiffness, Field(description="Stiffness from the last bead of `rows` on.")], ...),
-}
-if TYPE_CHECKING:
-    Ramp = _Ramp
-else:
-    Ramp = create_model("Ramp", __base__=_Ramp, __module__=__name__, **_ENDS)
 
 
 class Graph(Part):
@@ -111,11 +101,7 @@ class Coupling(by_formula.ByFormula):
             raise ValueError("coupling.stiffness: every edge has a stiffness of its own; leave this one out")
         ramp = self.stiffness if isinstance(self.stiffness, Ramp) else None
         for key, rows, least in (("rows", self.rows, 0), ("stiffness.rows", getattr(ramp, "rows", None), 1)):
-            if rows is not None and not rows[0] + least <= rows[1] <= scene.beads:
-                first, last = rows
-                raise ValueError(
-                    f"coupling.{key}: {first} to {last} given; from a bead to a later one, within {scene.beads}"
-                )
+            refuse_range(f"coupling.{key}", rows, scene.beads, least=least)
         self._refuse_edges(scene.chains)
         edges = self._edges(scene.chains)
         for key, values in (("stiffness", self._stiffness(edges, scene)), ("cubic", self._cubic(edges, scene))):
@@ -191,10 +177,7 @@ class Coupling(by_formula.ByFormula):
     def _by_formula(self, force: Force, edges: list[Any], scene: "BaseScene") -> tuple[Across, ...]:
         if not edges:
             return ()
-        there: float | Floats = 1.0
-        if self.rows is not None:
-            there = np.zeros((len(edges), scene.beads))
-            there[:, self.rows[0] - 1 : self.rows[1]] = 1.0
+        there = 1.0 if self.rows is None else in_rows(1.0, self.rows, (len(edges), scene.beads))
         law = laws.dimensionless(force.law(AcrossChains, strength=there), scene.scale)
         return (Across("coupling", law, edges=tuple(edge[:2] for edge in edges), grid=self._grid),)
 
@@ -240,21 +223,7 @@ class Coupling(by_formula.ByFormula):
 
     def _table(self, values: list[Any], edges: list[Any], scene: "BaseScene", unit: float) -> float | Floats:
         """Dimensionless values of all edges, or of each, a number or [row], in the rows that have springs."""
-        unit *= scene.scale.stiffness
-        whole = self.rows is None or self.rows == (1, scene.beads)
-        if whole and all(np.array_equal(value, values[0]) and np.ptp(value) == 0.0 for value in values):
-            return float(np.max(values[0])) / unit
-        table = np.zeros((len(edges), scene.beads))
-        first, last = self.rows or (1, scene.beads)
-        for place, value in enumerate(values):
-            chosen = slice(None) if len(values) == 1 else place
-            table[chosen, first - 1 : last] = (np.broadcast_to(value, scene.beads) / unit)[first - 1 : last]
-        return table
-
-
-def springs(kappa: float, chains: int) -> tuple[Across, ...]:
-    """Between each chain and the next; none for a single chain, or without stiffness (dimensionless)."""
-    if kappa == 0.0 or chains == 1:
-        return ()
-    edges = tuple((chain, chain + 1) for chain in range(chains - 1))
-    return (Across("coupling", Linear(kappa), edges=edges),)
+        table = np.reshape(np.stack(np.broadcast_arrays(*values)) / (unit * scene.scale.stiffness), (len(values), -1))
+        if self.rows in (None, (1, scene.beads)) and np.ptp(table) == 0.0:
+            return float(table[0, 0])
+        return in_rows(table, self.rows, (len(edges), scene.beads))

@@ -11,17 +11,26 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Discriminator, Field, Tag, create_model, field_validator
+from pydantic import Discriminator, Field, Tag, field_validator
 
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import by_formula
-from lammps_inputs.ingredients.base import Part, Positive
+from lammps_inputs.ingredients.base import (
+    Part,
+    Positive,
+    ends,
+    in_rows,
+    refuse_other_count,
+    refuse_range,
+    with_keys,
+)
 from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.laws.varying import Varying
 from lammps_inputs.laws.written import ToGround
 from lammps_inputs.links import Ground
+from lammps_inputs.numbers import number_or_array
 from lammps_inputs.units import PURE, Unit
 
 if TYPE_CHECKING:
@@ -37,7 +46,10 @@ MOST = 1e12
 """Dimensionless stiffness; beyond it the beads do not move."""
 
 
-class _GroundRamp(Part):
+@with_keys(
+    ends(Stiffness, "Stiffness at the start of the ramp, and before.", "Stiffness at the end of the ramp, and after.")
+)
+class GroundRamp(Part):
     """Stiffness that changes evenly along the chains or in time, and is constant before and after."""
 
     example: ClassVar[str] = "{from: 0, to: 0.2, rows: [1, 60]}"
@@ -58,23 +70,10 @@ class _GroundRamp(Part):
         if (self.rows is None) == (self.times is None):
             given = "neither is given" if self.rows is None else "both are given"
             raise ValueError(f"{key}: a ramp is along `rows` or over `times` ({given}); valid: `{self.example}`")
-        if self.rows is not None and not self.rows[0] < self.rows[1] <= beads:
-            first, last = self.rows
-            raise ValueError(f"{key}.rows: {first} to {last} given; from a bead to a later one, within {beads}")
+        refuse_range(f"{key}.rows", self.rows, beads, least=1)
         if self.times is not None and not self.times[0] < self.times[1]:
             begin, end = self.times
             raise ValueError(f"{key}.times: {begin:g} to {end:g} given; the end must be later than the start")
-
-
-# `from` is a word of Python's, so it cannot be written as an attribute
-_ENDS: dict[str, Any] = {
-    "from": (Annotated[Stiffness, Field(description="Stiffness at the start of the ramp, and before.")], ...),
-    "to": (Annotated[Stiffness, Field(description="Stiffness at the end of the ramp, and after.")], ...),
-}
-if TYPE_CHECKING:
-    GroundRamp = _GroundRamp
-else:
-    GroundRamp = create_model("GroundRamp", __base__=_GroundRamp, __module__=__name__, **_ENDS)
 
 
 class Modulation(Part):
@@ -91,7 +90,7 @@ class Modulation(Part):
 
 
 def _kind(value: Any) -> str:
-    if isinstance(value, dict | _GroundRamp):
+    if isinstance(value, dict | GroundRamp):
         return "<keys>"
     return "<list>" if isinstance(value, tuple | list) else "<plain>"
 
@@ -148,10 +147,7 @@ class Foundation(by_formula.ByFormula):
             by_formula.refuse_unrest("foundation", self.formula)
         for key in ("stiffness", "cubic"):
             given = getattr(self, key)
-            if isinstance(given, tuple) and len(given) != scene.chains:
-                raise ValueError(
-                    f"foundation.{key}: {len(given)} numbers for {scene.chains} chains; one, or one for each"
-                )
+            refuse_other_count(f"foundation.{key}", given, scene.chains)
             if isinstance(given, tuple) and len(set(given)) > MOST_GROUPS:
                 raise ValueError(f"foundation.{key}: LAMMPS has {MOST_GROUPS} groups for different values")
         if self.modulation is not None and "stiffness" not in self.model_fields_set:
@@ -166,22 +162,18 @@ class Foundation(by_formula.ByFormula):
             largest = {"stiffness": laws.stiffest(link.law, 0.0), "cubic": np.max(getattr(link.law, "cubic", 0.0))}
             for key in (key for key, value in largest.items() if value > MOST):
                 raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
-        if self.rows is not None and not self.rows[0] <= self.rows[1] <= scene.beads:
-            first, last = self.rows
-            raise ValueError(
-                f"foundation.rows: {first} to {last} given; from a bead to a later one, within {scene.beads}"
-            )
+        refuse_range("foundation.rows", self.rows, scene.beads)
 
     @property
-    def _of_chains(self) -> tuple[float | _GroundRamp, ...]:
+    def _of_chains(self) -> tuple[float | GroundRamp, ...]:
         """Stiffness of all chains, or of each."""
         return self.stiffness if isinstance(self.stiffness, tuple) else (self.stiffness,)
 
-    def _ramps(self) -> Iterator[tuple[str, _GroundRamp]]:
+    def _ramps(self) -> Iterator[tuple[str, GroundRamp]]:
         """Ramps, and their keys."""
         several = isinstance(self.stiffness, tuple)
         for number, one in enumerate(self._of_chains, 1):
-            if isinstance(one, _GroundRamp):
+            if isinstance(one, GroundRamp):
                 yield f"foundation.stiffness{f'[{number}]' * several}", one
 
     def links(self, scene: "BaseScene") -> tuple[Ground, ...]:
@@ -213,12 +205,9 @@ class Foundation(by_formula.ByFormula):
 
     def _in_space_and_time(self, scene: "BaseScene") -> Linear | Varying:
         """Linear springs that ramp or are modulated, in the scene's units."""
-        table = np.zeros((4, scene.chains, scene.beads))
-        first, last = self.rows or (1, scene.beads)
-        for chain in range(scene.chains):
-            of_chain = _start_of_ramp(self._of_chains[chain % len(self._of_chains)], scene.beads)
-            table[:, chain, first - 1 : last] = of_chain[:, first - 1 : last]
-        spring, rate, begin, end = (float(one.flat[0]) if np.ptp(one) == 0.0 else one for one in table)
+        of_chains = np.stack([_start_of_ramp(one, scene.beads) for one in self._of_chains], axis=1)
+        table = in_rows(of_chains, self.rows, (4, scene.chains, scene.beads))
+        spring, rate, begin, end = map(number_or_array, table)
         depth = self.modulation.depth if self.modulation is not None else 0.0
         if not np.any(rate) and not depth:
             return Linear(spring)
@@ -230,16 +219,13 @@ class Foundation(by_formula.ByFormula):
         """A number, or [chain, bead] where it differs, in the scene's units."""
         if self.rows is None and (not isinstance(given, tuple) or len(set(given)) == 1):
             return float(np.max(given))
-        values = np.zeros((scene.chains, scene.beads))
-        first, last = self.rows or (1, scene.beads)
-        values[:, first - 1 : last] = np.array(given).reshape(-1, 1)
-        return values
+        return in_rows(np.reshape(given, (-1, 1)), self.rows, (scene.chains, scene.beads))
 
 
-def _start_of_ramp(stiffness: float | _GroundRamp, beads: int) -> NDArray[np.float64]:
+def _start_of_ramp(stiffness: float | GroundRamp, beads: int) -> NDArray[np.float64]:
     """[4, bead]: stiffness at the start, or before a ramp in time, whose rate, begin and end follow."""
     found = np.zeros((4, beads))
-    if not isinstance(stiffness, _GroundRamp):
+    if not isinstance(stiffness, GroundRamp):
         found[0] = stiffness
         return found
     ends = [getattr(stiffness, end) for end in ("from", "to")]

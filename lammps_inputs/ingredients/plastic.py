@@ -13,6 +13,7 @@ from pydantic import Field
 from lammps_inputs.ingredients.base import Part, Positive
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.plastic import YIELD_PRESSURE, Thornton, WaltonBraun
+from lammps_inputs.numbers import number_or_array
 from lammps_inputs.units import PURE, Unit
 
 if TYPE_CHECKING:
@@ -140,8 +141,7 @@ def law_of(scene: "BaseScene", strength: Parameter, size: Parameter, modulus: Pa
     assert reference is not None
     ratio = np.asarray(softer) / modulus
     onset = reference / scene.scale.length * size * ratio * ratio
-    onset = np.broadcast_to(onset, np.shape(strength)) if np.ndim(strength) else onset
-    return Thornton(strength, float(np.max(onset)) if np.ptp(onset) == 0.0 else np.array(onset))
+    return Thornton(strength, number_or_array(onset))
 
 
 def overlap_at_yield(ball: "Material | None") -> float | None:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Discriminator, Field, Tag, create_model, field_validator
+from pydantic import Discriminator, Field, Tag, field_validator
 
 from lammps_inputs import strict_yaml
-from lammps_inputs.ingredients.base import Part, Positive
+from lammps_inputs.ingredients.base import Part, Positive, ends, refuse_other_count, refuse_range, with_keys
 from lammps_inputs.numbers import random_shares
 from lammps_inputs.units import PURE, Unit
 
@@ -24,7 +24,15 @@ Count = Annotated[int, Field(ge=1, le=10**8)]
 Factor = Annotated[Positive, PURE]
 
 
-class _Profile(Part):
+@with_keys(
+    ends(
+        Factor | None,
+        "Strength up to the first contact of the ramp.",
+        "Strength from the last contact of the ramp on.",
+        None,
+    )
+)
+class Profile(Part):
     """A ramp, a cosine and random factors, each absent unless given; the strength is their product."""
 
     example: ClassVar[str] = "{from: 1, to: 4, contacts: [50, 150]}"
@@ -60,11 +68,7 @@ class _Profile(Part):
             missing = [name for name in needed if getattr(self, name) is None]
             if given and missing:
                 raise ValueError(f"{key}.{missing[0]}: is missing beside {given[0]}")
-        if self.contacts is not None and not self.contacts[0] < self.contacts[1] <= contacts:
-            first, last = self.contacts
-            raise ValueError(
-                f"{key}.contacts: {first} to {last} given; from a contact to a later one, within {contacts}"
-            )
+        refuse_range(f"{key}.contacts", self.contacts, contacts, of="contact", least=1)
         mean = 1.0 if self.mean is None else self.mean
         if self.amplitude is not None and not abs(self.amplitude) < mean:
             raise ValueError(f"{key}.amplitude: {self.amplitude:g} given; smaller than the mean, {mean:g}")
@@ -83,17 +87,6 @@ class _Profile(Part):
             shares = random_shares(1 if self.seed is None else self.seed, chains * contacts)
             found *= (least + (most - least) * shares).reshape(chains, contacts)
         return found
-
-
-# `from` is a word of Python's, so it cannot be written as an attribute
-_ENDS: dict[str, Any] = {
-    "from": (Annotated[Factor | None, Field(description="Strength up to the first contact of the ramp.")], None),
-    "to": (Annotated[Factor | None, Field(description="Strength from the last contact of the ramp on.")], None),
-}
-if TYPE_CHECKING:
-    Profile = _Profile
-else:
-    Profile = create_model("Profile", __base__=_Profile, __module__=__name__, **_ENDS)
 
 
 def kind(value: Any) -> str:
@@ -127,8 +120,8 @@ def refuse(key: str, strength: Any, scene: "BaseScene") -> None:
     if not isinstance(strength, tuple):
         return
     rows = strength if isinstance(strength[0] if strength else None, tuple) else (strength,)
-    if len(rows) not in (1, scene.chains):
-        raise ValueError(f"{key}: {len(rows)} lists for {scene.chains} chains; one, or one for each")
+    if len(rows) != 1:
+        refuse_other_count(key, rows, scene.chains, what="lists")
     for row in rows:
         if len(row) != contacts:
             raise ValueError(f"{key}: {len(row)} numbers for the {contacts} contacts of {scene.beads} beads")

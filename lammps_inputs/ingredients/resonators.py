@@ -14,11 +14,12 @@ from pydantic import Field, field_validator
 
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient, Inner
+from lammps_inputs.ingredients.base import Ingredient, Inner, in_rows, refuse_other_count, refuse_range
 from lammps_inputs.ingredients.damping import MOST
 from lammps_inputs.laws.dashpot import Dashpot
 from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across
+from lammps_inputs.numbers import number_or_array
 from lammps_inputs.physics import PULSE_RATE
 from lammps_inputs.units import Unit
 
@@ -68,12 +69,8 @@ class Resonators(Ingredient):
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what does not fit the chains, and masses that are none."""
         for key in ("mass", "stiffness", "damping"):
-            given = getattr(self, key)
-            if isinstance(given, tuple) and len(given) != scene.chains:
-                raise ValueError(f"{KEY}.{key}: {len(given)} numbers for {scene.chains} chains; one, or one for each")
-        if self.rows is not None and not self.rows[0] <= self.rows[1] <= scene.beads:
-            first, last = self.rows
-            raise ValueError(f"{KEY}.rows: {first} to {last} given; from a bead to a later one, within {scene.beads}")
+            refuse_other_count(f"{KEY}.{key}", getattr(self, key), scene.chains)
+        refuse_range(f"{KEY}.rows", self.rows, scene.beads)
         mass, stiffness, damping = self._of_chains(scene)
         if np.any((damping > 0.0) & (mass > 0.0) & (stiffness == 0.0)):
             raise ValueError(f"{KEY}.stiffness: is 0 beside a damping; give a stiffness, or leave the damping out")
@@ -103,8 +100,8 @@ class Resonators(Ingredient):
             return None
         table = self._in_rows(np.where(there, mass, 0.0), scene)
         edges = tuple((chain, scene.chains + chain) for chain in range(scene.chains))
-        spring = Linear(self._number(np.where(there, stiffness, 0.0), scene))
-        dashpot: Any = Dashpot(self._number(np.where(there, damping, 0.0), scene))
+        spring = Linear(number_or_array(self._in_rows(np.where(there, stiffness, 0.0), scene)))
+        dashpot: Any = Dashpot(number_or_array(self._in_rows(np.where(there, damping, 0.0), scene)))
         dampers = (Across("resonator_damping", dashpot, edges=edges),) if np.any(damping[there]) else ()
         kinds = [one is self for one in getattr(scene, KEY)]
         name = KEY if len(kinds) == 1 else f"{KEY}_{kinds.index(True) + 1}"
@@ -135,12 +132,4 @@ class Resonators(Ingredient):
 
     def _in_rows(self, of_chain: Floats, scene: "BaseScene") -> Floats:
         """[chain, bead], 0 where no resonator is."""
-        table = np.zeros((scene.chains, scene.beads))
-        first, last = self.rows or (1, scene.beads)
-        table[:, first - 1 : last] = of_chain[:, np.newaxis]
-        return table
-
-    def _number(self, of_chain: Floats, scene: "BaseScene") -> float | Floats:
-        """The same, or a number where it is the same everywhere."""
-        table = self._in_rows(of_chain, scene)
-        return float(table[0, 0]) if np.ptp(table) == 0.0 else table
+        return in_rows(of_chain[:, np.newaxis], self.rows, (scene.chains, scene.beads))

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from lammps_inputs import materials
-from lammps_inputs.ingredients.base import Count, Part, Positive
-from lammps_inputs.numbers import random_shares
+from lammps_inputs.ingredients.base import Count, Part, Positive, refuse_other_count, refuse_outside
+from lammps_inputs.numbers import number_or_array, random_shares
 from lammps_inputs.units import PURE, Unit, sphere_mass
 
 if TYPE_CHECKING:
@@ -73,12 +73,12 @@ class Kind(Part):
         if self.mass is not None and self.density is not None:
             raise ValueError(f"{key}.mass: give either mass or density (both are given)")
 
-    def relative(self, material: "Material | None") -> tuple[float, float, float]:
-        """Mass, radius and plane modulus in those of the reference bead."""
+    def relative(self, material: "Material | None") -> tuple[float, float, float, float]:
+        """Mass, radius, plane modulus and yield strength in those of the reference bead."""
         if material is None:
             radius = 1.0 if self.radius is None else self.radius
             mass = radius * radius * radius if self.mass is None else self.mass
-            return mass, radius, 1.0 if self.stiffness is None else self.stiffness
+            return mass, radius, 1.0 if self.stiffness is None else self.stiffness, 1.0
 
         def of(name: str) -> float:
             own = getattr(self, name)
@@ -89,7 +89,9 @@ class Kind(Part):
         if self.mass is not None:
             mass = self.mass / sphere_mass(material.radius, material.density)
         modulus = of("youngs_modulus") / material.youngs_modulus
-        return mass, radius, modulus * ((1.0 - material.poisson_ratio**2) / (1.0 - of("poisson_ratio") ** 2))
+        modulus *= (1.0 - material.poisson_ratio**2) / (1.0 - of("poisson_ratio") ** 2)
+        yields = 1.0 if material.yield_strength is None else of("yield_strength") / material.yield_strength
+        return mass, radius, modulus, yields
 
 
 class Replacement(Part):
@@ -163,6 +165,11 @@ Taper = Annotated[float, Field(ge=0, lt=1), PURE]
 """Share by which each bead's radius is smaller than that of the one before; masses follow as the cube."""
 
 
+def unlike(scene: "BaseScene") -> bool:
+    """Whether the scene says how beads differ."""
+    return any(getattr(scene, key) is not None for key in KEYS)
+
+
 def masses_and_strengths(scene: "BaseScene") -> tuple[float | Floats, float | Floats]:
     """Masses of the beads, [chain, bead], and strengths of the contacts, [chain, contact], in the reference bead's.
 
@@ -172,10 +179,9 @@ def masses_and_strengths(scene: "BaseScene") -> tuple[float | Floats, float | Fl
         ValueError: naming the key, what was found and what to do.
     """
     given = {one.strength_key: one.strengths(scene) for one in scene.ingredients if one.strength_key}
-    unlike = any(getattr(scene, key) is not None for key in KEYS)
     mass: float | Floats = 1.0
     strength: float | Floats = 1.0
-    if unlike:
+    if unlike(scene):
         _refuse(scene)
         mass, *_ = _beads(scene)
         size, modulus = sizes_and_moduli(scene)
@@ -192,54 +198,39 @@ def masses_and_strengths(scene: "BaseScene") -> tuple[float | Floats, float | Fl
                 "times, or one in a million"
             )
     if scene.window is not None and not (np.all(mass == 1.0) and np.ptp(strength) == 0.0):
-        which = "beads" if unlike else "contacts"
+        which = "beads" if unlike(scene) else "contacts"
         raise ValueError(f"window: its rows stand for one after another, and the {which} differ; leave the window out")
     return (
         1.0 if np.all(mass == 1.0) else mass,
-        float(np.max(strength)) if np.ptp(strength) == 0.0 else strength,
+        number_or_array(strength),
     )
 
 
 def sizes_and_moduli(scene: "BaseScene") -> tuple[float | Floats, float | Floats]:
     """Radius and plane modulus of two equal beads whose contact is as that of two neighbours, [chain, contact]."""
-    if all(getattr(scene, key) is None for key in KEYS):
+    if not unlike(scene):
         return 1.0, 1.0
-    _, radius, modulus = _beads(scene)
+    _, radius, modulus, _ = _beads(scene)
     size = 2.0 * radius[:, :-1] * radius[:, 1:] / (radius[:, :-1] + radius[:, 1:])
     return size, 2.0 / (1.0 / modulus[:, :-1] + 1.0 / modulus[:, 1:])
 
 
 def with_its_like(scene: "BaseScene", bead: int) -> float | Floats:
     """Strength of the contact of a bead (from 0, or the end) of every chain, [chain], with another like it."""
-    if all(getattr(scene, key) is None for key in KEYS):
+    if not unlike(scene):
         return 1.0
-    _, radius, modulus = _beads(scene)
+    _, radius, modulus, _ = _beads(scene)
     return np.asarray(modulus[:, bead] * np.sqrt(radius[:, bead]))
 
 
 def modulus(scene: "BaseScene", bead: int) -> float | Floats:
     """Plane modulus of a bead (from 0, or the end) of every chain, [chain], in the reference bead's."""
-    return 1.0 if all(getattr(scene, key) is None for key in KEYS) else _beads(scene)[2][:, bead]
+    return _beads(scene)[2][:, bead] if unlike(scene) else 1.0
 
 
 def yield_strengths(scene: "BaseScene") -> float | Floats:
     """Yield strength of the beads, [chain, bead], in the reference bead's; 1 where all are the same."""
-    ball = scene.material
-    if ball is None or ball.yield_strength is None:
-        return 1.0
-
-    def of(kind: Kind) -> float:
-        return 1.0 if kind.yield_strength is None else kind.yield_strength / reference
-
-    reference = ball.yield_strength
-    found = np.ones((scene.chains, scene.beads))
-    for chain, row in enumerate(_rows(scene)):
-        for place, name in enumerate(row):
-            found[chain, place :: len(row)] = of((scene.kinds or {})[name])
-    for change in scene.replace or ():
-        found[change.chain - 1, change.bead - 1] = of((scene.kinds or {})[change.kind])
-    if scene.striker is not None:
-        found[scene.striker.chain - 1, 0] = of(scene.striker)
+    found = _beads(scene)[3]
     return 1.0 if np.all(found == 1.0) else found
 
 
@@ -251,8 +242,8 @@ def _refuse(scene: "BaseScene") -> None:
         scene.striker.refuse("striker", scene.material)
     if kinds and not scene.pattern and not scene.replace:
         raise ValueError("kinds: neither pattern nor replace names any of them")
-    if scene.pattern and isinstance(scene.pattern[0], tuple) and len(scene.pattern) != scene.chains:
-        raise ValueError(f"pattern: {len(scene.pattern)} lists for {scene.chains} chains; one, or one for each")
+    if scene.pattern and isinstance(scene.pattern[0], tuple):
+        refuse_other_count("pattern", scene.pattern, scene.chains, what="lists")
     used = [("pattern", name) for row in _rows(scene) for name in row]
     used += [("replace", change.kind) for change in scene.replace or ()]
     for key, name in used:
@@ -260,9 +251,7 @@ def _refuse(scene: "BaseScene") -> None:
             known = ", ".join(kinds) or "none"
             raise ValueError(f"{key}: {name!r} is not among the kinds ({known})")
     for change in scene.replace or ():
-        for place, given, most in (("chain", change.chain, scene.chains), ("bead", change.bead, scene.beads)):
-            if given > most:
-                raise ValueError(f"replace.{place}: {given} is outside the array ({place}s 1 to {most})")
+        refuse_outside("replace", change, scene)
     places = [(change.chain, change.bead) for change in scene.replace or ()]
     if scene.striker is not None:
         places.append((scene.striker.chain, 1))
@@ -282,17 +271,17 @@ def radii(scene: "BaseScene") -> Floats:
     return _beads(scene)[1]
 
 
-def _beads(scene: "BaseScene") -> tuple[Floats, Floats, Floats]:
-    """Masses, radii and plane moduli, each [chain, bead]."""
+def _beads(scene: "BaseScene") -> tuple[Floats, Floats, Floats, Floats]:
+    """Masses, radii, plane moduli and yield strengths, each [chain, bead]."""
     shape = (scene.chains, scene.beads)
-    found = np.ones((3, *shape))
+    found = np.ones((4, *shape))
     relative = {name: kind.relative(scene.material) for name, kind in (scene.kinds or {}).items()}
     for chain, row in enumerate(_rows(scene)):
         for place, name in enumerate(row):
             found[:, chain, place :: len(row)] = np.array(relative[name])[:, np.newaxis]
     for change in scene.replace or ():
         found[:, change.chain - 1, change.bead - 1] = relative[change.kind]
-    mass, radius, modulus = found
+    mass, radius, modulus, yields = found
     if scene.taper:
         # factor by factor: a power may be rounded otherwise on another machine
         size = np.cumprod(np.r_[1.0, np.full(scene.beads - 1, 1.0 - scene.taper)])
@@ -305,4 +294,4 @@ def _beads(scene: "BaseScene") -> tuple[Floats, Floats, Floats]:
         modulus *= scene.disorder.factors("stiffness", shape)
     if scene.striker is not None:
         found[:, scene.striker.chain - 1, 0] = scene.striker.relative(scene.material)
-    return mass, radius, modulus
+    return mass, radius, modulus, yields

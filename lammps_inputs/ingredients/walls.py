@@ -20,8 +20,8 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import plastic
 from lammps_inputs.ingredients.base import Ingredient, Part, Positive
 from lammps_inputs.ingredients.contact import HERTZ
-from lammps_inputs.ingredients.unequal import KEYS, modulus, radii, with_its_like, yield_strengths
 from lammps_inputs.ingredients.unequal import Kind as Bead
+from lammps_inputs.ingredients.unequal import modulus, radii, unlike, with_its_like, yield_strengths
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.links import Wall
@@ -126,7 +126,7 @@ def _yielding(kind: Kind, strength: NDArray[np.float64], scene: "BaseScene", bea
         return None
     radius, own, soft = np.ones((3, scene.chains, scene.beads))
     radius[:, bead] = 2.0 if kind != "bead" else 1.0
-    if any(getattr(scene, name) is not None for name in KEYS):
+    if unlike(scene):
         radius[:, bead] *= radii(scene)[:, bead]
     own[:, bead] = modulus(scene, bead)
     if kind == "rigid":
