@@ -41,10 +41,8 @@ _SOURCES = (
 )
 
 
-def compiled(function: F | None = None, **options: Any) -> Any:
+def compiled(function: F, **options: Any) -> F:
     """The function as machine code, kept on disk where there is a place for it; options are numba's."""
-    if function is None:
-        return functools.partial(compiled, **options)
     place = cache_directory()
     before = _config.CACHE_DIR
     try:
@@ -57,29 +55,33 @@ def compiled(function: F | None = None, **options: Any) -> Any:
 
 def inner(function: F) -> F:
     """The same for a function that compiled ones alone call: what Python needs to call it takes long to compile."""
-    return cast(F, compiled(function, no_cpython_wrapper=True))
+    return compiled(function, no_cpython_wrapper=True)
+
+
+_IEEE: Any = {"error_model": "numpy", "forceinline": True}
+"""IEEE arithmetic: no reordering, division by zero gives inf; inlined into callers."""
 
 
 def inlined(function: F) -> F:
     """The same for scalar functions, such as those of laws, in loops that are to become vector instructions.
 
-    With IEEE arithmetic, where division by zero gives inf: a test of each divisor would prevent those.
+    With IEEE arithmetic: a test of each divisor would prevent those.
     """
-    options: Any = {"forceinline": True, "no_cpython_wrapper": True, "error_model": "numpy"}
+    options: Any = {**_IEEE, "no_cpython_wrapper": True}
     return cast(F, numba.njit(**options)(function))
 
 
 def ieee(function: F) -> F:
-    """The function with IEEE arithmetic: no reordering, division by zero gives inf.
+    """The function with IEEE arithmetic.
 
     Inlined into its callers, since most of the time would go into counting references to the arrays it is handed.
     """
-    return cast(F, compiled(error_model="numpy", forceinline=True)(function))
+    return compiled(function, **_IEEE)
 
 
 def ieee_inner(function: F) -> F:
     """The same for a function that compiled ones alone call."""
-    return cast(F, compiled(error_model="numpy", forceinline=True, no_cpython_wrapper=True)(function))
+    return compiled(function, no_cpython_wrapper=True, **_IEEE)
 
 
 @functools.cache

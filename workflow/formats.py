@@ -1,9 +1,11 @@
 """In which formats figures are written: PNG, unless a command was asked for others. The one place that decides."""
 
 import argparse
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from contextvars import ContextVar
+
+from workflow.screen import meanwhile
 
 KNOWN = ("png", "pdf", "svg")
 
@@ -15,14 +17,9 @@ def asked() -> tuple[str, ...]:
     return _asked.get()
 
 
-@contextmanager
-def written_as(formats: Sequence[str]) -> Iterator[None]:
+def written_as(formats: Sequence[str]) -> AbstractContextManager[None]:
     """Write figures in these formats meanwhile."""
-    token = _asked.set(tuple(formats))
-    try:
-        yield
-    finally:
-        _asked.reset(token)
+    return meanwhile(_asked, tuple(formats))
 
 
 def figure_files(*names: str) -> tuple[str, ...]:

@@ -4,9 +4,10 @@ import errno
 import math
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
-from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple, TextIO, TypeVar
 
 from workflow.errors import RunError
 
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
     from lammps_inputs import Problem
+
+T = TypeVar("T")
 
 _bars: ContextVar[bool] = ContextVar("bars", default=True)
 
@@ -77,13 +80,18 @@ class Table(NamedTuple):
 
 
 @contextmanager
-def without_bars() -> Iterator[None]:
-    """Show neither progress nor hints meanwhile."""
-    token = _bars.set(False)
+def meanwhile(variable: ContextVar[T], value: T) -> Iterator[None]:
+    """Give a variable another value, until the end."""
+    token = variable.set(value)
     try:
         yield
     finally:
-        _bars.reset(token)
+        variable.reset(token)
+
+
+def without_bars() -> AbstractContextManager[None]:
+    """Show neither progress nor hints meanwhile."""
+    return meanwhile(_bars, False)
 
 
 def _print_hint(text: str, *, anywhere: bool = True) -> None:
@@ -94,21 +102,14 @@ def _print_hint(text: str, *, anywhere: bool = True) -> None:
         console.print(text, style="dim", markup=False)
 
 
-def _print_where_seen(text: str) -> None:
-    _print_hint(text, anywhere=False)
-
+_print_where_seen = partial(_print_hint, anywhere=False)
 
 _tell: ContextVar[Callable[[str], None]] = ContextVar("tell", default=_print_where_seen)
 
 
-@contextmanager
-def with_hints(tell: Callable[[str], None] = _print_hint) -> Iterator[None]:
+def with_hints(tell: Callable[[str], None] = _print_hint) -> AbstractContextManager[None]:
     """Let something else take hints meanwhile; by default they are given also where standard error is no terminal."""
-    token = _tell.set(tell)
-    try:
-        yield
-    finally:
-        _tell.reset(token)
+    return meanwhile(_tell, tell)
 
 
 def hint(text: str) -> None:

@@ -39,6 +39,20 @@ def problem(**changes: Any) -> Problem:
     return Problem(system=System(**system), **{**options, **changes})
 
 
+def rigid_problem(
+    chains: int = 2,
+    beads: int = 10,
+    kicks: Any = ((1, 1, 1.0),),
+    kappa: float = 0.5,
+    gap: float = 1.0,
+    duration: float = 100.0,
+    **others: Any,
+) -> Problem:
+    """Rigid beads a gap apart; a hundred frames."""
+    times = {"timestep": duration / 100, "steps_per_frame": 1}
+    return problem(chains=chains, beads=beads, kicks=tuple(kicks), kappa=kappa, gap=gap, **times, **others)
+
+
 def written_down(problem: Problem, motion: Callable[[Floats], tuple[Floats, Floats]]) -> Trajectory:
     """The frames of a motion given as time [frame, 1, 1] -> displacement and velocity [frame, chain, bead]."""
     time = np.arange(problem.frames + 1) * problem.every

@@ -24,7 +24,7 @@ tempfile.tempdir = os.environ.get("TEMPORARY")
 from workflow.engines.reference import engine
 problem = lammps_inputs.find("one-chain").problem().coarser(400)
 print(engine.run(problem).velocity[-1].max())
-print(sum(engine.make_state(problem, None).kernel.program.advance.stats.cache_hits.values()))
+print(sum(engine.make_state(problem, None).program.advance.stats.cache_hits.values()))
 """
 
 

@@ -8,6 +8,7 @@ from stock_lammps import scene
 
 from analysis.files import events
 from analysis.quantity import declared
+from analysis.trajectory import joined
 from lammps_inputs import InputError
 from workflow.cli import main
 from workflow.engines import collisions
@@ -51,17 +52,17 @@ def test_the_collisions_of_a_run_are_those_of_the_engine(directory):
 
 
 def test_the_frames_of_a_run_are_the_exact_motion(directory):
-    frames, exact = directory.trajectory, collisions.trajectory(collisions.run(directory.problem))
+    frames, exact = directory.trajectory, joined(collisions.blocks(collisions.run(directory.problem)))
     np.testing.assert_array_equal(frames.velocity, exact.velocity)
     # the file holds positions, rounded at 12 * 5 or below
     np.testing.assert_allclose(frames.displacement, exact.displacement, rtol=0, atol=np.spacing(64.0))
 
 
-def test_blocks_are_the_trajectory_cut():
+def test_blocks_are_the_motion_at_the_frames_cut():
     problem = gapped(chains=3, beads=700, duration=60.0).problem()
     found = collisions.run(problem)
     parts = list(collisions.blocks(found))
-    whole = collisions.trajectory(found)
+    whole = collisions.sample(found, problem.every * np.arange(problem.frames + 1.0))
     assert len(parts) > 3
     np.testing.assert_array_equal(np.concatenate([part.velocity for part in parts]), whole.velocity)
     np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), whole.time)

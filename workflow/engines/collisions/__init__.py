@@ -4,6 +4,6 @@ The binary collision model of section 3 of the paper (Figs 7-9), event-driven: n
 missed. Contacts that last, and beads that touch at the start, are outside it.
 """
 
-from workflow.engines.collisions.run import CollisionRun, blocks, run, sample, trajectory
+from workflow.engines.collisions.engine import CollisionRun, blocks, run, sample
 
-__all__ = ["CollisionRun", "blocks", "run", "sample", "trajectory"]
+__all__ = ["CollisionRun", "blocks", "run", "sample"]

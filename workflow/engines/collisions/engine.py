@@ -1,6 +1,7 @@
-"""The event loop: detect, evolve, resolve, record.
+"""One problem from start to end: the list of its collisions, and the motion of every bead between them.
 
-Rows count from 0 here. Pair i is rows i and i + 1; it waits in the queue for the first contact of any of its chains.
+Loop over events: detect, evolve, resolve, record. Rows count from 0 here. Pair i is rows i and i + 1; it waits in the
+queue for the first contact of any of its chains.
 
 Collisions at one instant are resolved one after the other. Exchanges in different chains concern different beads, and
 within a chain they sort the velocities of the beads that touch, so the outcome depends on no order, and the number of
@@ -12,14 +13,17 @@ Nothing outdated is ever kept, so its size is the number of members and nothing 
 """
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.trajectory import Floats
+from analysis.trajectory import Floats, Trajectory, frames_per_block
+from lammps_inputs import Problem, physics
 from workflow.compiled import ieee, ieee_inner
-from workflow.engines.collisions.modes import Modes, advance
+from workflow.engines.collisions.modes import Modes, advance, make_modes
 from workflow.engines.collisions.roots import CONTACT, NEVER, first_contact
 
 Ints = NDArray[np.int64]
@@ -107,11 +111,6 @@ class Events(NamedTuple):
     """velocity of the bead of the next row before the collision, and of this one after it"""
 
 
-def make_rows(x: Floats, v: Floats) -> Rows:
-    """Rows [row, chain] at time 0."""
-    return Rows(np.array(x, order="C"), np.array(v, order="C"), np.zeros(len(x)))
-
-
 def make_state(rows: Rows, modes: Modes) -> State:
     """A state in which nothing has been predicted yet."""
     pairs, chains = len(rows.x) - 1, rows.x.shape[1]
@@ -124,11 +123,6 @@ def make_state(rows: Rows, modes: Modes) -> State:
         np.empty((2, oscillating)),
         np.empty((2, oscillating)),
     )
-
-
-def make_events(size: int) -> Events:
-    """Empty arrays."""
-    return Events(np.empty(size), np.empty(size, np.int64), np.empty(size, np.int64), np.empty(size), np.empty(size))
 
 
 @ieee_inner
@@ -223,3 +217,146 @@ def collide(state: State, modes: Modes, gap: float, end: float, events: Events) 
         for touched in range(first, last + 1):
             predict(state, touched, time, modes, gap, end)
     return count
+
+
+# --- runs -------------------------------------------------------------------------------------------------------------
+
+ROOM = 1 << 16
+"""Collisions between two returns to Python, where a run can be interrupted."""
+
+
+@dataclass(frozen=True)
+class CollisionRun:
+    """Every collision of a run in the order in which they happen; the motion between them follows exactly.
+
+    Bead ``row`` of a chain strikes bead ``row + 1``; the two exchange ``striker`` and ``target``.
+
+    Attributes:
+        problem: what was computed.
+        time: [collision], in units of T.
+        chain: [collision], counted from 1.
+        row: [collision], number of the bead that strikes, counted from 1.
+        striker: [collision], its velocity before, and that of the bead it strikes after, in units of V.
+        target: [collision], the velocity of the bead it strikes before, and its own after.
+        until: time up to which the run is known.
+    """
+
+    problem: Problem
+    time: Floats
+    chain: Ints
+    row: Ints
+    striker: Floats
+    target: Floats
+    until: float
+
+    def __len__(self) -> int:
+        """Number of collisions."""
+        return len(self.time)
+
+    @property
+    def impulse(self) -> Floats:
+        """[collision] momentum handed on (> 0)."""
+        return self.striker - self.target
+
+
+def run(problem: Problem, *, max_events: int | None = None) -> CollisionRun:
+    """All collisions of rigid beads until the problem's duration, or the first of them.
+
+    Args:
+        problem: beads of mass 1 a gap apart; its contact law, time step and recorded beads play no part.
+        max_events: stop after so many collisions.
+
+    Raises:
+        ValueError: the beads touch at the start.
+    """
+    gap, end = physics.gap(problem.system), problem.duration
+    if not gap > 0.0:
+        raise ValueError(
+            "gap: rigid beads that touch have no order of collisions; the engine `collisions` needs a gap > 0"
+        )
+    rows, modes = _start(problem)
+    state = make_state(rows, modes)
+    predict_all(state, modes, gap, end)
+    parts = []
+    count = 0
+    while True:
+        room = ROOM if max_events is None else min(ROOM, max_events - count)
+        events = Events(*(np.empty(room, kind) for kind in (float, np.int64, np.int64, float, float)))
+        found = collide(state, modes, gap, end, events)
+        parts.append([column[:found] for column in events])
+        count += found
+        if found < room or count == max_events:
+            break
+    time, chain, row, striker, target = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    until = end if found < room else min(end, float(time[-1]) if count else 0.0)
+    return CollisionRun(problem, time, chain + 1, row + 1, striker, target, until)
+
+
+def sample(run: CollisionRun, times: Floats) -> Trajectory:
+    """The recorded beads at any times [frame], in any order, from the exact motion.
+
+    At the instant of a collision the velocities are those after it.
+
+    Raises:
+        ValueError: a time is outside the run.
+    """
+    times = np.asarray(times, dtype=np.float64)
+    if not np.all((times >= 0.0) & (times <= run.until)):
+        raise ValueError(f"times: the run is known from 0 to {run.until!r}; sample it there")
+    order = np.argsort(times, kind="stable")
+    back = np.argsort(order)
+    (found,) = _played_back(run, times[order], max(1, len(times)))
+    return Trajectory(run.problem, times, found.displacement[back], found.velocity[back])
+
+
+def blocks(run: CollisionRun) -> Iterator[Trajectory]:
+    """The problem's own frames, as far as the run is known, in consecutive blocks of bounded size."""
+    times = run.problem.every * np.arange(run.problem.frames + 1, dtype=np.float64)
+    return _played_back(run, times[times <= run.until], frames_per_block(run.problem))
+
+
+def _played_back(run: CollisionRun, times: Floats, size: int) -> Iterator[Trajectory]:
+    """Frames at ascending times, in blocks of so many: collisions are played back once, and nothing is searched."""
+    problem, recorded = run.problem, run.problem.recorded_beads
+    rows, modes = _start(problem)
+    events, event = (run.time, run.chain - 1, run.row - 1), 0
+    for first in range(0, max(1, len(times)), size):
+        frames = times[first : first + size]
+        displacement, velocity = np.empty((2, len(frames), problem.chains, len(recorded)))
+        event = _replay(rows, modes, events, event, frames, recorded - 1, (displacement, velocity))
+        yield Trajectory(problem, frames, displacement, velocity)
+
+
+def _start(problem: Problem) -> tuple[Rows, Modes]:
+    """Rows at time 0, and the modes of each."""
+    velocity = np.array(physics.initial_velocity(problem.system).T, order="C")
+    rows = Rows(np.zeros_like(velocity), velocity, np.zeros(len(velocity)))
+    return rows, make_modes(problem.chains, physics.kappa(problem.system))
+
+
+@ieee
+def _replay(
+    rows: Rows,
+    modes: Modes,
+    events: tuple[Floats, Ints, Ints],
+    event: int,
+    times: Floats,
+    recorded: Ints,
+    found: tuple[Floats, Floats],
+) -> int:
+    """Fill in the frames at ascending times, with the arithmetic of the loop over events itself.
+
+    Rows are as the collisions before ``event`` left them, and are carried on; returns the first collision after.
+    """
+    time, chain, row = events
+    displacement, velocity = found
+    near = np.empty((2, 2, rows.x.shape[1]))
+    for frame in range(len(times)):
+        while event < len(time) and time[event] <= times[frame]:
+            evolve(rows, row[event], time[event], modes, near)
+            resolve(rows, row[event], time[event], chain[event], near)
+            event += 1
+        for place, bead in enumerate(recorded):
+            advance(rows.x, rows.v, bead, times[frame] - rows.time[bead], modes, near, 0)
+            displacement[frame, :, place], velocity[frame, :, place] = near[0, 0], near[1, 0]
+    return event

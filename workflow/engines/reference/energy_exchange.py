@@ -12,6 +12,7 @@ from analysis.trajectory import EXCHANGES, Floats, Trajectory, joined
 from lammps_inputs import Problem, physics
 from lammps_inputs.laws import dashpot
 from workflow.engines.reference import engine
+from workflow.engines.reference.kernel import Frames
 from workflow.engines.reference.schemes import BLANES_MOAN
 
 
@@ -66,9 +67,6 @@ class _Follower:
 
     def along(self, block: Trajectory) -> Floats:
         """Ledger of frames of which the first was the last one before, or the start."""
-        # numba takes a third of a second to import
-        from workflow.engines.reference.kernel import Frames
-
         problem, state = self._problem, self._state
         chains, moving = problem.chains, block.moving
         found = np.repeat(self._until, block.frames, axis=0)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,10 @@ from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.units import DIMENSIONLESS
+from workflow.engines.reference import kernel
+from workflow.engines.reference.kernel import Frames, Steps
 from workflow.engines.reference.schemes import BLANES_MOAN, VERLET, Scheme
-
-if TYPE_CHECKING:
-    from workflow.engines.reference.kernel import Frames, Kernel
-    from workflow.engines.reference.kernel import State as Compiled
+from workflow.engines.reference.terms import make_memory, make_terms
 
 STEPS_PER_BOUND = 15.0
 """Steps of the default scheme in the stability bound of velocity Verlet; 0.05 for the paper's scenes."""
@@ -83,9 +82,6 @@ def blocks(
     Raises:
         ValueError: a window that is too narrow, or not for this problem.
     """
-    # numba takes a third of a second to import, which no command that computes nothing should pay for
-    from workflow.engines.reference.kernel import Frames
-
     steps = default_steps_per_frame(problem) if steps_per_frame is None else steps_per_frame
     if window is None and problem.window is not None:
         window = WIDER * problem.window
@@ -163,15 +159,17 @@ class State:
     Attributes:
         x, v: [bead + 2, chain], advanced in place.
         span: first and last row that may move, and so on (`kernel.State`).
-        kernel: of the problem.
-        compiled: the same as the kernel takes it.
+        program: compiled step of the problem's laws (`kernel.make_program`).
+        parameters: of the laws.
+        compiled: the same state as the program takes it.
     """
 
     x: Floats
     v: Floats
     span: NDArray[np.int64]
-    kernel: "Kernel"
-    compiled: "Compiled"
+    program: Any
+    parameters: tuple[Any, ...]
+    compiled: kernel.State
 
     @property
     def memory(self) -> Floats:
@@ -190,13 +188,16 @@ class State:
         self.compiled.push[:] = 0.0
 
     def advance(
-        self, scheme: Scheme, h: float, first_step: int, steps: int, recorded: NDArray[np.int64], frames: "Frames"
+        self, scheme: Scheme, h: float, first_step: int, steps: int, recorded: NDArray[np.int64], frames: Frames
     ) -> None:
         """Fill frames of the recorded beads, so many steps each, after ``first_step`` earlier ones."""
-        from workflow.engines.reference.kernel import Steps
+        stepping = make_steps(scheme, h)
+        self.program.advance(self.compiled, self.parameters, stepping, first_step, steps, recorded, frames)
 
-        kernel, stepping = self.kernel, Steps(np.array(scheme.kicks), np.array(scheme.drifts), h)
-        kernel.program.advance(self.compiled, kernel.parameters, stepping, first_step, steps, recorded, frames)
+
+def make_steps(scheme: Scheme, h: float) -> Steps:
+    """A scheme and its step as programs take them."""
+    return Steps(np.array(scheme.kicks), np.array(scheme.drifts), h)
 
 
 def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False, step: float = 0.0) -> State:
@@ -212,9 +213,6 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
         ValueError: a window too narrow for the rows that are kicked and a pulse ahead of them.
     """
     system = problem.system
-    # numba takes a third of a second to import
-    from workflow.engines.reference import kernel
-
     kicked = [bead for _, bead, _ in physics.excitations(system)]
     first, last = max(1, min(kicked) - 1), min(problem.beads, max(kicked) + 1)
     least = last - first + 30
@@ -223,5 +221,6 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
     x, v = np.zeros((2, problem.beads + 2, physics.lines(problem.system)))
     v[1:-1, : problem.chains] = physics.initial_velocity(system).T
     span = np.array([first, last, problem.beads if window is None else window, 1])
-    made = kernel.make_kernel(system, as_lammps=as_lammps, step=step)
-    return State(x, v, span, made, kernel.make_state(x, v, span, made))
+    terms, parameters = make_terms(system, as_lammps=as_lammps, step=step)
+    state = kernel.make_state(x, v, span, terms, make_memory(system))
+    return State(x, v, span, kernel.make_program(terms), parameters, state)

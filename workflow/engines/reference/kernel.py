@@ -18,18 +18,15 @@ that.
 
 import functools
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from types import ModuleType
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import System
-from workflow import compiled
 from workflow.engines.reference import template
-from workflow.engines.reference.terms import Term, Terms, make_memory, make_terms
+from workflow.engines.reference.terms import Term, Terms
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -93,51 +90,20 @@ class Passing(NamedTuple):
     v_before: Floats
 
 
-def make_state(x: Floats, v: Floats, span: Integers, kernel: "Kernel") -> State:
+def make_state(x: Floats, v: Floats, span: Integers, terms: Terms, memory: Floats) -> State:
     """A state with displacements and velocities [bead + 2, chain], which are advanced in place.
 
     Args:
         x, v, span: see `State`.
-        kernel: what is to advance it.
+        terms: of the system.
+        memory: at the start, likewise.
     """
-    size = x.size
-    room = tuple(np.zeros(size) for _ in range(kernel.room))
-    push, lost, work = np.zeros(size), np.zeros((4, size)), np.zeros(1)
-    memory = kernel.memory.copy(), np.zeros_like(kernel.memory), np.zeros_like(kernel.memory)
-    return State(x.reshape(-1), v.reshape(-1), push, span, x.shape[1], room, lost, work, memory)
-
-
-@dataclass(frozen=True)
-class Kernel:
-    """The program of a system and the numbers that it takes.
-
-    Attributes:
-        program: module with ``advance(state, parameters, scheme, first_step, steps, recorded, frames)``, which fills
-            frames of the recorded beads (counted from 1), so many steps each, after ``first_step`` earlier ones, and
-            ``follow(state, parameters, scheme, first_step, steps, threshold, passing)``.
-        parameters: of the laws.
-        room: number of scratch arrays of the state.
-        memory: at the start, flat as the state; empty where no force depends on the past.
-    """
-
-    program: Any
-    parameters: tuple[Any, ...]
-    room: int
-    memory: Floats
-
-
-def make_kernel(system: System, *, as_lammps: bool = False, step: float = 0.0) -> Kernel:
-    """The kernel of a system.
-
-    Args:
-        system: what is integrated.
-        as_lammps: whether forces from outside, and those against velocities, act as LAMMPS has them.
-        step: of LAMMPS, where masses depend on it.
-    """
-    terms, parameters = make_terms(system, as_lammps=as_lammps, step=step)
-    room = len(_ROOM[terms.dashpots].split(", ")) if terms.dampers else 0
-    memory = make_memory(system).reshape(-1) if terms.with_memory else np.zeros(0)
-    return Kernel(_program(terms), parameters, room, memory)
+    scratch = len(_ROOM[terms.dashpots].split(", ")) if terms.dampers else 0
+    room = tuple(np.zeros(x.size) for _ in range(scratch))
+    push, lost, work = np.zeros(x.size), np.zeros((4, x.size)), np.zeros(1)
+    past = memory.reshape(-1) if terms.with_memory else np.zeros(0)
+    memories = past, np.zeros_like(past), np.zeros_like(past)
+    return State(x.reshape(-1), v.reshape(-1), push, span, x.shape[1], room, lost, work, memories)
 
 
 _ROOM = {
@@ -150,8 +116,16 @@ _ROOM = {
 
 
 @functools.cache
-def _program(terms: Terms) -> ModuleType:
-    return compiled.module(_Writer(terms).text())
+def make_program(terms: Terms) -> Any:
+    """The module of some terms, compiled when it is called.
+
+    It has ``advance(state, parameters, scheme, first_step, steps, recorded, frames)``, which fills frames of the
+    recorded beads (counted from 1), so many steps each, after ``first_step`` earlier ones, and
+    ``follow(state, parameters, scheme, first_step, steps, threshold, passing)``.
+    """
+    from workflow import compiled  # numba takes a third of a second to import
+
+    return compiled.module(_Writer(terms).text(compiled.digest))
 
 
 class _Writer:
@@ -196,8 +170,8 @@ class _Writer:
 
     # --- the text -----------------------------------------------------------------------------------------------------
 
-    def text(self) -> str:
-        """The whole program."""
+    def text(self, digest: Callable[[Iterable[Any]], str]) -> str:
+        """The whole program, with the digest of its laws' functions."""
         places = self._parts_of_a_step()
         sections = [*self._functions_of_loads(), *self._functions_of_dashpots()]
         sections += [self._filled(section, **places) for section in (template.ADVANCE, template.FOLLOW)]
@@ -212,7 +186,7 @@ class _Writer:
             imports.append("import numpy as np")
         head = _filled(
             template.HEAD,
-            digest=compiled.digest(self._used),
+            digest=digest(self._used),
             imports=imports,
             laws=list(self._functions.values()),
         )

@@ -16,8 +16,8 @@ from lammps_inputs import Problem, physics
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.reference import engine
-from workflow.engines.reference.kernel import Passing, Steps
-from workflow.engines.reference.schemes import BLANES_MOAN, Scheme
+from workflow.engines.reference.kernel import Passing
+from workflow.engines.reference.schemes import BLANES_MOAN
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,6 @@ def passages(
     window: int | None = None,
     timestep: float | None = None,
     until_bead: int | None = None,
-    scheme: Scheme = BLANES_MOAN,
     threshold: float = THRESHOLD,
 ) -> Passages:
     """Integrate until a bead is passed in every chain, or to the problem's end, noting the leading pulse at each bead.
@@ -58,7 +57,6 @@ def passages(
         window: rows that are integrated at most, those behind are let go; None for all.
         timestep: of the scheme, in units of T; by default `usual_timestep`.
         until_bead: stop when every chain's pulse has passed it.
-        scheme: how to integrate.
         threshold: smallest peak that counts, in units of V.
 
     Raises:
@@ -70,12 +68,12 @@ def passages(
     starting = state.v > threshold
     arrival[starting], peak[starting] = 0.0, state.v[starting]
     passing = Passing(arrival.reshape(-1), peak.reshape(-1), *np.zeros((3, state.x.size)))
-    steps, kernel = Steps(np.array(scheme.kicks), np.array(scheme.drifts), timestep), state.kernel
+    steps = engine.make_steps(BLANES_MOAN, timestep)
     last = problem.beads if until_bead is None else until_bead
     total, chunk, done, let_go = int(np.ceil(problem.duration / timestep)), 1000, 0, 0.0
     while done < total and np.any(np.isnan(arrival[last, : problem.chains])):
         count = min(chunk, total - done)
-        fastest = kernel.program.follow(state.compiled, kernel.parameters, steps, done, count, threshold, passing)
+        fastest = state.program.follow(state.compiled, state.parameters, steps, done, count, threshold, passing)
         let_go = max(let_go, fastest)
         done += count
     arrival, peak = (values[1:-1, : problem.chains].T for values in (arrival, peak))

@@ -15,6 +15,7 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
+from workflow.engines.reference.passages import passages
 from workflow.engines.reference.schemes import BLANES_MOAN, Scheme
 from workflow.errors import RunError
 
@@ -126,8 +127,6 @@ def compared_rows(problem: Problem) -> int | None:
     """
     if problem.window is None:
         return None
-    from workflow.engines.reference.passages import passages  # numba takes a third of a second to import
-
     before_last = problem.beads - 1
     found = passages(
         replace(problem, window=None),

@@ -102,7 +102,7 @@ class Terms:
 
 
 def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, tuple[Any, ...]]:
-    """The terms of a system and their parameters; arguments as for `kernel.make_kernel`."""
+    """The terms of a system and their parameters; with LAMMPS's step where masses depend on it."""
     taken = _Parameters(system)
     row, gap = taken.add("row", np.uint64(physics.lines(system))), taken.add("gap", physics.gap(system))
     between = f"x[k - {row}] - x[k] - {gap}", f"v[k - {row}] - v[k]"

@@ -1,22 +1,20 @@
-"""The engine against exact orbits, an independent integration, and what every elastic collision keeps."""
+"""Rigid beads against eqs 3-5, exact orbits and an independent integration; what every collision keeps; the queue."""
 
 import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.linalg import expm
-from small_problems import problem
+from small_problems import rigid_problem
 
+from analysis.trajectory import joined
 from lammps_inputs import physics
-from workflow.engines.collisions import run, sample, trajectory
-from workflow.engines.collisions.modes import gap_of_eq_5
+from workflow.engines.collisions import blocks, modes, run, sample
+from workflow.engines.collisions.engine import make_heap, reschedule
 
 ABOVE = 1.0 + 4.0 * np.finfo(float).eps
-
-
-def make_problem(chains=2, beads=10, kicks=((1, 1, 1.0),), kappa=0.5, gap=1.0, duration=100.0, **others):
-    fields = {"timestep": duration / 100, "steps_per_frame": 1, "frames": 100, "recorded": None} | others
-    return problem(chains=chains, beads=beads, kicks=tuple(kicks), kappa=kappa, gap=gap, **fields)
 
 
 def random_kicks(chains, beads, seed):
@@ -37,13 +35,77 @@ def momenta(t):
     return np.array([math.fsum(v.ravel()) for v in t.velocity])
 
 
-# what the paper's scenes do
+# --- eqs 3-5 of the paper, and the engine's row against them ---------------------------------------------------------
+
+
+def first_row(chains=2, kicks=((1, 1, 1.0),), kappa=0.1, gap=100.0):
+    return rigid_problem(chains, 2, kicks, kappa, gap, duration=80.0)
+
+
+TIMES = np.linspace(0.0, 80.0, 1001)
+
+
+@pytest.mark.parametrize("kappa", [0.01, 0.1, 1.0])
+def test_two_chains_move_by_eq_4(kappa):
+    omega = math.sqrt(2.0 * kappa)
+    problem = first_row(kappa=kappa)
+    x, v = modes.motion(problem, TIMES)
+    swing = np.sin(omega * TIMES) / omega
+    np.testing.assert_allclose(x, 0.5 * np.stack([TIMES + swing, TIMES - swing], axis=1), rtol=0, atol=5e-14)
+    cos = np.cos(omega * TIMES)
+    np.testing.assert_allclose(v, 0.5 * np.stack([1.0 + cos, 1.0 - cos], axis=1), rtol=0, atol=5e-14)
+    row = sample(run(problem), TIMES)
+    np.testing.assert_allclose(row.displacement[:, :, 0], x, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(row.velocity[:, :, 0], v, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("chains", [1, 3, 4, 7, 20])
+@pytest.mark.parametrize("kappa", [0.0, 0.3])
+def test_any_number_of_chains_moves_by_its_modes(chains, kappa):
+    problem = first_row(chains, ((1, 1, 1.0), (chains, 1, 0.3))[: min(chains, 2)], kappa)
+    x, v = modes.motion(problem, TIMES)
+    row = sample(run(problem), TIMES)
+    np.testing.assert_allclose(row.displacement[:, :, 0], x, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(row.velocity[:, :, 0], v, rtol=0, atol=1e-12)
+
+
+def test_the_modes_solve_eq_3():
+    problem = first_row(5)
+    h = 1e-3
+    t = np.arange(0.0, 20.0, h)
+    x, v = modes.motion(problem, t)
+    springs = np.diff(x, axis=1, prepend=x[:, :1], append=x[:, -1:])
+    force = physics.kappa(problem.system) * np.diff(springs, axis=1)
+    np.testing.assert_allclose(np.diff(x, axis=0) / h, 0.5 * (v[1:] + v[:-1]), rtol=0, atol=1e-7)
+    np.testing.assert_allclose(np.diff(v, axis=0) / h, 0.5 * (force[1:] + force[:-1]), rtol=0, atol=1e-7)
+
+
+@pytest.mark.parametrize("kappa", [0.1, 1.0])
+def test_the_gap_of_eq_5_closes_in_a_quarter_period(kappa):
+    gap = modes.gap_of_eq_5(kappa)
+    problem = first_row(kappa=kappa, gap=gap)
+    omega = math.sqrt(2.0 * kappa)
+    assert modes.theta(problem) == pytest.approx(1.2854, abs=5e-5)
+    assert modes.theta(problem) == pytest.approx(modes.THETA_OF_EQ_5, rel=1e-15)
+    (x,), (v,) = modes.motion(problem, np.array([math.pi / 2.0 / omega]))
+    assert x[0] == pytest.approx(gap, rel=1e-14)
+    # the sentence after eq. 5 asks for equal displacements too: chain 2 has gone (pi - 2) / (pi + 2) of the gap
+    assert x[1] / gap == pytest.approx((math.pi - 2.0) / (math.pi + 2.0), rel=1e-14)
+    np.testing.assert_allclose(v, [0.5, 0.5], atol=1e-15)
+
+
+def test_eq_5_needs_springs():
+    with pytest.raises(ValueError, match="springs"):
+        modes.gap_of_eq_5(0.0)
+
+
+# --- what the paper's scenes do ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kappa", [0.1, 1.0])
 def test_at_the_gap_of_eq_5_chain_2_collides_after_half_a_period_with_three_quarters_against_one(kappa):
-    found = run(make_problem(kappa=kappa, gap=gap_of_eq_5(kappa), duration=50.0), max_events=2)
+    found = run(rigid_problem(kappa=kappa, gap=modes.gap_of_eq_5(kappa), duration=50.0), max_events=2)
     assert list(zip(found.chain, found.row, strict=True)) == [(1, 1), (2, 1)]
     np.testing.assert_allclose(math.sqrt(2.0 * kappa) * found.time, [math.pi / 2.0, math.pi], rtol=1e-14)
     np.testing.assert_allclose(found.striker, [0.5, 0.75], rtol=1e-14)
@@ -56,7 +118,7 @@ def test_theta_of_n_quarter_turns_loses_nothing_in_100_rows(n, kappa):
     """n odd hops chains at every row, n even stays in chain 1."""
     omega = math.sqrt(2.0 * kappa)
     gap = n * math.pi / 2.0 / omega * ABOVE
-    found = run(make_problem(beads=110, kappa=kappa, gap=gap, duration=110 * n * math.pi / omega), max_events=100)
+    found = run(rigid_problem(beads=110, kappa=kappa, gap=gap, duration=110 * n * math.pi / omega), max_events=100)
     rows = np.arange(1, 101)
     assert np.array_equal(found.row, rows)
     assert np.array_equal(found.chain, np.where(rows % 2, 1 + n % 2, 1))
@@ -68,20 +130,20 @@ def test_theta_of_n_quarter_turns_loses_nothing_in_100_rows(n, kappa):
 @pytest.mark.parametrize("below", [1e-4, 1e-8, 1e-12])
 def test_the_loss_free_orbits_are_lost_within_20_rows_from_below(below):
     """There the other bead arrives a little before; a deviation e of one row is about e**(2/3) in the next."""
-    found = run(make_problem(beads=110, gap=math.pi / 2.0 * (1.0 - below), duration=200.0))
+    found = run(rigid_problem(beads=110, gap=math.pi / 2.0 * (1.0 - below), duration=200.0))
     assert np.abs(found.striker[found.row == 20] - 1.0).min() > 0.01
 
 
 def test_a_small_gap_costs_theta_squared_over_two_of_the_energy_a_row():
     theta = 1e-3
-    found = run(make_problem(beads=102, gap=theta, duration=1.0))
+    found = run(rigid_problem(beads=102, gap=theta, duration=1.0))
     first = [np.flatnonzero((found.row == row) & (found.chain == 1))[0] for row in range(1, 101)]
     rows = np.arange(1, 101)
     # bead n + 1 leaves with v**2 = 1 - theta**2 n / 2, and what is left out is about theta**4 n / 48
     np.testing.assert_allclose(found.striker[first] ** 2, 1.0 - theta**2 * rows / 2.0, rtol=0, atol=1e-11)
 
 
-# an independent integration
+# --- an independent integration ---------------------------------------------------------------------------------------
 
 
 def at_once(event):
@@ -132,7 +194,7 @@ def brute_force(problem, events, step=2e-3):
     ],
 )
 def test_the_first_events_agree_with_fine_steps_and_bisection(chains, kappa, gap, kicks):
-    problem = make_problem(chains, 6, kicks, kappa, gap, 200.0)
+    problem = rigid_problem(chains, 6, kicks, kappa, gap, 200.0)
     count = 8
     found = run(problem, max_events=count)
     time, chain, row, striker, target = brute_force(problem, count)
@@ -144,13 +206,13 @@ def test_the_first_events_agree_with_fine_steps_and_bisection(chains, kappa, gap
     np.testing.assert_allclose(found.target[order], target, rtol=0, atol=1e-9)
 
 
-# what is conserved
+# --- what is conserved ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 def test_a_million_collisions_keep_energy_and_momentum():
     beads = 2000
-    problem = make_problem(2, beads, random_kicks(2, beads, 1), gap=1.0, duration=4000.0)
+    problem = rigid_problem(2, beads, random_kicks(2, beads, 1), gap=1.0, duration=4000.0)
     found = run(problem, max_events=1_000_000)
     assert len(found) == 1_000_000
     t = sample(found, np.linspace(0.0, found.until, 5))
@@ -165,7 +227,7 @@ def test_a_million_collisions_keep_energy_and_momentum():
 @pytest.mark.parametrize("chains", [1, 2, 3, 5])
 @pytest.mark.parametrize("gap", [1e-3, 0.3, 10.0])
 def test_beads_never_overlap(chains, gap):
-    problem = make_problem(chains, 40, random_kicks(chains, 40, 2), kappa=0.4, gap=gap, duration=40.0)
+    problem = rigid_problem(chains, 40, random_kicks(chains, 40, 2), kappa=0.4, gap=gap, duration=40.0)
     found = run(problem, max_events=20_000)
     assert len(found) > 10
     times = np.unique(np.concatenate([found.time[:2000], np.linspace(0.0, found.until, 500)]))
@@ -178,33 +240,33 @@ def test_beads_never_overlap(chains, gap):
 def test_the_scale_of_time_and_length_does_not_matter():
     """Rigid dynamics depend on theta alone."""
     kicks = random_kicks(2, 20, 3)
-    soft = run(make_problem(2, 20, kicks, kappa=0.5, gap=1.0, duration=20.0), max_events=30)
-    stiff = run(make_problem(2, 20, kicks, kappa=0.5e6, gap=1e-3, duration=0.02), max_events=30)
+    soft = run(rigid_problem(2, 20, kicks, kappa=0.5, gap=1.0, duration=20.0), max_events=30)
+    stiff = run(rigid_problem(2, 20, kicks, kappa=0.5e6, gap=1e-3, duration=0.02), max_events=30)
     np.testing.assert_allclose(stiff.time, 1e-3 * soft.time, rtol=1e-9)
     np.testing.assert_allclose(stiff.striker, soft.striker, rtol=0, atol=1e-9)
     assert np.array_equal(stiff.row, soft.row)
 
 
 def test_two_runs_are_the_same_bit_for_bit():
-    problem = make_problem(3, 50, random_kicks(3, 50, 4), duration=30.0)
+    problem = rigid_problem(3, 50, random_kicks(3, 50, 4), duration=30.0)
     for first, second in zip(vars(run(problem)).values(), vars(run(problem)).values(), strict=True):
         assert np.array_equal(first, second)
 
 
-# sampling
+# --- sampling ---------------------------------------------------------------------------------------------------------
 
 
 def test_a_trajectory_has_the_problems_frames_and_beads():
-    problem = make_problem(3, 30, recorded=(1, 7, 30), duration=50.0)
-    t = trajectory(run(problem))
+    problem = rigid_problem(3, 30, recorded=(1, 7, 30), duration=50.0)
+    t = joined(blocks(run(problem)))
     assert t.displacement.shape == t.velocity.shape == (101, 3, 3)
     np.testing.assert_allclose(t.time, np.linspace(0.0, 50.0, 101))
-    whole = trajectory(run(make_problem(3, 30, duration=50.0)))
+    whole = joined(blocks(run(rigid_problem(3, 30, duration=50.0))))
     assert np.array_equal(t.velocity, whole.velocity[:, :, [0, 6, 29]])
 
 
 def test_times_may_come_in_any_order_and_hold_the_velocities_after_a_collision():
-    found = run(make_problem(duration=50.0))
+    found = run(rigid_problem(duration=50.0))
     times = np.random.default_rng(5).permutation(np.concatenate([found.time, np.linspace(0.0, 50.0, 77)]))
     mixed, sorted_ = sample(found, times), sample(found, np.sort(times))
     assert np.array_equal(mixed.velocity[np.argsort(times)], sorted_.velocity)
@@ -214,10 +276,27 @@ def test_times_may_come_in_any_order_and_hold_the_velocities_after_a_collision()
 
 
 def test_a_run_that_was_stopped_is_known_up_to_its_last_collision():
-    found = run(make_problem(), max_events=3)
+    found = run(rigid_problem(), max_events=3)
     assert len(found) == 3
     assert found.until == found.time[-1]
-    assert trajectory(found).time[-1] <= found.until
+    assert joined(blocks(found)).time[-1] <= found.until
     with pytest.raises(ValueError, match="known from 0"):
         sample(found, np.array([found.until * 1.01]))
-    assert len(run(make_problem(), max_events=0)) == 0
+    assert len(run(rigid_problem(), max_events=0)) == 0
+
+
+# --- the queue --------------------------------------------------------------------------------------------------------
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(1, 40), st.integers(0, 2**31))
+def test_the_first_member_is_always_the_earliest(members, seed):
+    random = np.random.default_rng(seed)
+    heap = make_heap(members)
+    times = np.full(members, np.inf)
+    for _ in range(200):
+        member = int(random.integers(members))
+        times[member] = random.choice([np.inf, float(random.integers(5)), random.random()])
+        reschedule(heap, member, times[member])
+        assert heap.time[heap.member[0]] == times.min()
+        assert np.array_equal(heap.member[heap.place], np.arange(members))

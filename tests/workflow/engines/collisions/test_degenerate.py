@@ -6,23 +6,19 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from small_problems import problem
+from small_problems import rigid_problem
 
-from workflow.engines.collisions import run, sample, trajectory
+from analysis.trajectory import joined
+from workflow.engines.collisions import blocks, run, sample
 from workflow.engines.collisions.modes import motion
 
 
-def make_problem(chains=2, beads=10, kicks=((1, 1, 1.0),), kappa=0.5, gap=1.0, duration=100.0):
-    times = {"timestep": duration / 10, "steps_per_frame": 1, "frames": 10}
-    return problem(chains=chains, beads=beads, kicks=tuple(kicks), kappa=kappa, gap=gap, **times)
-
-
 def final(problem):
-    return trajectory(run(problem)).velocity[-1]
+    return joined(blocks(run(problem))).velocity[-1]
 
 
 def test_both_chains_at_once_carry_the_pulse_on_without_loss():
-    found = run(make_problem(kicks=[(1, 1, 1.0), (2, 1, 1.0)], beads=50, gap=0.7))
+    found = run(rigid_problem(kicks=[(1, 1, 1.0), (2, 1, 1.0)], beads=50, gap=0.7))
     assert np.array_equal(found.row, np.repeat(np.arange(1, 50), 2))
     assert sorted(found.chain[:2]) == [1, 2]
     np.testing.assert_allclose(found.time, 0.7 * found.row, rtol=1e-13)
@@ -30,21 +26,21 @@ def test_both_chains_at_once_carry_the_pulse_on_without_loss():
 
 
 def test_a_bead_struck_from_both_sides_stays_where_it_is():
-    v = final(make_problem(1, 3, [(1, 1, 1.0), (1, 3, -1.0)], duration=2.0))
+    v = final(rigid_problem(1, 3, [(1, 1, 1.0), (1, 3, -1.0)], duration=2.0))
     assert v.tolist() == [[-1.0, 0.0, 1.0]]
 
 
 def test_a_coupled_bead_struck_from_both_sides_keeps_the_mirror_symmetry():
-    t = sample(run(make_problem(2, 3, [(1, 1, 1.0), (1, 3, -1.0)], duration=3.0)), np.linspace(0.0, 3.0, 50))
+    t = sample(run(rigid_problem(2, 3, [(1, 1, 1.0), (1, 3, -1.0)], duration=3.0)), np.linspace(0.0, 3.0, 50))
     np.testing.assert_allclose(t.velocity, -t.velocity[:, :, ::-1], rtol=0, atol=1e-13)
     np.testing.assert_allclose(t.velocity[:, :, 1], 0.0, rtol=0, atol=1e-13)
 
 
 def test_three_beads_that_meet_at_one_instant_leave_sorted():
     # beads 1 and 2 both reach the third at t = 2
-    found = run(make_problem(1, 3, [(1, 1, 1.0), (1, 2, 0.5)], duration=5.0))
+    found = run(rigid_problem(1, 3, [(1, 1, 1.0), (1, 2, 0.5)], duration=5.0))
     assert found.time.tolist() == [2.0, 2.0, 2.0]
-    assert trajectory(found).velocity[-1].tolist() == [[0.0, 0.5, 1.0]]
+    assert joined(blocks(found)).velocity[-1].tolist() == [[0.0, 0.5, 1.0]]
 
 
 @settings(max_examples=40, deadline=None)
@@ -55,13 +51,13 @@ def test_three_beads_that_meet_at_one_instant_leave_sorted():
 def test_without_springs_beads_leave_sorted_after_as_many_collisions_as_inversions(v, gap):
     v = np.array(v) / np.abs(v).max()
     kicks = [(1, b + 1, float(u)) for b, u in enumerate(v) if u]
-    found = run(make_problem(1, 6, kicks, kappa=0.0, gap=gap, duration=1000.0))
+    found = run(rigid_problem(1, 6, kicks, kappa=0.0, gap=gap, duration=1000.0))
     assert len(found) == sum(v[i] > v[j] for i in range(6) for j in range(i + 1, 6))
-    assert np.array_equal(trajectory(found).velocity[-1, 0], np.sort(v))
+    assert np.array_equal(joined(blocks(found)).velocity[-1, 0], np.sort(v))
 
 
 def test_chains_without_springs_do_not_know_of_each_other():
-    together = run(make_problem(2, 10, [(1, 1, 1.0), (2, 1, -0.5), (2, 10, -1.0)], kappa=0.0))
+    together = run(rigid_problem(2, 10, [(1, 1, 1.0), (2, 1, -0.5), (2, 10, -1.0)], kappa=0.0))
     assert np.array_equal(together.row[together.chain == 1], np.arange(1, 10))
     np.testing.assert_allclose(together.time[together.chain == 1], np.arange(1.0, 10.0), rtol=1e-15)
     assert np.array_equal(together.row[together.chain == 2], np.arange(9, 1 - 1, -1))
@@ -72,41 +68,41 @@ def test_an_exact_graze_exchanges_nothing():
     kicks = [(1, 1, 1.0), (2, 1, -1.0)]
     for kappa in (0.5, 0.1, 3.0):
         reach = 1.0 / math.sqrt(2.0 * kappa)
-        assert len(run(make_problem(kicks=kicks, kappa=kappa, gap=reach * (1.0 + 1e-15), duration=1000.0))) == 0
-        first = run(make_problem(kicks=kicks, kappa=kappa, gap=reach * (1.0 - 1e-10), duration=1000.0), max_events=1)
+        assert len(run(rigid_problem(kicks=kicks, kappa=kappa, gap=reach * (1.0 + 1e-15), duration=1000.0))) == 0
+        first = run(rigid_problem(kicks=kicks, kappa=kappa, gap=reach * (1.0 - 1e-10), duration=1000.0), max_events=1)
         assert first.impulse[0] == pytest.approx(math.sqrt(2e-10), rel=1e-4)
 
 
 def test_a_graze_within_rounding_exchanges_next_to_nothing():
     kicks = [(1, 1, 1.0), (2, 1, -1.0)]
-    found = run(make_problem(kicks=kicks, gap=1.0, duration=50.0), max_events=100)
+    found = run(rigid_problem(kicks=kicks, gap=1.0, duration=50.0), max_events=100)
     assert found.impulse.sum() < 1e-6
 
 
 def test_beads_left_touching_at_rest_stay_at_rest():
     """The orbit theta = pi / 2 leaves every row at rest, in contact with the next in both chains."""
     gap = math.pi / 2.0 * (1.0 + 4.0 * np.finfo(float).eps)
-    found = run(make_problem(beads=12, gap=gap, duration=500.0))
+    found = run(rigid_problem(beads=12, gap=gap, duration=500.0))
     assert len(found) == 11
     np.testing.assert_allclose(sample(found, np.array([500.0])).velocity[0, :, :11], 0.0, rtol=0, atol=1e-13)
 
 
 def test_beads_that_travel_in_step_never_meet():
     kicks = [(c, b, 1.0) for c in (1, 2) for b in range(1, 11)]
-    assert len(run(make_problem(kicks=kicks, duration=1e6))) == 0
+    assert len(run(rigid_problem(kicks=kicks, duration=1e6))) == 0
 
 
 def test_no_collision_is_a_run_too():
-    found = run(make_problem(kicks=[(1, 10, 1.0)]))
+    found = run(rigid_problem(kicks=[(1, 10, 1.0)]))
     assert len(found) == 0
-    assert trajectory(found).frames == 11
+    assert joined(blocks(found)).frames == 101
 
 
 def test_a_contact_after_hundreds_of_quiet_periods_is_found():
     # chain 1 of a row whose centre of mass rests reaches 0.55 + 0.45 / sqrt(3) when both its modes are at their crests
     kicks = [(1, 1, 1.0), (2, 1, -0.9), (3, 1, -0.1)]
     gap = (0.55 + 0.45 / math.sqrt(3.0)) * (1.0 - 1e-6)
-    problem = make_problem(3, 2, kicks, kappa=1.0, gap=gap, duration=1e5)
+    problem = rigid_problem(3, 2, kicks, kappa=1.0, gap=gap, duration=1e5)
     found = run(problem, max_events=1)
     assert found.time[0] > 100.0 * 2.0 * math.pi
     assert motion(problem, found.time)[0].max() == pytest.approx(gap, rel=1e-12)
@@ -115,15 +111,15 @@ def test_a_contact_after_hundreds_of_quiet_periods_is_found():
 
 
 def test_after_the_last_collision_beads_fly_apart_for_ever():
-    found = run(make_problem(beads=5, duration=1e5))
-    later = run(make_problem(beads=5, duration=1e9))
+    found = run(rigid_problem(beads=5, duration=1e5))
+    later = run(rigid_problem(beads=5, duration=1e9))
     assert len(later) == len(found) > 4
     assert later.time[-1] < 1e5
 
 
 @pytest.mark.parametrize("gap", [1e-6, 1e-12, 1e-100, 1e-300])
 def test_through_a_tiny_gap_the_kick_passes_unshared(gap):
-    found = run(make_problem(beads=101, gap=gap, duration=1.0))
+    found = run(rigid_problem(beads=101, gap=gap, duration=1.0))
     assert np.array_equal(found.row, np.arange(1, 101))
     assert set(found.chain) == {1}
     np.testing.assert_allclose(found.striker, 1.0, rtol=0, atol=1e-8)
@@ -132,7 +128,7 @@ def test_through_a_tiny_gap_the_kick_passes_unshared(gap):
 
 @pytest.mark.parametrize("gap", [1e4, 1e8])
 def test_across_a_huge_gap_a_row_arrives_with_the_speed_of_its_mass(gap):
-    found = run(make_problem(beads=3, gap=gap, duration=10 * gap), max_events=1)
+    found = run(rigid_problem(beads=3, gap=gap, duration=10 * gap), max_events=1)
     assert found.time[0] == pytest.approx(2.0 * gap, abs=2.0)
     t = found.time[0]
     assert 0.5 * (t + math.sin(t) * (1 if found.chain[0] == 1 else -1)) == pytest.approx(gap, rel=1e-15)
@@ -140,4 +136,4 @@ def test_across_a_huge_gap_a_row_arrives_with_the_speed_of_its_mass(gap):
 
 def test_rigid_beads_that_touch_are_refused():
     with pytest.raises(ValueError, match="gap > 0"):
-        run(make_problem(gap=0.0))
+        run(rigid_problem(gap=0.0))
