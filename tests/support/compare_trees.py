@@ -119,7 +119,7 @@ def _killed(words: list[str], directory: Path) -> int:
 def written_scenes(directory: Path, old: Path, count: int, seed: int) -> list[Path]:
     """YAML files of the old tree's installed scenes and of random ones, each with a time step of its own."""
     sys.path[:0] = [str(HERE), str(HERE / "tests" / "support")]
-    import random_scenes
+    from random_scenes import draw
 
     from lammps_inputs import library, strict_yaml
 
@@ -132,7 +132,7 @@ def written_scenes(directory: Path, old: Path, count: int, seed: int) -> list[Pa
         chance = random.Random(name)
         while f"random-{name}" not in found:
             with contextlib.suppress(ValueError):
-                found[f"random-{name}"] = random_scenes.draw(chance, name)
+                found[f"random-{name}"] = draw(chance, name)
     for name, scene in found.items():
         step = {} if scene.timestep or scene.accuracy else {"timestep": 0.01 * scene.scale.time}
         (directory / f"{name}.yaml").write_text(strict_yaml.dump({**scene.plain(), **step}))

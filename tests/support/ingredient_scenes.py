@@ -251,7 +251,7 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
         plane = material["youngs_modulus"] / (1.0 - material["poisson_ratio"] ** 2)
         strength = plane * np.sqrt(2.0 * material["radius"]) / 3.0 if p == 1.5 else 1e10
     length = (mass * (velocity * one.velocity) ** 2 / strength) ** (1.0 / (p + 1.0)) / one.length
-    unit = Units(mass, length, velocity, si=material is not None)
+    unit = Units(mass, length, velocity)
     dashpot = unit.force / unit.velocity
     losses = {"viscoelastic": dashpot / unit.length**0.5, "restitution": 1.0}
     worth = {

@@ -1,233 +1,135 @@
-"""Random accepted scenes through LAMMPS, every number and sentence against a computation that shares no code.
+"""Random scenes of all ingredients, alone and together; not every one is accepted."""
 
-As a script, from the root of the repository: ``python tests/support/random_scenes.py COUNT [SEED] [FROM]``, some
-seconds of one core a scene; ``SEED-NUMBER`` in place of COUNT is that scene alone, ``installed`` are the installed
-ones, and names of them are those. Compared are: the frames with the integrator here, every key of ``analysis.json``,
-every column of every table, and what `run` and `analyze` print. What differs by more than the run itself states is
-wrong, and what nobody computes is not checked: exit code 1.
-
-| file            | what                                                                        |
-|-----------------|-----------------------------------------------------------------------------|
-| scene_draws     | the random scenes                                                           |
-| scene_keys, scenes_nature | forces and energies straight from a scene's keys                  |
-| truth           | the motion, by scipy's DOP853                                               |
-| own_frames      | a run directory as an outsider reads it                                     |
-| comparing       | trees of expectations, leaf by leaf                                         |
-| check_*         | the expectations, a topic a file                                            |
-"""
-
-import contextlib
-import io
-import os
 import random
-import re
-import sys
-import tempfile
-from dataclasses import dataclass, field
-from pathlib import Path
+from typing import Any
 
-import check_cells
-import check_ends
-import check_energy
-import check_forces
-import check_printed
-import check_pulses
-import check_sharing
-import check_sound
-import check_waves
-import lammps_here
-import numpy as np
-from case import FLOOR, Case
-from comparing import Tally
-from own_frames import Directory
-from scene_draws import draw, draw_any
-
-from lammps_inputs import InputError, Scene, library
-from workflow import cli
-from workflow.commands.run import _tell
-from workflow.engines.lammps import mpi
-from workflow.errors import RunError
-from workflow.prepare.settings import settle
-from workflow.runs.check import LITTLE
-from workflow.runs.resume import resume
-from workflow.runs.run import Run, run
-
-__all__ = ["draw", "judge"]
-
-TOPICS = (check_energy, check_forces, check_sound, check_ends, check_waves, check_pulses, check_cells, check_sharing)
+from lammps_inputs import Coupling, Kick, Material, Output, Scene
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """What came of a scene.
+def draw(chance: random.Random, number: int | str) -> Scene:
+    """A scene; not every one is accepted.
 
-    Attributes:
-        verdict: ``right``, ``stated`` (off by no more than the run itself states), ``unknown`` (the integrator here does
-            not know it itself), ``stopped`` (the run ended with an error), ``refused`` or ``WRONG``.
-        reason: why.
-        tally: what was compared.
-    """  # noqa: E501
-
-    verdict: str
-    reason: str
-    tally: Tally = field(default_factory=Tally)
-
-
-def judge(scene: Scene, directory: Path, *, ranks: int = 1, cut: bool = False) -> Judgement:
-    """Run a scene and compare everything."""
-    try:
-        result = _run(scene, directory, ranks, cut=cut)
-    except RunError as error:
-        return Judgement("stopped", str(error))
-    if isinstance(result, str):
-        return Judgement("WRONG", result)
-    printed = {"run": _printed(lambda: _tell(result, None)), "analyze": _analysed(directory)}
-    found = compared(directory, printed, 1e-9)
-    if found.verdict == "WRONG":
-        found = compared(directory, printed, 1e-12)
-    if found.verdict == "WRONG" and (apart := _apart(directory)) > FLOOR:
-        return Judgement("unknown", f"two integrations here are {apart:.1e} V apart; {found.reason}", found.tally)
-    return found
-
-
-def compared(directory: Path, printed: dict[str, str], rtol: float) -> Judgement:
-    """A run directory that was analysed against the true motion."""
-    case, tally = Case(Directory(directory), rtol, printed), Tally()
-    _velocities(case, tally)
-    if not tally.wrong:
-        tally.compare("analysis.json", case.report, {k: v for topic in TOPICS for k, v in topic.expected(case).items()})
-        for name, expected in tables(case).items():
-            tally.compare(name, case.directory.table(name), expected)
-        check_waves.claims(case, tally)
-        check_printed.check(case, tally)
-        for path in directory.glob("*.csv"):
-            if path.name not in tables(case):
-                tally.unchecked[path.name] += 1
-    off, stated = case.off[1], case.stated.velocity
-    if tally.wrong:
-        return Judgement("WRONG", "\n  ".join([f"off by {off:.1e} V", *tally.wrong[:12]]), tally)
-    return Judgement("right" if off <= FLOOR else "stated", f"off by {off:.1e} V, stated {stated:.1e}", tally)
+    Raises:
+        ValueError: this one is not.
+    """
+    if (which := chance.random()) < 0.4:
+        return _draw_more(chance, number) if which < 0.25 else _draw_lossy(chance, number)
+    windowed = chance.random() < 0.1
+    chains = chance.choice([1, 2, 2, 3])
+    beads = chance.randint(90, 130) if windowed else chance.randint(2, 12)
+    signs = [1.0] if windowed else [1.0, 1.0, -1.0]
+    places = {(chance.randint(1, chains), chance.randint(1, min(beads, 20))) for _ in range(chance.randint(1, 4))}
+    kicks = [(c, b, chance.choice(signs) * chance.choice([1.0, 0.5, 0.2, chance.random() + 0.01])) for c, b in places]
+    material, speed = None, chance.choice([1.0, 1.0, 1e-3, 40.0])
+    if chance.random() < 0.2:
+        material = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
+    hit = tuple(Kick(chain=c, bead=b, velocity=speed * v) for c, b, v in kicks)
+    unit = Scene(name="unit", chains=chains, beads=beads, kick=hit, material=material, until_bead=1).scale
+    kappa = chance.choice([0.0, 10.0 ** chance.uniform(-3.0, 0.3)]) if chains > 1 else 0.0
+    gap = chance.choice([0.0, 0.0, chance.uniform(0.1, 3.0), chance.uniform(3.0, 15.0)])
+    gap = min(gap, 1.0) if windowed else gap
+    duration = chance.uniform(90.0, 140.0) if windowed else chance.uniform(15.0, 80.0)
+    every = 0.5
+    some = not windowed and chance.random() < 0.3
+    output = Output(
+        every=every * unit.time,
+        beads=tuple(sorted(chance.sample(range(1, beads + 1), min(2, beads)))) if some else "all",
+        snapshots=10.0 * unit.time if some else None,
+        peaks=True if not windowed and chance.random() < 0.4 else None,
+    )
+    return Scene(
+        name=f"scene-{number}",
+        chains=chains,
+        beads=beads,
+        gap=gap * unit.length,
+        coupling=Coupling(stiffness=kappa * unit.stiffness) if kappa else None,
+        kick=hit,
+        material=material,
+        duration=duration * unit.time,
+        scheme=chance.choice([None, "suzuki4"]),
+        window=64 if windowed else None,
+        output=output,
+    )
 
 
-def tables(case: Case) -> dict[str, object]:
-    """Of all CSV tables that there are to be."""
-    names = ["waves.csv", *(["peaks.csv"] if case.scene.output.peaks else [])]
-    waves = {name: check_waves.table(case, name) for name in names}
-    return {**waves, **check_forces.tables(case), **check_sound.tables(case)}
+def _draw_more(chance: random.Random, number: int | str) -> Scene:
+    """A scene with one ingredient more, in reduced units, kicked one way with V = 1."""
+    chains, beads = chance.choice([1, 2, 3]), chance.randint(3, 12)
+    more: dict[str, Any] = {}
+    which = chance.choice(["foundation", "walls", "unequal", "coupling", "push"])
+    if which == "coupling":
+        chains = 3
+        more["coupling"] = {"stiffness": 10.0 ** chance.uniform(-3.0, 0.3), "topology": "ring"}
+        first = chance.randint(1, beads)
+        more["coupling"] |= chance.choice([{}, {"rows": [first, chance.randint(first, beads)]}, {"cubic": 0.1}])
+    elif chains > 1:
+        more["coupling"] = {"stiffness": 10.0 ** chance.uniform(-3.0, 0.3)}
+    if which == "foundation":
+        more["foundation"] = {"stiffness": 10.0 ** chance.uniform(-2.0, 0.3)} | chance.choice([{}, {"cubic": 0.1}])
+        more["foundation"] |= chance.choice([{}, {"rows": [2, beads]}])
+    if which == "walls":
+        faces = ["bead", "flat", "rigid"]
+        more["walls"] = {"left": chance.choice(faces), "right": chance.choice(faces)}
+    if which == "unequal":
+        more["kinds"] = {name: {"mass": chance.uniform(0.3, 3.0), "radius": chance.uniform(0.5, 1.5)} for name in "ab"}
+        more["pattern"] = chance.choice([["a", "b"], ["a", "a", "b"]])
+        more |= chance.choice([{}, {"taper": 0.03}])
+    if which == "push":
+        place = {"chain": chance.randint(1, chains), "bead": chance.randint(1, beads)}
+        shape = chance.choice(["half-sine", "rectangular"])
+        more["push"] = {**place, "peak": chance.uniform(0.1, 1.0), "duration": chance.uniform(0.5, 5.0), "shape": shape}
+    places = {(chance.randint(1, chains), chance.randint(1, beads)) for _ in range(chance.randint(1, 3))}
+    kicks = [{"chain": c, "bead": b, "velocity": 1.0 if k == 0 else 0.4} for k, (c, b) in enumerate(sorted(places))]
+    output: dict[str, Any] = {"every": 0.5}
+    if chance.random() < 0.3:
+        output |= {"beads": sorted(chance.sample(range(1, beads + 1), 2)), "peaks": True, "snapshots": 10.0}
+    more |= {"gap": chance.choice([0.0, 0.0, chance.uniform(0.1, 3.0)]), "duration": chance.uniform(15.0, 60.0)}
+    more |= {"scheme": chance.choice([None, None, "suzuki4"]), "output": output, "kick": kicks}
+    return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
 
 
-def _velocities(case: Case, tally: Tally) -> None:
-    """All frames are there, and as right as the run says."""
-    values = len(case.frames) * case.scene.chains * len(case.directory.recorded)
-    between = 1.1 if values > LITTLE else 1.0  # the run compares only some of its frames
-    off, stated = case.off[1], max(FLOOR, between * case.stated.velocity)
-    wanted = set(range(0, case.directory.record["steps"] + 1, case.directory.steps_per_frame))
-    tally.claim("every frame is there", holds=set(case.frames.steps.tolist()) == wanted)
-    tally.numbers["velocities of frames"] += int(np.isfinite(case.frames.v).sum())
-    tally.claim("velocities are as right as stated", holds=off <= stated, what=f"{off:.1e} V, stated {stated:.1e}")
-
-
-def _run(scene: Scene, directory: Path, ranks: int, *, cut: bool) -> Run | str:
-    """The run, done; or what is wrong with how it was resumed. One rank in this process; what is cut is begun on one."""  # noqa: E501
-    if not cut:
-        return run(scene, directory, ranks=ranks, lammps=lammps_here.run)
-    result = run(scene, directory, lammps=lammps_here.interrupted_after(0))
-    if result.outcome == "done":
-        # the first report comes after 200 steps, and the run is cut at the next, after 600
-        return result if result.directory.problem.steps < 700 else "a run that was to be cut was not"
-    again = resume(directory, ranks=ranks, lammps=lammps_here.run)
-    if again is None or not result.directory.job.resumed[-1].from_step > 0:
-        return "a run that was cut was not resumed from where it was"
-    return again
-
-
-def _printed(what: object) -> str:
-    text = io.StringIO()
-    with contextlib.redirect_stdout(text):
-        what()  # type: ignore[operator]
-    return text.getvalue()
-
-
-def _analysed(directory: Path) -> str:
-    where = Path.cwd()
-    try:
-        return _printed(lambda: cli.main(["analyze", str(directory), "--no-figures"]))
-    finally:
-        os.chdir(where)
-
-
-def _apart(directory: Path) -> float:
-    """How far two integrations of this module's own are apart: where chaos reigns, neither is the truth."""
-    one, other = (Case(Directory(directory), rtol).truth for rtol in (1e-12, 2e-12))
-    return float(np.max(np.abs(one.fine[1] - other.fine[1])))
-
-
-# --- many -------------------------------------------------------------------------------------------------------------
-
-
-def drawn(name: str) -> tuple[Scene, int, bool]:
-    """The scene of a name, SEED-NUMBER; on how many ranks it is run, and whether it is cut and resumed."""
-    chance, scene = random.Random(name), None
-    while scene is None:
-        with contextlib.suppress(ValueError):
-            scene = draw_any(chance, name)
-    ranks = chance.choice([1, 1, 1, 1, 1, min(2, mpi.cores(), scene.beads)])
-    return scene, ranks, chance.random() < 0.2
-
-
-def one(name: str) -> tuple[Judgement, str]:
-    """What came of a scene by its name, and how it was run."""
-    if re.fullmatch(r"\d+-\d+", name):
-        scene, ranks, cut = drawn(name)
-    else:
-        scene, ranks, cut = settle(library.find(name), source=name, force=False)[0], 1, False
-    with tempfile.TemporaryDirectory() as place:
-        try:
-            found = judge(scene, Path(place) / "run", ranks=ranks, cut=cut)
-        except InputError as error:
-            found = Judgement("refused", str(error))
-    return found, f"{scene.name} on {ranks}{', cut' * cut}: {kinds_of(scene)}"
-
-
-def kinds_of(scene: Scene) -> str:
-    """What a scene has of what not every one has."""
-    keys = scene.plain().keys() - {"name", "description", "chains", "beads", "kick", "duration", "output", "timestep"}
-    output = scene.plain().get("output", {}).keys() - {"every", "beads"}
-    return " ".join(sorted({*keys, *output, *(["both ways"] if len({k.velocity > 0 for k in scene.kick}) > 1 else [])}))
-
-
-def main(arguments: list[str]) -> int:
-    """Judge scenes one after the other; print what is not right, and what was compared."""
-    count, seed, begin, *_ = [*arguments, *["1", "1"][len(arguments) - 1 :]]
-    names = arguments
-    if count.isdigit():
-        names = [f"{seed}-{k}" for k in range(int(begin), int(begin) + int(count))]
-    elif count == "installed":
-        names = list(library.installed())
-    verdicts: dict[str, int] = {}
-    kinds: dict[str, int] = {}
-    whole = Tally()
-    for number, name in enumerate(names, 1):
-        try:
-            found, how = one(name)
-        except Exception as error:
-            found, how = Judgement("WRONG", f"{type(error).__name__}: {error}"), name
-            if len(names) == 1:
-                raise
-        verdicts[found.verdict] = verdicts.get(found.verdict, 0) + 1
-        for kind in how.partition(": ")[2].split():
-            kinds[kind] = kinds.get(kind, 0) + 1
-        whole.add(found.tally)
-        if found.verdict not in ("right", "stated") or found.tally.unchecked:
-            missing = f"; not checked: {', '.join(sorted(found.tally.unchecked))}" if found.tally.unchecked else ""
-            print(f"{found.verdict}: {how}: {found.reason}{missing}", flush=True)
-        if number % 10 == 0 or number == len(names):
-            print(f"{number}: {verdicts}, {sum(whole.numbers.values())} numbers", flush=True)
-    for title, counts in (("numbers", whole.numbers), ("sentences", whole.sentences), ("unknown", whole.unknown)):
-        print(f"{title}: {sum(counts.values())}", *(f"  {n} {kind}" for kind, n in counts.most_common()), sep="\n")
-    print(f"scenes: {verdicts}", f"of: {kinds}", f"not checked: {dict(whole.unchecked)}", sep="\n")
-    return 1 if verdicts.get("WRONG") or verdicts.get("stopped") or whole.unchecked else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
+    """A scene of contacts of any exponent, losses, static loads and drives, each as likely as not."""
+    chains, beads = chance.choice([1, 1, 2]), chance.randint(3, 12)
+    more: dict[str, Any] = {"duration": chance.uniform(10.0, 40.0), "output": {"every": 0.5}}
+    exponent = chance.choice([1.5, 1.5, 1.0, 1.25, 2.0, 3.0])
+    if exponent != 1.5:
+        more["contact"] = {"exponent": exponent}
+    if chains > 1:
+        more["coupling"] = {"stiffness": 10.0 ** chance.uniform(-3.0, 0.3)}
+    if chance.random() < 0.3:
+        more["foundation"] = {"stiffness": 10.0 ** chance.uniform(-2.0, 0.0)}
+    if chance.random() < 0.4:
+        faces = ["flat", "rigid"] if exponent == 1.5 else ["bead"]
+        more["walls"] = {"left": chance.choice(["bead", None]), "right": chance.choice(faces)}
+    if chance.random() < 0.3:  # beads that differ in mass alone, as contacts of any exponent allow
+        more["kinds"] = {name: {"mass": chance.uniform(0.3, 3.0), "radius": 1.0} for name in "ab"}
+        more["pattern"] = ["a", "b"]
+    if chance.random() < 0.5:
+        laws = ["linear", "viscoelastic"] + ["restitution"] * (exponent == 1.5)
+        damping = {"contact": 10.0 ** chance.uniform(-3.0, 0.0), "law": chance.choice(laws)}
+        if damping["law"] == "restitution":
+            damping["contact"] = chance.uniform(0.2, 0.99)
+        more["damping"] = damping
+    if chance.random() < 0.4:
+        more.setdefault("damping", {})["beads"] = 10.0 ** chance.uniform(-3.0, 0.0)
+    if chains > 1 and chance.random() < 0.3:
+        more.setdefault("damping", {})["coupling"] = 10.0 ** chance.uniform(-3.0, 0.0)
+    if chance.random() < 0.4:
+        size = 10.0 ** chance.uniform(-3.0, 1.0)
+        more |= (
+            {"gravity": 0.1 * size}
+            if "walls" in more and chance.random() < 0.5
+            else {"precompression": {"force": size}}
+        )
+    places = [(chain, bead) for chain in range(1, chains + 1) for bead in range(1, beads + 1)]
+    (chain, bead), other = chance.sample(places, 2)
+    if chance.random() < 0.4:
+        how = (
+            {"displacement": chance.uniform(0.1, 1.0)} if chance.random() < 0.5 else {"force": chance.uniform(0.1, 1.0)}
+        )
+        frequency, phase = chance.uniform(0.02, 0.3), chance.choice([0.0, 90.0, -90.0, 37.0])
+        more["drive"] = {"chain": chain, "bead": bead, **how, "frequency": frequency, "phase": phase}
+    if "drive" not in more or chance.random() < 0.5:
+        more["kick"] = {"chain": other[0], "bead": other[1], "velocity": chance.choice([1.0, -1.0, 0.3])}
+    return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})

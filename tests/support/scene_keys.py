@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -25,12 +25,12 @@ def units(scene: Scene) -> Units:
     if (law := formula(scene, "contact")) is not None:
         constant, p = law.first
     speeds = [abs(velocity) for *_, velocity in kicks(scene)]
-    speeds += [_impulse(push, absolute=True) / mass for push in scene.push or ()]
+    speeds += [_impulse(push) / mass for push in scene.push or ()]
     for drive in scene.drive or ():
         omega = 2.0 * math.pi * drive.frequency
         speeds.append(drive.force / (mass * omega) if drive.force else drive.displacement * omega)
     velocity = max(speeds)
-    return Units(mass, (mass * velocity**2 / constant) ** (1.0 / (p + 1.0)), velocity, ball is not None)
+    return Units(mass, (mass * velocity**2 / constant) ** (1.0 / (p + 1.0)), velocity)
 
 
 def exponent(scene: Scene) -> float:
@@ -76,39 +76,14 @@ def kicks(scene: Scene) -> list[tuple[int, int, float]]:
     return first + [(kick.chain, kick.bead, kick.velocity) for kick in scene.kick]
 
 
-def blows(scene: Scene) -> list[tuple[int, int, float]]:
-    """(chain, bead, dimensionless impulse or velocity) from 1 of all that sets beads in motion, kicks first."""
-    unit = units(scene)
-    found = [(chain, bead, velocity / unit.velocity) for chain, bead, velocity in kicks(scene)]
-    momentum, moved = unit.momentum, []
-    for push in scene.push or ():
-        found.append((push.chain, push.bead, _impulse(push, absolute=False) / momentum))
-    for drive in scene.drive or ():
-        omega = 2.0 * math.pi * drive.frequency
-        if drive.force:
-            found.append((drive.chain, drive.bead, 2.0 * drive.force / omega / momentum))
-        else:
-            moved.append((drive.chain, drive.bead, drive.displacement * omega / unit.velocity))
-    return found + moved
-
-
-def hardest(scene: Scene) -> tuple[int, int, float]:
-    """The first of those that are largest."""
-    return max(blows(scene), key=lambda blow: abs(blow[2]))
-
-
-def _impulse(push: Any, *, absolute: bool) -> float:
-    """Of the force, or of its size; in the scene's units."""
+def _impulse(push: Any) -> float:
+    """Of the size of the force, in the scene's units."""
     if push.table is None:
-        size = push.peak * push.duration * (2.0 / math.pi if push.shape == "half-sine" else 1.0)
-        return abs(size) if absolute else size
+        return abs(push.peak) * push.duration * (2.0 / math.pi if push.shape == "half-sine" else 1.0)
     total = 0.0
-    for (t0, f0), (t1, f1) in zip(push.table[:-1], push.table[1:], strict=True):
-        if absolute and f0 * f1 < 0.0:
-            total += 0.5 * (t1 - t0) * (f0**2 + f1**2) / (abs(f0) + abs(f1))
-        else:
-            area = 0.5 * (t1 - t0) * (f0 + f1)
-            total += abs(area) if absolute else area
+    for (t0, f0), (t1, f1) in pairwise(push.table):
+        both = abs(f0) + abs(f1)
+        total += 0.5 * (t1 - t0) * (both if f0 * f1 >= 0.0 else (f0**2 + f1**2) / both)
     return total
 
 
@@ -287,9 +262,8 @@ def _turn(drive: Any, unit: Units) -> tuple[float, float]:
     return 2.0 * math.pi * drive.frequency * unit.time, math.radians(drive.phase)
 
 
-@lru_cache(maxsize=4)
-def _nature(text: str) -> Nature:
-    scene = Scene.model_validate_json(text)
+def nature(scene: Scene) -> Nature:
+    """Of any scene with a duration."""
     unit, p = units(scene), exponent(scene)
     laws = {key: formula(scene, key) for key in ("contact", "coupling", "foundation")}
     mass, radius, modulus = beads_of(scene)
@@ -323,13 +297,11 @@ def _nature(text: str) -> Nature:
         ground = (k, c * unit.length**2 / unit.stiffness * there)
     damping, dashpot = scene.damping, unit.force / unit.velocity
     own = Nature(
-        unit=unit,
         exponent=powers,
         gap=scene.gap / unit.length,
         mass=mass,
         strength=strength,
         rest=(load[:, 1:-1] / strength) ** (1.0 / powers),
-        load=load[:, 1:-1],
         hold=hold,
         springs=springs(scene),
         ground=ground,
@@ -367,7 +339,7 @@ def _with_resonators(scene: Scene, own: Nature) -> Nature:
         masses.append(np.where(mass > 0.0, mass, 1.0))
         inner += [(j, number * chains + j, spring[j], dashpot[j]) for j in range(chains)]
     more = [[0, chains * len(scene.resonators)], [0, 0]]
-    wide = {name: np.pad(getattr(own, name), more) for name in ("strength", "rest", "load", "hold", "start")}
+    wide = {name: np.pad(getattr(own, name), more) for name in ("strength", "rest", "hold", "start")}
     coefficient, power = own.loss
     return replace(
         own,
@@ -390,34 +362,19 @@ def _bedded(scene: Scene, there: Floats) -> tuple[Floats, Any, tuple[float, ...]
     chains = soft.stiffness if isinstance(soft.stiffness, tuple) else (soft.stiffness,) * scene.chains
     ramps = [one for one in chains if getattr(one, "times", None)]
 
-    def level(time: float) -> Any:
-        found = np.zeros((2, scene.chains, scene.beads))
+    def at(time: float) -> Any:
+        found, wave = np.zeros((scene.chains, scene.beads)), soft.modulation
         for chain, one in enumerate(chains):
             if isinstance(one, float):
-                found[0, chain] = one
+                found[chain] = one
                 continue
-            low, high = getattr(one, "from"), one.to
-            if one.rows:
-                found[0, chain] = np.clip((row - one.rows[0]) / (one.rows[1] - one.rows[0]), 0, 1) * (high - low) + low
-            else:
-                since, until = (end / second for end in one.times)
-                found[0, chain] = low + (high - low) * np.clip((time - since) / (until - since), 0.0, 1.0)
-                found[1, chain] = (high - low) / (until - since) * (since <= time < until)
+            first, last = one.rows or (end / second for end in one.times)
+            share = np.clip(((row if one.rows else time) - first) / (last - first), 0.0, 1.0)
+            found[chain] = getattr(one, "from") + (one.to - getattr(one, "from")) * share
+        if wave is not None:
+            angle = 2.0 * math.pi * wave.frequency * second * time + math.radians(wave.phase)
+            found *= 1.0 + wave.depth * math.sin(angle)
         return found * there
 
-    def at(time: float) -> Any:
-        (k, slope), wave = level(time), soft.modulation
-        if wave is None:
-            return k, slope
-        turn = 2.0 * math.pi * wave.frequency * second
-        angle = turn * time + math.radians(wave.phase)
-        factor = 1.0 + wave.depth * math.sin(angle)
-        return factor * k, slope * factor + k * wave.depth * turn * math.cos(angle)
-
     bends = tuple(end / second for one in ramps for end in one.times)
-    return at(0.0)[0], at if ramps or soft.modulation else None, bends
-
-
-def nature(scene: Scene) -> Nature:
-    """Of any scene with a duration."""
-    return _nature(scene.model_dump_json(exclude_none=True))
+    return at(0.0), at if ramps or soft.modulation else None, bends

@@ -1,10 +1,10 @@
-"""The forces and energies of any scene, straight from what its keys say: no code is shared with the product.
+"""The forces of any scene, straight from what its keys say: no code is shared with the product.
 
 But for the scene itself, parsed. Everything is dimensionless at V = 1; arrays are [..., chain, bead], contacts
 [..., chain, bead - 1], and leading axes such as frames broadcast.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -21,7 +21,6 @@ class Units:
     mass: float
     length: float
     velocity: float
-    si: bool
 
     @property
     def time(self) -> float:
@@ -34,14 +33,6 @@ class Units:
     @property
     def stiffness(self) -> float:
         return self.mass / self.time**2
-
-    @property
-    def momentum(self) -> float:
-        return self.mass * self.velocity
-
-    @property
-    def energy(self) -> float:
-        return self.mass * self.velocity**2
 
 
 @dataclass(frozen=True)
@@ -96,11 +87,11 @@ class Nature:
     Attributes:
         exponent: of the overlap in the contacts' force, a number or [chain, bead - 1].
         mass: [chain, bead].
-        strength, rest, load: of contacts, [chain, bead - 1]: force over overlap**exponent, overlap and force at rest.
+        strength, rest: of contacts, [chain, bead - 1]: force over overlap**exponent, and overlap at rest.
         hold: force from outside at rest, [chain, bead].
         springs: (chain, other chain, stiffness of each row, cubic stiffness), chains from 0.
         ground: stiffness and cubic stiffness of the springs to the ground, [chain, bead].
-        stiffness: over them, the stiffness at a time and how fast it changes, where that depends on it.
+        stiffness: over them, the stiffness at a time, where that depends on it.
         bends: times at which it does so abruptly.
         walls: those that there are.
         loss: force of a contact's dashpot over the rate of overlap: a coefficient, and the exponent of the overlap.
@@ -113,13 +104,11 @@ class Nature:
         formulas: force of contacts, springs and ground at a strain, by key, where the scene gives it as a formula.
     """
 
-    unit: Units
     exponent: float | Floats
     gap: float
     mass: Floats
     strength: Floats
     rest: Floats
-    load: Floats
     hold: Floats
     springs: list[tuple[int, int, Any, Any]]
     ground: tuple[Floats, Floats]
@@ -136,22 +125,6 @@ class Nature:
     inner: tuple[tuple[int, int, Any, Any], ...] = ()
     formulas: dict[str, Any] = field(default_factory=dict)
 
-    @property
-    def lossy(self) -> bool:
-        return bool(np.any(self.loss[0]) or np.any(self.drag) or self.drag_across or self._inner_drag)
-
-    @cached_property
-    def _inner_drag(self) -> bool:
-        return any(np.any(drag) for *_, drag in self.inner)
-
-    @property
-    def loaded(self) -> bool:
-        return bool(np.any(self.load))
-
-    @property
-    def kick_energy(self) -> float:
-        return float(0.5 * np.sum(self.mass * self.start**2))
-
     @cached_property
     def _has(self) -> dict[str, bool]:
         """What there is at all: asked at every step."""
@@ -161,10 +134,6 @@ class Nature:
     def overlap(self, x: Floats) -> Floats:
         """Of contacts, negative where beads are apart."""
         return np.asarray(x[..., :-1] - x[..., 1:] - self.gap + self.rest)
-
-    def elastic(self, x: Floats) -> Floats:
-        """Force of contacts, that at rest included, without the dashpots'."""
-        return np.asarray(self.strength * _power(np.maximum(self.overlap(x), 0.0), self.exponent))
 
     def contacts(self, x: Floats, v: Floats) -> Floats:
         """Force of contacts, that at rest and the dashpots' included."""
@@ -177,18 +146,16 @@ class Nature:
             push = push + np.where(closed > 0.0, coefficient * closed**power * (v[..., :-1] - v[..., 1:]), 0.0)
         return np.asarray(np.maximum(push, 0.0) if self.cut else push)
 
-    def at_wall(self, wall: Wall, x: Floats, v: Floats | None = None) -> Floats:
-        """Force of a wall, [..., chain], that at rest included; without the dashpots' if there are no velocities."""
+    def at_wall(self, wall: Wall, x: Floats, v: Floats) -> Floats:
+        """Force of a wall, [..., chain], that at rest and the dashpots' included."""
         closed = np.maximum(wall.rest + wall.side * x[..., wall.bead] - self.gap, 0.0)
         if "contact" in self.formulas:
             return np.asarray(self.formulas["contact"](wall.side * x[..., wall.bead] - self.gap))
         push = wall.strength * _power(closed, self.exponent)
-        if v is not None and self._has["loss"]:
-            push = (
-                push + np.where(closed > 0.0, wall.loss * closed ** self.loss[1], 0.0) * wall.side * v[..., wall.bead]
-            )
-            push = np.maximum(push, 0.0) if self.cut else push
-        return np.asarray(push)
+        if self._has["loss"]:
+            loss = np.where(closed > 0.0, wall.loss * closed ** self.loss[1], 0.0)
+            push = push + loss * wall.side * v[..., wall.bead]
+        return np.asarray(np.maximum(push, 0.0) if self.cut else push)
 
     def acceleration(self, time: float, x: Floats, v: Floats) -> Floats:
         force = self.hold - self.drag * v
@@ -209,7 +176,7 @@ class Nature:
             force[..., one, :] += pull
             force[..., other, :] -= pull
         if self._has["ground"]:
-            stiffness = self.ground[0] if self.stiffness is None else self.stiffness(time)[0]
+            stiffness = self.ground[0] if self.stiffness is None else self.stiffness(time)
             force -= stiffness * x + self.ground[1] * x**3
         if "foundation" in self.formulas:
             force -= self.formulas["foundation"](x)
@@ -221,79 +188,6 @@ class Nature:
         for moved in self.moved:
             force[..., moved.chain, moved.bead] = moved.acceleration(time)
         return force
-
-    def power(self, time: Any, x: Floats, v: Floats) -> dict[str, Any]:
-        """Taken by each kind of dashpots, and ``energy_input`` from outside, [...]."""
-        rate, (_coefficient, _power) = v[..., :-1] - v[..., 1:], self.loss
-        lost: dict[str, Any] = {}
-        if self._has["loss"]:
-            lost["contact_damping"] = ((self.contacts(x, v) - self.elastic(x)) * rate).sum(axis=(-2, -1))
-            for wall in self.walls:
-                own = (self.at_wall(wall, x, v) - self.at_wall(wall, x)) * wall.side * v[..., wall.bead]
-                lost[f"{'left' if wall.side < 0.0 else 'right'}_wall_damping"] = own.sum(axis=-1)
-        if self.drag_across:
-            across = [((v[..., other, :] - v[..., one, :]) ** 2).sum(axis=-1) for one, other, *_ in self.springs]
-            lost["coupling_damping"] = self.drag_across * sum(across)
-        if np.any(self.drag):
-            lost["bead_damping"] = (self.drag * v**2).sum(axis=(-2, -1))
-        if self._inner_drag:
-            inside = [(c * (v[..., other, :] - v[..., one, :]) ** 2).sum(axis=-1) for one, other, _, c in self.inner]
-            lost["resonator_damping"] = sum(inside)
-        energy_input = sum((p.force(time) * v[..., p.chain, p.bead] for p in self.pushes), np.zeros(np.shape(time)))
-        if self.moved:  # what moves a bead bears all forces on it
-            forces = replace(self, moved=[]).acceleration(time, x, v) * self.mass
-            for one in self.moved:
-                needed = one.acceleration(time) * self.mass[one.chain, one.bead] - forces[..., one.chain, one.bead]
-                energy_input = energy_input + needed * v[..., one.chain, one.bead]
-        if self.stiffness is not None:
-            energy_input = energy_input + 0.5 * (self.stiffness(time)[1] * x**2).sum(axis=(-2, -1))
-        return {"energy_input": energy_input, **lost}
-
-    # --- energies -----------------------------------------------------------------------------------------------------
-
-    def kinetic(self, v: Floats) -> Floats:
-        return np.asarray(0.5 * self.mass * v**2)
-
-    def in_contacts(self, x: Floats) -> Floats:
-        """Above that at rest: the work against the force above that at rest."""
-        return self._stored(self.overlap(x), self.strength, self.rest, self.load)
-
-    def in_wall(self, wall: Wall, x: Floats) -> Floats:
-        overlap = wall.rest + wall.side * x[..., wall.bead] - self.gap
-        return self._stored(overlap, wall.strength, wall.rest, wall.strength * wall.rest**self.exponent)
-
-    def _stored(self, overlap: Floats, strength: Floats, rest: Floats, load: Floats) -> Floats:
-        p = self.exponent + 1.0
-        whole = strength / p * np.maximum(overlap, 0.0) ** p
-        return np.asarray(whole - strength / p * rest**p - load * (overlap - rest) if np.any(rest) else whole)
-
-    def in_springs(self, x: Floats) -> list[Floats]:
-        """Of each pair of chains, [..., bead]."""
-        apart = [(x[..., other, :] - x[..., one, :], k, c) for one, other, k, c in self.springs]
-        return [0.5 * k * s**2 + 0.25 * c * s**4 for s, k, c in apart]
-
-    def in_ground(self, x: Floats) -> Floats:
-        return np.asarray(0.5 * self.ground[0] * x**2 + 0.25 * self.ground[1] * x**4)
-
-    def held(self, x: Floats, v: Floats) -> dict[str, Floats]:
-        """Energy by where it is, [...]."""
-        none = np.zeros(x.shape[:-2])
-        return {
-            "kinetic": self.kinetic(v).sum(axis=(-2, -1)),
-            "contacts": self.in_contacts(x).sum(axis=(-2, -1)),
-            "springs": sum((part.sum(axis=-1) for part in self.in_springs(x)), none),
-            "ground": self.in_ground(x).sum(axis=(-2, -1)),
-            "walls": sum((self.in_wall(wall, x).sum(axis=-1) for wall in self.walls), none),
-        }
-
-    def of_beads(self, x: Floats, v: Floats) -> Floats:
-        """Of each bead in its chain, with half of each of its contacts and all that walls and ground hold."""
-        found, contact = self.kinetic(v) + self.in_ground(x), self.in_contacts(x)
-        found[..., :-1] += 0.5 * contact
-        found[..., 1:] += 0.5 * contact
-        for wall in self.walls:
-            found[..., wall.bead] += self.in_wall(wall, x)
-        return np.asarray(found)
 
 
 def _power(closed: Floats, exponent: float | Floats) -> Floats:
