@@ -143,7 +143,7 @@ def test_the_developer_guide_of_a_package_names_its_subpackages_and_modules(pack
     [
         ("from workflow import sweep", {"sweep"}),
         ("def late():\n    import workflow.runs.run", {"runs"}),
-        ("from workflow.sweep.table import rows", {"sweep"}),
+        ("from workflow.sweep.collect import rows", {"sweep"}),
         ("if TYPE_CHECKING:\n    import workflow.runs.run", set()),
         ("import analysis.files, workflow", set()),
     ],

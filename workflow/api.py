@@ -22,7 +22,7 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar, progress_bar
 from workflow.sweep import collect as collecting
 from workflow.sweep import file
-from workflow.sweep.table import Table
+from workflow.sweep.collect import Table
 from workflow.verdicts import analyse as analysing
 from workflow.verdicts import validate as validating
 from workflow.verdicts.analyse import Analysis

@@ -12,8 +12,8 @@ from lammps_inputs import schema
 from workflow import cli
 from workflow.cli import COMMANDS, main
 from workflow.studies.design import file as design
+from workflow.sweep.collect import QUANTITIES
 from workflow.sweep.file import schema_of_file
-from workflow.sweep.table import QUANTITIES
 
 SCENE = "name: tiny\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n"
 

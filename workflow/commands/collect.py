@@ -9,7 +9,7 @@ from lammps_inputs import InputError, strict_yaml
 from workflow.runs.files import write_text
 from workflow.screen import Answer, count_bar, one_line, print_table
 from workflow.sweep import collect as collecting
-from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, Table
+from workflow.sweep.collect import QUANTITIES, UNCERTAINTIES, Table
 
 TABLE = "table.csv"
 

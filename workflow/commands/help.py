@@ -35,7 +35,7 @@ def execute(arguments: argparse.Namespace) -> int:
             filter(None, [handbook.of_term(word), _of_quantity(word), handbook.of_word(word)])
         )
         if not found:
-            from workflow.sweep.table import QUANTITIES
+            from workflow.sweep.collect import QUANTITIES
 
             hint = library.suggestion(word[:200], (*handbook.keys(), *cli.COMMANDS, *QUANTITIES))
             raise InputError(f"help: {word[:60]!r} is no key of a scene, no command, no quantity and no term{hint}")

@@ -25,8 +25,7 @@ from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.prepare.extent import with_duration
 from workflow.sweep import fields
-from workflow.sweep.collect import quantities
-from workflow.sweep.table import QUANTITIES
+from workflow.sweep.collect import QUANTITIES, quantities
 from workflow.verdicts.analysis_report import REPORT, ChainSummary, report
 from workflow.workers import evaluate
 

@@ -1,7 +1,7 @@
 """Carry out a sweep on this machine: what is missing or failed, on all cores."""
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,12 +18,10 @@ from workflow.runs.own_files import make_directory
 from workflow.runs.size import refuse_beforehand
 from workflow.runs.status import status
 from workflow.sweep import directory as directories
-from workflow.sweep.directory import Asked, Todo, task
+from workflow.sweep.directory import Asked, task
 from workflow.sweep.file import Case, Sweep, all_cases, scene_of
-from workflow.workers.pool import Pool, Task
-
-Progress = Callable[[int, int, int], None]
-"""Called with the cases done, their total, and how many of them failed."""
+from workflow.workers import evaluate
+from workflow.workers.pool import Answer, Pool
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,7 @@ def sweep(
     processes: int | None = None,
     check: bool = True,
     figures: bool = False,
-    progress: Progress | None = None,
+    progress: evaluate.Progress | None = None,
 ) -> Swept:
     """Run and analyse every case that a directory does not hold yet; Ctrl-C keeps what is done.
 
@@ -70,31 +68,38 @@ def sweep(
         InputError: a case is no scene, or its directory holds something else. Nothing has run then.
     """
     failed: list[tuple[str, str]] = []
+
+    def note(name: str, answer: Answer) -> None:
+        if answer.value != "done":
+            failed.append((name, " ".join(answer.failed.split()) or "was stopped"))
+            with contextlib.suppress(RunError):  # the disk may be full; reported at the end
+                directories.note_failure(directory / name, failed[-1][1])
+
     with planned(what, directory) as cases:
         others = len(_others(directory, cases))
-        _refuse_if_queued(directory, cases)
+        if (directory / file_names.CASES).is_file():  # leave cases to the jobs of a cluster that were sent out for them
+            refuse_if_queued(directory, [case.name for case in cases], queue.ask(), "wait for it, or end it first")
         missing = _missing(cases, directory, figures=figures)
-        before = done = len(cases) - len(missing)
-        if progress is not None:
-            progress(done, len(cases), 0)
-        count = min(processes or cores(), len(missing))
-        tasks = _tasks(what, missing, directory.absolute(), check=check, figures=figures)
+        before = len(cases) - len(missing)
+        formats = asked() if figures else ()
+        tasks = []
+        for case, unfinished in missing:
+            scene = scene_of(what, case)
+            wanted = request(what, case, scene) if unfinished else None
+            own = task((directory / case.name).absolute(), wanted, check=check, figures=formats)
+            tasks.append(evaluate.Case(case.name, own, cost=_work(scene)))
+
+        def show(done: int, _: int, bad: int) -> None:
+            if progress is not None:
+                progress(before + done, len(cases), bad)
+
         try:
-            with Pool(count) as pool:
-                for name, answer in pool.answers(tasks):
-                    if answer.value == "done":
-                        done += 1
-                    else:
-                        reason = " ".join(answer.failed.split()) or "was stopped"
-                        failed.append((name, reason))
-                        with contextlib.suppress(RunError):  # the disk may be full; reported at the end
-                            directories.note_failure(directory / name, reason)
-                    if progress is not None:
-                        progress(done + len(failed), len(cases), len(failed))
+            with Pool(min(processes or cores(), len(missing))) as pool:
+                evaluate.evaluate(tasks, pool=pool, progress=show, tell=note, failed=lambda one: one.value != "done")
         except KeyboardInterrupt:
             done = len(cases) - len(_missing(cases, directory, figures=figures))  # some ended while they were stopped
             return Swept(len(cases), before, done, failed, interrupted=True, others=others)
-    return Swept(len(cases), before, done, failed, interrupted=False, others=others)
+    return Swept(len(cases), before, len(cases) - len(failed), failed, interrupted=False, others=others)
 
 
 @contextlib.contextmanager
@@ -192,30 +197,27 @@ def _refuse_what_cannot_run(where: str, engine: str, scene: Scene) -> None:
     refuse_beforehand(scene, where, ENGINES[engine])
 
 
-def _refuse_if_queued(directory: Path, cases: list[Case]) -> None:
-    """Leave cases to the jobs of a cluster that were sent out for them."""
-    if not (directory / file_names.CASES).is_file():
-        return
-    known = queue.ask()
-    for case in cases:
-        found = status(directory / case.name, known)
+def refuse_if_queued(directory: Path, names: Iterable[str], known: queue.Queue | None, advice: str) -> None:
+    """See that no case waits in Slurm's queue or runs.
+
+    Raises:
+        InputError: one does; says what to do.
+    """
+    for name in names:
+        found = status(directory / name, known)
         if found.state in ("waiting", "running"):
-            raise InputError(f"{directory / case.name}: is {found.state} ({found.why}); wait for it, or end it first")
+            raise InputError(f"{directory / name}: is {found.state} ({found.why}); {advice}")
 
 
-def _missing(cases: list[Case], directory: Path, *, figures: bool) -> list[tuple[Case, Todo]]:
-    found = [(case, directories.todo(directory / case.name, figures=figures)) for case in cases]
-    return [(case, todo) for case, todo in found if todo is not Todo.NOTHING]
-
-
-def _tasks(
-    what: Sweep, missing: list[tuple[Case, Todo]], directory: Path, *, check: bool, figures: bool
-) -> Iterator[tuple[str, Task]]:
-    """The longest first, so that no core is left with one long case at the end."""
-    scenes = [(scene_of(what, case), case, todo) for case, todo in missing]
-    for scene, case, todo in sorted(scenes, key=lambda entry: -_work(entry[0])):
-        wanted = request(what, case, scene) if todo is Todo.RUN else None
-        yield case.name, task(directory / case.name, wanted, check=check, figures=asked() if figures else ())
+def _missing(cases: list[Case], directory: Path, *, figures: bool) -> list[tuple[Case, bool]]:
+    """Cases that are to be run (True), or only to be analysed."""
+    found = []
+    for case in cases:
+        path = directory / case.name
+        unfinished = status(path).state != "done"
+        if unfinished or not directories.is_analysed(path, figures=figures):
+            found.append((case, unfinished))
+    return found
 
 
 def _work(scene: Scene) -> float:

@@ -1,30 +1,161 @@
-"""Gather the cases of a sweep into one table, and draw one quantity of it over one or two fields."""
+"""The table of a sweep: its columns, with names, units and numbers; gathered from its cases, and drawn over fields."""
 
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from lammps_inputs import InputError, file_names, library, strict_yaml
+from analysis.quantity import to_csv
+from analysis.sharing.verdict import State
+from analysis.trajectory import Floats
+from lammps_inputs import InputError, file_names, html, library, strict_yaml
+from lammps_inputs.numbers import text
+from lammps_inputs.units import REDUCED
 from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
 from workflow.runs.files import RECORD, write_figure
 from workflow.runs.job import account
-from workflow.runs.status import Status, status
+from workflow.runs.status import status
 from workflow.sweep import fields
 from workflow.sweep.directory import Asked, asked, is_analysed, read_json, task
-from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, UNSETTLED, Table
 from workflow.verdicts.analysis_report import REPORT
+from workflow.verdicts.quantities import OWN, collect_columns
 from workflow.workers import evaluate
 from workflow.workers.pool import Pool
+
+# --- table ------------------------------------------------------------------------------------------------------------
+
+QUANTITIES = collect_columns()
+"""Columns after the swept fields and the outcome."""
+
+UNCERTAINTIES = {name.removesuffix("_uncertainty"): name for name in QUANTITIES if name.endswith("_uncertainty")}
+"""Column -> the one that holds its uncertainty, in the same unit."""
+
+UNSETTLED = (State.BEATING.value, State.SHORT.value, State.UNSURE.value)
+"""States of a case whose chains have not come to share equally, so that its numbers may yet change."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """All cases.
+
+    Attributes:
+        fields: what is varied in any of them.
+        rows: one a case: its name as ``case``, fields, ``outcome``, quantities, ``reason``; None is unknown.
+        si: whether the scenes are in SI units; None if some are and some are not.
+        scene: name of the scenes; empty if they have several.
+        units: of the fields: a symbol, "reduced", or empty for none.
+        bands: case -> lowest and highest frequencies at which small waves pass, [[low, high], ...]; where known.
+    """
+
+    fields: list[str]
+    rows: list[dict[str, Any]]
+    si: bool | None
+    scene: str = ""
+    units: dict[str, str] = field(default_factory=dict)
+    bands: dict[str, list[list[float]]] = field(default_factory=dict)
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns, in order."""
+        return ["case", *self.fields, "outcome", *QUANTITIES, "reason"]
+
+    def __repr__(self) -> str:
+        return f"<table of {len(self.rows)} cases over {', '.join(self.fields)}>"
+
+    def _repr_html_(self) -> str:
+        own = [name for name, found in QUANTITIES.items() if found.file != RECORD]
+        names = [*self.fields, "outcome", *own, "reason"]
+        names = [name for name in names if any(row[name] not in (None, "") for row in self.rows)]
+        rows = [[row[name] for name in names] for row in self.rows]
+        return html.table(repr(self)[1:-1], [self.heading(name) for name in names], rows)
+
+    def array(self) -> NDArray[Any]:
+        """The table as a structured array: a field per column, text or float64; NaN is unknown."""
+        columns: dict[str, NDArray[Any]] = {}
+        for name in self.columns:
+            if any(isinstance(row[name], str | list | dict) for row in self.rows):
+                columns[name] = np.array(["" if row[name] is None else str(row[name]) for row in self.rows])
+            else:
+                columns[name] = self.numbers(name)
+        made = np.zeros(len(self.rows), dtype=[(name, column.dtype) for name, column in columns.items()])
+        for name, column in columns.items():
+            made[name] = column
+        return made
+
+    def pandas(self) -> Any:
+        """The table as a ``pandas.DataFrame``, headed with units.
+
+        Raises:
+            ImportError: pandas is not installed; `array` needs nothing.
+        """
+        import pandas as pd
+
+        return pd.DataFrame(self.array()).rename(columns={name: self.heading(name) for name in self.columns})
+
+    def to_csv(self) -> str:
+        """One line a case; numbers read back exactly, and what is unknown is empty."""
+        return to_csv({self.heading(name): [_written(row[name]) for row in self.rows] for name in self.columns})
+
+    def numbers(self, name: str) -> Floats:
+        """A column as numbers; NaN where it holds none."""
+        values = (row[name] for row in self.rows)
+        return np.array(
+            [math.nan if value is None or isinstance(value, str) else float(value) for value in values],
+            dtype=np.float64,
+        )
+
+    def passed(self, name: str) -> Floats | None:
+        """Frequencies at which small waves pass, [band, 2], if a field is one and all cases have the same."""
+        if name.rpartition(".")[2] != "frequency":
+            return None
+        found = [np.array(self.bands.get(row["case"], []), dtype=np.float64) for row in self.rows]
+        if not found or any(bands.ndim != 2 or bands.shape != found[0].shape for bands in found):
+            return None
+        # a load is rounded a little differently in each case
+        same = 1e-3 * np.max(np.abs(found[0]), initial=0.0)
+        return found[0] if all(np.all(np.abs(bands - found[0]) <= same) for bands in found) else None
+
+    def heading(self, name: str) -> str:
+        """The name of a column in the table; with its unit where the scenes are in SI."""
+        unit = self._unit(name)
+        return name if unit in ("", REDUCED) or (unit in OWN and not self.si) else f"{name} ({unit})"
+
+    def label(self, name: str) -> str:
+        """What to write at an axis that shows a column."""
+        words = name.replace("_", " ").replace(".", " ") if name in self.fields else QUANTITIES[name].label
+        unit = self._unit(name)
+        if unit in OWN:
+            return f"{words} / ${unit}$"
+        return f"{words} ({unit})" if unit else words
+
+    def _unit(self, name: str) -> str:
+        """Of a column; empty where it has none, or the scenes do not agree on one."""
+        if name in self.fields:
+            return self.units.get(name, "")
+        unit = "" if name not in QUANTITIES else QUANTITIES[name].unit(si=self.si is True)
+        return unit if self.si is not None or unit in OWN else ""
+
+
+def _written(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return text(value)
+    return str(value)
+
+
+# --- collect ----------------------------------------------------------------------------------------------------------
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def collect(directory: Path, progress: Callable[[int, int], None] | None = None) -> Table:
+def collect(directory: Path, progress: evaluate.Progress | None = None) -> Table:
     """Gather all cases below a directory; those with frames but no analysis are analysed first, on all cores.
 
     Args:
@@ -54,7 +185,10 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
         kinds.add("material" in request.scene or report.get("units") == "SI")
         scene = request.scene or _scene(path)
         swept = {name: request.swept.get(name, fields.look_up(scene, paths[name])) for name in names}
-        outcome, reason = _outcome(states[path], report.get("complete") is True, complaints.get(path.name))
+        state = states[path]
+        outcome, reason = state.state, state.why or None
+        if outcome == "done" and report.get("complete") is not True:
+            outcome, reason = "not analysed", complaints.get(path.name)
         row = {"case": path.name, **swept, "outcome": outcome, **quantities(report, record, scene)}
         rows.append({**row, "reason": reason})
         spectra = report.get("spectra")
@@ -99,22 +233,14 @@ def _path(name: str, directory: Path, requests: Iterable[Asked]) -> fields.Path:
         raise InputError(f"{directory}: a case in it: {error}") from None
 
 
-def _analyse(directories: list[Path], progress: Callable[[int, int], None] | None) -> dict[str, str]:
+def _analyse(directories: list[Path], progress: evaluate.Progress | None) -> dict[str, str]:
     """Analyse directories; name -> what went wrong."""
     if not directories:
         return {}
     cases = [evaluate.Case(path.name, task(path.absolute(), None, check=False)) for path in directories]
-    show = None if progress is None else lambda done, total, _: progress(done, total)
     with Pool(min(cores(), len(cases))) as pool:
-        found = evaluate.evaluate(cases, pool=pool, progress=show)
+        found = evaluate.evaluate(cases, pool=pool, progress=progress)
     return {name: " ".join(answer.failed.split()) for name, answer in found.items() if answer.failed}
-
-
-def _outcome(found: Status, analysed: bool, complaint: str | None) -> tuple[str, str | None]:
-    """State of a case in a word or two, and why."""
-    if found.state == "done" and not analysed:
-        return "not analysed", complaint
-    return found.state, found.why or None
 
 
 def quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
@@ -177,10 +303,6 @@ def _refuse_unless_varied(option: str, name: str, table: Table) -> None:
         raise InputError(f"{option}: {name!r} is not varied here; {', '.join(table.fields) or 'nothing'} is")
 
 
-def _placed(row: dict[str, Any], axes: list[str]) -> bool:
-    return all(isinstance(row[name], int | float) and np.isfinite(row[name]) for name in axes)
-
-
 def plot(
     table: Table, directory: Path, quantity: str, over: str, beside: str | None, title: str = ""
 ) -> tuple[Path, ...]:
@@ -228,15 +350,18 @@ def drawn(table: Table, quantity: str, over: str, beside: str | None = None, tit
             f"with --where {others[0] if others else 'FIELD'}=VALUE, or with --and"
         )
     bands = done.passed(over)
-    rows += [{**row, quantity: None} for row in table.rows if row["outcome"] != "done" and _placed(row, shown)]
-    placed = replace(table, rows=rows)
+    rest = replace(table, rows=[{**row, quantity: None} for row in table.rows if row["outcome"] != "done"])
+    finite = np.all([np.isfinite(rest.numbers(name)) for name in shown], axis=0).tolist()
+    placed = replace(table, rows=rows + [row for row, known in zip(rest.rows, finite, strict=True) if known])
     along, *second = [Axis(placed.label(name), placed.numbers(name)) for name in shown]
     error = UNCERTAINTIES.get(quantity)
     upwards = Axis(
         placed.label(quantity),
         placed.numbers(quantity),
         None if error is None else placed.numbers(error),
-        np.array([QUANTITIES[quantity].path[0] == "equipartition" and row["state"] in UNSETTLED for row in rows]),
+        np.array(
+            [QUANTITIES[quantity].path[0] == "equipartition" and row["state"] in UNSETTLED for row in placed.rows]
+        ),
     )
     title = ", ".join(filter(None, (table.scene, title)))
     return swept_figure(upwards, along, second[0] if second else None, title, bands)

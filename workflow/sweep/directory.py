@@ -9,7 +9,6 @@
 
 import contextlib
 from dataclasses import dataclass
-from enum import Enum
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +24,6 @@ from workflow.runs.own_files import claim, others, remove_leftovers
 from workflow.runs.resume import resume
 from workflow.runs.run import Run, run
 from workflow.runs.run_directory import RunDirectory
-from workflow.runs.status import status
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.analysis_report import REPORT
 from workflow.workers.pool import Task
@@ -34,14 +32,6 @@ from workflow.workers.pool import Task
 
 EARLIER = "case.json"
 """Where the request stood before ``run.json`` held it."""
-
-
-class Todo(Enum):
-    """What a case lacks."""
-
-    NOTHING = "nothing"
-    ANALYSIS = "analysis"
-    RUN = "run"
 
 
 @dataclass(frozen=True)
@@ -127,18 +117,10 @@ def _first_difference(one: dict[str, Any], other: dict[str, Any]) -> str | None:
     return keys[0] if keys else None
 
 
-def todo(path: Path, *, figures: bool) -> Todo:
-    """What is missing in a case's directory."""
-    if status(path).state != "done":
-        return Todo.RUN
-    if figures and not all((path / file).is_file() for file in figure_files("spacetime")):
-        return Todo.ANALYSIS
-    return Todo.NOTHING if is_analysed(path) else Todo.ANALYSIS
-
-
-def is_analysed(path: Path) -> bool:
-    """Whether a run that is done was analysed when it was."""
-    return read_json(path / REPORT).get("complete") is True
+def is_analysed(path: Path, *, figures: bool = False) -> bool:
+    """Whether a run that is done was analysed when it was, and drawn where that is asked for."""
+    drawn = not figures or all((path / file).is_file() for file in figure_files("spacetime"))
+    return drawn and read_json(path / REPORT).get("complete") is True
 
 
 def note_failure(path: Path, reason: str) -> None:

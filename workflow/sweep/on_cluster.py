@@ -1,6 +1,5 @@
 """Write a sweep for a cluster: a deck per case, and one Slurm array over those that are not done."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,16 +12,18 @@ from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster import queue
 from workflow.cluster.job_arguments import with_ranks
 from workflow.engines.lammps.mpi import cores
+from workflow.errors import RunError
 from workflow.prepare.settings import settle
 from workflow.runs.engines import LAMMPS
 from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text
 from workflow.runs.job import Job
 from workflow.runs.own_files import claim, listed, retire
 from workflow.runs.status import status
-from workflow.sweep.carry_out import planned, request
+from workflow.sweep.carry_out import planned, refuse_if_queued, request
 from workflow.sweep.directory import Asked, begin
 from workflow.sweep.file import Case, Sweep, scene_of
-from workflow.workers.pool import Pool, Task
+from workflow.workers import evaluate
+from workflow.workers.pool import Answer, Pool, Task
 
 USUAL_LIMIT = 1001
 """Tasks of an array where a site did not say otherwise (MaxArraySize)."""
@@ -48,7 +49,7 @@ class Written:
 
 
 def write_array(
-    what: Sweep, directory: Path, options: JobOptions, progress: Callable[[int, int], None] | None = None
+    what: Sweep, directory: Path, options: JobOptions, progress: evaluate.Progress | None = None
 ) -> Written:
     """Write decks and the array; nothing of a case that is done, waits or runs is touched.
 
@@ -74,11 +75,16 @@ def write_array(
         listed = [name for line in lines for name in line]
         new = sorted(states.keys() - set(listed))
         if listed and new:
-            _refuse_if_queued(directory, listed, known)
+            advice = "cases are added to an array's list when it has ended (scancel ends it), or choose another -o"
+            refuse_if_queued(directory, listed, known, advice)
         count = options.cases_per_task
         lines += [tuple(new[first : first + count]) for first in range(0, len(new), count)]
         small = _write_cases(what, todo, directory.absolute(), progress)
-        options = _for_all(options, small)
+        options = with_ranks(options, small[0])
+        if options.ranks > (rows := small[-1].rows):
+            raise InputError(
+                f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {rows} rows of a case"
+            )
         place = {name: number for number, line in enumerate(lines) for name in line}
         tasks = [place[case.name] for case in todo]
         files = job.render_array(options, lines, name=small[0].name, tasks=tasks, directory=directory)
@@ -94,43 +100,28 @@ def _lines(directory: Path) -> list[tuple[str, ...]]:
     return [tuple(line.split()) for line in path.read_text(encoding="utf-8").splitlines()] if path.is_file() else []
 
 
-def _refuse_if_queued(directory: Path, listed: list[str], known: queue.Queue | None) -> None:
-    for name in listed:
-        found = status(directory / name, known)
-        if found.state in ("waiting", "running"):
-            raise InputError(
-                f"{directory / name}: is {found.state} ({found.why}); cases are added to an array's list when it has "
-                "ended (scancel ends it), or choose another -o"
-            )
-
-
-def _write_cases(
-    what: Sweep, todo: list[Case], directory: Path, progress: Callable[[int, int], None] | None
-) -> list[Problem]:
+def _write_cases(what: Sweep, todo: list[Case], directory: Path, progress: evaluate.Progress | None) -> list[Problem]:
     """Write what each case needs, on all cores; the problems of the fewest beads and of the fewest rows.
 
     Raises:
         InputError: a case cannot be a job.
     """
-    tasks = []
+
+    def ready(_: str, answer: Answer) -> None:
+        if answer.failed:
+            raise RunError(answer.failed)
+        if "refused" in answer.value:
+            raise InputError(answer.value["refused"])
+
+    cases = []
     for case in todo:
-        wanted = request(what, case, scene_of(what, case)).plain()
-        arguments = {
-            "directory": str(directory / case.name),
-            "case": wanted,
-            "source": f"{what.source}: case {case.name}",
-        }
-        tasks.append((directory / case.name, Task(f"{__name__}:write_case", arguments)))
-    sizes: dict[Path, dict[str, int]] = {}
-    with Pool(min(cores(), len(tasks))) as pool:
-        for path, found in pool.values(tasks):
-            if "refused" in found:
-                raise InputError(found["refused"])
-            sizes[path] = found
-            if progress is not None:
-                progress(len(sizes), len(todo))
-    fewest = [min(sizes, key=lambda path: sizes[path][of]) for of in ("beads", "rows")]
-    return [load(path / file_names.SCENE).problem() for path in fewest]
+        wanted, source = request(what, case, scene_of(what, case)), f"{what.source}: case {case.name}"
+        arguments = {"directory": str(directory / case.name), "case": wanted.plain(), "source": source}
+        cases.append(evaluate.Case(case.name, Task(f"{__name__}:write_case", arguments)))
+    with Pool(min(cores(), len(cases))) as pool:
+        sizes = evaluate.evaluate(cases, pool=pool, progress=progress, tell=ready)
+    fewest = [min(sizes, key=lambda name: sizes[name].value[of]) for of in ("beads", "rows")]
+    return [load(directory / name / file_names.SCENE).problem() for name in fewest]
 
 
 def write_case(directory: str, case: dict[str, Any], source: str) -> dict[str, Any]:
@@ -177,12 +168,3 @@ def _write_deck(path: Path, wanted: Asked, scene: Scene, source: str) -> None:
     claim(path, LAMMPS_FILES)
     for name, text in files.items():
         write_text(path / name, text)
-
-
-def _for_all(options: JobOptions, small: list[Problem]) -> JobOptions:
-    """Ranks that suit the smallest case where none were asked for; never more than any case has rows."""
-    options = with_ranks(options, small[0])
-    rows = small[-1].rows
-    if options.ranks > rows:
-        raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {rows} rows of a case")
-    return options

@@ -29,7 +29,7 @@ from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
 from analysis.figures.swept import logarithmic
-from workflow.sweep.table import Table
+from workflow.sweep.collect import Table
 from workflow.view.axes import CHAIN_COLOURS, TICK, TOOLS
 
 _LINK = '<a href="<%= link %>"><%- value %></a>'

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 from lammps_inputs.ingredients import environment_of_children
 from workflow import screen
 from workflow.engines.lammps.mpi import cores
-from workflow.errors import RunError, complaint
+from workflow.errors import complaint
 
 _STOP_SECONDS = 60.0
 """For a segment of LAMMPS and a restart, however busy the machine is; a second Ctrl-C waits no longer."""
@@ -112,17 +112,6 @@ class Pool:
                         else:
                             self._discard(process)
                         yield busy.pop(process), Answer(said.get("value"), said.get("failed", ""))
-
-    def values(self, tasks: Iterable[tuple[Any, Task]]) -> Iterator[tuple[Any, Any]]:
-        """As `answers`, for tasks none of which may fail: the key and the value of each.
-
-        Raises:
-            RunError: one failed.
-        """
-        for key, answer in self.answers(tasks):
-            if answer.failed:
-                raise RunError(answer.failed)
-            yield key, answer.value
 
     def _given(self, task: Task) -> "_Process":
         """A process that has begun a task."""

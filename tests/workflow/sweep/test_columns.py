@@ -3,7 +3,7 @@
 import pytest
 
 from workflow.sweep import collect, fields
-from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, Table
+from workflow.sweep.collect import QUANTITIES, UNCERTAINTIES, Table
 
 REPORT = {
     "front": 58,

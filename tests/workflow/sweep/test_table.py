@@ -3,7 +3,7 @@
 import pytest
 
 from workflow.sweep import fields
-from workflow.sweep.table import Table
+from workflow.sweep.collect import Table
 
 SI = {"material": {"radius": 1e-3}}
 

@@ -6,7 +6,7 @@ import pytest
 from bokeh.document import Document
 from bokeh.models import ColorBar, DataTable
 
-from workflow.sweep.table import QUANTITIES, Table
+from workflow.sweep.collect import QUANTITIES, Table
 from workflow.view.sweep_page import layout
 
 FIELDS = ["coupling.stiffness", "kick.velocity"]

@@ -17,7 +17,7 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.studies.design.found import SET_AGAINST, Found
 from workflow.studies.design.search import RULED_OUT, worth
 from workflow.studies.page import Picture, document, drawn, shown, table
-from workflow.sweep.table import QUANTITIES
+from workflow.sweep.collect import QUANTITIES
 
 
 def page(found: Found) -> str:

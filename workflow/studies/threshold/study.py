@@ -17,7 +17,7 @@ from workflow.studies.measures import case, heading, refuse_unknown
 from workflow.studies.study import Study, floats, to_csv
 from workflow.studies.threshold.bracket import Axis, Crossing, crossings, wanted
 from workflow.sweep import fields
-from workflow.sweep.table import UNCERTAINTIES
+from workflow.sweep.collect import UNCERTAINTIES
 from workflow.workers import evaluate
 from workflow.workers.pool import Pool
 
