@@ -186,9 +186,8 @@ def collect(directory: Path, progress: evaluate.Progress | None = None) -> Table
         scene = request.scene or _scene(path)
         swept = {name: request.swept.get(name, fields.look_up(scene, paths[name])) for name in names}
         state = states[path]
-        outcome, reason = state.state, state.why or None
-        if outcome == "done" and report.get("complete") is not True:
-            outcome, reason = "not analysed", complaints.get(path.name)
+        unread = state.state == "done" and report.get("complete") is not True
+        outcome, reason = ("not analysed", complaints.get(path.name)) if unread else (state.state, state.why or None)
         row = {"case": path.name, **swept, "outcome": outcome, **quantities(report, record, scene)}
         rows.append({**row, "reason": reason})
         spectra = report.get("spectra")
