@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from analysis.conservation import Account
-from analysis.figures.style import STYLE, Frames, axis_unit, chain_legend, draw_chain, letter, shown_chains, title
+from analysis.figures.style import STYLE, Frames, axis_unit, draw_chains, finish, shown_chains, title
 from analysis.sharing.energies import Flow
 from lammps_inputs import Problem
 
@@ -67,22 +67,21 @@ def energy_figure(problem: Problem, flow: Flow) -> Figure:
     figure = Figure(figsize=(7.0, 6.0), layout="constrained")
     panels = figure.subplots(2 if flow.action is None else 3, 1, sharex=True)
     share, place, *more = panels
-    for position, chain in enumerate(shown_chains(problem)):
-        draw_chain(share, position, chain, flow.time * time.worth, flow.share[:, chain])
-        draw_chain(place, position, chain, flow.time * time.worth, flow.centre[:, chain])
-        near = (flow.centre[:, chain] - flow.spread[:, chain], flow.centre[:, chain] + flow.spread[:, chain])
-        place.fill_between(flow.time * time.worth, *near, alpha=0.15, color=place.lines[-1].get_color(), linewidth=0)
+    t, chains = flow.time * time.worth, shown_chains(problem)
+    draw_chains(share, chains, t, flow.share[:, chains])
+    draw_chains(place, chains, t, flow.centre[:, chains])
+    for line, chain in zip(place.lines, chains, strict=True):
+        centre, spread = flow.centre[:, chain], flow.spread[:, chain]
+        place.fill_between(t, centre - spread, centre + spread, alpha=0.15, color=line.get_color(), linewidth=0)
     share.set_ylabel("share of the energy $E_n / E$")
     share.set_ylim(0.0, max(1.0, 1.05 * float(np.nanmax(flow.share))))
     place.set_ylabel("centre of the energy (bead),\nband: standard deviation")
     for axis, actions in zip(more, () if flow.action is None else (flow.action,), strict=True):
         for mode, action in enumerate(actions.T[:MOST_MODES], 1):
-            axis.plot(flow.time * time.worth, action, label=f"mode {mode}", linewidth=1.0)
+            axis.plot(t, action, label=f"mode {mode}", linewidth=1.0)
         axis.set_ylabel("share of the action")
         axis.set_ylim(0.0, 1.0)
         axis.legend(title="slowest first", fontsize="small", title_fontsize="small")
-    letter(panels)
     panels[-1].set_xlabel(time.label(Flow, "time"))
-    figure.suptitle(title(problem, each_chain=True, until=float(flow.time[-1])))
-    chain_legend(figure, share)
+    finish(figure, problem, panels, until=float(flow.time[-1]))
     return figure

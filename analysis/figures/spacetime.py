@@ -1,6 +1,7 @@
-"""Velocity in space and time."""
+"""Velocity in space and time, and what is kept of a run to draw it."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -39,32 +40,39 @@ STILL = 1e-3
 """Share of the largest velocity below which a bead is nowhere seen to move."""
 
 
-class SpaceTime:
-    """Velocity on a grid of time and bead, thinned to what a picture can show while a run is read.
+class BeadHistory:
+    """Velocity of some beads over time, in the chains that a figure shows; every so-manieth frame as a run is read.
 
-    Keeps every k-th frame, so that at most `MAX_PIXELS` are held however long the run is.
+    Attributes:
+        problem: what was run.
+        beads: [bead] their numbers.
+        chains: that are shown, counted from 0.
+        until: time of the last frame, also of one that is not kept.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, beads: Sequence[int] | Integers, *, panels: bool = False, stride: int = 1):
         self.problem = problem
-        self._stride = max(1, -(-(problem.frames + 1) // MAX_PIXELS))
-        self._thin = max(1, -(-len(problem.recorded_beads) // MAX_PIXELS))
+        self.beads: Integers = np.array(beads, dtype=np.int64)
+        self.chains = shown_chains(problem, panels=panels)
+        self.until = 0.0
+        self._columns = np.searchsorted(problem.recorded_beads, self.beads)
+        self._stride = stride
         self._seen = 0
-        self.until = 0.0  # time of the last frame, also of one that is not kept
         self._time: list[Floats] = []
         self._velocity: list[Floats] = []
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames of the run."""
-        first = -self._seen % self._stride
-        chains = shown_chains(self.problem, panels=True)
-        self._time.append(block.time[first :: self._stride].copy())
-        frames = block[first :: self._stride]
-        if self.problem.window is not None:
-            frames = frames.on(1, self.problem.beads, behind=np.nan)
-        self._velocity.append(frames.velocity[:, chains, :: self._thin].copy())
+        kept = slice(-self._seen % self._stride, None, self._stride)
         self._seen += block.frames
         self.until = float(block.time[-1])
+        time, seen = block.time[kept].copy(), block.velocity[kept][:, self.chains]
+        column = self._columns - (block.first - 1)
+        there = (column >= 0) & (column < seen.shape[2])
+        velocity = np.where(column < 0, np.nan, np.zeros((len(time), len(self.chains), len(column))))
+        velocity[..., there] = seen[:, :, column[there]]
+        self._time.append(time)
+        self._velocity.append(velocity)
 
     @property
     def time(self) -> Floats:
@@ -76,10 +84,13 @@ class SpaceTime:
         """[frame, chain, bead], in units of V; NaN where a window has left."""
         return np.concatenate(self._velocity)
 
-    @property
-    def beads(self) -> Integers:
-        """Numbers of the beads along the last axis."""
-        return self.problem.recorded_beads[:: self._thin]
+
+class SpaceTime(BeadHistory):
+    """The same of as many recorded beads and frames as a picture can show, at most `MAX_PIXELS` each."""
+
+    def __init__(self, problem: Problem) -> None:
+        beads = problem.recorded_beads[:: max(1, -(-len(problem.recorded_beads) // MAX_PIXELS))]
+        super().__init__(problem, beads, panels=True, stride=max(1, -(-(problem.frames + 1) // MAX_PIXELS)))
 
 
 def largest_afar(problem: Problem, beads: Integers, velocity: Floats) -> float:
@@ -107,7 +118,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     off. The scale ends where all beads do but those up to `NEAR` from a kicked one. Beads that are not evenly
     spaced stand side by side in columns of one width. Grey: where the window has left.
     """
-    problem, chains = data.problem, shown_chains(data.problem, panels=True)
+    problem, chains = data.problem, data.chains
     time = axis_unit(problem, "time", data.time[-1])
     size = np.abs(np.nan_to_num(data.velocity))
     largest = largest_afar(problem, data.beads, data.velocity)

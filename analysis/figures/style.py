@@ -3,7 +3,7 @@
 import io
 import re
 import string
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -160,20 +160,15 @@ def shown_chains(problem: Problem, *, panels: bool = False) -> list[int]:
     return sorted(chosen)
 
 
-def _distances(problem: Problem, chain: int) -> Integers:
+def _distances(problem: Problem, chain: int) -> Floats:
     """[chain] how many springs away from a chain; as far as can be, and in numbers, if no spring leads there."""
-    row = np.abs(np.arange(problem.chains) - chain)
-    far = np.full(problem.chains, -1)
-    far[chain], edge = 0, np.array([chain])
-    lower, higher = (
-        np.array([pair for link in problem.system.across for pair in link.edges]).reshape(-1, 2).T.astype(np.int64)
-    )
-    while len(edge):
-        reached = np.concatenate([higher[np.isin(lower, edge)], lower[np.isin(higher, edge)]])
-        steps = int(far[edge[0]]) + 1
-        edge = np.unique(reached[far[reached] < 0])
-        far[edge] = steps
-    return np.where(far < 0, problem.chains + row, far)
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import dijkstra
+
+    edges = np.array([pair for link in problem.system.across for pair in link.edges], dtype=np.int64).reshape(-1, 2)
+    springs = coo_array((np.ones(len(edges)), tuple(edges.T)), shape=(problem.chains, problem.chains)).tocsr()
+    steps = dijkstra(springs, directed=False, unweighted=True, indices=chain)
+    return np.where(np.isinf(steps), problem.chains + np.abs(np.arange(problem.chains) - chain), steps)
 
 
 def title(problem: Problem, *, each_chain: bool = False, panels: bool = False, until: float | None = None) -> str:
@@ -222,26 +217,36 @@ def _coupling(problem: Problem) -> str:
     return ", ".join([said, *(link.shape for link in problem.system.across if link.shape)])
 
 
-def chain_look(place: int) -> dict[str, Any]:
-    """Colour and dash of the chain in a place, from 0, among those that a figure shows."""
-    return {"color": CHAIN_COLOURS[place % len(CHAIN_COLOURS)], "linestyle": CHAIN_DASHES[place % len(CHAIN_DASHES)]}
-
-
-def draw_chain(axis: Axes, place: int, chain: int, x: Floats, y: Floats) -> None:
+def draw_chain(axis: Axes, place: int, chain: int, x: Floats | Integers, y: Floats) -> None:
     """One line in the look of a chain (counted from 0) in a place; with marks where there are few numbers."""
     axis.plot(
         x,
         y,
-        **chain_look(place),
+        color=CHAIN_COLOURS[place % len(CHAIN_COLOURS)],
+        linestyle=CHAIN_DASHES[place % len(CHAIN_DASHES)],
         marker="o" if len(x) <= FEW_NUMBERS else None,
         markersize=4,
         label=f"chain {chain + 1}",
     )
 
 
-def chain_legend(figure: Figure, axis: Axes) -> None:
-    """The chains of an axis in a row below the figure, where no curve is; none for a single chain."""
-    handles, labels = axis.get_legend_handles_labels()
+def draw_chains(axis: Axes, chains: Sequence[int], x: Floats | Integers, y: Floats) -> None:
+    """A line for each of the chains that a figure shows, from values [x, shown chain]."""
+    for place, (chain, values) in enumerate(zip(chains, y.T, strict=True)):
+        draw_chain(axis, place, chain, x, values)
+
+
+def finish(
+    figure: Figure, problem: Problem, axes: Iterable[Axes], *, until: float | None = None, note: str = ""
+) -> None:
+    """Letters for the panels, a title with a note behind it, and the chains of the first panel in a row below all.
+
+    There no curve is; a single chain has no legend. Of ``until`` see `title`.
+    """
+    panels = list(axes)
+    letter(panels)
+    figure.suptitle(title(problem, each_chain=True, until=until) + note)
+    handles, labels = panels[0].get_legend_handles_labels()
     if len(handles) > 1:
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(handles), 4))
 

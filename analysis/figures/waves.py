@@ -1,6 +1,6 @@
 """The leading waves: how the chains share them over the distance run, their shape, and velocities of a few beads."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -8,14 +8,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analysis.figures.spacetime import BeadHistory
 from analysis.figures.style import (
     CHAIN_COLOURS,
     STYLE,
     Frames,
     Unit,
     axis_unit,
-    chain_legend,
-    draw_chain,
+    draw_chains,
+    finish,
     letter,
     shown_chains,
     title,
@@ -24,7 +25,7 @@ from analysis.shape.exact_wave import wave_of
 from analysis.shape.waveforms import COMPARED, Waveforms
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing
-from analysis.trajectory import Flags, Floats, Integers, Trajectory
+from analysis.trajectory import Floats
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 
@@ -43,49 +44,43 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
     amplitudes would hold; shares of each whole chain (half of its springs' counted; two to `FEW` chains); arrival
     behind the chain that was kicked.
     """
-    panels: list[Callable[[Axes], None]] = [
-        lambda axis: _draw_amplitude(axis, problem, shared),
-        lambda axis: _draw_waves(axis, problem, shared, energies),
-    ]
-    if 1 < problem.chains <= FEW and np.any(np.isfinite(energies.chain)):
-        panels.append(lambda axis: _draw_chains(axis, problem, shared, energies))
-    if problem.chains > 1:
-        panels.append(lambda axis: _draw_lag(axis, problem, shared))
-    figure = Figure(figsize=(7.0, 0.8 + 2.0 * len(panels)), layout="constrained")
-    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for panel, axis in zip(panels, axes, strict=True):
-        panel(axis)
-    letter(axes)
+    chains, several = shown_chains(problem), problem.chains > 1
+    shares = 1 < problem.chains <= FEW and bool(np.any(np.isfinite(energies.chain)))
+    count = 2 + shares + several
+    figure = Figure(figsize=(7.0, 0.8 + 2.0 * count), layout="constrained")
+    axes = figure.subplots(count, 1, sharex=True)
+    draw_chains(axes[0], chains, shared.bead, shared.amplitude[:, chains])
+    axes[0].set_ylabel(r"peak velocity $v_\mathrm{max} / V$")
+    axes[0].set_ylim(bottom=0.0)
+    agreed = shared.agrees_from(AGREED)
+    if agreed is not None:
+        axes[0].axvline(agreed, color="0.6", linewidth=0.8, zorder=0)
+        axes[0].set_title(f"within 1% from bead {agreed} on", loc="right", fontsize=8, color="0.3")
+    _draw_waves(axes[1], problem, shared, energies)
+    if shares:
+        draw_chains(axes[2], chains, shared.bead[energies.place], energies.chain[:, chains])
+        axes[2].set_ylabel("energy of chains /\nenergy input")
+        axes[2].set_ylim(0.0, 1.05)
+    if several:
+        unit = axis_unit(problem, "time", float(np.nanmax(np.abs(shared.lag), initial=0.0)))
+        draw_chains(axes[-1], chains, shared.bead, shared.lag[:, chains] * unit.worth)
+        axes[-1].set_ylabel(unit.label(Frames, "lag", f"lag behind chain {shared.kicked + 1},"))
     axes[-1].set_xlabel("bead" if direction > 0 else f"bead, counted from bead {problem.beads}")
     axes[-1].xaxis.get_major_locator().set_params(integer=True)
-    chain_legend(figure, axes[0])
-    figure.suptitle(title(problem, each_chain=True))
+    finish(figure, problem, axes)
     return figure
-
-
-def _draw_amplitude(axis: Axes, problem: Problem, shared: Sharing) -> None:
-    for place, chain in enumerate(shown_chains(problem)):
-        draw_chain(axis, place, chain, shared.bead.astype(np.float64), shared.amplitude[:, chain])
-    axis.set_ylabel(r"peak velocity $v_\mathrm{max} / V$")
-    axis.set_ylim(bottom=0.0)
-    bead = shared.agrees_from(AGREED)
-    if bead is not None:
-        axis.axvline(bead, color="0.6", linewidth=0.8, zorder=0)
-        axis.set_title(f"within 1% from bead {bead} on", loc="right", fontsize=8, color="0.3")
 
 
 def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares) -> None:
     system = problem.system
-    bead = shared.bead[energies.place].astype(np.float64)
+    bead, chains = shared.bead[energies.place], shown_chains(problem)
     measured = bool(np.any(np.isfinite(energies.wave)))
     if measured and problem.chains > 1:
-        for place, chain in enumerate(shown_chains(problem)):
-            draw_chain(axis, place, chain, bead, energies.wave[:, chain])
+        draw_chains(axis, chains, bead, energies.wave[:, chains])
     few: dict[str, Any] = {"marker": ".", "markersize": 4} if len(shared) <= FEW else {}
     lines = []
-    if (
-        not physics.gap(system) and physics.alike(system) and system.holds(Fact.SONIC_VACUUM)
-    ):  # what runs down other beads, or with gaps, is no exact wave
+    # what runs down other beads, or with gaps, is no exact wave
+    if not physics.gap(system) and physics.alike(system) and system.holds(Fact.SONIC_VACUUM):
         exact = np.sum(shared.wave_share, axis=1)
         lines += axis.plot(
             shared.bead, exact, color="0.65", linewidth=3.0, label="sum of exact solitary-wave energies", **few
@@ -95,21 +90,6 @@ def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyS
     axis.set_ylabel("energy of pulses /\nenergy input")
     axis.set_ylim(0.0, 1.05)
     axis.legend(handles=lines, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
-
-
-def _draw_chains(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares) -> None:
-    bead = shared.bead[energies.place].astype(np.float64)
-    for place, chain in enumerate(shown_chains(problem)):
-        draw_chain(axis, place, chain, bead, energies.chain[:, chain])
-    axis.set_ylabel("energy of chains /\nenergy input")
-    axis.set_ylim(0.0, 1.05)
-
-
-def _draw_lag(axis: Axes, problem: Problem, shared: Sharing) -> None:
-    unit = axis_unit(problem, "time", float(np.nanmax(np.abs(shared.lag), initial=0.0)))
-    for place, chain in enumerate(shown_chains(problem)):
-        draw_chain(axis, place, chain, shared.bead.astype(np.float64), shared.lag[:, chain] * unit.worth)
-    axis.set_ylabel(unit.label(Frames, "lag", f"lag behind chain {shared.kicked + 1},"))
 
 
 MARKERS = "os^DvP*Xp"
@@ -162,37 +142,6 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
     return figure
 
 
-class BeadHistory:
-    """Velocity of a few beads over time, in all chains or, where there are many, those of `shown_chains`."""
-
-    def __init__(self, problem: Problem, beads: Sequence[int]) -> None:
-        self.problem = problem
-        self.beads = tuple(beads)
-        self._columns = [int(np.flatnonzero(problem.recorded_beads == bead)[0]) for bead in beads]
-        self._time: list[Floats] = []
-        self._velocity: list[Floats] = []
-
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames of the run."""
-        chains = shown_chains(self.problem)
-        self._time.append(block.time)
-        column = np.array(self._columns) - (block.first - 1)
-        there = (column >= 0) & (column < block.velocity.shape[2])
-        velocity = np.where(column < 0, np.nan, np.zeros((block.frames, len(chains), len(column))))
-        velocity[..., there] = block.velocity[:, chains][:, :, column[there]]
-        self._velocity.append(velocity)
-
-    @property
-    def time(self) -> Floats:
-        """[frame], in units of T."""
-        return np.concatenate(self._time)
-
-    @property
-    def velocity(self) -> Floats:
-        """[frame, chain, bead], in units of V; NaN where a window has left."""
-        return np.concatenate(self._velocity)
-
-
 @mpl.rc_context(STYLE)
 def response_figure(data: BeadHistory) -> Figure:
     """Velocity of chosen beads over time, all chains in one row per bead (the paper's Figs 2, 4 and 6).
@@ -200,28 +149,29 @@ def response_figure(data: BeadHistory) -> Figure:
     Left over the whole run, right the passage of the fastest pulse, its time from the instant when the bead is fastest
     in any chain. Beads that have not moved are named below, and not drawn.
     """
-    problem = data.problem
-    size = np.abs(np.nan_to_num(data.velocity)).max(axis=1, initial=0.0)  # [frame, bead]
-    moved = np.flatnonzero(size.max(axis=0, initial=0.0) > STILL)
-    drawn: list[int] = moved.tolist() or [0]
+    problem, velocities, beads = data.problem, data.velocity, data.beads.tolist()
+    size = np.abs(np.nan_to_num(velocities)).max(axis=1, initial=0.0)  # [frame, bead]
+    moved = size.max(axis=0, initial=0.0) > STILL
+    drawn: list[int] = np.flatnonzero(moved).tolist() or [0]
     time = axis_unit(problem, "time", data.time[-1])
     velocity = axis_unit(problem, "velocity", float(size.max(initial=0.0)))
     figure = Figure(figsize=(7.0, 1.2 + 1.9 * len(drawn)), layout="constrained")
     axes = figure.subplots(len(drawn), 2, sharex="col", sharey="row", squeeze=False, width_ratios=(2.0, 1.0))
     spans = [passage(data.time, size[:, number], int(np.argmax(size[:, number]))) for number in drawn]
-    close = max((axis_unit(problem, "time", high - low) for _, low, high in spans), key=lambda unit: -unit.worth)
+    close = axis_unit(problem, "time", max(high - low for _, low, high in spans))
     for (whole, near), number, (middle, low, high) in zip(axes, drawn, spans, strict=True):
-        _draw(whole, data, number, data.time * time.worth, velocity.worth)
+        curves = velocities[:, :, number] * velocity.worth
+        draw_chains(whole, data.chains, data.time * time.worth, curves)
         inside = (data.time >= low) & (data.time <= high)
-        _draw(near, data, number, (data.time - middle) * close.worth, velocity.worth, inside)
+        draw_chains(near, data.chains, (data.time[inside] - middle) * close.worth, curves[inside])
         near.set_title(peak_title(problem, middle, time), loc="left")
-        whole.set_title(f"bead {data.beads[number]}", loc="left")
+        whole.set_title(f"bead {beads[number]}", loc="left")
         whole.set_ylabel(velocity.label(Frames, "velocity"))
-    letter(axes.flat)
     axes[-1, 0].set_xlabel(time.label(Frames, "time"))
     axes[-1, 1].set_xlabel(after_peak(close))
-    chain_legend(figure, axes[0, 0])
-    figure.suptitle(title(problem, each_chain=True, until=float(data.time[-1])) + _still(data, moved))
+    still = [str(bead) for bead, moves in zip(beads, moved, strict=True) if not moves]
+    which = f"bead{'s' * (len(still) > 1)} {', '.join(still)} {'have' if len(still) > 1 else 'has'} not moved"
+    finish(figure, problem, axes.flat, until=data.until, note=f"\n{which}" if still else "")
     return figure
 
 
@@ -269,16 +219,3 @@ def peak_title(problem: Problem, peak: float, unit: Unit) -> str:
 def after_peak(unit: Unit) -> str:
     """The axis of time of such a panel."""
     return rf"$t - t_\mathrm{{peak}}$ ({unit.symbol})"
-
-
-def _draw(axis: Axes, data: BeadHistory, number: int, x: Floats, worth: float, inside: Flags | None = None) -> None:
-    chosen = slice(None) if inside is None else inside
-    for place, chain in enumerate(shown_chains(data.problem)):
-        draw_chain(axis, place, chain, x[chosen], data.velocity[chosen, place, number] * worth)
-
-
-def _still(data: BeadHistory, moved: Integers) -> str:
-    still = [str(bead) for number, bead in enumerate(data.beads) if number not in moved]
-    if not still:
-        return ""
-    return f"\nbead{'s' * (len(still) > 1)} {', '.join(still)} {'have' if len(still) > 1 else 'has'} not moved"

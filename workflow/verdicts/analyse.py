@@ -131,8 +131,7 @@ def analyse(
     watchers: list[Any] = [conservation, fingerprint, *measures]
     spacetime = history = None
     if figures:
-        from analysis.figures.spacetime import SpaceTime
-        from analysis.figures.waves import BeadHistory  # matplotlib takes half a second to import
+        from analysis.figures.spacetime import BeadHistory, SpaceTime  # matplotlib takes half a second to import
 
         history = BeadHistory(problem, shown)
         spacetime = SpaceTime(problem if problem.frames_per_snapshot is None else problem.snapshots())

@@ -10,9 +10,9 @@ from synthetic_waves import reader, reference
 
 from analysis.conservation import Account
 from analysis.figures.energy import budget_figure
-from analysis.figures.spacetime import SpaceTime, round_ticks, spacetime_figure
+from analysis.figures.spacetime import BeadHistory, SpaceTime, round_ticks, spacetime_figure
 from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, axis_unit, shortened, shown_chains
-from analysis.figures.waves import BeadHistory, distance_figure, pulses, response_figure, shape_figure
+from analysis.figures.waves import distance_figure, pulses, response_figure, shape_figure
 from analysis.sharing.survey import survey
 from lammps_inputs import Kick
 from lammps_inputs.units import make_scale

@@ -7,9 +7,9 @@ import pytest
 from stock_lammps import scene
 
 from analysis.figures.engines import Curve, engines_figure
-from analysis.figures.spacetime import SpaceTime, spacetime_figure
+from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
 from analysis.figures.style import shown_chains, title
-from analysis.figures.waves import BeadHistory, distance_figure, response_figure
+from analysis.figures.waves import distance_figure, response_figure
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing
 from analysis.trajectory import Trajectory

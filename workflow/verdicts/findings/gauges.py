@@ -116,7 +116,7 @@ class Forces(Finding):
 
     def draw(self) -> "Figure":
         """Over time."""
-        from analysis.figures.gauges import force_figure
+        from analysis.figures.forces import force_figure
 
         return force_figure(self.problem, self.readings)
 
@@ -185,7 +185,7 @@ class Spectra(Finding):
 
     def draw(self) -> "Figure":
         """All lines."""
-        from analysis.figures.gauges import spectra_figure
+        from analysis.figures.spectra import spectra_figure
 
         return spectra_figure(self.problem, self.spectra)
 

@@ -50,7 +50,7 @@ class Dispersion(Finding):
 
     def draw(self) -> "Figure":
         """The map with the branches."""
-        from analysis.figures.dispersion import dispersion_figure
+        from analysis.figures.spectra import dispersion_figure
 
         assert self.map is not None
         return dispersion_figure(self.problem, self.map)

@@ -46,7 +46,7 @@ class PlasticContacts(Finding):
 
     def draw(self) -> "Figure":
         """Along the chains."""
-        from analysis.figures.yielding import yield_figure
+        from analysis.figures.forces import yield_figure
 
         return yield_figure(self.problem, self.contacts)
 

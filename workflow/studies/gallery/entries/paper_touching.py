@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from analysis.figures.spacetime import SpaceTime, spacetime_figure
-from analysis.figures.waves import BeadHistory, response_figure
+from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
+from analysis.figures.waves import response_figure
 from analysis.sharing.equipartition import Estimate, Sharing, sharing
 from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, by_engine, near, state
 from workflow.studies.gallery.entry import Entry, Ran, Results, Statements, each

@@ -1,4 +1,4 @@
-"""Power over wavenumber and frequency, with the exact branches of the loaded chain on it."""
+"""Spectra: of the velocities of beads, and power over wavenumber and frequency with the exact branches of the chain."""
 
 import math
 
@@ -7,8 +7,38 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from analysis.dispersion import Branches, Map
-from analysis.figures.style import STYLE, Unit, axis_unit, title
+from analysis.figures.style import STYLE, Unit, axis_unit, draw_chains, finish, shown_chains, title
+from analysis.gauges.spectra import Spectra, SpectrumTable
 from lammps_inputs import Problem
+
+MOST_BEADS = 8
+
+DEEPEST = 1e-8
+"""Smallest amplitude that is drawn, over the largest."""
+
+
+@mpl.rc_context(STYLE)
+def spectra_figure(problem: Problem, spectra: Spectra) -> Figure:
+    """One panel a bead (the first eight), a line for each chain that other figures show too; drives are dotted."""
+    velocity = axis_unit(problem, "velocity", float(np.max(spectra.amplitude)))
+    frequency = axis_unit(problem, "cycles", float(np.max(spectra.frequency)))
+    count, chains = min(len(spectra.beads), MOST_BEADS), shown_chains(problem)
+    top = float(np.max(spectra.amplitude, initial=1e-30)) * velocity.worth
+    figure = Figure(figsize=(7.0, 1.2 + 1.6 * count), layout="constrained")
+    axes = np.atleast_1d(figure.subplots(count, 1, sharex=True, sharey=True))
+    for place, axis in enumerate(axes):
+        for drive in spectra.drive:
+            axis.axvline(drive * frequency.worth, color="0.5", linewidth=0.8, linestyle=":")
+        height = np.maximum(spectra.amplitude[:, chains, place] * velocity.worth, DEEPEST * top)
+        draw_chains(axis, chains, spectra.frequency * frequency.worth, height)
+        axis.set_yscale("log")
+        axis.set_title(f"bead {spectra.beads[place]}", loc="left")
+    figure.supylabel(velocity.label(SpectrumTable, "amplitude", "amplitude of the velocity"), fontsize="medium")
+    axes[0].set_ylim(DEEPEST * top, 2.0 * top)
+    axes[-1].set_xlabel(frequency.label(SpectrumTable, "frequency"))
+    finish(figure, problem, axes)
+    return figure
+
 
 DECADES = 8.0
 """Of power that are shown."""
