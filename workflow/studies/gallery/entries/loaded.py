@@ -183,7 +183,7 @@ def _resonators(results: Results) -> Statements:
 
 
 def _with_resonators(beads: int, **keys: object) -> dict[str, object]:
-    own = {"precompression": {"force": OVERLAP**1.5}, "resonators": {"mass": MASS, "stiffness": SPRING}}
+    own = {"precompression": {"force": OVERLAP * math.sqrt(OVERLAP)}, "resonators": {"mass": MASS, "stiffness": SPRING}}
     return chain(beads, 200, timestep=0.01, every=0.25, **keys, **own)
 
 
