@@ -1,5 +1,6 @@
 """Failures that are nobody's typing mistake."""
 
+import signal
 from collections.abc import Iterable
 
 
@@ -13,6 +14,11 @@ class RunError(RuntimeError):
 
 class EndedError(RunError):
     """A run that was ended from outside, by a signal or a full disk, and may be resumed."""
+
+
+def cause_of_death(code: int) -> str:
+    """How a process ended, by its exit code."""
+    return f"was killed by signal {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
 
 
 def complaint(lines: Iterable[str]) -> str:

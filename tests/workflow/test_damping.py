@@ -78,21 +78,10 @@ def test_the_analysis_says_how_well_the_budget_is_closed(done: Run) -> None:
     assert found.conservation.momentum_drift < 1e-12
 
 
-LAWS_OF_LOSS = [
-    {"contact": 0.1},
-    {"beads": 0.05},
-    {"contact": 0.2, "tension": "cut"},
-    {"contact": 0.3, "law": "viscoelastic"},
-    {"contact": 0.7, "law": "restitution"},
-]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(("keys", "every"), [*((keys, 2.5) for keys in LAWS_OF_LOSS), ({"contact": 0.1}, 0.05)])
-def test_the_budget_of_the_reference_closes_to_1e_9_however_far_apart_frames_are(
-    keys: dict[str, Any], every: float
-) -> None:
-    problem = damped(damping=Damping(**keys), every=every).problem()
+@pytest.mark.parametrize("every", [2.5, 0.05])
+def test_the_budget_of_the_reference_closes_to_1e_9_however_far_apart_frames_are(every: float) -> None:
+    problem = damped(every=every).problem()
     missing, account = budget(engine.blocks(problem, steps_per_frame=round(400 * every)))
     assert missing < 1e-9
     assert sum(lost[-1] for lost in account.lost.values()) > 0.05
@@ -108,10 +97,8 @@ def test_a_run_by_the_reference_takes_the_steps_that_close_its_budget(tmp_path: 
 def test_contacts_that_stick_and_part_take_steps_of_their_own_for_that() -> None:
     kicks = (Kick(bead=10, velocity=1.0), Kick(bead=11, velocity=-0.4904698767034886))
     scene = damped(damping=Damping(contact=0.785972041541755, tension="cut"), kick=kicks, every=0.05)
-    for halving in closing(scene.problem()):
-        for _ in halving.blocks():
-            pass
-    assert halving.uncertainty.energy < 1e-9
+    *_, uncertainty = (halving.run() for halving in closing(scene.problem()))
+    assert uncertainty.energy < 1e-9
 
 
 @pytest.mark.slow
@@ -163,7 +150,6 @@ def test_frames_that_are_followed_by_the_reference_have_the_ledger_of_its_own_ru
 LAWS = {
     "on-site": ({"beads": 0.01}, 0.2, -0.12244, 0.004),
     "linear": ({"contact": 0.002}, 0.2, -0.10586, 0.011),
-    "linear, stronger": ({"contact": 0.01}, 0.2, -0.10586, 0.06),
     "viscoelastic": ({"contact": 0.01, "law": "viscoelastic"}, -0.2, 0.07577, 0.03),
 }
 
@@ -217,17 +203,6 @@ def pressed(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """Under a static load, with a gauge."""
     output = Output(forces=Forces(contacts=(6,), sensors=(6,)))
     return run(damped(precompression=PRESSED, output=output), tmp_path_factory.mktemp("pressed") / "run")
-
-
-@pytest.mark.slow
-def test_a_damped_chain_under_load_keeps_its_budget_above_the_static_state(pressed: Run) -> None:
-    problem = pressed.directory.problem
-    assert pressed.check is not None
-    assert pressed.check.velocity < 2e-4
-    assert budget(engine.blocks(problem))[0] < 1e-6
-    missing, account = budget(pressed.directory.blocks(), Accountant(problem))
-    assert missing < 2.0 * pressed.check.velocity
-    assert account.lost["contact_damping"][-1] > 0.2
 
 
 @pytest.mark.slow

@@ -128,7 +128,7 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Settings | N
     Raises:
         UnreachableError: the problem has no solution of that accuracy.
     """
-    problem = _coarse(problem)
+    problem = problem.coarser(stride(problem, CADENCE))  # the frames that are compared
     cycle = scheme.cycle(problem.scheme)
     fewest, cycles = (
         max(1, math.ceil(problem.every / (cycle * step) * (1.0 - 1e-9)))
@@ -144,10 +144,10 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Settings | N
         spent += work(problem, cycles * cycle, 0 if steps in kept else steps)
         if spent > most_work:
             return None
-        if steps not in kept and _bytes(problem) <= KEPT_BYTES:
-            kept = {steps: _in_memory(problem, steps)}
-        reference = kept[steps] if steps in kept else StepHalving(problem, steps_per_frame=steps)
-        error, uncertainties[steps] = _trial(problem, cycles, reference)
+        reference = kept.get(steps) or _reference(problem, steps)
+        if isinstance(reference, Kept):
+            kept = {steps: reference}
+        error, uncertainties[steps] = _error(problem, cycles, reference), reference.uncertainty.velocity
         accurate = uncertainties[steps] <= UNCERTAINTY_PART * accuracy
         if accurate and error <= _HIGHEST * accuracy:
             limited = cycles == fewest
@@ -166,11 +166,6 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Settings | N
     if not good:
         raise UnreachableError("contacts amplify errors too much")
     return good[min(good)]
-
-
-def _coarse(problem: Problem) -> Problem:
-    """With the frames that are compared."""
-    return problem.coarser(stride(problem, CADENCE))
 
 
 def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
@@ -209,30 +204,24 @@ def largest_step(problem: Problem, accuracy: float) -> float:
     return rates.largest_timestep(accuracy, problem.system, problem.scheme)
 
 
-def _bytes(problem: Problem) -> float:
-    """Of the reference's frames."""
-    wider = 1 if problem.window is None else engine.WIDER
-    return 16.0 * problem.frames * problem.chains * problem.rows_a_frame * wider
-
-
-def _in_memory(problem: Problem, steps: int) -> Kept:
-    halving = StepHalving(problem, steps_per_frame=steps)
+def _reference(problem: Problem, steps: int) -> StepHalving | Kept:
+    """The reference with so many steps a frame, in memory where that holds its frames."""
+    halving, wider = StepHalving(problem, steps_per_frame=steps), 1 if problem.window is None else engine.WIDER
+    if 16.0 * problem.frames * problem.chains * problem.rows_a_frame * wider > KEPT_BYTES:
+        return halving
     return Kept(tuple(halving.blocks()), halving.uncertainty)
 
 
-def _trial(problem: Problem, cycles: int, reference: StepHalving | Kept) -> tuple[float, float]:
-    """Largest difference of any velocity of the pilot run from the reference, and the reference's uncertainty."""
+def _error(problem: Problem, cycles: int, reference: StepHalving | Kept) -> float:
+    """Largest difference of any velocity of the pilot run from the reference, at most 2."""
     runs = engine.blocks(problem, scheme=TABLES[problem.scheme], steps_per_frame=cycles)
     largest = 0.0
     with np.errstate(over="ignore", invalid="ignore"):
-        for own, right in zip(runs, reference.blocks(), strict=True):
-            largest = max(largest, _difference(*on_common_rows(own, right)))
-    return largest, reference.uncertainty.velocity
-
-
-def _difference(own: Trajectory, right: Trajectory) -> float:
-    found = float(np.max(np.abs(own.velocity - right.velocity)))
-    return found if found <= 2.0 else 2.0  # a run that blew up, or NaN
+        for blocks in zip(runs, reference.blocks(), strict=True):
+            own, right = on_common_rows(*blocks)
+            found = float(np.max(np.abs(own.velocity - right.velocity)))
+            largest = max(largest, found if found <= 2.0 else 2.0)  # a run that blew up, or NaN
+    return largest
 
 
 def _better(cycles: int, part: float, order: float, fewest: int) -> int:
@@ -253,14 +242,6 @@ def _measured_order(errors: dict[int, float], problem: Problem) -> float:
         return highest
     lowest = 2.0 if problem.system.holds(Fact.SECOND_ORDER) else 1.0
     return min(highest, max(lowest, math.log(large / small) / math.log(many / few)))
-
-
-def uncertainty_of(problem: Problem, steps: int) -> float:
-    """Uncertainty of the reference with so many steps a frame."""
-    halving = StepHalving(problem, steps_per_frame=steps)
-    for _ in halving.blocks():
-        pass
-    return halving.uncertainty.velocity
 
 
 def _steps_for(uncertainties: dict[int, float], accuracy: float) -> int:
@@ -373,7 +354,7 @@ def _first_work(problem: Problem, accuracy: float) -> float:
 def _can_be_accurate(problem: Problem, accuracy: float, most_work: float) -> bool:
     """Whether the uncertainty of the reference with the usual number of steps suffices, where that can be afforded."""
     steps = guessed_reference_steps(problem, accuracy)
-    return work(problem, 0, steps) > most_work or uncertainty_of(problem, steps) <= accuracy
+    return work(problem, 0, steps) > most_work or StepHalving(problem, steps_per_frame=steps).run().velocity <= accuracy
 
 
 def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: float, most_work: float) -> None:
@@ -385,8 +366,8 @@ def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: fl
     steps = engine.default_steps_per_frame(problem)
     if work(problem, 0, steps) > most_work:
         return
-    uncertainty = uncertainty_of(problem, steps)
-    usual = uncertainty_of(shorter, engine.default_steps_per_frame(shorter)) / share
+    uncertainty = StepHalving(problem).run().velocity
+    usual = StepHalving(shorter).run().velocity / share
     if uncertainty > max(_STEADY * usual, UNCERTAINTY_PART * accuracy):
         raise UnreachableError(f"errors grow {uncertainty / usual:.0f} times as much as they usually do: {CHAOS}")
 

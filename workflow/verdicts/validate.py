@@ -222,9 +222,7 @@ def _accurate_enough(problem: Problem, limits: dict[str, float]) -> StepHalving:
     steps = None
     for _ in range(_MOST_DOUBLINGS):
         trial = StepHalving(problem, steps_per_frame=steps)
-        for _ in trial.blocks():
-            pass
-        uncertainty = trial.uncertainty
+        uncertainty = trial.run()
         if (
             _MORE_ACCURATE * uncertainty.velocity <= limits["velocity"]
             and _MORE_ACCURATE * uncertainty.arrival <= limits["arrival"]

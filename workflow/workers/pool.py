@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 from lammps_inputs.ingredients import environment_of_children
 from workflow import screen
 from workflow.engines.lammps.mpi import cores
-from workflow.errors import complaint
+from workflow.errors import cause_of_death, complaint
 
 _STOP_SECONDS = 60.0
 """For a segment of LAMMPS and a restart, however busy the machine is; a second Ctrl-C waits no longer."""
@@ -39,10 +39,6 @@ class Task(NamedTuple):
 
     function: str
     arguments: dict[str, Any]
-
-    def line(self) -> str:
-        """As the worker reads it."""
-        return json.dumps(self._asdict()) + "\n"
 
 
 class Answer(NamedTuple):
@@ -159,7 +155,7 @@ class _Process:
         """Start a task; whether the process was there to take it."""
         self._said = os.fstat(self._errors.fileno()).st_size
         try:
-            self._input.write(task.line())
+            self._input.write(json.dumps(task._asdict()) + "\n")
             self._input.flush()
         except OSError:
             return False
@@ -182,13 +178,10 @@ class _Process:
     def _ended(self) -> dict[str, Any]:
         """The answer of a process that gives none."""
         self.hang_up()
-        code = self._process.wait()
-        how = f"was killed by signal {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
-        return {"failed": f"the process that computed it {how}. {self._complaint()}".strip()}
-
-    def _complaint(self) -> str:
+        how = cause_of_death(self._process.wait())
         self._errors.seek(self._said)
-        return complaint(self._errors.read(100_000).splitlines())
+        said = complaint(self._errors.read(100_000).splitlines())
+        return {"failed": f"the process that computed it {how}. {said}".strip()}
 
     def alive(self) -> bool:
         """Whether it can take another task."""

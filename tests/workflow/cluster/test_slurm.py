@@ -32,18 +32,6 @@ _UNEQUAL = {
     "coupling": {"stiffness": 0.1, "cubic": 0.02, "topology": "ring"},
     "kick": {"velocity": 1.0},
 }
-_PUSHED = {
-    "coupling": {"stiffness": {"from": 0.0, "to": 0.2, "rows": [5, 15]}},
-    "foundation": {"stiffness": 0.1},
-    "walls": {"left": "flat", "right": "bead"},
-    "push": [{"peak": 1.0, "duration": 3.0, "shape": "half-sine"}, {"bead": 9, "table": [[0, 0], [2, 0.5], [3, 0]]}],
-}
-_LOADED = {
-    "coupling": {"stiffness": 0.1},
-    "precompression": {"force": 0.5},
-    "walls": {"right": "flat"},
-    "drive": {"force": 0.1, "frequency": 0.2},
-}
 _DAMPED = {
     "chains": 2,
     "coupling": {"stiffness": 0.1},
@@ -122,18 +110,6 @@ def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(name, clu
     assert told(directory).state == "done", list(tmp_path.rglob("job.out"))
     assert (directory / file_names.JOB_OUTPUT).is_file()
     assert_same(directory, run_stock(SHORT, tmp_path / "local"))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("ingredients", [_PUSHED, _LOADED], ids=("pushed", "loaded"))
-def test_a_job_of_a_scene_with_ingredients_ends_bit_for_bit_as_a_run_on_this_machine(ingredients, cluster, tmp_path):
-    case = made_of(ingredients)
-    directory = written(case, tmp_path / "job", ranks_per_node=1)
-    cluster.submit(directory)
-    assert main(["run", str(tmp_path / "job.yaml"), "-o", str(tmp_path / "local"), "--no-check"]) == 0
-    cluster.wait()
-    assert told(directory).state == "done", (directory / file_names.JOB_OUTPUT).read_text()
-    assert_same(directory, RunDirectory(tmp_path / "local").trajectory)
 
 
 CUT = {

@@ -4,31 +4,34 @@ import json
 import math
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from small_problems import problem
 from stock_lammps import scene
 
 from analysis.against.common_times import paired
-from analysis.against.difference import Difference
+from analysis.against.difference import Difference, Place
 from analysis.tracking.leading_waves import leading_passages, leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import Kick, Output, strict_yaml
+from lammps_inputs import Kick, Material, Output, strict_yaml
 from workflow.cli import main
-from workflow.commands.run import _exit_code
+from workflow.commands.run import _checked, _exit_code
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving, accurate_reference
 from workflow.prepare import pilot
 from workflow.prepare.pilot import better_timestep
 from workflow.prepare.settings import Settings
 from workflow.runs import check as checking
-from workflow.runs.check import SPACING, check, stride
+from workflow.runs.check import Check, check, stride
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
+STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
 
 @pytest.fixture(scope="module")
@@ -62,23 +65,6 @@ def test_without_check_it_is_left_out(tmp_path, capsys):
     assert main(["run", str(path), "-o", str(tmp_path / "out"), "--no-check"]) == 0
     assert "check" not in json.loads((tmp_path / "out" / "run.json").read_text())
     assert "error:" not in capsys.readouterr().out
-
-
-def test_the_last_line_says_the_error_where_it_is_and_how_sure_that_is(tmp_path, capsys):
-    path = tmp_path / "scene.yaml"
-    path.write_text("name: quick\nbeads: 4\nkick: {velocity: 1}\nduration: 4\n")
-    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 0
-    held = json.loads((tmp_path / "out" / "run.json").read_text())["check"]
-    said = capsys.readouterr().out.splitlines()[-1]
-    assert said.startswith(f"error: velocities {held['velocity']:.1e} V (bead {held['where']['bead']} of chain 1, t = ")
-    found = [
-        f"{name} {held[key]:.1e} {unit}"
-        for name, key, unit in (("peaks", "amplitude", "V"), ("arrivals", "arrival", "T"))
-    ]
-    assert f"), {', '.join(found)}; uncertainty of the reference" in said
-    assert said.endswith(
-        f"uncertainty of the reference {held['reference']['velocity']:.1e} V, {held['reference']['arrival']:.1e} T"
-    )
 
 
 def test_of_a_little_run_its_velocity_error_is_the_full_one(finished, full):
@@ -117,10 +103,19 @@ def test_its_wave_errors_are_the_full_ones(quantity, sampled, full):
     assert getattr(sampled.check, quantity) == pytest.approx(full[quantity].largest, abs=1e-5)
 
 
-@pytest.mark.parametrize(("every", "frames"), [(0.05, 8), (0.1, 4), (0.15, 2), (0.4, 1), (0.41, 1), (3.0, 1)])
-def test_frames_are_taken_0_4_apart_or_as_near_to_it_as_there_are_any(every, frames):
-    assert stride(scene(beads=9, duration=30.0, every=every).problem()) == frames
-    assert frames == 1 or frames * every <= SPACING * (1.0 + 1e-9)
+@pytest.mark.parametrize(
+    ("changes", "frames"),
+    [
+        *(
+            ({"timestep": 0.1 * every}, frames)
+            for every, frames in ((0.05, 8), (0.1, 4), (0.15, 2), (0.4, 1), (3.0, 1))
+        ),
+        ({"kappa": 50.0, "timestep": 0.001, "frames": 6000}, 15),  # four in the period of the springs, 0.628
+        ({"timestep": 0.001, "frames": 100}, 1),  # so few are all compared
+    ],
+)
+def test_frames_are_taken_0_4_apart_or_four_in_a_swing_or_as_near_to_it_as_there_are_any(changes, frames):
+    assert stride(problem(**{"frames": 600, **changes})) == frames
 
 
 @pytest.mark.parametrize("duration", [0.05, 0.1, 0.35, 0.5])
@@ -166,42 +161,6 @@ def test_no_time_step_is_named_where_none_keeps_it_or_a_shorter_run_stood_for_th
     assert "no time step is known to leave less, since rounding" in better_timestep(far)
 
 
-@pytest.mark.parametrize(
-    ("velocity", "sure", "says"),
-    [
-        (4e-4, 1e-5, ""),
-        (4e-4, 6e-4, "too large to compare with 0.0005 V; `granchain validate` takes a finer one"),
-        (6e-4, 2e-4, "inconclusive"),
-        (9e-4, 2e-4, "that is more than 0.0005 V"),
-    ],
-)
-def test_what_the_reference_is_not_sure_of_is_not_said(velocity, sure, says, finished, capsys):
-    told = replace(finished.check, velocity=velocity, reference=replace(finished.check.reference, velocity=sure))
-    assert _exit_code(told, finished.directory.scene, None) == 0
-    printed = capsys.readouterr().out
-    assert says in printed
-    assert bool(says) == bool(printed)
-
-
-@pytest.mark.parametrize(
-    ("velocity", "sure", "code", "says"),
-    [
-        (9e-5, 9e-5, 0, ""),
-        (2e-4, 1e-5, 1, "that is more than 0.0001 V, although the pilot run had less"),
-        (9e-5, 2e-4, 1, "too large to compare with 0.0001 V; errors grow"),
-    ],
-)
-def test_an_accuracy_that_was_asked_for_and_not_kept_is_a_failure(velocity, sure, code, says, finished, capsys):
-    told = replace(finished.check, velocity=velocity, reference=replace(finished.check.reference, velocity=sure))
-    asked = Settings(1e-4, 0.01, 10, 0.1, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1)
-    assert _exit_code(told, finished.directory.scene, replace(asked, asked=False)) == 0
-    capsys.readouterr()
-    assert _exit_code(told, finished.directory.scene, asked) == code
-    printed = capsys.readouterr().out
-    assert says in printed
-    assert bool(says) == bool(printed)
-
-
 def test_its_wave_errors_are_also_those_of_peaks_csv_at_beads_that_are_not_recorded(tmp_path):
     kicks = (Kick(bead=6, velocity=-0.2), Kick(bead=2, velocity=0.5))  # of bead 3 the first maximum does not lead
     output = Output(every=0.25, beads=(1, 4), peaks=True)
@@ -238,9 +197,45 @@ def test_snapshots_are_checked_as_frames_are(wrong, peaks, tmp_path, monkeypatch
     monkeypatch.setattr(RunDirectory, "snapshots", lambda _: moved)
     found = check(directory)
     assert found.velocity == pytest.approx(wrong, abs=1e-3)
-    frames, whole = (StepHalving(of) for of in (directory.problem, directory.problem.snapshots()))
-    for one in (frames, whole):
-        for _ in one.blocks():
-            pass
-    assert found.reference.velocity == max(one.uncertainty.velocity for one in (frames, whole))
-    assert frames.uncertainty.velocity < whole.uncertainty.velocity
+    frames, whole = (StepHalving(of).run().velocity for of in (directory.problem, directory.problem.snapshots()))
+    assert found.reference.velocity == max(frames, whole)
+    assert frames < whole
+
+
+# --- what is said of it -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("velocity", "sure", "asked", "code", "says"),
+    [
+        (4e-4, 1e-5, None, 0, ""),
+        (4e-4, 6e-4, None, 0, "too large to compare with 0.0005 V; `granchain validate` takes a finer one"),
+        (6e-4, 2e-4, None, 0, "inconclusive"),
+        (9e-4, 2e-4, None, 0, "that is more than 0.0005 V"),
+        (2e-4, 1e-5, False, 0, ""),  # the default accuracy
+        (9e-5, 9e-5, True, 0, ""),
+        (2e-4, 1e-5, True, 1, "that is more than 0.0001 V, although the pilot run had less"),
+        (9e-5, 2e-4, True, 1, "too large to compare with 0.0001 V; errors grow"),
+    ],
+)
+def test_an_error_is_said_to_be_too_large_as_far_as_it_is_certain_and_is_a_failure_where_less_was_asked(
+    velocity, sure, asked, code, says, finished, capsys
+):
+    told = replace(finished.check, velocity=velocity, reference=replace(finished.check.reference, velocity=sure))
+    chosen = Settings(1e-4, 0.01, 10, 0.1, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1, asked=asked is True)
+    assert _exit_code(told, finished.directory.scene, None if asked is None else chosen) == code
+    printed = capsys.readouterr().out
+    assert says in printed
+    assert bool(says) == bool(printed)
+
+
+@pytest.mark.parametrize("material", [None, STEEL], ids=["reduced", "SI"])
+def test_the_error_is_told_with_its_bead_and_time_in_the_scenes_units(material):
+    problem = scene(beads=10, kick=(Kick(velocity=0.5),), material=material).problem()
+    uncertainty = SimpleNamespace(velocity=8.5e-6, arrival=2.9e-5)
+    said = _checked(Check(1.6e-4, Place(2, 7, 160.0), 5.7e-4, 6.3e-6, uncertainty, 0.0), problem)
+    second = " s" if material else ""
+    assert said == (
+        f"error: velocities 1.6e-04 V (bead 7 of chain 2, t = {160.0 * problem.scale.time:.5g}{second}), "
+        "peaks 6.3e-06 V, arrivals 5.7e-04 T; uncertainty of the reference 8.5e-06 V, 2.9e-05 T"
+    )

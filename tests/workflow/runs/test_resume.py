@@ -1,6 +1,5 @@
 """Runs that were cut short and go on: bit for bit as if nothing had happened."""
 
-import contextlib
 import hashlib
 import json
 import os
@@ -13,7 +12,8 @@ import time
 import lammps_here
 import numpy as np
 import pytest
-from kill_many import AIMS, MORE, SCENES, Tally, frames, next_words, until_done
+from kill_many import AIMS, MORE, SCENES, Tally, end, frames, next_words, until_done
+from plain_scene import goes_on_bit_for_bit
 from processes import HANGS, wait_until, working_in
 from refusals import refusal
 from stock_lammps import scene
@@ -88,22 +88,15 @@ def assert_same(directory, whole):
 # --- Ctrl-C -----------------------------------------------------------------------------------------------------------
 
 
-def goes_on(directory, whole, *, check):
-    """Assert that an interrupted run goes on from where it was and ends as one without a break; what became of it."""
-    step = directory.job.steps_done
-    assert files_on_disk.step_of(directory.path / file_names.RESTART) == step
-    result = resume(directory.path, check=check)
-    assert result.outcome == "done"
-    assert [again.from_step for again in result.directory.job.resumed] == [step]
-    assert_same(directory.path, whole)
-    assert not (directory.path / file_names.RESTART).exists()
-    return result
-
-
 def test_an_interrupted_run_goes_on_bit_for_bit_from_where_it_was_and_is_checked(cut, whole):
-    before = cut.job.wall_seconds
-    started = time.perf_counter()
-    assert goes_on(cut, whole, check=True).check.velocity > 0.0
+    step, before, started = cut.job.steps_done, cut.job.wall_seconds, time.perf_counter()
+    assert files_on_disk.step_of(cut.path / file_names.RESTART) == step
+    result = resume(cut.path)
+    assert result.outcome == "done"
+    assert result.check.velocity > 0.0
+    assert [again.from_step for again in cut.job.resumed] == [step]
+    assert_same(cut.path, whole)
+    assert not (cut.path / file_names.RESTART).exists()
     # of all parts
     assert before < cut.job.wall_seconds < before + time.perf_counter() - started
 
@@ -111,9 +104,7 @@ def test_an_interrupted_run_goes_on_bit_for_bit_from_where_it_was_and_is_checked
 @pytest.mark.slow
 @pytest.mark.parametrize("changes", [{"scheme": "suzuki4"}, {"chains": 2, "beads": 200, "window": 64}])
 def test_an_interrupted_run_of_another_kind_goes_on_bit_for_bit(changes, tmp_path):
-    one = a_scene(**changes)
-    run(one, tmp_path / "whole", check=False)
-    goes_on(interrupted_after(5000, one, tmp_path / "cut"), tmp_path / "whole", check=False)
+    goes_on_bit_for_bit(a_scene(**changes), tmp_path, after=5000)
 
 
 def with_snapshots():
@@ -244,10 +235,7 @@ def test_whoever_is_killed_of_a_run_on_two_ranks_nobody_is_left(which, tmp_path)
         assert err.endswith(f"; `granchain run --resume {tmp_path / 'run'}` resumes it from there\n")
         assert wait_until(lambda: not working_in(tmp_path / "run"))
     finally:
-        for pid in [process.pid, *working_in(tmp_path / "run")]:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-        process.communicate()
+        end(process, tmp_path / "run")
 
 
 # --- what resume says -------------------------------------------------------------------------------------------------
@@ -378,10 +366,7 @@ def test_two_resumes_at_once_do_not_meet(tmp_path, monkeypatch):
         with alone(tmp_path):
             pass
     finally:
-        for pid in [process.pid, *working_in(tmp_path)]:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-        process.communicate()
+        end(process, tmp_path)
 
 
 @pytest.mark.slow

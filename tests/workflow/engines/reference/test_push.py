@@ -1,14 +1,13 @@
 """Beads that are pushed, in the reference: momentum and energy to the last digit, orders, and known limits."""
 
-import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from plain_scene import scene
 from small_problems import problem
+from truth import Truth
 
-from analysis import motion
 from analysis.conservation import Conservation
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, make_table
 from lammps_inputs.loads import Load
@@ -17,68 +16,21 @@ from workflow.engines.reference.energy_exchange import Accountant
 from workflow.engines.reference.passages import passages
 from workflow.engines.reference.schemes import VERLET
 
-LAWS = {
-    "half-sine": HalfSine(0.8, 2.03),
-    "rectangular": Rectangular(0.5, 2.03),
-    "table": make_table(np.array([0.3, 0.7, 1.5, 2.1]), np.array([0.0, 0.9, -0.2, 0.0])),
-}
-
 
 def pushed(*loads, **changes):
     return problem(kicks=(), loads=loads, **changes)
 
 
 @pytest.mark.slow
-def test_it_is_the_solution_that_scipy_finds():
-    one = pushed(Load(1, 1, LAWS["rectangular"]), Load(2, 3, HalfSine(-0.2, 1.0)), frames=60)
-    shape = (one.chains, one.beads)
-
-    def slope(t, state):
-        x, v = state.reshape(2, *shape)
-        return np.concatenate([v, motion.acceleration(one.system, x, time=np.float64(t))], axis=None)
-
-    state, times = np.zeros(2 * one.chains * one.beads), np.arange(one.frames + 1) * one.every
-    kinks = sorted({0.0, *(kink for load in one.system.loads for kink in load.law.kinks), times[-1]})
-    found = np.empty((len(times), len(state)))
-    for begin, end in itertools.pairwise(kinks):
-        inside = np.flatnonzero((times >= begin) & (times <= end))
-        # the force on the right of its end is none, so the solver stays a little before it
-        solved = solve_ivp(
-            slope, (begin, np.nextafter(end, 0.0)), state, "DOP853", np.minimum(times[inside], np.nextafter(end, 0.0)),
-            rtol=1e-12, atol=1e-13, dense_output=True,
-        )  # fmt: skip
-        found[inside] = solved.y.T
-        state = solved.sol(np.nextafter(end, 0.0))
-    right = found.reshape(len(times), 2, *shape)[:, 1]
-    run = engine.run(one, steps_per_frame=64)
-    assert np.max(np.abs(run.velocity - right)) < 1e-9
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", LAWS)
-def test_momentum_afterwards_is_the_impulse_and_energy_the_work(name):
-    one = pushed(Load(1, 1, LAWS[name]), Load(1, 1, HalfSine(0.3, 1.05)))
-    run, seen = engine.run(one, steps_per_frame=20), Conservation()
-    for begin in range(0, run.frames, 7):
-        seen.add(run[begin : begin + 7])
-    given = sum(load.impulse(load.end) for load in one.system.loads)
-    assert abs(run.velocity[-1].sum() - given) < 1e-13
+def test_a_push_that_ends_abruptly_gives_the_exact_motion_and_its_impulse():
+    one = scene(kick=None, push={"peak": 0.5, "duration": 2.03, "shape": "rectangular"})
+    run, seen = engine.run(one.problem(), steps_per_frame=320), Conservation()
+    exact = Truth(one, run.time[-1], 1e-13).states(run.time)[1]
+    assert np.max(np.abs(run.velocity - exact)) < 1e-9
+    (push,) = run.problem.system.loads
+    assert abs(run.velocity[-1].sum() - push.impulse(push.end)) < 1e-13
+    seen.add(run)
     assert seen.momentum_drift < 1e-13
-    assert seen.energy_drift < 2e-6  # contacts close and open between frames
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["half-sine", "table"])
-def test_stepping_as_lammps_does_is_of_order_two_and_gives_the_impulse_exactly(name):
-    one = pushed(Load(1, 1, LAWS[name]), frames=60)
-    right = engine.run(one, steps_per_frame=64).velocity
-    errors = []
-    for steps in (4, 8, 16, 32):
-        run = engine.run(one, steps_per_frame=steps, scheme=VERLET)
-        errors.append(np.max(np.abs(run.velocity - right)))
-        assert abs(run.velocity[-1].sum() - one.system.loads[0].impulse(99.0)) < 1e-12
-    order = np.polyfit(np.log([4, 8, 16, 32]), -np.log(errors), 1)[0]
-    assert 1.95 < order < 2.05
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ from workflow.studies.trade.truth import Interval, Truth
 
 
 def truth(velocity=1e-11):
-    return Truth(problem(), Path("nowhere"), Uncertainty(64, velocity, velocity, 0.0, 0.0, None), 1.0)
+    return Truth(problem(), Path("nowhere"), Uncertainty(64, velocity, velocity, 0.0, 0.0), 1.0)
 
 
 def point(setting, error, seconds):
