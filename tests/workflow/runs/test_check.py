@@ -212,7 +212,7 @@ def test_snapshots_are_checked_as_frames_are(wrong, peaks, tmp_path, monkeypatch
         (4e-4, 6e-4, None, 0, "too large to compare with 0.0005 V; `granchain validate` takes a finer one"),
         (6e-4, 2e-4, None, 0, "inconclusive"),
         (9e-4, 2e-4, None, 0, "that is more than 0.0005 V"),
-        (2e-4, 1e-5, False, 0, ""),  # the default accuracy
+        (2e-4, 1e-5, False, 0, "that is more than 0.0001 V"),  # the default accuracy
         (9e-5, 9e-5, True, 0, ""),
         (2e-4, 1e-5, True, 1, "that is more than 0.0001 V, although the pilot run had less"),
         (9e-5, 2e-4, True, 1, "too large to compare with 0.0001 V; errors grow"),

@@ -130,11 +130,7 @@ def test_the_reference_takes_more_steps_until_it_is_four_times_surer_than_a_tole
         def __init__(self, _, *, steps_per_frame=None):
             self.steps = steps_per_frame or 10
 
-        def blocks(self):
-            return iter(())
-
-        @property
-        def uncertainty(self):
+        def run(self):
             return replace(uncertainty(1e-2 / self.steps, 1e-2 / self.steps), steps_per_frame=self.steps)
 
     monkeypatch.setattr(validate, "StepHalving", Halving)
