@@ -96,6 +96,7 @@ COMMAND_LINES = [
     ("compare two-chains-gapped -o out --engines collisions,gromacs", "'gromacs' given"),
     ("compare two-chains-gapped -o out --engines collisions,collisions", "named twice"),
     ("compare two-chains-gapped -o out --engines ''", "'' given"),
+    ("compare two-chains -o out --engines reference,collisions", "`collisions` moves rigid beads, which need a gap"),
     ("map -o out --couplings x", "--couplings"),
     ("map -o out --couplings -1", "couplings are positive, and chains are 2 or more"),
     ("map -o out --chains 1", "couplings are positive, and chains are 2 or more"),

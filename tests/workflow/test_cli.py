@@ -19,7 +19,7 @@ from sweeps import GRANCHAIN
 
 from lammps_inputs import library, shipped, strict_yaml
 from workflow import cli
-from workflow.cli import ALIASES, COMMANDS, GROUPS, main
+from workflow.cli import COMMANDS, GROUPS, main
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
 
@@ -83,14 +83,6 @@ def test_a_pulse_that_does_not_arrive_is_one_line_and_nothing_is_written(tmp_pat
 
 
 # --- options ----------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("command", [*COMMANDS, *ALIASES])
-def test_every_command_explains_itself(command, capsys):
-    with pytest.raises(SystemExit) as left:
-        main([command, "--help"])
-    assert left.value.code == 0
-    assert f"usage: granchain {ALIASES.get(command, command)}" in capsys.readouterr().out
 
 
 def test_help_lists_every_command_with_its_job(capsys):
@@ -276,6 +268,7 @@ def test_a_command_that_only_prints_fails_where_it_cannot(words, why, capsys):
     assert capsys.readouterr().err == f"granchain: standard output: cannot be written ({why})\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("streams", [">&-", "<&- >&- 2>&-", ">/dev/full 2>/dev/full"])
 def test_a_program_without_standard_streams_ends_with_its_own_code_and_no_traceback(streams, tmp_path):
     words = ["sh", "-c", f'"$@" {streams}', "sh", sys.executable, "-m", "workflow", "new", tmp_path / "scene.yaml"]

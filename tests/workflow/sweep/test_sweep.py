@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pool_here
 import pytest
-from processes import HANGS, started, wait_until
+from processes import HANGS, children, started, wait_until, working_in
 from sweeps import GRANCHAIN, SMALL, UNTIL, sweep, sweep_file
 
 from lammps_inputs import library
@@ -104,31 +104,25 @@ def test_added_values_are_computed_and_cases_no_longer_named_stay(tmp_path, caps
     assert {path.name for path in (tmp_path / "s").iterdir()} == {"beads=10", "beads=11", "beads=12"}
 
 
-@pytest.mark.parametrize(
-    ("change", "engine", "says"),
-    [({"duration": 12}, "lammps", "duration differs"), ({}, "reference", "computed by lammps, not reference")],
-)
-def test_the_same_case_of_another_sweep_is_refused_before_anything_runs(change, engine, says, done, tmp_path, capsys):
-    _, directory = done
-    before = stamps(directory)
-    path = sweep_file(tmp_path, {**SMALL, **change}, engine=engine, coupling__stiffness=[0.05, 0.1])
-    assert sweep(path, directory) == 2
-    assert says in capsys.readouterr().err
-    assert stamps(directory) == before
+OF_THE_DONE = {"coupling__stiffness": [0.05, 0.1]}
 
 
 @pytest.mark.parametrize(
-    ("change", "vary", "says"),
+    ("change", "engine", "vary", "says"),
     [
-        ({}, {"kick__velocity": [0.5, 1.0]}, "cases over coupling.stiffness, and this sweep varies kick.velocity"),
-        ({}, {"coupling__stiffness": [0.1], "gap": [0.1]}, "this sweep varies coupling.stiffness, gap"),
-        ({"duration": 12}, {"coupling__stiffness": [0.3]}, "another scene (duration differs)"),
+        ({"duration": 12}, "lammps", OF_THE_DONE, "duration differs"),
+        ({}, "reference", OF_THE_DONE, "computed by lammps, not reference"),
+        ({}, "lammps", {"kick__velocity": [0.5]}, "over coupling.stiffness, and this sweep varies kick.velocity"),
+        ({}, "lammps", {**OF_THE_DONE, "gap": [0.1]}, "this sweep varies coupling.stiffness, gap"),
+        ({"duration": 12}, "lammps", {"coupling__stiffness": [0.3]}, "another scene (duration differs)"),
     ],
 )
-def test_a_sweep_edited_so_that_one_table_would_hold_two_is_refused(change, vary, says, done, tmp_path, capsys):
+def test_another_sweep_in_the_same_directory_is_refused_before_anything_runs(
+    change, engine, vary, says, done, tmp_path, capsys
+):
     _, directory = done
     before = stamps(directory)
-    assert sweep(sweep_file(tmp_path, {**SMALL, **change}, **vary), directory) == 2
+    assert sweep(sweep_file(tmp_path, {**SMALL, **change}, engine=engine, **vary), directory) == 2
     assert says in capsys.readouterr().err
     assert stamps(directory) == before
 
@@ -193,13 +187,13 @@ def case(directory, **changes):
 @pytest.mark.slow
 def test_a_process_that_dies_is_one_failed_case_and_the_others_go_on(tmp_path):
     tasks = [(name, case(tmp_path / name, duration=3e5 if name == "long" else 10)) for name in ("long", "a", "b", "c")]
-    found = {}
+    found, before = {}, children(os.getpid())
     with Pool(2) as pool:
         for name, answer in pool.answers(tasks):
             found[name] = answer
             if name == "b":  # the other process is in the long case, or comes to it
-                assert wait_until(lambda: in_directory(tmp_path / "long"))
-                (victim,) = in_directory(tmp_path / "long")
+                assert wait_until(lambda: working_in(tmp_path / "long"))
+                (victim,) = working_in(tmp_path / "long")
                 os.kill(victim, signal.SIGABRT)
     assert {name: answer.value for name, answer in found.items()} == {
         "long": None,
@@ -208,7 +202,7 @@ def test_a_process_that_dies_is_one_failed_case_and_the_others_go_on(tmp_path):
         "c": "done",
     }
     assert "was killed by signal SIGABRT" in found["long"].failed
-    assert children() == []
+    assert children(os.getpid()) == before
 
 
 @pytest.mark.slow
@@ -218,16 +212,6 @@ def test_whoever_waits_for_a_sweep_is_told_once_what_is_compiled_for_it(tmp_path
     assert main(["sweep", str(path), "-o", str(tmp_path / "s"), "--jobs", "2"]) == 0
     said = capsys.readouterr().err.splitlines()
     assert said == ["compiling the reference; takes a few seconds, once for this kind of scene"]
-
-
-def in_directory(directory):
-    return [pid for pid in children() if Path(f"/proc/{pid}/cwd").readlink() == directory]
-
-
-def children():
-    """Processes that this one has started and that still are."""
-    found = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
-    return [int(pid) for pid in found if b"workflow.workers.worker" in Path(f"/proc/{pid}/cmdline").read_bytes()]
 
 
 # --- interruption -----------------------------------------------------------------------------------------------------
@@ -266,21 +250,25 @@ def at_work(directory):
 
 
 @pytest.mark.slow
-def test_ctrl_c_keeps_what_is_done_and_the_same_command_does_the_rest(slow):
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGKILL], ids=lambda end: end.name)
+def test_a_sweep_that_was_ended_leaves_no_process_and_keeps_what_is_done_and_the_same_command_does_the_rest(slow, end):
     process, command, directory = slow
-    os.killpg(process.pid, signal.SIGINT)
+    os.kill(process.pid, end)
     out, err = process.communicate(timeout=HANGS)
-    assert (process.returncode, err) == (130, "")
-    assert "interrupted: completed cases remain; the same command runs the rest" in out
     assert wait_until(lambda: at_work(directory) == [])
     kept = finished(directory)
-    assert f"{kept} of 5 cases done" in out
     assert 2 <= kept < 5
-    assert outcomes(directory)["done"] >= kept
-    assert outcomes(directory).get("running", 0) == 0
+    if end == signal.SIGINT:
+        assert (process.returncode, err) == (130, "")
+        assert "interrupted: completed cases remain; the same command runs the rest" in out
+        assert f"{kept} of 5 cases done" in out
+        assert outcomes(directory)["done"] >= kept
+        assert outcomes(directory).get("running", 0) == 0
     again = subprocess.run(command, capture_output=True, text=True, timeout=HANGS, check=True)
     assert f"5 of 5 cases done ({kept} of them before)" in again.stdout
     assert outcomes(directory) == {"done": 5}
+    reports = [json.loads(path.read_text()) for path in directory.glob("*/analysis.json")]
+    assert [report["complete"] for report in reports] == [True] * 5
 
 
 @pytest.mark.slow
@@ -297,21 +285,6 @@ def test_an_interrupted_case_goes_on_from_its_restart_and_ends_as_if_it_had_not_
     assert RunDirectory(case).job.resumed[0].from_step > 0
     whole = run(library.from_plain(scene, ""), tmp_path / "whole", check=False).trajectory
     np.testing.assert_array_equal(RunDirectory(case).trajectory.velocity, whole.velocity)
-
-
-@pytest.mark.slow
-def test_a_killed_sweep_leaves_no_process_and_the_same_command_does_the_rest(slow):
-    process, command, directory = slow
-    process.kill()
-    process.communicate(timeout=HANGS)
-    assert wait_until(lambda: at_work(directory) == [])
-    kept = finished(directory)
-    assert 2 <= kept < 5
-    again = subprocess.run(command, capture_output=True, text=True, timeout=HANGS, check=True)
-    assert f"5 of 5 cases done ({kept} of them before)" in again.stdout
-    assert outcomes(directory) == {"done": 5}
-    reports = [json.loads(path.read_text()) for path in directory.glob("*/analysis.json")]
-    assert [report["complete"] for report in reports] == [True] * 5
 
 
 def test_a_case_directory_is_a_run_directory_from_its_first_moment(tmp_path):

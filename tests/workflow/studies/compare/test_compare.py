@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from lammps_inputs import InputError, file_names, find
+from lammps_inputs import file_names
 from workflow.cli import main
 from workflow.formats import figure_files
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.compare.study import compare, engines_for
+from workflow.studies.compare.study import compare
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 
-@pytest.fixture(scope="module")
-def found(tmp_path_factory):
+@pytest.fixture(scope="module", params=[pytest.param("two-chains-gapped", marks=pytest.mark.slow)])
+def found(tmp_path_factory, request):
     path = tmp_path_factory.mktemp("compare") / "gapped"
-    assert main(["compare", "two-chains-gapped", "-o", str(path)]) == 0
+    assert main(["compare", request.param, "-o", str(path)]) == 0
     return path, json.loads((path / "compare.json").read_text())
 
 
@@ -38,7 +38,6 @@ def small(**changes):
     return scene(**{"chains": 2, "beads": 14, "kappa": 0.1, "gap": 0.5, "duration": 40.0, **changes})
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["reference", "lammps"])
 @pytest.mark.parametrize(("bead", "published"), [(5, (0.342, 0.724)), (25, (0.569, 0.487)), (100, (0.527, 0.527))])
 def test_hertz_beads_have_the_published_impulses(engine, bead, published, found):
@@ -47,7 +46,6 @@ def test_hertz_beads_have_the_published_impulses(engine, bead, published, found)
     np.testing.assert_allclose(first, published, rtol=0, atol=5e-4)
 
 
-@pytest.mark.slow
 def test_rigid_beads_do_not_share_the_pulse_and_hertz_beads_do(found):
     data = found[1]
     rows = [data["beads"].index(bead) for bead in range(20, 31)]
@@ -153,11 +151,6 @@ def test_a_run_that_is_too_short_for_any_contact_says_so(tmp_path):
     result = compare(small(duration=0.2), tmp_path / "out", engines=("collisions", "reference"))
     assert result.last == 1
     assert "No row received an impulse in both models" in result.answer[0]
-
-
-def test_rigid_beads_that_touch_are_refused():
-    with pytest.raises(InputError, match="`collisions` moves rigid beads, which need a gap"):
-        engines_for(find("two-chains"), ("reference", "collisions"))
 
 
 def test_a_comparison_keeps_its_runs_and_refuses_the_directory_of_another_scene(tmp_path, capsys):
