@@ -46,6 +46,10 @@ class Layout:
         """Rows of beads that exist in LAMMPS."""
         return self.window or self.beads
 
+    def atom(self, chain: int, bead: int) -> int:
+        """Number of a bead's atom in LAMMPS; all counted from 1."""
+        return (chain - 1) * self.rows + bead
+
     @property
     def gap(self) -> float:
         """Clear distance between neighbouring beads; 0 where they touch."""

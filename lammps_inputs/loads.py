@@ -134,51 +134,47 @@ class Motion:
         return replace(self, bead=bead, amplitude=-self.amplitude)
 
 
-def motion_lines(motions: tuple[Motion, ...], layout: "Layout") -> list[Lines]:
-    """What beads whose motion is given are to LAMMPS, one after the other: nothing pushes them, and they are moved."""
-    found = []
-    for number, motion in enumerate(motions, 1):
-        name = f"drive{number}"
-        turn = f"v_{name}omega*step*v_timestep+v_{name}phase"
-        found.append(
-            Lines(
-                variables=(
-                    f"variable {name}amplitude index {text(motion.amplitude)}",
-                    f"variable {name}omega index {text(motion.omega)}",
-                    f"variable {name}phase index {text(motion.phase)}",
-                ),
-                motion=(
-                    f"# bead {motion.bead} of chain {motion.chain} has a prescribed motion; no force acts on it",
-                    f"variable {name}x equal v_{name}amplitude*(sin({turn})-sin(v_{name}phase))",
-                    f"variable {name}v equal v_{name}amplitude*v_{name}omega*cos({turn})",
-                    f"group {name} id {(motion.chain - 1) * layout.rows + motion.bead}",
-                    f"fix {name}free {name} setforce 0.0 NULL NULL",
-                ),
-                moved=(f"fix {name} {name} move variable v_{name}x NULL NULL v_{name}v NULL NULL",),
-            )
-        )
-    return found
-
-
-def start_lines(motions: tuple[Motion, ...], layout: "Layout") -> list[str]:
-    """The velocities that such beads start with."""
-    return [
-        f"set atom {(motion.chain - 1) * layout.rows + motion.bead} "
-        f"vx $(v_drive{number}amplitude*v_drive{number}omega*cos(v_drive{number}phase):%.17g)"
-        for number, motion in enumerate(motions, 1)
-    ]
-
-
-def lines(loads: tuple[Load, ...], layout: "Layout") -> list[Lines]:
-    """What the loads are to LAMMPS, one after the other.
+def lines(layout: "Layout") -> list[Lines]:
+    """What the loads, and beads whose motion is given, are to LAMMPS, one after the other.
 
     Raises:
         ValueError: LAMMPS has no command for it.
     """
-    return [_lines(load, f"push{number}", layout) for number, load in enumerate(loads, 1)]
+    system = layout.system
+    pushes = [_push_lines(load, f"push{number}", layout) for number, load in enumerate(system.loads, 1)]
+    return pushes + [_motion_lines(motion, f"drive{n}", layout) for n, motion in enumerate(system.motions, 1)]
 
 
-def _lines(load: Load, name: str, layout: "Layout") -> Lines:
+def _motion_lines(motion: Motion, name: str, layout: "Layout") -> Lines:
+    """Nothing pushes the bead, and it is moved."""
+    turn = f"v_{name}omega*step*v_timestep+v_{name}phase"
+    return Lines(
+        variables=(
+            f"variable {name}amplitude index {text(motion.amplitude)}",
+            f"variable {name}omega index {text(motion.omega)}",
+            f"variable {name}phase index {text(motion.phase)}",
+        ),
+        motion=(
+            f"# bead {motion.bead} of chain {motion.chain} has a prescribed motion; no force acts on it",
+            f"variable {name}x equal v_{name}amplitude*(sin({turn})-sin(v_{name}phase))",
+            f"variable {name}v equal v_{name}amplitude*v_{name}omega*cos({turn})",
+            f"group {name} id {layout.atom(motion.chain, motion.bead)}",
+            f"fix {name}free {name} setforce 0.0 NULL NULL",
+        ),
+        moved=(f"fix {name} {name} move variable v_{name}x NULL NULL v_{name}v NULL NULL",),
+    )
+
+
+def start_lines(layout: "Layout") -> list[str]:
+    """The velocities that beads whose motion is given start with."""
+    return [
+        f"set atom {layout.atom(motion.chain, motion.bead)} "
+        f"vx $(v_drive{number}amplitude*v_drive{number}omega*cos(v_drive{number}phase):%.17g)"
+        for number, motion in enumerate(layout.system.motions, 1)
+    ]
+
+
+def _push_lines(load: Load, name: str, layout: "Layout") -> Lines:
     first, last = text(load.law.kinks[0]), text(load.law.kinks[-1])
     variables = load.law.variables(name)
     if variables and not load.endless:
@@ -198,7 +194,7 @@ def _lines(load: Load, name: str, layout: "Layout") -> Lines:
             f"variable {name}from equal {within(f'v_{name}before')}",
             f"variable {name}to equal {within(f'v_{name}after')}",
             f"variable {name} equal ({load.law.formula(name)})/v_timestep*(1+(step==0))",
-            f"group {name} id {(load.chain - 1) * layout.rows + load.bead}",
+            f"group {name} id {layout.atom(load.chain, load.bead)}",
             f"fix {name} {name} addforce v_{name} 0.0 0.0",
         ),
     )

@@ -11,14 +11,16 @@ SchemeName = Literal["verlet", "suzuki4"]
 
 _OUTER = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))
 
-_WEIGHTS: dict[SchemeName, tuple[float, ...]] = {
+WEIGHTS: dict[SchemeName, tuple[float, ...]] = {
     "verlet": (1.0,),
     "suzuki4": (_OUTER, _OUTER, 1.0 - 4.0 * _OUTER, _OUTER, _OUTER),
 }
+"""Lengths of a cycle's Verlet steps in units of the cycle (Suzuki, Phys. Lett. A 146 (1990) 319, eq. 15)."""
 
-_PHASE: dict[SchemeName, float] = {"verlet": 2.0, "suzuki4": 2.72 / 5.0}
-"""Largest stable product of angular frequency and mean step, from the trace of the cycle of an oscillator."""
-
+LARGEST_PHASE: dict[SchemeName, float] = {"verlet": 2.0, "suzuki4": 2.72 / 5.0}
+"""Largest product of angular frequency and mean Verlet step for which an oscillator stays bounded, from the trace of
+its cycle.
+"""
 
 QUIET = ("log none                         # LAMMPS would write four lines for each substep",)
 LOUD = ("log log.lammps append", 'print "arrived at step $(step)"')
@@ -29,29 +31,19 @@ _SINCE = 20220623
 TOO_OLD = "scheme suzuki4 needs LAMMPS of 23Jun2022 or later, which changes the time step between steps"
 
 
-def weights(scheme: SchemeName) -> tuple[float, ...]:
-    """Lengths of a cycle's Verlet steps in units of the cycle (Suzuki, Phys. Lett. A 146 (1990) 319, eq. 15)."""
-    return _WEIGHTS[scheme]
-
-
 def cycle(scheme: SchemeName) -> int:
     """Verlet steps in a cycle; frames and the end of a run fall between two cycles."""
-    return len(_WEIGHTS[scheme])
-
-
-def largest_phase(scheme: SchemeName) -> float:
-    """Largest product of angular frequency and (mean) Verlet step for which an oscillator stays bounded."""
-    return _PHASE[scheme]
+    return len(WEIGHTS[scheme])
 
 
 def variable_lines(scheme: SchemeName) -> list[str]:
     """LAMMPS variables for `run_lines` and `cycle_lines`; ``timestep`` is the mean step of a cycle."""
     if scheme == "verlet":
         return []
-    outer, *_ = _WEIGHTS[scheme]
+    outer, *_ = WEIGHTS[scheme]
     return [
         f"variable outer equal {5.0 * outer!r}   # Suzuki's weights: four Verlet steps of this length, in mean steps,",
-        f"variable inner equal {5.0 * _WEIGHTS[scheme][2]!r}   # and the one between them, which is negative",
+        f"variable inner equal {5.0 * WEIGHTS[scheme][2]!r}   # and the one between them, which is negative",
         "variable verlet equal v_timestep*(v_outer+(v_inner-v_outer)*(step%5==2))",
         f'if "$(version) < {_SINCE}" then "print \'{TOO_OLD}\'" "quit 1"',
     ]
@@ -74,7 +66,7 @@ def cycle_lines(scheme: SchemeName) -> list[str]:
     with new neighbours and owners of beads that are no longer where they were.
     """
     steps = "timestep $(v_verlet:%.17g)"
-    runs = [len(list(group)) for _, group in itertools.groupby(_WEIGHTS[scheme])]
+    runs = [len(list(group)) for _, group in itertools.groupby(WEIGHTS[scheme])]
     return [line for number in runs for line in (steps, f"run {number} pre no post no")]
 
 

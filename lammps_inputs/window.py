@@ -12,8 +12,10 @@ step begins with, is done before. A move therefore belongs to the step that foll
 
 import itertools
 
+from lammps_inputs import scheme
+from lammps_inputs.limits import rates
 from lammps_inputs.numbers import text
-from lammps_inputs.scheme import SchemeName, onward_lines, step_variable
+from lammps_inputs.problem import Problem
 
 LEAST_WINDOW = 64
 """Rows; at least 40 of them are behind the front."""
@@ -42,21 +44,26 @@ def rows_for(rows: int) -> int:
     return next(width for width in itertools.count(LEAST_WINDOW) if behind(width) >= rows)
 
 
-def look_steps(timestep: float, cycle: int, front_speed: float = 1.0) -> int:
-    """Steps between two looks at the front, a whole number of the scheme's cycles; pace: of the fastest pulse."""
-    return max(1, int(LOOK / (front_speed * timestep)) // cycle) * cycle
+def stride(problem: Problem) -> int:
+    """Steps between which a run may stop: a cycle of the scheme; with a window those between two looks at the front."""
+    cycle = scheme.cycle(problem.scheme)
+    if problem.window is None:
+        return cycle
+    return max(1, int(LOOK / (rates.front_speed(problem.system) * problem.timestep)) // cycle) * cycle
 
 
-def setup_lines(window: int, beads: int, spacing: float, scheme: SchemeName) -> list[str]:
+def setup_lines(problem: Problem, window: int, *, continued: bool = False) -> list[str]:
     """Variables and groups that know where the front is; ``tail`` and ``head`` are rows."""
+    spacing = text(problem.layout.spacing)
+    tail = [f"variable tail equal $(bound(all,xmin)/{spacing}:%.0f)"] if continued else []
     return [
         "# a window that follows the pulse: rows at the tail are moved to the head, at rest; molecule = row",
         "variable tail equal 1",
         f"variable head equal v_tail+{window - 1}",
         "variable moves atom vx!=0.0",
         "group moving variable moves",
-        f"variable front equal bound(moving,xmax)/{text(spacing)}",
-        f"variable ahead equal {beads}-v_head",
+        f"variable front equal bound(moving,xmax)/{spacing}",
+        f"variable ahead equal {problem.beads}-v_head",
         f"variable few equal v_ahead<{block(window)}",
         f"variable some equal v_few*v_ahead+(1-v_few)*{block(window)}   # rows to move",
         f"variable near equal (v_head-v_front<{HEADROOM})&&(v_ahead>0)",
@@ -64,10 +71,11 @@ def setup_lines(window: int, beads: int, spacing: float, scheme: SchemeName) -> 
         "variable behind atom mol<v_tail+v_some",
         "group left variable behind",
         f"variable row atom mol+{window}",
-        f"variable place atom mol*{text(spacing)}",
+        f"variable place atom mol*{spacing}",
         "variable parked atom x",
         "variable displaced atom vy",
-        f"variable kicked atom vx+0.5*v_{step_variable(scheme)}*fx   # after the first half of a step",
+        f"variable kicked atom vx+0.5*v_{scheme.step_variable(problem.scheme)}*fx   # after the first half of a step",
+        *tail,
     ]
 
 
@@ -94,9 +102,19 @@ def move_lines() -> list[str]:
     ]
 
 
-def travel_lines(scheme: SchemeName) -> list[str]:
-    """Run to step ``steps`` with the window following; for the end of a deck."""
+def travel_lines(problem: Problem) -> list[str]:
+    """Run to step ``steps`` with the window following; for the end of a deck.
+
+    The variable ``stretch`` holds the steps to the next look at the front, or to the end of the run.
+    """
+    steps, verlet = stride(problem), problem.scheme == "verlet"
+    left, next_look = "(v_steps-step)", f"({steps}-step%{steps})"  # also of a run that is continued in between
+    run = ["run $(v_stretch:%.0f) pre no post no"]
+    if not verlet:
+        run = ["variable goal equal $(step+v_stretch:%.0f)", *scheme.onward_lines(problem.scheme, "goal")]
     return [
+        *(() if verlet else scheme.QUIET),
+        f"variable stretch equal ({left}<{next_look})*{left}+({left}>={next_look})*{next_look}",
         "run 0 post no",
         "label travel",
         'if "$(v_stretch) == 0" then "jump SELF arrived"',
@@ -105,21 +123,8 @@ def travel_lines(scheme: SchemeName) -> list[str]:
         'if "${near} == 0" then "jump SELF stay"',
         *move_lines(),
         "label stay",
-        *_stretch_lines(scheme),
+        *run,
         "jump SELF travel",
         "label arrived",
+        *(() if verlet else scheme.LOUD),
     ]
-
-
-def _stretch_lines(scheme: SchemeName) -> list[str]:
-    """Run ``stretch`` steps."""
-    if scheme == "verlet":
-        return ["run $(v_stretch:%.0f) pre no post no"]
-    return ["variable goal equal $(step+v_stretch:%.0f)", *onward_lines(scheme, "goal")]
-
-
-def stretch_line(timestep: float, cycle: int, front_speed: float = 1.0) -> str:
-    """The variable ``stretch``: steps to the next look at the front, or to the end of the run."""
-    steps = look_steps(timestep, cycle, front_speed)
-    left, next_look = "(v_steps-step)", f"({steps}-step%{steps})"  # also of a run that is continued in between
-    return f"variable stretch equal ({left}<{next_look})*{left}+({left}>={next_look})*{next_look}"

@@ -31,21 +31,27 @@ def snapshots_part(number: int) -> str:
     return file_names.SNAPSHOTS if number == 1 else f"chains.snapshots.{number}.bin"
 
 
-def restart_lines(problem: Problem, file: str = file_names.UNFINISHED) -> list[str]:
+_FROM_REST = ("variable displaced atom vy", "set group all x v_displaced", "set group all vy 0.0")
+"""Takes beads from rest to their places."""
+
+
+def restart_lines(problem: Problem) -> list[str]:
     """Write a restart between two runs, and change nothing: the next one may continue with ``run ... pre no``.
 
-    The caller renames the file to `file_names.RESTART` when it is whole. In a scheme of several substeps the step must
-    be one between two cycles.
+    The caller renames `file_names.UNFINISHED` to `file_names.RESTART` when it is whole. In a scheme of several substeps
+    the step must be one between two cycles.
     """
+    forces, layout = _keeps_forces(problem.system), problem.layout
     return [
         "variable parked atom x",
-        f"variable rest atom {_rest(problem)}",
+        # where LAMMPS had a bead at rest, to the last bit
+        f"variable rest atom {layout.place_formula if problem.window is None else f'mol*{text(layout.spacing)}'}",
         "set group all vy v_parked",
-        *(["variable force atom fx", "set group all vz v_force"] if _keeps_forces(problem.system) else []),
+        *(["variable force atom fx", "set group all vz v_force"] if forces else []),
         "set group all x v_rest",
-        f"write_restart {file} noinit",
-        *_from_rest(),
-        *(["set group all vz 0.0"] if _keeps_forces(problem.system) else []),
+        f"write_restart {file_names.UNFINISHED} noinit",
+        *_FROM_REST,
+        *(["set group all vz 0.0"] if forces else []),
     ]
 
 
@@ -57,7 +63,7 @@ def render_continuation(problem: Problem) -> str:
     """
     system = problem.system
     dumps = ["frames"] if problem.frames_per_snapshot is None else ["frames", "snapshots"]
-    again = f"lmp -in {file_names.CONTINUE}"
+    again, forces = f"lmp -in {file_names.CONTINUE}", _keeps_forces(system)
     sections = [
         [
             f"# {problem.name}, continued from a restart: bitwise the same result, on any number of ranks",
@@ -85,29 +91,38 @@ def render_continuation(problem: Problem) -> str:
             *deck.motion_lines(problem, "free"),
             *static_load.go_on_lines(system),
         ],
-        *([] if problem.window is None else [_window_lines(problem, problem.window)]),
+        *([] if problem.window is None else [window.setup_lines(problem, problem.window, continued=True)]),
         [
             *deck.recorded_lines(problem),
-            *deck.output_lines(problem, "${every}", "${dump}", "${snapshots}"),
-            *_delayed(dumps),
+            *deck.output_lines(problem, "${dump}", "${snapshots}"),
+            "# no frame before the beads are at their present places",
+            *(f"dump_modify {dump} delay $(step)" for dump in dumps),
+            *(f'if "$(version) < {_TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
         ],
         [
             "# setup with the beads at rest (neighbours, ranks, order); then forces at their present places",
             "timestep ${timestep}",
-            *(_given_forces() if _keeps_forces(system) else []),
+            *(_GIVEN_FORCES if forces else []),
             "variable before equal $(step-1)",
             "reset_timestep 0                 # resets the time, which the next line sets to that of the step",
             "reset_timestep ${before}",
             *deck.moved_lines(problem),
             "run 0 post no",
-            *_from_rest(),
+            *_FROM_REST,
             "run 1 pre no post no",
-            *(["group given clear", "set group all vz 0.0"] if _keeps_forces(system) else []),
+            *(["group given clear", "set group all vz 0.0"] if forces else []),
             "group free union all",
         ],
         onward_lines(problem),
     ]
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
+
+
+_GIVEN_FORCES = (
+    "variable given atom vz           # forces, computed with the velocities half a step earlier",
+    "group given union all",
+    "fix given given setforce v_given 0.0 0.0",
+)
 
 
 def _keeps_forces(system: System) -> bool:
@@ -117,46 +132,10 @@ def _keeps_forces(system: System) -> bool:
     return bool(system.dampers or physics.remembering(system))
 
 
-def _delayed(dumps: list[str]) -> list[str]:
-    return [
-        "# no frame before the beads are at their present places",
-        *(f"dump_modify {dump} delay $(step)" for dump in dumps),
-        *(f'if "$(version) < {_TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
-    ]
-
-
-def _rest(problem: Problem) -> str:
-    """Where LAMMPS had a bead at rest, to the last bit."""
-    return problem.layout.place_formula if problem.window is None else f"mol*{text(problem.layout.spacing)}"
-
-
-def _from_rest() -> list[str]:
-    return [
-        "variable displaced atom vy",
-        "set group all x v_displaced",
-        "set group all vy 0.0",
-    ]
-
-
-def _given_forces() -> list[str]:
-    return [
-        "variable given atom vz           # forces, computed with the velocities half a step earlier",
-        "group given union all",
-        "fix given given setforce v_given 0.0 0.0",
-    ]
-
-
-def _window_lines(problem: Problem, rows: int) -> list[str]:
-    return [
-        *window.setup_lines(rows, problem.beads, problem.layout.spacing, problem.scheme),
-        f"variable tail equal $(bound(all,xmin)/{text(problem.layout.spacing)}:%.0f)",
-    ]
-
-
 def onward_lines(problem: Problem) -> list[str]:
     """To the step ``steps``, without the setup that a run begins with."""
     if problem.window is not None:
-        travel = deck.travel_lines(problem)
+        travel = window.travel_lines(problem)
         travel.remove("run 0 post no")  # the setup
         return [scheme.timestep_command(problem.scheme), *travel]
     if problem.scheme == "verlet":

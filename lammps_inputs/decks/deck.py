@@ -28,7 +28,6 @@ from lammps_inputs.deck_lines import AtomTypes, Lines
 from lammps_inputs.laws import by_pairs, dashpot, spring
 from lammps_inputs.laws.wall import wall_lines
 from lammps_inputs.layout import Layout
-from lammps_inputs.limits import rates
 from lammps_inputs.links import Across, Along, Link, Wall, words
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
@@ -47,15 +46,6 @@ START = (
     "newton off                       # bitwise the same result on any number of ranks",
 )
 """First commands of a deck and of its continuation."""
-
-KINETIC = (
-    "# in the log: sums of m vx^2/2 and of m vx over all atoms",
-    "compute kinetic all temp/partial 1 0 0",
-    "compute_modify kinetic extra/dof 0",
-    "variable momentum equal mass(all)*vcm(all,x)",
-    "thermo_style custom step ke v_momentum",
-    "thermo_modify temp kinetic norm no lost error",
-)
 
 
 def render(scene: "Scene", problem: Problem | None = None) -> dict[str, str]:
@@ -88,7 +78,15 @@ def render_deck(problem: Problem) -> str:
     system = problem.system
     sections = [
         _title(problem),
-        _variables(problem),
+        [
+            "# parameters; a value on the command line, -var NAME VALUE, replaces the one here",
+            *number_lines(problem),
+            *(
+                f"variable kick{number} index {text(velocity)}   # bead {bead} of chain {chain}"
+                for number, (chain, bead, velocity) in enumerate(system.kicks, 1)
+            ),
+            *scheme.variable_lines(problem.scheme),
+        ],
         [
             *START,
             f"atom_style {_atom_style(problem)}",
@@ -105,21 +103,16 @@ def render_deck(problem: Problem) -> str:
     if system.kicks or system.motions:
         sections.append(
             [
-                *loads.start_lines(system.motions, problem.layout),
+                *loads.start_lines(problem.layout),
                 *(
-                    f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
+                    f"set atom {problem.layout.atom(chain, bead)} vx ${{kick{number}}}"
                     for number, (chain, bead, _) in enumerate(system.kicks, 1)
                 ),
             ]
         )
     if problem.window is not None:
-        sections.append(window.setup_lines(problem.window, problem.beads, problem.layout.spacing, problem.scheme))
-    sections.append(
-        [
-            *recorded_lines(problem),
-            *output_lines(problem, "${every}", file_names.DUMP),
-        ]
-    )
+        sections.append(window.setup_lines(problem, problem.window))
+    sections.append([*recorded_lines(problem), *output_lines(problem, file_names.DUMP)])
     sections.append([scheme.timestep_command(problem.scheme), *moved_lines(problem), *travel_lines(problem)])
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
 
@@ -147,7 +140,7 @@ def spelling(problem: Problem) -> list[Lines]:
     Raises:
         ValueError: LAMMPS has no words for one of them.
     """
-    return [*_of_links(problem), *_from_outside(problem)]
+    return [*_of_links(problem), *loads.lines(problem.layout)]
 
 
 def _spelled(system: System) -> tuple[Link, ...]:
@@ -158,8 +151,7 @@ def _spelled(system: System) -> tuple[Link, ...]:
 
 @functools.lru_cache(maxsize=1)  # types of atoms that distinguish contacts take a second of many beads
 def _of_links(problem: Problem) -> tuple[Lines, ...]:
-    if why := _missing(problem.system):
-        raise ValueError(why)
+    _refuse_unknown(problem.system)
     return tuple(_of_link(link, problem.layout) for link in _spelled(problem.system))
 
 
@@ -174,9 +166,8 @@ def _of_link(link: Link, layout: Layout) -> Lines:
 
 def refusal(system: System) -> str:
     """Why LAMMPS cannot express the forces of a system; empty where it can."""
-    if why := _missing(system):
-        return why
     try:
+        _refuse_unknown(system)
         for link in system.links:
             differs = laws.differs(link.law) or laws.remembers(link.law)
             if hasattr(link.law, "derived") or (isinstance(link, Along) and differs):
@@ -186,12 +177,11 @@ def refusal(system: System) -> str:
     return ""
 
 
-def _missing(system: System) -> str:
-    """Which force LAMMPS does not have; empty if none. Contacts that differ may still be too many for it."""
-    unknown = next((link.name for link in _spelled(system) if not hasattr(link.law, _kind(link))), None)
-    if unknown is not None:
-        return f"{unknown}: LAMMPS has no such force; use the reference engine"
-    return ""
+def _refuse_unknown(system: System) -> None:
+    """Refuse a force that LAMMPS does not have; contacts that differ may still be too many for it."""
+    for link in _spelled(system):
+        if not hasattr(link.law, _kind(link)):
+            raise ValueError(f"{link.name}: LAMMPS has no such force; use the reference engine")
 
 
 def _kind(link: Link) -> str:
@@ -199,13 +189,6 @@ def _kind(link: Link) -> str:
     if isinstance(link, Wall) and not laws.remembers(link.law):
         return "wall" if hasattr(link.law, "wall") else "exponent"
     return "along" if isinstance(link, Along | Wall) else "across" if isinstance(link, Across) else "ground"
-
-
-def _from_outside(problem: Problem) -> list[Lines]:
-    return [
-        *loads.lines(problem.system.loads, problem.layout),
-        *loads.motion_lines(problem.system.motions, problem.layout),
-    ]
 
 
 def interactions(problem: Problem) -> list[list[str]]:
@@ -226,7 +209,7 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
         *static_load.place_lines(system),
         *(line for found in _of_links(problem) for line in found.motion),
         *static_load.hold_lines(system),
-        *(line for found in _from_outside(problem) for line in found.motion),
+        *(line for found in loads.lines(problem.layout) for line in found.motion),
     ]
     if _tied(system):
         lines.append("fix line all lineforce 1 0 0     # beads move along their chains only")
@@ -238,7 +221,7 @@ def moved_lines(problem: Problem) -> list[str]:
     return [line for found in spelling(problem) for line in found.moved]
 
 
-def output_lines(problem: Problem, every: str, dump: str, snapshots: str = file_names.SNAPSHOTS) -> list[str]:
+def output_lines(problem: Problem, dump: str, snapshots: str = file_names.SNAPSHOTS) -> list[str]:
     """Frames into a file, snapshots into another, and the log.
 
     The group ``recorded`` exists where not all beads are.
@@ -250,7 +233,7 @@ def output_lines(problem: Problem, every: str, dump: str, snapshots: str = file_
         "dump_modify snapshots flush yes time yes",
     ]
     return [
-        f"dump frames {recorded} custom {every} {dump} {' '.join(columns(problem))}",
+        f"dump frames {recorded} custom ${{every}} {dump} {' '.join(columns(problem))}",
         "dump_modify frames flush yes time yes   # each frame is written at once, with its time",
         *(whole if problem.frames_per_snapshot is not None else []),
         *_thermo_lines(problem),
@@ -266,7 +249,14 @@ def _thermo_lines(problem: Problem) -> list[str]:
     """
     seldom = problem.scheme == "verlet" and not problem.peaks
     if seldom and all(lines.heavier is None for lines in spelling(problem)):
-        return [*KINETIC]
+        return [
+            "# in the log: sums of m vx^2/2 and of m vx over all atoms",
+            "compute kinetic all temp/partial 1 0 0",
+            "compute_modify kinetic extra/dof 0",
+            "variable momentum equal mass(all)*vcm(all,x)",
+            "thermo_style custom step ke v_momentum",
+            "thermo_modify temp kinetic norm no lost error",
+        ]
     return ["thermo_style custom step", "thermo_modify lost error"]
 
 
@@ -322,24 +312,15 @@ def _tied(system: System) -> bool:
     return bool(system.across or system.inner_links)
 
 
-def _bonded(problem: Problem) -> bool:
-    """Whether atoms carry bonds and molecules."""
-    return _tied(problem.system) or problem.window is not None
-
-
 def _atom_style(problem: Problem) -> str:
-    return "hybrid sphere bond" if _bonded(problem) else "sphere"
+    """Atoms carry bonds and molecules where they need them."""
+    return "hybrid sphere bond" if _tied(problem.system) or problem.window is not None else "sphere"
 
 
 def travel_lines(problem: Problem) -> list[str]:
     """The run from start to end."""
-    if problem.window is None:
-        return scheme.run_lines(problem.scheme, "${steps}")
-    travel = [
-        window.stretch_line(problem.timestep, scheme.cycle(problem.scheme), rates.front_speed(problem.system)),
-        *window.travel_lines(problem.scheme),
-    ]
-    return travel if problem.scheme == "verlet" else [*scheme.QUIET, *travel, *scheme.LOUD]
+    whole = problem.window is None
+    return scheme.run_lines(problem.scheme, "${steps}") if whole else window.travel_lines(problem)
 
 
 def _title(problem: Problem) -> list[str]:
@@ -372,19 +353,6 @@ def _scale_lines(scale: Scale) -> list[str]:
     ]
 
 
-def _variables(problem: Problem) -> list[str]:
-    kicks = [
-        f"variable kick{number} index {text(velocity)}   # bead {bead} of chain {chain}"
-        for number, (chain, bead, velocity) in enumerate(problem.system.kicks, 1)
-    ]
-    return [
-        "# parameters; a value on the command line, -var NAME VALUE, replaces the one here",
-        *number_lines(problem),
-        *kicks,
-        *scheme.variable_lines(problem.scheme),
-    ]
-
-
 def number_lines(problem: Problem) -> list[str]:
     """The numbers of a run as LAMMPS variables."""
     return [
@@ -406,10 +374,6 @@ def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
             edges = zip(link.edges, numbered, strict=True)
             found += [(one, other, types[: problem.rows]) for (one, other), types in edges]
     return found
-
-
-def _atom(problem: Problem, chain: int, bead: int) -> int:
-    return (chain - 1) * problem.rows + bead
 
 
 def _skin(problem: Problem) -> float:
@@ -462,10 +426,11 @@ def render_data(problem: Problem) -> str:
         if not physics.even(system):
             places = [text(x) for x in problem.layout.places[line]]
         rows = enumerate(zip(of_line.tolist(), places, sizes, strict=True))
-        if problem.window is not None:
-            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {i + 1}\n" for i, (t, x, size) in rows)
-        elif _tied(system):
-            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {line + 1}\n" for i, (t, x, size) in rows)
+        if _atom_style(problem) != "sphere":
+            molecules = itertools.repeat(line + 1) if problem.window is None else itertools.count(1)
+            out.writelines(
+                f"{first + i} {t} {x} {y} 0 {size} {m}\n" for (i, (t, x, size)), m in zip(rows, molecules, strict=False)
+            )
         else:
             out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x, size) in rows)
     out.writelines(_inner_atoms(problem, types, apart))

@@ -20,7 +20,7 @@ from lammps_inputs import laws, physics
 from lammps_inputs.laws import dashpot
 from lammps_inputs.laws.in_time import Sine
 from lammps_inputs.links import Across, Along, Wall, largest_eigenvalue
-from lammps_inputs.scheme import SchemeName, largest_phase
+from lammps_inputs.scheme import LARGEST_PHASE, SchemeName
 from lammps_inputs.system import System
 
 
@@ -170,7 +170,7 @@ the second order.
 
 def stability_bound(system: System, scheme: SchemeName = "verlet") -> float:
     """Largest stable (mean) Verlet step, ``2 / omega_max`` for velocity Verlet, of a dimensionless system."""
-    bound = largest_phase(scheme) / fastest(system)
+    bound = LARGEST_PHASE[scheme] / fastest(system)
     if not system.dampers or physics.velocity_at_full_steps(system):
         return bound
     # the root of (omega h)**2 + 2 drag h = 4, from the characteristic polynomial with velocities of the half step

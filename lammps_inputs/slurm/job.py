@@ -26,11 +26,10 @@ import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from lammps_inputs import file_names, scheme, window
+from lammps_inputs import file_names, window
 from lammps_inputs.decks import deck
 from lammps_inputs.decks.continuation import onward_lines, render_continuation, restart_lines
 from lammps_inputs.errors import InputError
-from lammps_inputs.limits import rates
 from lammps_inputs.problem import Problem
 from lammps_inputs.slurm.site import JobOptions
 
@@ -220,12 +219,7 @@ def render_input(problem: Problem) -> str:
         "variable kept file .job.kept",
         'if "${kept} == lost" then "quit 3"',
     ]
-    cycle = scheme.cycle(problem.scheme)
-    grain = (
-        cycle
-        if problem.window is None
-        else window.look_steps(problem.timestep, cycle, rates.front_speed(problem.system))
-    )
+    grain = window.stride(problem)
     sizes = _size_lines("dump", "v_every", _frame_bytes(problem))
     if whole is not None:
         sizes += _size_lines("snapshots", f"({whole}*v_every)", _frame_bytes(problem.snapshots()))

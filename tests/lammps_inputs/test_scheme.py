@@ -27,18 +27,18 @@ def trace(phase, steps):
 
 @pytest.mark.parametrize("name", TABLES)
 def test_a_cycle_has_the_length_one(name):
-    assert sum(scheme.weights(name)) == pytest.approx(1.0, abs=1e-15)
+    assert sum(scheme.WEIGHTS[name]) == pytest.approx(1.0, abs=1e-15)
 
 
 def test_suzukis_weights_cancel_the_error_of_third_order():
     # the condition that makes a symmetric composition of order 2 one of order 4
-    assert sum(step**3 for step in scheme.weights("suzuki4")) == pytest.approx(0.0, abs=1e-15)
+    assert sum(step**3 for step in scheme.WEIGHTS["suzuki4"]) == pytest.approx(0.0, abs=1e-15)
 
 
 @pytest.mark.parametrize("name", TABLES)
 def test_an_oscillator_is_stable_up_to_the_bound_and_not_beyond(name):
-    steps = scheme.weights(name)
-    bound = len(steps) * scheme.largest_phase(name)
+    steps = scheme.WEIGHTS[name]
+    bound = len(steps) * scheme.LARGEST_PHASE[name]
     assert all(trace(phase, steps) <= 2.0 + 1e-12 for phase in np.linspace(0.01, bound, 3000))
     assert trace(1.001 * bound, steps) > 2.0
 

@@ -20,7 +20,6 @@ from analysis.tracking.leading_waves import leading_finder, leading_passages, le
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Floats, frames_per_block, of_atoms
 from lammps_inputs import Problem, file_names, physics, scheme, window
-from lammps_inputs.limits import rates
 from workflow.engines.lammps.files_on_disk import write_whole
 
 
@@ -60,7 +59,7 @@ class Travel:
         if problem.window is None:
             self._run(steps)
             return
-        look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme), rates.front_speed(problem.system))
+        look = window.stride(problem)
         while steps > 0:
             self._follow()
             self._run(min(look, steps))

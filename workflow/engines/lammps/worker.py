@@ -22,10 +22,9 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import Problem, file_names, scheme, window
+from lammps_inputs import Problem, file_names, window
 from lammps_inputs.decks import continuation
 from lammps_inputs.laws import by_callback
-from lammps_inputs.limits import rates
 from workflow.engines.lammps import files_on_disk, invariants, mpi
 from workflow.engines.lammps.files_on_disk import FramesOnDisk
 from workflow.engines.lammps.stepping import LivePeaks, Travel
@@ -112,12 +111,7 @@ def segments(
     """Segments of the run until its end, a fault, or a closed standard input."""
     largest = max(1, SEGMENT_BEAD_STEPS // (problem.chains * problem.rows))
     # a restart falls between two cycles of the scheme, and where the window may follow
-    cycle = scheme.cycle(problem.scheme)
-    whole = (
-        cycle
-        if problem.window is None
-        else window.look_steps(problem.timestep, cycle, rates.front_speed(problem.system))
-    )
+    whole = window.stride(problem)
     begun = done = int(lmp.extract_global("ntimestep"))
     frames = Path(continuation.dump_part(part))
     travel = Travel(lmp, problem)

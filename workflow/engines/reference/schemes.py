@@ -8,7 +8,7 @@ order 4, symplectic and time-reversible as all of them, with a small error const
 from dataclasses import dataclass
 from itertools import pairwise
 
-from lammps_inputs.scheme import weights
+from lammps_inputs.scheme import WEIGHTS
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ VERLET = Scheme(
 )
 
 
-_STEPS = weights("suzuki4")
+_STEPS = WEIGHTS["suzuki4"]
 
 SUZUKI4 = Scheme(
     name="suzuki4",
