@@ -37,7 +37,7 @@ except (ImportError, SyntaxError):
 
 _HERE = Path(__file__).parent
 
-_STUDIES = {path.parent.name: path for name in ("study", "command") for path in _HERE.glob(f"studies/*/{name}.py")}
+_STUDIES = {path.parent.name: path for path in _HERE.glob("studies/*/study.py")}
 """Command of a study -> its module."""
 
 GROUPS: dict[str, tuple[str, ...]] = {

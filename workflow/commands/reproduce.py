@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 
 from workflow.screen import Answer
-from workflow.studies.gallery.command import ANSWERS, run_entries
 from workflow.studies.gallery.entries import PAPER
+from workflow.studies.gallery.study import ANSWERS, run_entries
 
 __all__ = ["ANSWERS"]
 

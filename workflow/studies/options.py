@@ -4,8 +4,9 @@ import argparse
 import contextlib
 import sys
 from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import yaml
 
@@ -16,7 +17,12 @@ from workflow.engines.lammps.mpi import cores
 from workflow.runs.files import write_text
 from workflow.runs.own_files import claim, make_directory
 from workflow.screen import Answer, count_bar
+from workflow.studies.study import floats
+from workflow.sweep import fields
 from workflow.workers.pool import Pool
+
+if TYPE_CHECKING:
+    from analysis.figures.swept import Axis
 
 Found = TypeVar("Found")
 
@@ -143,14 +149,51 @@ def number(text: str, option: str, example: str) -> float:
     return value
 
 
-def second_field(text: str | None) -> tuple[str, tuple[Any, ...]]:
-    """Field and values of ``--over FIELD=A,B,...``; empty without the option.
+def both_ends(text: str, option: str, example: str) -> tuple[float, float]:
+    """Numbers of ``LOW:HIGH``.
+
+    Raises:
+        InputError: one is none.
+    """
+    low, _, high = text.partition(":")
+    return number(low, option, example), number(high, option, example)
+
+
+@dataclass(frozen=True)
+class SecondField:
+    """A second field of a study, and its values; without one an empty name, and one value of no meaning."""
+
+    name: str = ""
+    values: tuple[Any, ...] = (None,)
+
+    def put(self, scene: dict[str, Any], value: Any) -> dict[str, Any]:
+        """Plain data of a scene with a value in the field."""
+        return fields.put_all(scene, {self.name: value} if self.name else {})
+
+    @property
+    def is_numeric(self) -> bool:
+        """Whether the values can stand along an axis."""
+        return bool(self.name) and all(isinstance(value, int | float) for value in self.values)
+
+    def numbered(self, values: Iterable[Any]) -> "Axis | None":
+        """The field in a figure whose lines are its values, by their numbers; None without one."""
+        from analysis.figures.swept import Axis  # matplotlib takes half a second to import
+
+        numbers = floats([self.values.index(value) + 1 for value in values]) if self.name else None
+        return None if numbers is None else Axis(f"value of {self.name}, by its number", numbers)
+
+
+NO_SECOND_FIELD = SecondField()
+
+
+def second_field(text: str | None) -> SecondField:
+    """Field and values of ``--over FIELD=A,B,...``.
 
     Raises:
         InputError: there are no such values, or one is given twice.
     """
     if not text:
-        return "", ()
+        return NO_SECOND_FIELD
     field, places = split(text, "--over", "chains=2,3,4")
     try:
         values = tuple(yaml.safe_load(f"[{places}]"))
@@ -158,4 +201,4 @@ def second_field(text: str | None) -> tuple[str, tuple[Any, ...]]:
         values = ()
     if not values or len(set(map(str, values))) < len(values):
         raise InputError(f"--over: {places!r} given; different values with commas between, such as chains=2,3,4")
-    return field, values
+    return SecondField(field, values)

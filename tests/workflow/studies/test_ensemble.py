@@ -9,8 +9,7 @@ import pytest
 
 from lammps_inputs import strict_yaml
 from workflow.cli import main
-from workflow.studies.ensemble.statistics import statistics
-from workflow.studies.ensemble.study import Question
+from workflow.studies.ensemble.study import Question, statistics
 
 pytestmark = pytest.mark.usefixtures("pool_here")
 

@@ -1,13 +1,14 @@
-"""Equipartition over coupling and number of chains: how far it takes, and what amplitude is left. Reference engine.
+"""Map equipartition over coupling and number of chains, with the reference integrator.
 
-Each case is kept when it is done, so an interrupted map is resumed. Only the rows near the front are integrated; every
-case is run a second time in a window twice as wide, and the two must agree.
+How far it takes, and what amplitude is left. Each case is kept when it is done, so an interrupted map is resumed. Only
+the rows near the front are integrated; every case is run a second time in a window twice as wide, and the two must
+agree.
 """
 
+import argparse
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, fields
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,9 @@ from analysis.sharing.equipartition import sharing
 from analysis.tracking.leading_waves import Waves
 from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
 from workflow.engines.reference.passages import passages
-from workflow.studies.study import Study, floats, to_csv
+from workflow.screen import Answer, count_bar, one_line
+from workflow.studies.options import add_output, listed, within
+from workflow.studies.study import Study, floats, print_records, to_csv
 from workflow.workers import evaluate
 
 COUPLINGS = tuple(float(f"{value:.3g}") for value in np.geomspace(1e-3, 2.0, 12))
@@ -65,34 +68,26 @@ def run_case(chains: int, kappa: float, most_beads: int = MOST_BEADS) -> Case:
 
 
 def _run_length(chains: int, kappa: float, beads: int) -> Case:
-    problem = _problem(chains, kappa, beads)
-    window = _WINDOW
-    waves = _waves(problem, window)
-    while True:
-        wider = _waves(problem, 2 * window)
-        error = _difference(waves, wider)
-        window, waves = 2 * window, wider
-        if error <= _SAME or window >= _WIDEST:
-            break
+    coupling, kick = Coupling(stiffness=kappa), (Kick(velocity=1.0),)
+    scene = Scene(name="map", chains=chains, beads=beads, coupling=coupling, kick=kick, duration=10.0 * beads)
+    problem = scene.problem()
+    window, error, waves = _WINDOW, math.inf, _waves(problem, _WINDOW)
+    while error > _SAME and window < _WIDEST:
+        window *= 2
+        narrow, waves = waves, _waves(problem, window)
+        error = _difference(narrow, waves)
     shared = sharing(waves, problem)
-    final = shared.final
     return Case(
         chains,
         kappa,
         beads,
         shared.agrees_from(0.1),
         shared.agrees_from(0.01),
-        math.nan if final is None else final.value,
+        math.nan if shared.final is None else shared.final.value,
         math.nan if len(shared) == 0 else float(shared.mismatch[-1]),
         window,
         error,
     )
-
-
-def _problem(chains: int, kappa: float, beads: int) -> Problem:
-    kick = (Kick(velocity=1.0),)
-    stiffness = Coupling(stiffness=kappa)
-    return Scene(name="map", chains=chains, beads=beads, coupling=stiffness, kick=kick, duration=10.0 * beads).problem()
 
 
 def _waves(problem: Problem, window: int) -> Waves:
@@ -133,28 +128,41 @@ def plan(couplings: Sequence[float], chains: Sequence[int], most_beads: int) -> 
     ]
 
 
-def make_map(
-    planned: Sequence[evaluate.Case], directory: Path, progress: evaluate.Progress | None = None
-) -> list[Case]:
-    """Run all cases that a directory does not hold yet, on all cores; write ``map.csv`` and the figure.
-
-    Args:
-        planned: the cases.
-        directory: made if need be; finished cases in it are kept.
-        progress: called with the cases done and their total.
-
-    Raises:
-        InputError: the directory cannot be written.
-    """
-    with STUDY.opened(directory) as cache:
-        cases = [Case(**value) for value in evaluate.values(planned, cache, progress=progress)]
-        from analysis.figures.swept import map_figure  # matplotlib takes half a second to import
-
-        columns = {field.name: floats([getattr(case, field.name) for case in cases]) for field in fields(Case)}
-        STUDY.write(directory, {TABLE: to_csv(Case, cases)}, {"map": map_figure(columns)})
-    return cases
-
-
 def computed(**request: Any) -> dict[str, Any]:
     """`run_case` for the worker pool."""
     return asdict(run_case(**request))
+
+
+# --- command ----------------------------------------------------------------------------------------------------------
+
+ANSWERS = "the cases, as in map.csv"
+DRAWS = True
+EXAMPLES = (
+    "map -o map                # some four minutes; the same command resumes",
+    "map -o map --quiet",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What to map, and where to."""
+    words = ("dimensionless couplings (default 1e-3 to 2)", "numbers of chains (default 2 to 8)", "longest chains")
+    most = within(int, 60, 1e9)
+    parser.add_argument("--couplings", metavar="K,...", type=listed(float), default=COUPLINGS, help=words[0])
+    parser.add_argument("--chains", metavar="N,...", type=listed(int), default=CHAINS, help=words[1])
+    parser.add_argument("--most-beads", metavar="N", type=most, default=MOST_BEADS, help=words[2])
+    add_output(parser)
+
+
+def execute(arguments: argparse.Namespace) -> Answer:
+    """Run the cases that the directory does not hold yet, on all cores; write and print the table, draw the figure."""
+    cases, directory = plan(arguments.couplings, arguments.chains, arguments.most_beads), arguments.output
+    with STUDY.opened(directory) as cache:
+        with count_bar("map") as progress:
+            found = [Case(**value) for value in evaluate.values(cases, cache, progress=progress)]
+        from analysis.figures.swept import map_figure  # matplotlib takes half a second to import
+
+        columns = {field.name: floats([getattr(case, field.name) for case in found]) for field in fields(Case)}
+        STUDY.write(directory, {TABLE: to_csv(Case, found)}, {"map": map_figure(columns)})
+    print_records("leading pulses: bead from which all chains agree, and what is left at the end (V = 1)", Case, found)
+    print(f"{one_line(directory)}: {', '.join(STUDY.files)}")
+    return Answer(0, [vars(case) for case in found])

@@ -1,4 +1,6 @@
-"""A threshold study: scans of the field, brackets that are halved, and what is written.
+"""Find where a quantity crosses a value as a field of the scene varies, with its uncertainty.
+
+A threshold study: scans of the field, brackets that are halved, and what is written.
 
 | file              | what                                                                     |
 |-------------------|--------------------------------------------------------------------------|
@@ -8,11 +10,16 @@
 | evaluations.jsonl | the cache: every scene that was computed, as it was done                 |
 """
 
+import argparse
+import functools
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lammps_inputs import InputError
+from lammps_inputs import InputError, library
+from workflow.formats import figure_files
+from workflow.screen import Answer, cell, one_line, print_table
+from workflow.studies import options
 from workflow.studies.measures import case, heading, refuse_unknown
 from workflow.studies.study import Study, floats, to_csv
 from workflow.studies.threshold.bracket import Axis, Crossing, crossings, wanted
@@ -41,8 +48,7 @@ class Question:
         level: the value, in the scene's units.
         field: what varies.
         axis: where it varies.
-        over: a second field; empty without one.
-        places: its values, one threshold for each.
+        over: a second field, one threshold for each of its values.
     """
 
     source: str
@@ -51,29 +57,24 @@ class Question:
     level: float
     field: str
     axis: Axis
-    over: str = ""
-    places: tuple[Any, ...] = ()
+    over: options.SecondField
 
     @property
-    def lines(self) -> tuple[Any, ...]:
-        """Values of the second field; one of no meaning without one."""
-        return self.places if self.over else (None,)
+    def uncertainty(self) -> str:
+        """The quantity's uncertainty; empty where it has none."""
+        return UNCERTAINTIES.get(self.quantity, "")
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The quantity, and its uncertainty where it has one."""
-        return (self.quantity, *filter(None, [UNCERTAINTIES.get(self.quantity)]))
-
-    def scene_at(self, value: float, over: Any) -> dict[str, Any]:
-        """Plain data of the scene with values in both fields."""
+    def case(self, over: Any, value: float) -> evaluate.Case:
+        """The scene with values in both fields."""
         number = int(value) if self.axis.whole else value
-        return fields.put_all(self.scene, {**({self.over: over} if self.over else {}), self.field: number})
+        scene = fields.put_all(self.over.put(self.scene, over), {self.field: number})
+        return case(scene, tuple(filter(None, (self.quantity, self.uncertainty))), self.source)
 
     def __post_init__(self) -> None:
         refuse_unknown(self.quantity, self.source, "quantity of a threshold")
-        names = [name for name in (self.field, self.over) if name]
+        names = [name for name in (self.field, self.over.name) if name]
         if len({fields.parse(name, self.scene) for name in names}) < len(names):
-            raise InputError(f"{self.source}: --over {self.over}: is the field whose threshold is searched")
+            raise InputError(f"{self.source}: --over {self.over.name}: is the field whose threshold is searched")
 
 
 @dataclass(frozen=True)
@@ -134,17 +135,15 @@ class Found:
             "quantity": asked.quantity,
             "value": asked.level,
             "field": asked.field,
-            "over": asked.over or None,
+            "over": asked.over.name or None,
             "thresholds": [vars(one) for one in self.thresholds],
             "computed": len(self.points),
         }
 
     def missing(self, over: Any) -> str:
-        """Why there is no threshold at a value of the second field, in one line; empty where there is one."""
-        if any(one.over == over for one in self.thresholds):
-            return ""
+        """Why there is no threshold at a value of the second field, in one line."""
         asked = self.question
-        at = f" at {asked.over} = {over}" if asked.over else ""
+        at = f" at {asked.over.name} = {over}" if asked.over.name else ""
         values = [point.quantity for point in self.points if point.over == over]
         found = [value for value in values if value is not None]
         where = f"at {len(values)} values of {asked.field} from {asked.axis.low:g} to {asked.axis.high:g}{at}"
@@ -156,6 +155,13 @@ class Found:
             f"no threshold: {asked.quantity} does not cross {asked.level:g}: {min(found):.6g} to {max(found):.6g} "
             f"{where}{undefined}"
         )
+
+    def by_over(self) -> dict[Any, list[Threshold]]:
+        """Value of the second field -> its thresholds."""
+        return {over: [one for one in self.thresholds if one.over == over] for over in self.question.over.values}
+
+
+# --- carried out ------------------------------------------------------------------------------------------------------
 
 
 def carry_out(
@@ -173,34 +179,31 @@ def carry_out(
         InputError: the directory cannot be used.
         RunError: a process was killed.
     """
-    computed: dict[Any, dict[float, dict[str, float | None]]] = {over: {} for over in question.lines}
+    axis, level = question.axis, question.level
+    known: dict[Any, dict[float, float | None]] = {over: {} for over in question.over.values}
+    errors: dict[tuple[Any, float], float | None] = {}
     refused: list[str] = []
-
-    def known(over: Any) -> dict[float, float | None]:
-        return {x: quantities.get(question.quantity) for x, quantities in computed[over].items()}
-
     with STUDY.opened(directory) as cache:
-        while plan := [
-            (over, x) for over in question.lines for x in wanted(known(over), question.axis, question.level)
-        ]:
-            done = sum(map(len, computed.values()))
+        while plan := [(over, x) for over, values in known.items() for x in wanted(values, axis, level)]:
 
-            def show(now: int, total: int, _: int, done: int = done) -> None:
+            def show(now: int, total: int, _: int, done: int = len(errors)) -> None:
                 if progress is not None:
                     progress(done + now, done + total, 0)
 
-            cases = [case(question.scene_at(x, over), question.names, question.source) for over, x in plan]
+            cases = [question.case(over, x) for over, x in plan]
             for (over, x), value in zip(plan, evaluate.values(cases, cache, pool=pool, progress=show), strict=True):
-                computed[over][x] = value.get("quantities", {})
+                quantities = value.get("quantities", {})
+                known[over][x] = quantities.get(question.quantity)
+                errors[over, x] = quantities.get(question.uncertainty)
                 refused += [value["refused"]] if "refused" in value else []
         found = Found(
             question,
             [
-                _threshold(question, over, one, computed[over])
-                for over in question.lines
-                for one in crossings(known(over), question.axis, question.level)
+                _threshold(question, over, one, [errors[over, one.low], errors[over, one.high]])
+                for over, values in known.items()
+                for one in crossings(values, axis, level)
             ],
-            [Point(over, x, quantity) for over in question.lines for x, quantity in sorted(known(over).items())],
+            [Point(over, x, quantity) for over, values in known.items() for x, quantity in sorted(values.items())],
             "".join(refused[:1]),
         )
         tables = {TABLE: to_csv(Threshold, found.thresholds), POINTS: to_csv(Point, found.points)}
@@ -208,17 +211,15 @@ def carry_out(
     return found
 
 
-def _threshold(
-    question: Question, over: Any, crossing: Crossing, computed: dict[float, dict[str, float | None]]
-) -> Threshold:
-    low, high = crossing.low, crossing.high
-    uncertainty: float | None = 0.5 * (high - low)
-    if len(question.names) > 1:
-        own = [computed[x].get(question.names[-1]) for x in (low, high)]
-        sizes = [one for one in own if one is not None]
-        uncertainty = None if len(sizes) < len(own) else 0.5 * (high - low) + max(sizes) / abs(crossing.slope)
+def _threshold(question: Question, over: Any, crossing: Crossing, errors: list[float | None]) -> Threshold:
+    """A crossing, given the quantity's uncertainties at both ends of its bracket."""
+    uncertainty: float | None = 0.5 * (crossing.high - crossing.low)
+    if question.uncertainty:
+        sizes = [one for one in errors if one is not None]
+        own = max(sizes) / abs(crossing.slope) if len(sizes) == 2 else None
+        uncertainty = None if own is None else 0.5 * (crossing.high - crossing.low) + own
     edges = {name: value for name, value in vars(crossing).items() if name != "slope"}
-    return Threshold(over, question.axis.middle(low, high), uncertainty, **edges)
+    return Threshold(over, question.axis.middle(crossing.low, crossing.high), uncertainty, **edges)
 
 
 def _figure(found: Found) -> "Figure":
@@ -228,16 +229,91 @@ def _figure(found: Found) -> "Figure":
     asked = found.question
     title = f"{asked.source}: {asked.quantity} = {asked.level:g}"
     field = heading(asked.field, asked.scene)
-    if asked.over and all(isinstance(over, int | float) for over in asked.places):
-        lines: list[tuple[Any, float | None, float | None]]
-        lines = [(one.over, one.place, one.uncertainty) for one in found.thresholds]
-        # a value without a threshold is a tick at the foot
-        lines += [(over, None, None) for over in asked.places if not any(one[0] == over for one in lines)]
-        over, place, error = map(floats, zip(*sorted(lines, key=lambda line: asked.places.index(line[0])), strict=True))
-        return swept_figure(Shown(field, place, error), Shown(heading(asked.over, asked.scene), over), title=title)
-    values, quantity = (floats([getattr(point, name) for point in found.points]) for name in ("value", "quantity"))
-    second = None
-    if asked.over:
-        numbers = floats([asked.places.index(point.over) + 1 for point in found.points])
-        second = Shown(f"value of {asked.over}, by its number", numbers)
-    return swept_figure(Shown(heading(asked.quantity, asked.scene), quantity), Shown(field, values), second, title)
+    if asked.over.is_numeric:
+        lines: list[tuple[Any, float | None, float | None]] = []
+        for over, thresholds in found.by_over().items():
+            lines += [(over, one.place, one.uncertainty) for one in thresholds]
+            lines += [] if thresholds else [(over, None, None)]  # a tick at the foot
+        over, place, error = map(floats, zip(*lines, strict=True))
+        return swept_figure(Shown(field, place, error), Shown(heading(asked.over.name, asked.scene), over), title=title)
+    quantity = Shown(heading(asked.quantity, asked.scene), floats([point.quantity for point in found.points]))
+    over_field = Shown(field, floats([point.value for point in found.points]))
+    return swept_figure(quantity, over_field, asked.over.numbered(point.over for point in found.points), title)
+
+
+# --- command ----------------------------------------------------------------------------------------------------------
+
+ANSWERS = "the thresholds, and how many scenes were computed"
+DRAWS = True
+EXAMPLES = (
+    "threshold two-chains --where agree_1=100 --vary coupling.stiffness=0.02:0.5 --log -o found",
+    "threshold two-chains --where agree_1=100 --vary coupling.stiffness=0.02:0.5 --log --over chains=2,3,4 -o curve",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The question, where to, and how."""
+    parser.add_argument("scene", metavar="SCENE", help="the scene; its other fields are constant")
+    parser.add_argument(
+        "--where", metavar="QUANTITY=VALUE", required=True, help="a quantity of `granchain collect`, in its units"
+    )
+    parser.add_argument("--vary", metavar="FIELD=LOW:HIGH", required=True, help="the varied field, and its range")
+    parser.add_argument("--log", action="store_true", help="divide the range by factors instead of differences")
+    parser.add_argument("--over", metavar="FIELD=A,B,...", help="one threshold for each value of a second field")
+    words = ("values of the first scan (default 9)", "largest half-width of a bracket / its place (default 0.001)")
+    parser.add_argument("--points", metavar="N", type=options.within(int, 2, 10_000), default=9, help=words[0])
+    parser.add_argument("--tolerance", metavar="X", type=options.within(float, 1e-12, 0.5), default=1e-3, help=words[1])
+    options.add_output(parser)
+    options.add_jobs(parser)
+
+
+def execute(arguments: argparse.Namespace) -> Answer:
+    """Print the thresholds; exit code 1 without any, 130 when interrupted, with all that was computed kept."""
+    question = _question(arguments)
+    found = options.on_cores("threshold", arguments.jobs, functools.partial(carry_out, question, arguments.output))
+    if found is None:
+        return Answer(130, {})
+    _print(found, arguments.output)
+    return Answer(0 if found.thresholds else 1, found.plain())
+
+
+def _question(arguments: argparse.Namespace) -> Question:
+    name = arguments.scene
+    plain = library.find(name).plain()
+    quantity, level = options.split(arguments.where, "--where", "agree_1=100")
+    field, ends = options.split(arguments.vary, "--vary", "coupling.stiffness=0.02:0.5")
+    over = options.second_field(arguments.over)
+    low, high = options.both_ends(ends, "--vary", "FIELD=0.02:0.5")
+    try:
+        whole = fields.is_whole(fields.parse(field, plain))
+    except InputError as error:
+        raise InputError(f"--vary: {error}") from None
+    if not low < high or (arguments.log and low <= 0.0):
+        above = ", both above 0 with --log" if arguments.log else ""
+        raise InputError(f"--vary: {ends} given; the smaller number first{above}, such as 0.02:0.5")
+    if whole and not (low.is_integer() and high.is_integer()):
+        raise InputError(f"--vary: {field} takes whole numbers; {ends} given")
+    axis = Axis(low, high, arguments.log, whole, arguments.points, arguments.tolerance)
+    return Question(name, plain, quantity, options.number(level, "--where", "agree_1=100"), field, axis, over)
+
+
+def _print(found: Found, output: Path) -> None:
+    asked = found.question
+    if found.thresholds:
+        head = [heading(name, asked.scene) for name in (asked.over.name, asked.field) if name]
+        print_table(
+            f"{one_line(asked.source)}: where {asked.quantity} crosses {asked.level:g}",
+            [*head, "uncertainty", "from", "to", asked.quantity, ""],
+            [[cell(one.over)] * bool(asked.over.name) + _row(one) for one in found.thresholds],
+        )
+    for over, thresholds in found.by_over().items():
+        if not thresholds:
+            print(one_line(found.missing(over)))
+    files = ", ".join((TABLE, POINTS, *figure_files(FIGURE)))
+    print(f"{len(found.points)} scenes computed; {one_line(output)}: {files}")
+
+
+def _row(one: Threshold) -> list[str]:
+    notes = ["both sides alternate"] * one.mixed + ["undefined between"] * one.undefined
+    numbers = [cell(one.place), cell(one.uncertainty, ".2g"), cell(one.low), cell(one.high)]
+    return [*numbers, "rises" if one.rises else "falls", ", ".join(notes)]
