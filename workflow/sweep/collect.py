@@ -324,7 +324,7 @@ def drawn(table: Table, quantity: str, over: str, beside: str | None = None, tit
     Raises:
         InputError: no such quantity or field, nothing to draw, or several cases at one point.
     """
-    from analysis.figures.swept import Axis, swept_figure  # matplotlib takes half a second to import
+    from analysis.figures.studies import Axis, swept_figure  # matplotlib takes half a second to import
 
     shown = [name for name in (over, beside) if name is not None]
     numeric = [name for name, found in QUANTITIES.items() if found.label]

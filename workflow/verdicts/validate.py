@@ -253,6 +253,6 @@ def write(path: Path, result: Validation, figure: Any) -> None:
 
 def error_figure(result: Validation, difference: Difference, against: str) -> Any:
     """Errors over space and time, and each quantity against its tolerance."""
-    from analysis.figures.validation import validation_figure  # matplotlib takes half a second to import
+    from analysis.figures.errors import validation_figure  # matplotlib takes half a second to import
 
     return validation_figure(result.problem, difference.error_map, result.deviations, result.tolerances, against)

@@ -139,7 +139,7 @@ def validate_traces(
         frames=whole.frames,
         compared=len(given.time),
     )
-    from analysis.figures.validation import residual_figure  # matplotlib takes half a second to import
+    from analysis.figures.errors import residual_figure  # matplotlib takes half a second to import
 
     allowed = np.array(list(own.values())) * worth
     write(directory.path, result, residual_figure(problem, given, found, allowed, "tolerance"))

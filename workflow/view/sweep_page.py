@@ -28,7 +28,7 @@ from bokeh.models import (
 from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
-from analysis.figures.swept import logarithmic
+from analysis.figures.studies import logarithmic
 from workflow.sweep.collect import Table
 from workflow.view.axes import CHAIN_COLOURS, TICK, TOOLS
 

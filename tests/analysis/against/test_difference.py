@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from small_problems import problem, written_down
 
 from analysis.against.difference import QUANTITIES, Difference, matched
-from analysis.figures.validation import validation_figure
+from analysis.figures.errors import validation_figure
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
 from analysis.trajectory import blocks
 from workflow.engines.reference import engine

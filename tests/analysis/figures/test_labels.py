@@ -11,12 +11,11 @@ from analysis.against.difference import Deviation, ErrorMap
 from analysis.dispersion import Cell, Map
 from analysis.figures.energy import energy_figure
 from analysis.figures.engines import scan_figure
+from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figure
 from analysis.figures.forces import force_figure
-from analysis.figures.searched import Objective, front_figure, history_figure
 from analysis.figures.spectra import dispersion_figure, spectra_figure
+from analysis.figures.studies import Objective, front_figure, history_figure, map_figure
 from analysis.figures.style import CHAIN_COLOURS, shown_chains
-from analysis.figures.swept import map_figure
-from analysis.figures.validation import BAD, GOOD, residual_figure, validation_figure
 from analysis.figures.waves import shape_figure
 from analysis.files.traces import Channel, Traces
 from analysis.gauges.forces import Readings

@@ -8,7 +8,7 @@ import pytest
 from small_problems import problem, written_down
 
 from analysis import motion
-from analysis.figures.searched import front
+from analysis.figures.studies import front
 from analysis.gauges.far_end import FarEnd
 from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import far_wall

@@ -11,7 +11,7 @@ import pytest
 from refusals import refusal
 
 from analysis.dispersion import cell_of
-from analysis.figures.swept import MOST_LINES, Axis, logarithmic, swept_figure
+from analysis.figures.studies import MOST_LINES, Axis, logarithmic, swept_figure
 from lammps_inputs import strict_yaml
 from workflow import api
 from workflow.cli import main

@@ -6,8 +6,8 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures.searched import Objective, front_figure, history_figure, members_figure, wall_figure
 from analysis.figures.spacetime import SpaceTime, spacetime_figure
+from analysis.figures.studies import Objective, front_figure, history_figure, members_figure, wall_figure
 from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import gauges
 from analysis.mirror import direction_of

@@ -240,7 +240,7 @@ def carry_out(
 
 def _figure(found: Found, name: str) -> "Figure":
     """Mean and bands over the second field; where that is none of numbers, the share of seeds up to each value."""
-    from analysis.figures.swept import Axis, swept_figure  # matplotlib takes half a second to import
+    from analysis.figures.studies import Axis, swept_figure  # matplotlib takes half a second to import
 
     asked = found.question
     label, title = heading(name, asked.scene), f"{asked.source}: {len(asked.seeds)} seeds"

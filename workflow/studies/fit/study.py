@@ -146,7 +146,7 @@ def _in_lammps(model: Model, found: Estimate, directory: Path) -> InLammps:
 
 
 def _figure(model: Model, found: Estimate, *, rejected: bool) -> "Figure":
-    from analysis.figures.validation import residual_figure  # matplotlib takes half a second to import
+    from analysis.figures.errors import residual_figure  # matplotlib takes half a second to import
 
     own, run = model.traces(found.parameters), model.trajectory(found.parameters)
     assert own is not None

@@ -223,8 +223,8 @@ def _threshold(question: Question, over: Any, crossing: Crossing, errors: list[f
 
 
 def _figure(found: Found) -> "Figure":
-    from analysis.figures.swept import Axis as Shown  # matplotlib takes half a second to import
-    from analysis.figures.swept import swept_figure
+    from analysis.figures.studies import Axis as Shown  # matplotlib takes half a second to import
+    from analysis.figures.studies import swept_figure
 
     asked = found.question
     title = f"{asked.source}: {asked.quantity} = {asked.level:g}"

@@ -206,7 +206,7 @@ def report(found: Findings) -> dict[str, Any]:
 
 
 def _figure(found: Findings, truth: Truth) -> "Figure":
-    from analysis.figures.work_precision import work_precision_figure  # matplotlib takes a while to import
+    from analysis.figures.errors import work_precision_figure  # matplotlib takes a while to import
 
     methods: dict[str, list[dict[str, Any]]] = {}
     for record in records(found):

@@ -1,4 +1,4 @@
-"""One quantity of many cases over one swept field, or over two: lines, or a map where there are too many lines."""
+"""Figures of many runs: one quantity over one swept field or over two, and what a search among designs found."""
 
 import textwrap
 from collections.abc import Sequence
@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import ArrayLike
 
-from analysis.figures.style import STYLE, shortened
-from analysis.trajectory import Flags, Floats
+from analysis.figures.style import CHAIN_COLOURS, STYLE, shortened
+from analysis.trajectory import Flags, Floats, Integers
 
 MOST_LINES = 8
 
@@ -279,3 +279,91 @@ def map_figure(columns: dict[str, Floats]) -> Figure:
     amplitude.set_ylim(bottom=0.0)
     amplitude.legend(ncols=2)
     return figure
+
+
+# --- a search among designs -------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Objective:
+    """The objective.
+
+    Attributes:
+        label: for an axis.
+        sign: 1 to make it small, -1 to make it large.
+        beside: its value in what the best is set against; None if there is nothing.
+    """
+
+    label: str
+    sign: float
+    beside: float | None
+
+
+def _single(height: float) -> Axes:
+    """The axes of a figure that has no others."""
+    return Figure(figsize=(6.0, height), layout="constrained").subplots()
+
+
+def _finished(axis: Axes, x: str, y: str, what: Objective | None = None) -> Figure:
+    """The figure, with its labels, SI units with a prefix, and a legend above the axes, where it hides nothing."""
+    if what is not None and what.beside is not None:
+        axis.axhline(what.beside, color=CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="set against")
+    for setting, label in ((axis.xaxis, x), (axis.yaxis, y)):
+        text, worth = shortened(label, np.asarray(setting.get_data_interval()))
+        setting.set_label_text(text)
+        if worth != 1.0:
+            setting.set_major_formatter(FuncFormatter(lambda value, _, worth=worth: f"{value * worth:.6g}"))
+    figure = axis.get_figure()
+    assert isinstance(figure, Figure)
+    figure.legend(loc="outside upper center", ncols=2)
+    return figure
+
+
+@mpl.rc_context(STYLE)
+def history_figure(what: Objective, values: Floats) -> Figure:
+    """Every design that keeps the limits (NaN: one that does not), in the order of the search, and the best so far."""
+    axis = _single(3.2)
+    number = np.arange(1, len(values) + 1)
+    axis.plot(number, values, ".", color="0.7", markersize=3, label="designs")
+    best = what.sign * np.fmin.accumulate(what.sign * values)
+    axis.plot(number, best, color=CHAIN_COLOURS[0], drawstyle="steps-post", label="best so far")
+    return _finished(axis, "design", what.label, what)
+
+
+def front(one: Floats, other: Floats) -> Integers:
+    """Places of pairs of which none other is smaller in both, by the first."""
+    order = np.lexsort((other, one))
+    lowest = np.minimum.accumulate(np.concatenate([[np.inf], other[order][:-1]]))
+    return np.asarray(order[other[order] < lowest])
+
+
+@mpl.rc_context(STYLE)
+def front_figure(what: Objective, values: Floats, label: str, others: Floats) -> Figure:
+    """Two quantities of every design, and those that are best for some value of the second, large or small."""
+    known = np.isfinite(values) & np.isfinite(others)
+    x, y = others[known], values[known]
+    axis = _single(3.2)
+    axis.plot(x, y, ".", color="0.7", markersize=3, label="designs")
+    for sign, colour, way in ((1.0, CHAIN_COLOURS[0], "left"), (-1.0, CHAIN_COLOURS[2], "right")):
+        best = front(what.sign * y, sign * x)
+        order = best[np.argsort(x[best])]
+        axis.plot(x[order], y[order], "o-", color=colour, markersize=4, label=f"front to the {way}")
+    return _finished(axis, label, what.label, what)
+
+
+@mpl.rc_context(STYLE)
+def members_figure(what: Objective, best: float, members: Sequence[float]) -> Figure:
+    """The objective of designs that are made a little wrong."""
+    axis = _single(2.6)
+    axis.hist(members, bins=max(5, len(members) // 4), color="0.8")
+    axis.axvline(best, color=CHAIN_COLOURS[0], label="as designed")
+    return _finished(axis, what.label, "members")
+
+
+@mpl.rc_context(STYLE)
+def wall_figure(curves: Sequence[tuple[str, Floats, Floats]], time_label: str, force_label: str) -> Figure:
+    """Force of all chains together on their far wall over time; a name, times and forces for each curve."""
+    axis = _single(3.0)
+    for place, (name, time, force) in enumerate(curves):
+        axis.plot(time, force, color=CHAIN_COLOURS[place], label=name)
+    return _finished(axis, time_label, force_label)
