@@ -1,4 +1,4 @@
-"""Errors: of a validation over space and time and against tolerances, of traces beside data, of methods over their cost."""
+"""Errors: of a validation over space, time and tolerances, of traces beside data, of methods over their cost."""
 
 from collections.abc import Mapping, Sequence
 

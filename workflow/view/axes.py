@@ -7,7 +7,7 @@ from bokeh.plotting import figure
 
 from analysis.figures.style import CHAIN_COLOURS as ON_PAPER
 from analysis.figures.style import Unit
-from workflow.view.thin import Thinned, behind
+from workflow.view.thin import Thinned, Units, axis_label, behind
 
 CHAIN_COLOURS = tuple("#44aa99" if colour == "#000000" else colour for colour in ON_PAPER)
 """Teal (Tol) for black, which is not seen in dark mode."""
@@ -23,15 +23,15 @@ _NAME = "return Number.isInteger(tick) && tick in beads ? String(beads[tick]) : 
 """Of a bead that stands side by side with those that are not its neighbours."""
 
 
-def graph(title: str, x: str, y: str, x_range: Any) -> Any:
-    """A plot of lines."""
+def graph(title: str, units: Units, y: str, x_range: Any, x: str = "time") -> Any:
+    """A plot of lines, of a quantity over another one or over beads."""
     plot = figure(
         title=title,
         tools=TOOLS,
         height=330,
         sizing_mode="stretch_width",
-        x_axis_label=x,
-        y_axis_label=y,
+        x_axis_label=axis_label(x, units[x]) if x in units else x,
+        y_axis_label=axis_label(y, units[y]),
         x_range=x_range,
     )
     plot.toolbar.logo = None

@@ -163,12 +163,8 @@ def traces_of(part: Thinned, shown: list[int], time_range: Any, units: Units) ->
             data["look"].append(look)
             data["label"].append(f"bead {part.beads[k]}, chain {chain}")
     source = ColumnDataSource(name="traces", data=data)
-    plot = graph(
-        "velocity over time; click a map for more",
-        axis_label("time", units["time"]),
-        axis_label("velocity", units["velocity"]),
-        (float(part.time[0]), float(part.time[-1])),
-    )
+    span = float(part.time[0]), float(part.time[-1])
+    plot = graph("velocity over time; click a map for more", units, "velocity", span)
     time_range.js_link("start", plot.x_range, "start")
     time_range.js_link("end", plot.x_range, "end")
     plot.multi_line(

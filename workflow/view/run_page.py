@@ -16,7 +16,7 @@ from lammps_inputs.facts import Fact
 from workflow.view.axes import CHAIN_COLOURS, graph, number, of_chain, put_legend_aside
 from workflow.view.maps import BEAD_DASHES, PLOTS_A_ROW, image_source, maps_of, on_click, root_colours, traces_of
 from workflow.view.moving import moving_beads
-from workflow.view.thin import Thinned, Units, axis_label, units_of
+from workflow.view.thin import Thinned, Units, units_of
 
 
 def distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, units: Units) -> list[Any]:
@@ -24,9 +24,9 @@ def distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, u
     waves, time, velocity = found.waves, units["time"], units["velocity"]
     if not len(waves):
         return []
-    peaks = graph("peak velocity of the leading pulse", "bead", axis_label("velocity", velocity), bead_range)
+    peaks = graph("peak velocity of the leading pulse", units, "velocity", bead_range, "bead")
     hit = physics.largest_excitation(problem.system)[0]
-    lags = graph(f"arrival after that in chain {hit}", "bead", axis_label("time", time), bead_range)
+    lags = graph(f"arrival after that in chain {hit}", units, "time", bead_range, "bead")
     reference = waves.of_chain(hit)
     drawn = []
     for place, chain in enumerate(part.chains):
@@ -52,8 +52,7 @@ _LEAST_SPAN = 0.02
 
 def energy(part: Thinned, time_range: Any, units: Units) -> Any:
     """Energy of the beads of each chain that is shown, with their contacts and what holds them, over time."""
-    heading = "energy of each chain, without coupling"
-    plot = graph(heading, axis_label("time", units["time"]), axis_label("energy", units["energy"]), time_range)
+    plot = graph("energy of each chain, without coupling", units, "energy", time_range)
     plot.y_range.min_interval = _LEAST_SPAN * float(np.max(part.energy))
     for place, chain in enumerate(part.chains):
         plot.line(part.time, part.energy[place], **of_chain(place, chain))
@@ -96,7 +95,7 @@ def _forces(
 ) -> Any:
     """A plot of forces; name, values, colour and dash of each."""
     force = units["force"]
-    plot = graph(heading, axis_label("time", units["time"]), axis_label("force", force), time_range)
+    plot = graph(heading, units, "force", time_range)
     one_chain = len({colour for _, _, colour, _ in lines}) == 1
     drawn = []
     for name, values, colour, dash in lines:

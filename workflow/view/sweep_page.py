@@ -107,14 +107,9 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     plots = {kind: _plot(source, view, kind, labels, colour) for kind in sorted(set(kinds.values()))}
     if unknown:
         plots[kinds[over]].title.text = f"{unknown} of {len(table.rows)} cases have no number here"
-    choose_x = Select(title="over", value=over, options=numbers, name="over", stylesheets=[_DARK_CHOICE])
-    choose_y = Select(title="column", value=what, options=numbers, name="column", stylesheets=[_DARK_CHOICE])
-    only = [
-        Select(title=name, value="all", options=["all", *dict.fromkeys(texts[name])], name=f"only {name}")
-        for name in table.fields
-    ]
-    for chooser in only:
-        chooser.stylesheets = [_DARK_CHOICE]
+    choose_x = _select("over", over, numbers, "over")
+    choose_y = _select("column", what, numbers, "column")
+    only = [_select(name, "all", ["all", *dict.fromkeys(texts[name])], f"only {name}") for name in table.fields]
     args = {"source": source, "over": choose_x, "what": choose_y, "plots": plots, "kinds": kinds, "headings": headings}
     args |= {"only": only, "texts": texts, "filter": kept}
     choices = column(choose_y, choose_x, Div(text="Cases with:"), *only)
@@ -142,6 +137,10 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
         stylesheets=[_DARK_TABLE],
     )
     return column(top, grid, sizing_mode="stretch_width")
+
+
+def _select(title: str, value: str, options: list[str], name: str) -> Select:
+    return Select(title=title, value=value, options=options, name=name, stylesheets=[_DARK_CHOICE])
 
 
 def _colour(table: Table, data: dict[str, list[Any]], headings: dict[str, str]) -> tuple[Any, Any]:

@@ -69,16 +69,9 @@ class Thinned:
 
     def measured(self, units: Mapping[str, Unit]) -> "Thinned":
         """The same in units of time, velocity, length, force and energy."""
-        worth = {name: unit.worth for name, unit in units.items()}
-        return replace(
-            self,
-            time=self.time * worth["time"],
-            displacement=self.displacement * worth["length"],
-            velocity=self.velocity * worth["velocity"],
-            overlap=self.overlap * worth["length"],
-            force=self.force * worth["force"],
-            energy=self.energy * worth["energy"],
-        )
+        kinds = {name: name for name in ("time", "velocity", "force", "energy")}
+        kinds |= {"displacement": "length", "overlap": "length"}
+        return replace(self, **{name: getattr(self, name) * units[kind].worth for name, kind in kinds.items()})
 
 
 def thinned(problem: Problem, blocks: Iterable[Trajectory], chains: list[int], *, most: int = MOST_NUMBERS) -> Thinned:
@@ -96,29 +89,21 @@ def thinned(problem: Problem, blocks: Iterable[Trajectory], chains: list[int], *
     known = numbers * problem.rows_a_frame // beads.step
     stride = max(1, -(-known // most), -(-numbers * len(recorded[beads]) // MOST_HELD))
     parts: list[tuple[Floats, ...]] = []
-    velocity: dict[int, Floats] = {}  # of the frames nearest to each that is kept
+    nearest: list[Integers] = []  # number of the kept frame that each of some velocities is nearest to
+    fastest: list[Floats] = []
     seen = 0
     for block in blocks:
         frames = _whole(block[-seen % stride :: stride])
-        nearest, first = np.unique((np.arange(seen, seen + block.frames) + stride // 2) // stride, return_index=True)
-        fastest = replace(
-            block,
-            time=block.time[first],
-            displacement=block.displacement[first],
-            velocity=_largest(block.velocity, first),
-            exchange=None,
-        )
-        largest = _whole(fastest).velocity[:, chains, beads]
-        for place, values in zip(nearest.tolist(), largest, strict=True):
-            both = [velocity[place], values] if place in velocity else [values]
-            velocity[place] = _largest(np.array(both), np.array([0]))[0]
-        seen += block.frames
         parts.append((frames.time, _energy(frames)[:, chains], *(values[:, chains, beads] for values in _of(frames))))
+        near = (np.arange(seen, seen + block.frames) + stride // 2) // stride
+        near, first = np.unique(near, return_index=True)
+        largest = replace(block, displacement=block.displacement[first], velocity=_largest(block.velocity, first))
+        nearest.append(near)
+        fastest.append(_whole(largest).velocity[:, chains, beads])
+        seen += block.frames
     time, energy, *values = (np.concatenate(kind) for kind in zip(*parts, strict=True))
-    if len(velocity) > len(time):  # the last frames are nearer to one that would follow
-        last = _largest(np.array([velocity[len(time) - 1], velocity.pop(len(time))]), np.array([0]))
-        velocity[len(time) - 1] = last[0]
-    values.append(np.array([velocity[place] for place in range(len(time))]))
+    near = np.minimum(np.concatenate(nearest), len(time) - 1)  # the last frames are nearer to one that would follow
+    values.append(_largest(np.concatenate(fastest), np.unique(near, return_index=True)[1]))
     x, overlap, force, v = (np.ascontiguousarray(kind.transpose(1, 0, 2)) for kind in values)
     return Thinned(
         chains=[chain + 1 for chain in chains],

@@ -76,7 +76,7 @@ def test_a_number_that_is_none_counts_as_largest_even_if_all_later_ones_are_righ
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("value", [1e200, np.inf, -np.inf, np.nan])
+@pytest.mark.parametrize("value", [1e200, -np.inf, np.nan])
 def test_a_run_that_blew_up_is_compared_and_drawn_without_complaint(run, value):
     difference = compared(changed(run, 100, 1, 5, velocity=value, displacement=value), run)
     found = difference.deviations()
@@ -150,18 +150,12 @@ def test_the_map_shows_a_wrong_number_in_its_cell():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("frames", [1, 2, 3])
-@pytest.mark.parametrize("recorded", [None, (3,), (1, 5, 8)])
-def test_the_figure_is_drawn_of_however_little(frames, recorded):
+@pytest.mark.parametrize(
+    ("frames", "recorded", "tolerance"), [(1, (3,), 1e-3), (1, None, 1e-3), (2, (1, 5, 8), 1e-3), (3, None, 0.0)]
+)
+def test_the_figure_is_drawn_of_however_little_and_with_a_tolerance_of_zero(frames, recorded, tolerance):
     run = written_down(problem(recorded=recorded), lambda t: (np.sin(t), np.cos(t)))[:frames]
-    difference = compared(run, replace(run, velocity=run.velocity + 1e-6))
-    figure = validation_figure(run.problem, difference.error_map, difference.deviations(), LIMITS, "itself")
+    difference = compared(run, replace(run, velocity=run.velocity + 1e-6 * (tolerance > 0.0)))
+    limits = dict.fromkeys(LIMITS, tolerance)
+    figure = validation_figure(run.problem, difference.error_map, difference.deviations(), limits, "itself")
     figure.draw_without_rendering()
-
-
-def test_the_figure_is_drawn_with_a_tolerance_of_zero(run):
-    difference = compared(run, run)
-    zero = dict.fromkeys(LIMITS, 0.0)
-    validation_figure(
-        run.problem, difference.error_map, difference.deviations(), zero, "itself"
-    ).draw_without_rendering()

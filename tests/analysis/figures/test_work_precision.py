@@ -49,7 +49,6 @@ def test_a_method_looks_the_same_over_time_and_over_forces_and_infinite_errors_a
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("error", [0.0, 1e-300])
-def test_an_error_of_zero_is_drawn_at_the_foot(error):
-    figure = drawn({"exact": curve([error], [1.0])}, [[1.0, error]])
+def test_an_error_of_zero_is_drawn_at_the_foot():
+    figure = drawn({"exact": curve([0.0], [1.0])}, [[1.0, 0.0]])
     assert figure.axes[0].get_ylim()[0] > 0.0

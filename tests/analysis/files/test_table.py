@@ -241,15 +241,9 @@ def test_a_damaged_npz_is_read_or_refused(path, compressed, data):
     read_or_refused(path)
 
 
-@given(st.text(max_size=80))
-def test_any_text_after_a_header_is_read_or_refused(path, rows):
-    path.write_text(HEAD + rows, encoding="utf-8", errors="surrogatepass")
-    read_or_refused(path)
-
-
-@given(st.binary(max_size=80))
-def test_any_bytes_are_read_or_refused(path, content):
-    path.write_bytes(content)
+@given(st.sampled_from([b"", HEAD.encode()]), st.binary(max_size=80) | st.text(max_size=80))
+def test_any_bytes_and_any_text_after_a_header_are_read_or_refused(path, head, content):
+    path.write_bytes(head + (content if isinstance(content, bytes) else content.encode(errors="surrogatepass")))
     read_or_refused(path)
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import MDAnalysis as mda
 import numpy as np
 import pytest
-from MDAnalysis.analysis.base import AnalysisFromFunction
 from MDAnalysis.coordinates.LAMMPS import DumpReader
 from MDAnalysis.coordinates.XYZ import XYZReader
 from processes import HANGS
@@ -218,17 +217,6 @@ def test_copies_and_pickles_stand_at_the_same_frame_and_go_on_alone(
         check(other.trajectory.ts, expected, 20)
         check(other.trajectory.next(), expected, 21)
         check(universe.trajectory.ts, expected, 20)
-
-
-def test_an_analysis_in_two_processes_equals_one_in_this_process(universe: mda.Universe) -> None:
-    alone = AnalysisFromFunction(momentum, universe.atoms).run()
-    shared = AnalysisFromFunction(momentum, universe.atoms).run(backend="multiprocessing", n_workers=2)
-    np.testing.assert_array_equal(alone.results.timeseries, shared.results.timeseries)
-    np.testing.assert_allclose(alone.results.timeseries, 1.0, rtol=1e-13)
-
-
-def momentum(atoms: mda.AtomGroup) -> float:
-    return float(atoms.universe.trajectory.ts.data["velocity"].sum())
 
 
 def test_the_reader_is_a_context_manager_and_knows_its_atoms(directory: Path) -> None:
