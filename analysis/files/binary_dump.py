@@ -221,16 +221,15 @@ class BinaryDump:
 
     def _raw(self, file: FileIO, frames: Integers, layout: Layout) -> Bytes:
         """[frame, byte] of frames of one layout."""
-        raw = np.empty((len(frames), layout.size), dtype=np.uint8)
         offsets = self._offsets[frames]
         together = bool(np.all(np.diff(offsets) == layout.size))
-        whole = True
-        for offset, part in [(offsets[0], raw)] if together else zip(offsets, raw, strict=True):
-            file.seek(int(offset))
-            whole = whole and _read_into(file, part.reshape(-1))
-        if not (whole and np.array_equal(_field(raw, STEP_AT, "<i8", 1)[:, 0], self.steps[frames])):
-            raise InputError(f"{self.path}: changed while it was read")
-        return raw
+        places = [(offsets[0], len(frames) * layout.size)] if together else [(at, layout.size) for at in offsets]
+        content = b"".join([_bytes_at(file, int(at), count) for at, count in places])
+        if len(content) == len(frames) * layout.size:
+            raw = np.frombuffer(content, np.uint8).reshape(-1, layout.size)
+            if np.array_equal(_field(raw, STEP_AT, "<i8", 1)[:, 0], self.steps[frames]):
+                return raw
+        raise InputError(f"{self.path}: changed while it was read")
 
     def _rows(self, raw: Bytes, layout: Layout, frames: Integers) -> Floats:
         """[frame, atom, column] as they stand in the file."""
@@ -270,17 +269,6 @@ class BinaryDump:
 
 def _bytes_at(file: FileIO, offset: int, count: int) -> bytes:
     return os.pread(file.fileno(), count, offset)
-
-
-def _read_into(file: FileIO, buffer: Bytes) -> bool:
-    """Fill a buffer from an unbuffered file, which may return less than asked; whether it was filled."""
-    view = buffer.data
-    while len(view):
-        count = file.readinto(view)
-        if not count:
-            return False
-        view = view[count:]
-    return True
 
 
 def _field(raw: Bytes, at: int, kind: str, count: int) -> NDArray[Any]:
