@@ -22,7 +22,7 @@ from workflow.sweep import fields
 from workflow.workers.pool import Pool
 
 if TYPE_CHECKING:
-    from analysis.figures.swept import Axis
+    from analysis.figures.studies import Axis
 
 Found = TypeVar("Found")
 
@@ -177,7 +177,7 @@ class SecondField:
 
     def numbered(self, values: Iterable[Any]) -> "Axis | None":
         """The field in a figure whose lines are its values, by their numbers; None without one."""
-        from analysis.figures.swept import Axis  # matplotlib takes half a second to import
+        from analysis.figures.studies import Axis  # matplotlib takes half a second to import
 
         numbers = floats([self.values.index(value) + 1 for value in values]) if self.name else None
         return None if numbers is None else Axis(f"value of {self.name}, by its number", numbers)

@@ -159,7 +159,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     with STUDY.opened(directory) as cache:
         with count_bar("map") as progress:
             found = [Case(**value) for value in evaluate.values(cases, cache, progress=progress)]
-        from analysis.figures.swept import map_figure  # matplotlib takes half a second to import
+        from analysis.figures.studies import map_figure  # matplotlib takes half a second to import
 
         columns = {field.name: floats([getattr(case, field.name) for case in found]) for field in fields(Case)}
         STUDY.write(directory, {TABLE: to_csv(Case, found)}, {"map": map_figure(columns)})
