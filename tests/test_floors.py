@@ -18,7 +18,6 @@ STAIRS = {  # the lowest first
     "workflow": (
         "engines",
         "workers",
-        "cluster",
         "prepare",
         "runs",
         "verdicts",

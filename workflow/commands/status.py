@@ -9,8 +9,7 @@ from collections import Counter
 from pathlib import Path
 
 from lammps_inputs import InputError
-from workflow.cluster import queue
-from workflow.runs.status import Status, statuses
+from workflow.runs.status import Status, slurm_queue, statuses
 from workflow.screen import Answer, one_line
 
 ANSWERS = "a list of objects"
@@ -37,7 +36,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     for path in arguments.directories:
         if not os.path.lexists(path):
             raise InputError(f"{one_line(path)}: no such directory")
-    found = statuses(arguments.directories, queue.ask())
+    found = statuses(arguments.directories, slurm_queue())
     for one in found:
         print(line(one))
     if len(found) > 1:

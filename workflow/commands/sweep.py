@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError, file_names
 from lammps_inputs.slurm.site import JobOptions
-from workflow.cluster.job_arguments import add_job_arguments, job_options
+from workflow.cluster import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
 from workflow.screen import Answer, count_bar, one_line
 from workflow.sweep import carry_out, file

@@ -15,9 +15,8 @@ from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import lowest_modal_frequency
 from lammps_inputs.numbers import time_text
 from workflow import screen
-from workflow.cluster.ranks import REFERENCE_FORCE
+from workflow.cluster import REFERENCE_FORCE
 from workflow.engines.reference import engine
-from workflow.engines.reference.passages import Passages, passages
 from workflow.prepare import pilot
 
 _RISEN = 1e-3
@@ -176,12 +175,12 @@ def with_window(scene: Scene) -> Scene:
     return scene.model_copy(update={"window": rows})
 
 
-def _leading(problem: Problem, rows: int) -> Passages:
+def _leading(problem: Problem, rows: int) -> engine.Passages:
     whole = replace(problem, window=None)
-    return passages(whole, window=window.behind(rows))
+    return engine.passages(whole, window=window.behind(rows))
 
 
-def _difference(first: Passages, second: Passages) -> float:
+def _difference(first: engine.Passages, second: engine.Passages) -> float:
     """Of the peaks that both have; a bead that only one has reached differs by its peak."""
     a, b = (
         {(c, n): v for c, n, v in zip(w.chain.tolist(), w.bead.tolist(), w.peak_velocity.tolist(), strict=True)}

@@ -18,7 +18,7 @@ from lammps_inputs import InputError, Problem, Scene, file_names, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.laws import by_callback
 from lammps_inputs.system import System
-from workflow.cluster import ranks as model
+from workflow import cluster as model
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.errors import RunError
 from workflow.prepare.settings import Settings

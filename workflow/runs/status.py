@@ -8,19 +8,102 @@ written. Half-written and damaged files raise nothing here: what cannot be read 
 import platform
 import re
 import shlex
+import subprocess
 import time
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from analysis.files.dump_layout import last_step
 from lammps_inputs import InputError, file_names
-from workflow.cluster.queue import Queue, Queued
 from workflow.engines.lammps.files_on_disk import step_of
 from workflow.runs.files import RECORD, held, parts
 from workflow.runs.job import Job, Study, load
+
+# --- Slurm's queue ----------------------------------------------------------------------------------------------------
+
+_FORMAT = "%A|%t|%K|%Z"
+_SECONDS = 15.0
+_WAITING = ("PD", "RQ", "RH", "RF", "SE", "RD", "RV", "SO")
+
+
+@dataclass(frozen=True)
+class Queued:
+    """A job or task of an array: its number, whether it still waits, and the directory that it works in."""
+
+    number: str
+    waiting: bool
+    directory: Path
+
+
+@dataclass(frozen=True)
+class Queue:
+    """The jobs of a cluster.
+
+    Attributes:
+        cluster: its name.
+        jobs: all that wait or run.
+    """
+
+    cluster: str
+    jobs: list[Queued] = field(default_factory=list)
+
+    def job(self, number: str) -> Queued | None:
+        """The job of a number, if it waits or runs."""
+        return next((job for job in self.jobs if job.number == number), None)
+
+    def job_in(self, directory: Path) -> Queued | None:
+        """A job of a directory; one that runs before one that waits."""
+        here = directory.resolve()
+        found = [job for job in self.jobs if job.directory == here]
+        return min(found, key=lambda job: job.waiting, default=None)
+
+
+def slurm_queue() -> Queue | None:
+    """What Slurm says; None where there is none to ask."""
+    cluster = _said("scontrol", "show", "config")
+    jobs = _said("squeue", "-h", "-r", "-o", _FORMAT)
+    if cluster is None or jobs is None:
+        return None
+    name = next((line.split("=")[1].strip() for line in cluster.splitlines() if line.startswith("ClusterName")), "")
+    return parsed_queue(name, jobs)
+
+
+def parsed_queue(cluster: str, text: str) -> Queue:
+    """The queue as ``squeue`` prints it; a task works in the directories of its line of the list."""
+    queue = Queue(cluster)
+    lists: dict[Path, list[str]] = {}
+    for line in text.splitlines():
+        number, state, task, directory = [*line.split("|", 3), "", "", ""][:4]
+        where = Path(directory)
+        places = [where]
+        if task.isdigit():
+            if where not in lists:
+                lists[where] = _lines(where / file_names.CASES)
+            if int(task) < len(lists[where]):
+                places = [where / name for name in lists[where][int(task)].split()]
+        queue.jobs.extend(Queued(number, state in _WAITING, place.resolve()) for place in places)
+    return queue
+
+
+def _lines(path: Path) -> list[str]:
+    try:
+        return path.read_text(encoding="utf-8").splitlines()
+    except (OSError, ValueError):
+        return []
+
+
+def _said(*words: str) -> str | None:
+    try:
+        done = subprocess.run(words, capture_output=True, text=True, timeout=_SECONDS, stdin=subprocess.DEVNULL)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout if done.returncode == 0 else None
+
+
+# --- states -----------------------------------------------------------------------------------------------------------
 
 State = Literal["none", "written", "waiting", "running", "done", "failed", "incomplete"]
 

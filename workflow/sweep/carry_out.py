@@ -7,7 +7,6 @@ from pathlib import Path
 
 from analysis.files.recording import FARTHEST
 from lammps_inputs import InputError, Scene, file_names
-from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
 from workflow.errors import RunError
 from workflow.formats import asked
@@ -16,7 +15,7 @@ from workflow.runs.engines import ENGINES
 from workflow.runs.files import alone
 from workflow.runs.own_files import make_directory
 from workflow.runs.size import refuse_beforehand
-from workflow.runs.status import status
+from workflow.runs.status import Queue, slurm_queue, status
 from workflow.sweep import directory as directories
 from workflow.sweep.directory import Asked, task
 from workflow.sweep.file import Case, Sweep, all_cases, scene_of
@@ -78,7 +77,7 @@ def sweep(
     with planned(what, directory) as cases:
         others = len(_others(directory, cases))
         if (directory / file_names.CASES).is_file():  # leave cases to the jobs of a cluster that were sent out for them
-            refuse_if_queued(directory, [case.name for case in cases], queue.ask(), "wait for it, or end it first")
+            refuse_if_queued(directory, [case.name for case in cases], slurm_queue(), "wait for it, or end it first")
         missing = _missing(cases, directory, figures=figures)
         before = len(cases) - len(missing)
         formats = asked() if figures else ()
@@ -197,7 +196,7 @@ def _refuse_what_cannot_run(where: str, engine: str, scene: Scene) -> None:
     refuse_beforehand(scene, where, ENGINES[engine])
 
 
-def refuse_if_queued(directory: Path, names: Iterable[str], known: queue.Queue | None, advice: str) -> None:
+def refuse_if_queued(directory: Path, names: Iterable[str], known: Queue | None, advice: str) -> None:
     """See that no case waits in Slurm's queue or runs.
 
     Raises:

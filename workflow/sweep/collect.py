@@ -15,11 +15,10 @@ from analysis.trajectory import Floats
 from lammps_inputs import InputError, file_names, html, library, strict_yaml
 from lammps_inputs.numbers import text
 from lammps_inputs.units import REDUCED
-from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
 from workflow.runs.files import RECORD, write_figure
 from workflow.runs.job import account
-from workflow.runs.status import status
+from workflow.runs.status import slurm_queue, status
 from workflow.sweep import fields
 from workflow.sweep.directory import Asked, asked, is_analysed, read_json, task
 from workflow.verdicts.analysis_report import REPORT
@@ -171,7 +170,7 @@ def collect(directory: Path, progress: evaluate.Progress | None = None) -> Table
         raise InputError(f"{directory}: cannot be read ({error.strerror})") from None
     if not found:
         raise InputError(f"{directory}: holds no run directories; `granchain sweep` makes some")
-    known = queue.ask() if (directory / file_names.CASES).is_file() else None
+    known = slurm_queue() if (directory / file_names.CASES).is_file() else None
     states = {path: status(path, known) for path in found}
     done = [path for path in found if states[path].state == "done"]
     complaints = _analyse([path for path in done if not is_analysed(path)], progress)

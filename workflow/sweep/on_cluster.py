@@ -9,8 +9,7 @@ from lammps_inputs.decks import deck
 from lammps_inputs.laws import by_callback
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
-from workflow.cluster import queue
-from workflow.cluster.job_arguments import with_ranks
+from workflow.cluster import with_ranks
 from workflow.engines.lammps.mpi import cores
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
@@ -18,7 +17,7 @@ from workflow.runs.engines import LAMMPS
 from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text
 from workflow.runs.job import Job
 from workflow.runs.own_files import claim, listed, retire
-from workflow.runs.status import status
+from workflow.runs.status import slurm_queue, status
 from workflow.sweep.carry_out import planned, refuse_if_queued, request
 from workflow.sweep.directory import Asked, begin
 from workflow.sweep.file import Case, Sweep, scene_of
@@ -65,7 +64,7 @@ def write_array(
     if what.engine != LAMMPS.name:
         raise InputError(f"{what.source}: engine: a Slurm job runs lammps, not {what.engine}")
     with planned(what, directory) as cases:
-        known = queue.ask()
+        known = slurm_queue()
         states = {case.name: status(directory / case.name, known).state for case in cases}
         under_way = [name for name, state in states.items() if state in ("waiting", "running")]
         todo = [case for case in cases if states[case.name] not in ("done", "waiting", "running")]

@@ -13,7 +13,7 @@ from lammps_inputs import file_names, find
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.library import installed
 from lammps_inputs.numbers import size_text, time_text
-from workflow.cluster import ranks
+from workflow import cluster
 
 PEAK_MEMORY = f"""
 import resource, subprocess
@@ -29,37 +29,37 @@ def many(beads, coupled=True, chains=100):
 @pytest.mark.parametrize("name", installed())
 def test_the_scenes_of_the_paper_are_too_small_for_a_second_rank(name):
     case = find(name).model_copy(update={"until_bead": None, "duration": 1.0})
-    assert ranks.advised(case.problem(), 64) == 1
+    assert cluster.advised(case.problem(), 64) == 1
 
 
 @given(st.integers(2, 10**6), st.integers(1, 10**4), st.integers(1, 4096), st.booleans())
 def test_no_rank_has_fewer_beads_than_its_messages_are_worth_or_fewer_than_twenty_rows(beads, chains, most, coupled):
     what = problem(chains=chains, beads=beads, kappa=0.1 if coupled else 0.0)
-    advised = ranks.advised(what, most)
+    advised = cluster.advised(what, most)
     assert 1 <= advised <= most
     if advised > 1:
-        assert chains * beads / advised >= ranks.least_beads(what)
-        assert beads / advised >= ranks.LEAST_ROWS
+        assert chains * beads / advised >= cluster.least_beads(what)
+        assert beads / advised >= cluster.LEAST_ROWS
 
 
 def test_ranks_that_make_a_run_slower_than_one_alone_are_told_and_no_others():
     few = many(240, chains=2)
-    assert ranks.cost(few, 2).seconds > ranks.cost(few, 1).seconds
-    alone = time_text(ranks.cost(few, 1).seconds)
-    assert ranks.too_many(few, 2) == f"one rank would be faster: about {alone} with --nodes 1 --ranks-per-node 1"
-    assert ranks.too_many(few, 1) == ""
-    assert ranks.too_many(many(10**4), 2) == ""
+    assert cluster.cost(few, 2).seconds > cluster.cost(few, 1).seconds
+    alone = time_text(cluster.cost(few, 1).seconds)
+    assert cluster.too_many(few, 2) == f"one rank would be faster: about {alone} with --nodes 1 --ranks-per-node 1"
+    assert cluster.too_many(few, 1) == ""
+    assert cluster.too_many(many(10**4), 2) == ""
 
 
 @pytest.mark.parametrize("coupled", [True, False])
 def test_a_rank_with_the_least_beads_spends_a_tenth_of_its_time_on_messages(coupled):
     what = many(10**6, coupled)
-    work = ranks.least_beads(what) * ranks.bead_seconds(what)
-    assert work / (work + ranks.MESSAGES) == pytest.approx(ranks.EFFICIENCY, rel=1e-3)
+    work = cluster.least_beads(what) * cluster.bead_seconds(what)
+    assert work / (work + cluster.MESSAGES) == pytest.approx(cluster.EFFICIENCY, rel=1e-3)
 
 
 def test_a_hundred_million_beads_on_paper():
-    cost = ranks.cost(many(10**8, chains=1000), 1000)
+    cost = cluster.cost(many(10**8, chains=1000), 1000)
     assert cost.sentence().startswith("1000 ranks of 100000 beads: ")
     assert "2 ms a step" in cost.sentence()
     assert "140 GB of memory" in cost.sentence()
@@ -75,7 +75,7 @@ def test_bytes_of_a_frame_of_a_restart_and_of_memory_are_those_of_a_real_run(cas
     lines = [f"include {file_names.DECK}", *continuation.restart_lines(case.problem())]
     (tmp_path / "in.both").write_text("\n".join(lines) + "\n")
     done = subprocess.run([sys.executable, "-c", PEAK_MEMORY], cwd=tmp_path, capture_output=True, text=True, check=True)
-    cost = ranks.cost(case.problem(), 1)
+    cost = cluster.cost(case.problem(), 1)
     assert cost.frames == pytest.approx((tmp_path / file_names.DUMP).stat().st_size, rel=0.01)
     assert cost.restart == pytest.approx((tmp_path / file_names.UNFINISHED).stat().st_size, rel=0.25)
     assert 0.5 * cost.memory < int(done.stdout) < 1.2 * cost.memory

@@ -22,9 +22,8 @@ from lammps_inputs.decks import continuation, deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cli import main
-from workflow.cluster.queue import Queue, Queued, parse
 from workflow.runs.files import RECORD, write_json
-from workflow.runs.status import MEANING, status, statuses
+from workflow.runs.status import MEANING, Queue, Queued, parsed_queue, status, statuses
 
 CASE = scene(chains=2, beads=8, kappa=0.1, duration=10.0, every=0.1)
 STEPS = CASE.problem().steps
@@ -211,7 +210,7 @@ def test_a_job_that_is_done_is_done_whatever_the_queue_says(tmp_path):
 def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):
     (tmp_path / file_names.CASES).write_text("a\nb\n")
     text = f"11|R|0|{tmp_path}\n12|PD|1|{tmp_path}\n13|PD|9|{tmp_path}\n14|CG|N/A|{tmp_path}/c\n"
-    queue = parse("alps", text)
+    queue = parsed_queue("alps", text)
     assert [(one.number, one.waiting, one.directory.name) for one in queue.jobs] == [
         ("11", False, "a"),
         ("12", True, "b"),

@@ -8,10 +8,9 @@ from sweeps import SMALL, UNTIL, sweep, sweep_file
 
 from lammps_inputs import library
 from workflow.cli import main
-from workflow.cluster import queue
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.runs.status import statuses
+from workflow.runs.status import parsed_queue, statuses
 
 pytest_plugins = ("slurm",)
 
@@ -46,7 +45,7 @@ def test_tasks_of_several_cases_are_lines_of_the_list(tmp_path):
         assert f"#SBATCH --array={task}\n" in (tmp_path / "s" / "job.sbatch").read_text()
     lines = (tmp_path / "s" / "cases.txt").read_text().splitlines()
     assert lines == ["beads=10 beads=11", "beads=12 beads=13", "beads=14", "beads=9"]
-    known = queue.parse("c", f"7|PD|1|{tmp_path / 's'}")
+    known = parsed_queue("c", f"7|PD|1|{tmp_path / 's'}")
     assert [job.directory.name for job in known.jobs] == ["beads=12", "beads=13"]
     assert [one.directory.name for one in statuses([tmp_path / "s"], known)] == " ".join(lines).split()
 

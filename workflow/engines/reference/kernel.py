@@ -213,13 +213,12 @@ class _Writer:
             "moved_with_loss": terms.moved_with_loss,
             "remembers": bool(terms.with_memory),
         }
-        names = {"rooms": _ROOM[terms.dashpots]}
-        known = {"per_mass": terms.per_mass, "row": terms.row, **names}
+        known = {"per_mass": terms.per_mass, "row": terms.row, "rooms": _ROOM[terms.dashpots]}
         return _filled(section, **asked, **known, **places).strip("\n").split("\n")
 
     def _parts_of_a_step(self) -> dict[str, str | list[str]]:
         """Places of the functions that take steps."""
-        kind = self._terms.dashpots
+        kind, as_lammps = self._terms.dashpots, self._terms.as_lammps
         press = self._lines(template.PRESS, contact=self._contact_force())
         kick = self._kick("v", "factor")
         if kind == "half step":
@@ -235,16 +234,16 @@ class _Writer:
             template.STEP,
             press=press,
             kick=kick,
-            kick_by_means=self._kicks_by_means() if self._terms.as_lammps else [],
+            kick_by_means=self._kicks_by_means() if as_lammps else [],
             hold=[*self._held_motions(), *self._work_of_springs()] if self._terms.counts_work else [],
             drift=drift,
-            remembered=self._remembered(),
+            remembered=self._of_memories(template.REMEMBER_AS_LAMMPS if as_lammps else template.REMEMBER),
         )
         return {
             "unpacked": self._lines(template.UNPACKED),
             "press": press,
             "step": step,
-            "before": self._before(),
+            "before": [] if as_lammps else self._of_memories(template.NOTE),
             "split_step": self._lines(template.SPLIT, step=step, bends=self._terms.bends)
             if self._terms.bends
             else step,
@@ -258,14 +257,6 @@ class _Writer:
         """Source of the force of all contacts at k."""
         found = [self._call(term, "force", term.strain) for term in self._terms.contacts]
         return " + (".join(found) + ")" * (len(found) - 1)
-
-    def _before(self) -> list[str]:
-        """Lines that note the strains of contacts with a memory before the first step; none as in LAMMPS."""
-        return [] if self._terms.as_lammps else self._of_memories(template.NOTE)
-
-    def _remembered(self) -> list[str]:
-        """Lines that update memories after a step."""
-        return self._of_memories(template.REMEMBER_AS_LAMMPS if self._terms.as_lammps else template.REMEMBER)
 
     def _of_memories(self, section: str) -> list[str]:
         """A section for each contact or wall with a memory, with the velocities that it reads."""

@@ -14,7 +14,6 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
-from workflow.engines.reference.passages import passages
 from workflow.errors import RunError
 
 MOST_HALVINGS = 12
@@ -111,7 +110,7 @@ def compared_rows(problem: Problem) -> int | None:
     if problem.window is None:
         return None
     before_last = problem.beads - 1
-    found = passages(
+    found = engine.passages(
         replace(problem, window=None),
         window=engine.WIDER * problem.window,
         until_bead=before_last,

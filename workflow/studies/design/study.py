@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, library, strict_yaml
-from workflow.cluster.job_arguments import add_job_arguments, job_options
+from workflow.cluster import add_job_arguments, job_options
 from workflow.runs.files import as_json
 from workflow.screen import Answer, one_line, print_table
 from workflow.studies.design import file

@@ -23,7 +23,7 @@ from analysis.files.traces import Traces
 from analysis.gauges.channels import read_at
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, library, shipped, strict_yaml
-from workflow.cluster.job_arguments import add_job_arguments, job_options
+from workflow.cluster import add_job_arguments, job_options
 from workflow.formats import figure_files
 from workflow.runs.files import as_json
 from workflow.runs.run import run

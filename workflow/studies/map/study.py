@@ -17,7 +17,7 @@ from analysis.quantity import declare, result
 from analysis.sharing.equipartition import sharing
 from analysis.tracking.leading_waves import Waves
 from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
-from workflow.engines.reference.passages import passages
+from workflow.engines.reference.engine import passages
 from workflow.screen import Answer, count_bar, one_line
 from workflow.studies.options import add_output, listed, within
 from workflow.studies.study import Study, floats, print_records, to_csv

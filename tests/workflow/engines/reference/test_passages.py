@@ -7,7 +7,7 @@ from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import Coupling, Kick, Problem, Scene
 from workflow.engines.reference import engine
-from workflow.engines.reference.passages import passages
+from workflow.engines.reference.engine import passages
 
 
 def problem(chains: int, beads: int, kappa: float, duration: float) -> Problem:

@@ -13,7 +13,7 @@ from lammps_inputs.laws.in_time import HalfSine, Rectangular, make_table
 from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
-from workflow.engines.reference.passages import passages
+from workflow.engines.reference.engine import passages
 from workflow.engines.reference.schemes import VERLET
 
 
