@@ -2,8 +2,8 @@
 
 By a model of a step, with its assumptions written down: it takes a fixed time, a time for every bead of a rank, and
 with more than one rank a time for the messages to the two neighbours (a rank owns whole rows, so it sends its outermost
-rows only). Times and bytes a bead were measured on one core with 100 to a million beads; the time of messages is assumed.
-Larger runs are extrapolated, taking for granted that
+rows only). Times and bytes a bead were measured on one core with 100 to a million beads; the time of messages is
+assumed. Larger runs are extrapolated, taking for granted that
 
 - memory and its bandwidth grow with the ranks (true for ranks on different nodes, less so for those of one);
 - a network takes some microseconds a message, and the outermost rows of a rank are few beads beside its own;
