@@ -1,4 +1,4 @@
-"""Only files that run.json lists are replaced or removed, and what a failure interrupts is put back."""
+"""Only files that run.json lists are replaced or removed, what a failure interrupts is put back, and all are whole."""
 
 import json
 import os
@@ -14,8 +14,9 @@ from refusals import refusal
 
 from lammps_inputs import InputError, Kick, Scene, file_names, strict_yaml
 from workflow.cli import main
+from workflow.errors import EndedError
 from workflow.runs import files
-from workflow.runs.files import RECORD, write_text
+from workflow.runs.files import RECORD, write_json, write_text
 from workflow.runs.job import load
 from workflow.runs.own_files import claim, prepared, refuse_unusable, refuse_unwritable, remove_leftovers, replacing
 from workflow.runs.run import run
@@ -239,3 +240,36 @@ def test_a_directory_or_file_that_cannot_be_written_to_is_named(tmp_path: Path) 
         refuse_unwritable(Path("/proc"), ())
     with pytest.raises(InputError, match=rf"^{tmp_path}: cannot be written to "):
         refuse_unwritable(tmp_path, (tmp_path,))
+
+
+# --- written whole or not at all --------------------------------------------------------------------------------------
+
+
+def test_whoever_reads_a_file_while_it_is_replaced_reads_all_of_the_one_before(tmp_path: Path) -> None:
+    path = tmp_path / "run.json"
+    write_text(path, "before " * 1000)
+    with path.open("rb", buffering=0) as reader:
+        assert reader.read(7) == b"before "
+        write_text(path, "after")
+        assert reader.read() == b"before " * 999
+    assert path.read_text() == "after"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_was_there_stays_where_the_new_cannot_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "run.json"
+    write_text(path, "before")
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fdopen", full)
+    with pytest.raises(EndedError, match="what was there is left as it was"):
+        write_text(path, "after")
+    assert path.read_text() == "before"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_numbers_come_back_from_json_and_what_is_none_is_null(tmp_path: Path) -> None:
+    write_json(tmp_path / "a.json", {"a": 0.1 + 0.2, "b": [float("nan"), (float("inf"), 1)]})
+    assert json.loads((tmp_path / "a.json").read_text()) == {"a": 0.1 + 0.2, "b": [None, [None, 1]]}

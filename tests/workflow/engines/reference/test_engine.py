@@ -12,7 +12,7 @@ from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import EXCHANGES
 from lammps_inputs import Kick, Output, find, physics
-from workflow.engines.reference.engine import blocks, make_state, run
+from workflow.engines.reference.engine import blocks, make_state, passages, run
 from workflow.engines.reference.kernel import Frames
 from workflow.engines.reference.schemes import BLANES_MOAN, VERLET, Scheme
 
@@ -370,3 +370,41 @@ def test_the_same_scheme_in_extended_precision_agrees_to_rounding(chains, kappa,
     bound = (steps * len(scheme.kicks)) ** 0.5 * 8 * EPS * 10
     np.testing.assert_allclose(found.velocity[-1], v.astype(float), rtol=0, atol=bound)
     np.testing.assert_allclose(found.displacement[-1], x.astype(float), rtol=0, atol=bound)
+
+
+# --- the leading pulse at every bead without frames -------------------------------------------------------------------
+
+
+def long(chains, beads, kappa, duration):
+    return problem(chains=chains, beads=beads, kappa=kappa, duration=duration)
+
+
+def test_leading_peaks_are_those_of_recorded_frames():
+    short = long(2, 60, 0.1, 90.0)
+    recorded = leading_waves(find_peaks([run(short, steps_per_frame=1)]))
+    noted = passages(short, timestep=0.1).waves
+    clear = recorded.bead < 55  # the free end makes arrivals ill-defined
+    np.testing.assert_array_equal(noted.bead, recorded.bead)
+    # both interpolate steps of 0.1 with polynomials of degree 3 and 5: v h**4 / 384 with v about 10
+    np.testing.assert_allclose(noted.peak_velocity[clear], recorded.peak_velocity[clear], atol=5e-6)
+    np.testing.assert_allclose(noted.arrival[clear], recorded.arrival[clear], atol=5e-5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("chains", "kappa"), [(1, None), (2, 0.1), (3, 0.1), (2, 0.01)])
+def test_a_window_behind_the_front_changes_no_bit_of_the_leading_pulse(chains, kappa):
+    like = long(chains, 400, kappa, 2000.0)
+    whole, windowed = (passages(like, until_bead=390, window=window).waves for window in (None, 40))
+    ahead, same = windowed.bead <= 390, whole.where(whole.bead <= 390)
+    np.testing.assert_array_equal(windowed.arrival[ahead], same.arrival)
+    np.testing.assert_array_equal(windowed.peak_velocity[ahead], same.peak_velocity)
+
+
+def test_what_is_let_go_is_slower_than_what_leads():
+    found = passages(long(2, 400, 0.1, 2000.0), until_bead=390, window=40)
+    assert 0.0 < found.let_go < found.waves.at(390).peak_velocity.min()
+
+
+def test_the_published_beads_of_agreement_come_out_of_a_window():
+    found = passages(long(2, 120, 0.1, 500.0), until_bead=110, window=60).waves.at(55)
+    np.testing.assert_allclose(found.peak_velocity, (0.36892, 0.36157), atol=1e-5)
