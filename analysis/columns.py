@@ -21,7 +21,7 @@ class Columns:
     def __len__(self) -> int:
         return int(next(iter(self.arrays().values())).shape[-1])
 
-    def where(self, chosen: Flags | Integers | slice) -> Self:
+    def where(self, chosen: Flags | Integers | slice | list[int]) -> Self:
         """The entries that a mask, positions or a slice choose."""
         return replace(self, **{name: column[..., chosen] for name, column in self.arrays().items()})
 

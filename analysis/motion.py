@@ -95,7 +95,7 @@ def contact_force(system: System, overlap: Floats, *contact: Integers | slice) -
     return np.asarray(sum(laws.whole_force(laws.at(link.law, *contact), overlap) for link in system.along))
 
 
-def static_force(system: System, *contact: Integers | slice) -> Any:
+def static_force(system: System, *contact: Any) -> Any:
     """Force of chosen contacts at rest; see `contact_force`."""
     return sum(laws.load(laws.at(link.law, *contact)) for link in system.along)
 

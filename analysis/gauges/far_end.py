@@ -10,8 +10,16 @@ import numpy as np
 
 from analysis import hermite, motion
 from analysis.conservation import energy_input
-from analysis.gauges.forces import at_frames, memory_at_frames, memory_between, strain_at_frames, strain_between
-from analysis.gauges.gauge import Curve, Gauge, crossing, far_wall, maximum
+from analysis.gauges.gauge import (
+    Curve,
+    Gauge,
+    at_frames,
+    crossing,
+    far_wall,
+    maximum,
+    memory_at_frames,
+    strain_at_frames,
+)
 from analysis.mirror import direction_of
 from analysis.quantity import declare, result
 from analysis.trajectory import Floats, Integers, Trajectory
@@ -84,30 +92,21 @@ class FarEnd:
         self._acted_on |= physics.varying(problem.system)
         wall = far_wall(problem.system)
         self._wall = () if wall is None else (wall,)
-        self._time: list[Floats] = []
-        self._energy: list[Floats] = []
-        self._rate: list[Floats] = []
-        self._input: list[Floats] = []
-        self._force: list[Floats] = []
-        self._strain: list[Floats] = []
-        self._memory: list[Floats] = []
+        self._energy: list[tuple[Floats, ...]] = []
+        self._force: list[tuple[Floats, Floats, Floats | None]] = []
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
         x, v = (values[..., self._near] for values in block.atoms)
-        self._time.append(block.time.copy())
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
             system = block.system
             a = motion.acceleration(system, x, self._near.start + 1, velocity=v)
             now, after, before = (self._stored(system, x + late * v, v + late * a) for late in (0.0, INSTANT, -INSTANT))
-            self._energy.append(now)
-            self._rate.append((after - before) / (2.0 * INSTANT))
-            self._input.append(energy_input(block))
-            if self._wall:
-                self._force.append(at_frames(block, self._wall)[..., 0])
-                self._strain.append(strain_at_frames(block, self._wall[0].probes[0]))
-                if (memory := memory_at_frames(block, self._wall[0].probes[0])) is not None:
-                    self._memory.append(memory)
+            rate = (after - before) / (2.0 * INSTANT)
+            self._energy.append((block.time.copy(), now, rate, energy_input(block)))
+            for wall in self._wall:
+                states = strain_at_frames(block, wall.probes[0]), memory_at_frames(block, wall.probes[0])
+                self._force.append((at_frames(block, (wall,))[..., 0], *states))
 
     def _stored(self, system: System, x: Floats, v: Floats) -> Floats:
         """Energy of the last tenth of the beads, [frame], from states of those near."""
@@ -117,28 +116,27 @@ class FarEnd:
 
     def result(self) -> Transmitted:
         """Of the frames so far."""
-        late, transmitted = (math.nan, math.nan) if self._acted_on else self._of_energy()
+        time, energy, rate, supplied = (np.concatenate(part) for part in zip(*self._energy, strict=True))
+        delay = transmitted = math.nan
+        if not self._acted_on:
+            share = np.divide(energy, supplied, out=0.0 * supplied, where=supplied > 0.0)
+            if _passed(time, energy):
+                delay = _reached(time, energy, rate, 0.5 * _largest(time, energy, rate, np.ones_like(time)))
+            if _passed(time, share):
+                transmitted = _largest(time, energy, rate, supplied)
         if not self._wall:
-            return Transmitted(math.nan, math.nan, late, transmitted)
-        time, force = np.concatenate(self._time), np.concatenate(self._force)
-        strain = np.concatenate(self._strain, axis=1)
-        memory = np.concatenate(self._memory) if self._memory else None
-        found = time, force, strain, memory
+            return Transmitted(math.nan, math.nan, delay, transmitted)
+        force, strain, memory = zip(*self._force, strict=True)
+        found = (
+            time,
+            np.concatenate(force),
+            np.concatenate(strain, axis=1),
+            None if memory[0] is None else np.concatenate(memory),
+        )
         chains = np.arange(self.problem.chains)
-        when, largest_force = _arrived(found, chains, self._wall[0])
+        delay, wall_force = _arrived(found, chains, self._wall[0])
         of_one = float(np.fmax.reduce([_arrived(found, one, self._wall[0])[1] for one in chains[:, None]]))
-        return Transmitted(largest_force, of_one, when, transmitted)
-
-    def _of_energy(self) -> tuple[float, float]:
-        """When the energy first reaches half of its largest value, and its largest share of the energy input."""
-        time, energy, rate, energy_input = map(np.concatenate, (self._time, self._energy, self._rate, self._input))
-        share = np.divide(energy, energy_input, out=0.0 * energy_input, where=energy_input > 0.0)
-        late = transmitted = math.nan
-        if _passed(time, energy):
-            late = _reached(time, energy, rate, 0.5 * _largest(time, energy, rate, np.ones_like(time)))
-        if _passed(time, share):
-            transmitted = _largest(time, energy, rate, energy_input)
-        return late, transmitted
+        return Transmitted(wall_force, of_one, delay, transmitted)
 
 
 def _arrived(found: tuple[Floats, Floats, Floats, Floats | None], chains: Integers, wall: Gauge) -> tuple[float, float]:
@@ -151,10 +149,9 @@ def _arrived(found: tuple[Floats, Floats, Floats, Floats | None], chains: Intege
     k = int(np.argmax(total))
     if not 0 < k < len(time) - 1 or not np.all(np.isfinite(total[k - 1 : k + 2])):
         return np.nan, np.nan
-    spacing = float(time[k] - time[k - 1])
-    polynomial = strain_between(strain[:, k - 1 : k + 2, chains], spacing)
-    memory = None if memory is None else memory_between(memory[k - 1 : k + 2, chains])
-    curve = Curve(wall.probes[0], polynomial, np.tile(chains, 2), spacing, memory)
+    near, spacing = slice(k - 1, k + 2), float(time[k] - time[k - 1])
+    remembered = None if memory is None else memory[near, chains]
+    curve = Curve.between(wall.probes[0], strain[:, near, chains], remembered, chains, spacing)
 
     def value(s: Floats) -> Floats:
         return np.asarray(curve(np.repeat(s, len(chains))).reshape(2, -1).sum(axis=1))

@@ -12,8 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from analysis import hermite, motion
-from analysis.gauges.gauge import Curve, Gauge, Probe, borders, excursion, maximum
+from analysis import hermite
+from analysis.gauges.gauge import (
+    Curve,
+    Gauge,
+    at_frames,
+    borders,
+    excursion,
+    maximum,
+    memory_at_frames,
+    strain_at_frames,
+)
 from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
@@ -106,26 +115,23 @@ class Readings:
 
     def entries(self, reflected: Mapping[str, Sequence[Reflection | None]]) -> list[Reading]:
         """Gauge by gauge, and chain by chain; ``reflected`` by the wall of each side, chain by chain."""
-        found = []
-        for place, gauge in enumerate(self.gauges):
-            for chain in range(self.force.shape[1]):
-                at = chain, place
-                names = ("largest", "at", "impulse", "dwell", "last", *(("static", "dynamic") if self.loaded else ()))
-                numbers: dict[str, Any] = {"static": None, "dynamic": None}
-                numbers |= {name: float(getattr(self, name)[at]) for name in names}
-                found.append(
-                    Reading(
-                        kind=gauge.kind,
-                        name=gauge.name,
-                        chain=chain + 1,
-                        bead=gauge.bead,
-                        **numbers,
-                        dwell_ended=bool(self.ended[at]) if np.isfinite(self.at[at]) else None,
-                        contacts=int(self.contacts[at]),
-                        reflected=reflected[gauge.side][chain] if gauge.kind == "wall" else None,
-                    )
-                )
-        return found
+        names = ("largest", "at", "impulse", "dwell", "last", *(("static", "dynamic") if self.loaded else ()))
+        columns = {name: getattr(self, name) for name in names}
+        unloaded: dict[str, Any] = {"static": None, "dynamic": None}
+        return [
+            Reading(
+                kind=gauge.kind,
+                name=gauge.name,
+                chain=chain + 1,
+                bead=gauge.bead,
+                **unloaded | {name: float(one[chain, place]) for name, one in columns.items()},
+                dwell_ended=bool(self.ended[chain, place]) if np.isfinite(self.at[chain, place]) else None,
+                contacts=int(self.contacts[chain, place]),
+                reflected=reflected[gauge.side][chain] if gauge.kind == "wall" else None,
+            )
+            for place, gauge in enumerate(self.gauges)
+            for chain in range(self.force.shape[1])
+        ]
 
     def table(self) -> ForceTable:
         """Force over time: a column for every gauge and chain, ``contact 10 chain 1``.
@@ -173,62 +179,6 @@ _JUST = 1e-9
 
 MOST_ENTRIES = 4000
 """Stretches from frame to frame that are looked at together, which bounds the memory."""
-
-
-def at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool = True) -> Floats:
-    """What gauges read at the frames of a run, [frame, chain, gauge]; the beads they need must be recorded."""
-    force = np.zeros((block.frames, block.problem.chains, len(gauges)))
-    for place, gauge in enumerate(gauges):
-        for probe in gauge.probes:
-            strain, rate = (
-                _column(block, values, probe.behind) - _column(block, values, probe.ahead)
-                for values in (block.displacement, block.velocity)
-            )
-            chain = np.broadcast_to(np.arange(block.problem.chains), strain.shape)
-            found = probe.force(strain, chain, memory_at_frames(block, probe))
-            if dashpots and probe.loss is not None:
-                found = found + probe.loss(strain, rate, chain)
-            force[..., place] += found / len(gauge.probes)
-    return force
-
-
-def memory_at_frames(block: Trajectory, probe: Probe) -> Floats | None:
-    """[frame, chain] memory of a contact; None where no force depends on it."""
-    return None if block.memory is None else block.memory[:, :, probe.slot]
-
-
-def memory_between(memory: Floats | None) -> Floats | None:
-    """At the frames before and after, [2, interval * chains + chain], from [frame, chain]."""
-    return None if memory is None else np.stack([memory[:-1], memory[1:]]).reshape(2, -1)
-
-
-def _column(block: Trajectory, values: Floats, bead: int) -> Floats:
-    """[frame, chain] of a bead; 0 for what is at rest."""
-    if bead == 0:
-        return np.zeros(values.shape[:2])
-    return np.asarray(values[:, :, int(np.searchsorted(block.problem.recorded_beads, bead))])
-
-
-def strain_at_frames(block: Trajectory, probe: Probe) -> Floats:
-    """Strain of a contact and its derivatives, [derivative, frame, chain]; the second where all beads are recorded."""
-    beads = (probe.behind, probe.ahead)
-    states = [[_column(block, values, bead) for bead in beads] for values in (block.displacement, block.velocity)]
-    if block.forces_known:
-        states.append([_acceleration(block, bead) for bead in beads])
-    return np.array([behind - ahead for behind, ahead in states])
-
-
-def _acceleration(block: Trajectory, bead: int) -> Floats:
-    if bead == 0:
-        return np.zeros((block.frames, block.problem.chains))
-    frame, chain = np.indices((block.frames, block.problem.chains))
-    return motion.acceleration_and_rate(block, frame, chain, np.full(frame.shape, bead - 1))[0]
-
-
-def strain_between(strain: Floats, spacing: float) -> Floats:
-    """Strain from frame to frame in s = (time - frame's) / spacing, [power, interval * chains + chain]."""
-    ends = np.stack([strain[:, :-1], strain[:, 1:]]).reshape(2, len(strain), -1)
-    return hermite.coefficients((0, 1), ends, spacing)
 
 
 class ForceMeter:
@@ -301,27 +251,25 @@ class ForceMeter:
 
     def _read(self, block: Trajectory, place: int, gauge: Gauge) -> None:
         """Take in what one gauge reads from the first frame of a block to its last."""
-        spacing = block.spacing
-        polynomials = [strain_between(strain_at_frames(block, probe), spacing) for probe in gauge.probes]
-        size = (block.frames - 1) * self.problem.chains
-        chain = np.tile(np.arange(self.problem.chains), block.frames - 1)
-        moving = np.flatnonzero(np.any([np.any(p != 0.0, axis=0) for p in polynomials], axis=0))
+        spacing, chains = block.spacing, np.arange(self.problem.chains)
+        curves = [
+            Curve.between(probe, strain_at_frames(block, probe), memory_at_frames(block, probe), chains, spacing)
+            for probe in gauge.probes
+        ]
+        chain = curves[0].chain
+        moving = np.flatnonzero(np.any([np.any(curve.polynomial != 0.0, axis=0) for curve in curves], axis=0))
         border = borders(spacing)
         static = gauge.static[chain]
         forces = np.tile(static, (len(border), 1))
         forces[:, moving] = 0.0
         pressing = forces.copy() if gauge.damped else forces
-        curves = [
-            Curve(probe, strain, chain, spacing, memory_between(memory_at_frames(block, probe)))
-            for probe, strain in zip(gauge.probes, polynomials, strict=True)
-        ]
         for curve in curves:
             single = curve.of(moving)
             at_borders = [np.full(len(moving), s) for s in border]
             forces[:, moving] += np.stack([single(s) for s in at_borders]) / len(curves)
             if gauge.damped:
                 pressing[:, moving] += np.stack([single.elastic(s) for s in at_borders]) / len(curves)
-            impulse = np.zeros(size)
+            impulse = np.zeros(len(chain))
             impulse[moving] = (single.integral(border) - curve.probe.static[chain[moving]]) * spacing / len(curves)
             # term by term: the order must not depend on how many there are at once
             np.add.at(self._impulse[:, place], chain, impulse)

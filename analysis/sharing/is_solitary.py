@@ -7,11 +7,11 @@ import numpy as np
 from analysis.mirror import mirrored_bead
 from analysis.quantity import declare, derived, result
 from analysis.shape.exact_wave import has_wave, wave_of
-from analysis.shape.waveforms import REACH, Passages
+from analysis.shape.waveforms import REACH
 from analysis.sharing.equipartition import dissipates
 from analysis.tracking.pulses import CONSTANT_OVER, Pulse
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Flags, Floats
+from analysis.trajectory import Flags
 from lammps_inputs import Problem, laws, physics
 
 UNSEEN = "the passage is not recorded completely"
@@ -93,22 +93,6 @@ def measured_at(pulse: Pulse, problem: Problem, last_time: float, clear: Flags |
     if clear is not None and np.any(good & clear):
         good &= clear
     return int(np.flatnonzero(good)[-1]) if np.any(good) else len(pulse) - 1
-
-
-def passages_of(pulses: tuple[Pulse, ...], at: list[int]) -> Passages:
-    """The passages of pulses at the positions given, one each."""
-
-    def column(name: str) -> Floats:
-        return np.array([getattr(pulse, name)[k] for pulse, k in zip(pulses, at, strict=True)], dtype=np.float64)
-
-    return Passages(
-        chain=np.array([pulse.chain for pulse in pulses], dtype=np.int64),
-        bead=column("bead").astype(np.int64),
-        arrival=column("arrival"),
-        peak_velocity=column("peak_velocity"),
-        speed=column("speed"),
-        direction=np.array([pulse.direction for pulse in pulses], dtype=np.int64),
-    )
 
 
 def characterise(

@@ -3,9 +3,9 @@
 A run is given as a function that reads it again, block by block, so that it need not fit into memory.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from analysis.shape.long_waves import make_speed
 from analysis.shape.waveforms import Passages, Shape, Waveforms, reach
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing, sharing
-from analysis.sharing.is_solitary import Character, Tolerances, characterise, measured_at, passages_of
+from analysis.sharing.is_solitary import Character, Tolerances, characterise, measured_at
 from analysis.sharing.verdict import DecayFit, Verdict, fit_decay, verdict_on
 from analysis.tracking.leading_waves import (
     Arrival,
@@ -148,14 +148,17 @@ def survey(
     if first is None:
         raise ValueError("no frames to analyse")
     noise = noise_at_start(first)
+    noisy = noise > 0.0
     left = left_by_smoothing(noise, problem.every)
-    options: dict[str, Any] = {"threshold": max(THRESHOLD, NOISE_MARGIN * left), "noisy": noise > 0.0}
-    forward, backward = PeakFinder(direction=1, **options), PeakFinder(direction=-1, **options)
-    given, window = _Input(), _Window()
+    threshold = max(THRESHOLD, NOISE_MARGIN * left)
+    finders = {way: PeakFinder(threshold, direction=way, noisy=noisy) for way in (1, -1)}
+    window = _Window()
     counts = counted if physics.exchanges(system) and problem.whole else None
-    last_time = _first_reading(read, problem, noise, [*watchers, given, window], forward, backward, counts)
-    peaks = {1: forward.result(), -1: backward.result()}
-    if noise > 0.0:
+    last_time, energy = _first_reading(
+        read, problem, [*watchers, window], [*finders.values()], counts, noisy=noise > 0.0
+    )
+    peaks = {way: finder.result() for way, finder in finders.items()}
+    if noisy:
         peaks = {way: _uncertain(distinct(found, wave_of(system)), problem, noise) for way, found in peaks.items()}
 
     direction = direction_of(problem)
@@ -171,7 +174,7 @@ def survey(
     )
     arrival = usual_arrival(problem) if arrival is None else arrival
     if leading is None:
-        stray = opposed(problem) or noise > 0.0
+        stray = opposed(problem) or noisy
         ahead = of_pulses(peaks[direction], tracks) if stray else peaks[direction]
         ahead = beyond_kicks(ahead, problem)
         waves = leading_waves(ahead, arrival)
@@ -181,7 +184,7 @@ def survey(
         sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # the time of the maximum of others is unknown
     every_bead = along if leading is None else replace(along, recorded=None)
     shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
-    shared = replace(shared, energy=given.energy)
+    shared = replace(shared, energy=energy)
     pulses, crests = _distinct_from_sound(tracks, waves, direction, problem)
     back = {direction: returns(waves, problem, direction), -direction: np.full((problem.chains, problem.beads), np.inf)}
     clear = tuple(clear_of_ends(pulse, problem, back[pulse.direction]) for pulse in pulses)
@@ -189,9 +192,9 @@ def survey(
 
     seen = np.isfinite(waves.time) & np.isin(waves.bead, problem.recorded_beads)
     chosen = np.flatnonzero(seen & (waves.bead % max(1, -(-int(seen.sum()) // MAX_PASSAGES)) == 0))
-    waveforms = Waveforms(problem, _together(waves, chosen, direction, passages_of(pulses, at)))
+    waveforms = Waveforms(problem, _passages(waves.where(chosen), direction, pulses, at))
     energies = EnergyShares(along, shared)
-    for block in _frames(read, problem, noise):
+    for block in smoothed(read(), problem.every) if noisy else read():
         waveforms.add(block)
         energies.add(block if direction > 0 else mirrored(block))
     shapes = _of_one_pulse(waveforms.shape(), waveforms.passages, pulses, problem)
@@ -265,16 +268,6 @@ def _of_others(bead: Integers, waves: Waves, pulses: tuple[Pulse, ...], problem:
     return np.stack(near, axis=1)
 
 
-class _Input:
-    """Energy input until the last frame."""
-
-    energy = float("nan")
-
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        self.energy = float(energy_input(block)[-1])
-
-
 class _Window:
     """Where a window is over time."""
 
@@ -296,37 +289,32 @@ class _Window:
 def _first_reading(
     read: Callable[[], Iterable[Trajectory]],
     problem: Problem,
-    noise: float,
     watchers: Sequence[Watcher],
-    forward: PeakFinder,
-    backward: PeakFinder,
+    finders: Sequence[PeakFinder],
     counted: Callable[[Trajectory], Trajectory] | None,
-) -> float:
-    """Show the run to all; a noisy one once as recorded and once smoothed. Returns the time of the last frame."""
-    last_time = 0.0
+    *,
+    noisy: bool,
+) -> tuple[float, float]:
+    """Show the run to all, a noisy one to the finders smoothed; time of the last frame, and energy input until then."""
+    last_time = energy = float("nan")
     for block in read():
         if counted is not None and block.exchange is None:
             block = counted(block)
-        for watcher in watchers:
+        for watcher in watchers if noisy else (*watchers, *finders):
             watcher.add(block)
-        if noise == 0.0:
-            forward.add(block)
-            backward.add(block)
-        last_time = float(block.time[-1])
-    if noise > 0.0:
-        for block in smoothed(read(), problem.every):
-            forward.add(block)
-            backward.add(block)
-    return last_time
+        last_time, energy = float(block.time[-1]), float(energy_input(block)[-1])
+    for block in smoothed(read(), problem.every) if noisy else ():
+        for finder in finders:
+            finder.add(block)
+    return last_time, energy
 
 
-def _frames(read: Callable[[], Iterable[Trajectory]], problem: Problem, noise: float) -> Iterator[Trajectory]:
-    yield from smoothed(read(), problem.every) if noise > 0.0 else read()
-
-
-def _together(waves: Waves, chosen: Integers, direction: int, others: Passages) -> Passages:
-    """Some of the leading waves' passages, followed by others."""
-    own = waves.where(chosen)
-    way = np.full(len(own), direction)
-    leading = Passages(own.chain, own.bead, own.time, own.peak_velocity, own.speed, way)
-    return together([leading, others])
+def _passages(waves: Waves, direction: int, pulses: tuple[Pulse, ...], at: list[int]) -> Passages:
+    """Those of leading waves, followed by one of each pulse, at the positions given."""
+    way = np.full(len(waves), direction)
+    parts = [Passages(waves.chain, waves.bead, waves.time, waves.peak_velocity, waves.speed, way)]
+    for pulse, k in zip(pulses, at, strict=True):
+        one = pulse.where([k])
+        chain, way = np.array([pulse.chain]), np.array([pulse.direction])
+        parts.append(Passages(chain, one.bead, one.arrival, one.peak_velocity, one.speed, way))
+    return together(parts)

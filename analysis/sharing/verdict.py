@@ -151,77 +151,85 @@ class Verdict:
 
     Attributes:
         state: in one word.
+        sentence: for people.
         since: bead from which on amplitudes and arrivals agree to 1%; None if they do not.
         expected: bead from which on the amplitudes may be expected to agree to 1%, where they do not yet; always ahead
             of the last one seen; None if nothing is known.
-        sentence: for people.
     """
 
     state: State
-    since: int | None
-    expected: Estimate | None
     sentence: str
+    since: int | None = None
+    expected: Estimate | None = None
 
 
 def verdict_on(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     """The verdict on a run. Equality must have lasted for half a beat to count."""
-    found = _verdict_on(shared, problem, decay)
+    found = _without_exchange(shared, problem) or _of_waves(shared, problem, decay)
     if found.state in (State.BEATING, State.SHORT) and len(shared) and unlike(problem.system, shared.kicked):
-        what = f"the chains are {State.UNLIKE.value}: at bead {shared.bead[-1]} amplitudes differ by "
-        what += f"{shared.mismatch[-1]:.1%}, and no agreement to 1% has lasted for half a beat"
-        return Verdict(State.UNLIKE, None, None, what)
+        return Verdict(
+            State.UNLIKE,
+            f"the chains are {State.UNLIKE.value}: at bead {shared.bead[-1]} amplitudes differ by "
+            f"{shared.mismatch[-1]:.1%}, and no agreement to 1% has lasted for half a beat",
+        )
     return found
 
 
-def _verdict_on(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
+def _verdict(state: State, what: str, since: int | None = None, expected: Estimate | None = None) -> Verdict:
+    """One whose sentence begins with its state."""
+    return Verdict(state, f"{state.value}: {what}", since, expected)
+
+
+def _without_exchange(shared: Sharing, problem: Problem) -> Verdict | None:
+    """Where there is no pulse, or no exchange of its energy."""
     system = problem.system
     if not system.holds(Fact.PULSE):
-        return Verdict(State.NO_PULSE, None, None, f"{State.NO_PULSE.value}: {physics.why_no_pulse(system)}")
+        return _verdict(State.NO_PULSE, physics.why_no_pulse(system))
     if problem.chains == 1:
-        return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: a single chain")
+        return _verdict(State.ALONE, "a single chain")
     if not physics.coupled(system):
-        return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: no chain is coupled to another")
+        return _verdict(State.ALONE, "no chain is coupled to another")
     if len(physics.tied_to(system, shared.kicked)) == 1:
-        return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: the kicked chain is coupled to no other")
+        return _verdict(State.ALONE, "the kicked chain is coupled to no other")
+    return None
+
+
+def _of_waves(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     if len(shared) == 0:
         what = f"no bead between the kick and bead {problem.beads - CLEAR} was passed in every chain, "
         return _too_short(f"{what}so amplitudes cannot be compared", _by_rule(problem, 0), None)
-    last = int(shared.bead[-1])
+    last, differ = int(shared.bead[-1]), f"amplitudes differ by {shared.mismatch[-1]:.1%}"
     expected = _expected(shared, problem)
-    if not resolved(shared, system):
+    if not resolved(shared, problem.system):
         apart = int(np.diff(shared.bead).max())
-        what = f"recorded beads lie up to {apart} apart, too far to see beats; at bead {last} amplitudes differ by "
-        what += f"{shared.mismatch[-1]:.1%}"
+        what = f"recorded beads lie up to {apart} apart, too far to see beats; at bead {last} {differ}"
         return _too_short(what, expected, decay)
     level, in_step = shared.agrees_from(AGREEMENT), shared.in_step_from(AGREEMENT)
     if level is not None and (doubt := _doubt(shared)):
-        return Verdict(State.UNSURE, None, None, f"{State.UNSURE.value}: {doubt}")
+        return _verdict(State.UNSURE, doubt)
     if level is not None and in_step is not None:
-        sentence = (
-            f"{State.EQUAL.value}: amplitudes agree to 1% from bead {level} on, arrivals to 1% of the passage time "
-            f"from bead {in_step} on (observed to bead {last})"
+        what = (
+            f"amplitudes agree to 1% from bead {level} on, arrivals to 1% of the passage time from bead {in_step} on "
+            f"(observed to bead {last})"
         )
-        return Verdict(State.EQUAL, max(level, in_step), None, sentence)
-    if (end := last_springs(system, shared.kicked)) + CLEAR < last:
-        what = f"beyond row {end}, where springs end; at bead {last} amplitudes differ by {shared.mismatch[-1]:.1%}"
-        return Verdict(State.ALONE, None, None, f"{State.ALONE.value} {what}")
+        return _verdict(State.EQUAL, what, max(level, in_step))
+    if (end := last_springs(problem.system, shared.kicked)) + CLEAR < last:
+        what = f"{State.ALONE.value} beyond row {end}, where springs end; at bead {last} {differ}"
+        return Verdict(State.ALONE, what)
     beat = shared.beat_length
     if beat is None and (largest := float(np.max(shared.mismatch))) < AGREEMENT:
         what = f"no beat is seen from bead {shared.bead[0]} to {last}, where amplitudes agree to {largest:.1%}"
         return _too_short(what, None, None)
     if beat is None:
-        what = f"no complete half beat is observed to bead {last}, where amplitudes differ by {shared.mismatch[-1]:.1%}"
-        return _too_short(what, expected, decay)
-    recent = shared.mismatch[shared.bead >= last - 0.5 * beat.value].max()
+        return _too_short(f"no complete half beat is observed to bead {last}, where {differ}", expected, decay)
+    recent = shared.bead >= last - 0.5 * beat.value
+    beats = f"beats of {beat.value:.1f} +- {beat.uncertainty:.1f} beads"
     if level is not None:
-        what = f"amplitudes agree to 1% from bead {level} on, but arrivals differ by up to {_step(shared):.1%} of "
-        what += "the wave's passage over the last half beat"
-        return Verdict(State.BEATING, None, None, f"{State.BEATING.value}: {what}; beats of {_beads(beat)} beads")
-    sentence = (
-        f"{State.BEATING.value}: amplitudes differ by up to {recent:.2%} over the last half beat to bead {last}, "
-        f"beats of {_beads(beat)} beads{_about(expected)}"
-    )
-    return Verdict(State.BEATING, None, expected, sentence)
+        what = f"amplitudes agree to 1% from bead {level} on, but arrivals differ by up to "
+        what += f"{np.nanmax(shared.spread[recent]):.1%} of the wave's passage over the last half beat; {beats}"
+        return _verdict(State.BEATING, what)
+    what = f"amplitudes differ by up to {shared.mismatch[recent].max():.2%} over the last half beat to bead {last}"
+    return _verdict(State.BEATING, f"{what}, {beats}{_about(expected)}", expected=expected)
 
 
 def _doubt(shared: Sharing) -> str:
@@ -241,7 +249,7 @@ def _too_short(what: str, expected: Estimate | None, decay: DecayFit | None) -> 
     fading = ""
     if decay is not None:
         fading = f"; the pulse in the kicked chain decays, towards zero {decay.n_star:.0f} beads from the kick"
-    return Verdict(State.SHORT, None, expected, f"{State.SHORT.value}: {what}{_about(expected)}{fading}")
+    return _verdict(State.SHORT, f"{what}{_about(expected)}{fading}", expected=expected)
 
 
 def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
@@ -297,13 +305,3 @@ def _about(expected: Estimate | None) -> str:
     if expected is None:
         return ""
     return f"; they should agree to 1% from bead {expected.value:.0f} +- {math.ceil(expected.uncertainty)} on"
-
-
-def _step(shared: Sharing) -> float:
-    beat = shared.beat_length
-    length = 0.0 if beat is None else 0.5 * beat.value
-    return float(np.nanmax(shared.spread[shared.bead >= shared.bead[-1] - length]))
-
-
-def _beads(estimate: Estimate) -> str:
-    return f"{estimate.value:.1f} +- {estimate.uncertainty:.1f}"

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.gauges.forces import PULSE, at_frames
-from analysis.gauges.gauge import far_wall
+from analysis.gauges.forces import PULSE
+from analysis.gauges.gauge import at_frames, far_wall
 from lammps_inputs import InputError, Output, Problem, Scene, physics, window
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import lowest_modal_frequency

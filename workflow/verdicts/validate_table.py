@@ -11,7 +11,7 @@ from analysis.against.difference import Deviation, Difference, Place, deviation_
 from analysis.files import table, traces
 from analysis.files.table import Table
 from analysis.files.traces import Channel
-from analysis.gauges.channels import beads_of, complaint, read_at
+from analysis.gauges.gauge import beads_of, complaint, read_at
 from analysis.trajectory import Floats, Integers, Trajectory, joined
 from lammps_inputs import InputError, Problem
 from workflow.runs.run_directory import RunDirectory

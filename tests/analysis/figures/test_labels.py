@@ -90,7 +90,7 @@ def test_the_energy_figure_has_the_share_centre_and_spread_of_each_chain(problem
 
 
 def test_the_force_figure_has_each_gauge_and_chain_where_it_says(problem):
-    places = gauges(problem.system, wall=False, contacts=(2, 7), sensors=(5,))
+    places = gauges(problem.system, contacts=(2, 7), sensors=(5,))
     time = np.array([0.0, 1.0])
     force = np.add.outer(np.arange(1.0, CHAINS + 1.0), 100.0 * np.arange(1.0, 4.0))  # [chain, gauge]
     nothing = np.zeros(force.shape)

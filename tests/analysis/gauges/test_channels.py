@@ -5,7 +5,7 @@ import pytest
 from small_problems import written_down
 
 from analysis.files.traces import Channel
-from analysis.gauges.channels import beads_of, complaint, read, read_at
+from analysis.gauges.gauge import beads_of, complaint, read, read_at
 from lammps_inputs import library
 
 PLAIN = {

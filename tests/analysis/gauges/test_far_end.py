@@ -10,8 +10,7 @@ from small_problems import problem, written_down
 from analysis import motion
 from analysis.figures.studies import front
 from analysis.gauges.far_end import FarEnd
-from analysis.gauges.forces import at_frames
-from analysis.gauges.gauge import far_wall
+from analysis.gauges.gauge import at_frames, far_wall
 from lammps_inputs import library
 from workflow.engines.reference import engine
 

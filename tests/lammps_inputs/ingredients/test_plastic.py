@@ -16,8 +16,7 @@ from wrong_runs import deck_run, substituted
 
 from analysis import motion
 from analysis.conservation import Conservation
-from analysis.gauges.forces import at_frames
-from analysis.gauges.gauge import gauges
+from analysis.gauges.gauge import at_frames, gauges
 from lammps_inputs import InputError, laws, library, materials, physics, references
 from lammps_inputs.decks import deck
 from lammps_inputs.laws import by_callback
@@ -373,6 +372,6 @@ def test_an_analysis_has_permanent_overlaps_forces_and_a_decay_but_no_final_ampl
 def test_forces_on_a_wall_are_the_same_from_frames_of_the_last_bead_alone():
     problem = plastic(walls={"right": "rigid"}, beads=10, duration=40.0).problem()
     whole, part = engine.run(problem), engine.run(replace(problem, recorded=(10,)))
-    wall = gauges(problem.system, wall=True, contacts=(), sensors=())
+    wall = gauges(problem.system, wall=True)
     np.testing.assert_array_equal(at_frames(part, wall), at_frames(whole, wall))
     assert np.max(at_frames(whole, wall)) == pytest.approx(0.2937, abs=1e-3)

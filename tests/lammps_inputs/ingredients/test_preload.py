@@ -172,7 +172,7 @@ def test_forces_are_read_as_totals_and_above_rest(tmp_path):
 
 def test_the_impulse_of_a_gauge_is_that_above_rest():
     problem = loaded(**FREE, beads=20, duration=8.0).problem()
-    meter = ForceMeter(problem, gauges(problem.system, wall=False, contacts=(15,), sensors=()))
+    meter = ForceMeter(problem, gauges(problem.system, contacts=(15,)))
     trajectory = engine.run(problem)
     meter.add(trajectory)
     ahead = trajectory.velocity[-1, 0, 15:].sum()

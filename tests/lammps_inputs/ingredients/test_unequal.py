@@ -73,7 +73,7 @@ def test_momentum_is_what_the_push_gave_and_the_walls_took():
     case = scene(**ingredient_scenes.CASES["pushed before unlike walls"])
     problem = replace(case.problem(), steps_per_frame=1, frames=3000, timestep=0.005)
     found = engine.run(problem, steps_per_frame=2)
-    meter = ForceMeter(problem, gauges(problem.system, wall=True, contacts=(), sensors=()))
+    meter = ForceMeter(problem, gauges(problem.system, wall=True))
     meter.add(found)
     left, right = (meter.result().impulse[:, side].sum() for side in (0, 1))
     momentum = motion.momentum(problem.system, found.velocity)[-1]

@@ -51,7 +51,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
             span=(6, 0.33, 0.35),
         ),
         decay=decay,
-        verdict=Verdict(State.BEATING, None, Estimate(62.0, 5.0), "they beat"),
+        verdict=Verdict(State.BEATING, "they beat", expected=Estimate(62.0, 5.0)),
         energies=SimpleNamespace(wave=np.array([[0.5, 0.4], [0.5, 0.48]])),
         problem=problem(),
     )

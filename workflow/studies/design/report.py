@@ -8,8 +8,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures.spacetime import SpaceTime, spacetime_figure
 from analysis.figures.studies import Objective, front_figure, history_figure, members_figure, wall_figure
-from analysis.gauges.forces import at_frames
-from analysis.gauges.gauge import gauges
+from analysis.gauges.gauge import at_frames, gauges
 from analysis.mirror import direction_of
 from analysis.trajectory import Floats
 from lammps_inputs import references
@@ -117,7 +116,7 @@ def _of_best(found: Found) -> list[Picture]:
 def _wall(directory: RunDirectory) -> tuple[Floats, Floats] | None:
     problem = directory.problem
     name = "right wall" if direction_of(problem) > 0 else "left wall"
-    wall = tuple(one for one in gauges(problem.system, wall=True, contacts=(), sensors=()) if one.name == name)
+    wall = tuple(one for one in gauges(problem.system, wall=True) if one.name == name)
     if not wall:
         return None
     times, forces = [], []

@@ -11,7 +11,7 @@ import numpy as np
 
 from analysis.files import traces
 from analysis.files.traces import Channel
-from analysis.gauges.channels import beads_of, read, read_at
+from analysis.gauges.gauge import beads_of, read, read_at
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem, library
 from lammps_inputs.units import REDUCED, SI

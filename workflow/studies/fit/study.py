@@ -20,7 +20,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from analysis.files.traces import Traces
-from analysis.gauges.channels import read_at
+from analysis.gauges.gauge import read_at
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, library, shipped, strict_yaml
 from workflow.cluster import add_job_arguments, job_options

@@ -113,7 +113,7 @@ class Ran:
 
     def forces(self, *, contacts: Iterable[int] = (), wall: bool = False) -> Readings:
         """What gauges at walls and in contacts (between bead n and the next) read."""
-        places = gauges(self.problem.system, wall=wall, contacts=tuple(contacts), sensors=())
+        places = gauges(self.problem.system, wall=wall, contacts=tuple(contacts))
         return self.read(ForceMeter(self.problem, places)).result()
 
     def residual(self, period: int) -> float:
