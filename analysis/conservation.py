@@ -211,7 +211,8 @@ class Conservation:
         )
         if not system.dampers and not system.holds(Fact.ENERGY) and block.memory is None:
             energy[:] = np.nan
-        if physics.exchanges(system) or block.memory is not None or system.inner_mass is not None:
+        balanced = physics.exchanges(system) or block.memory is not None or system.inner_mass is not None
+        if balanced:
             self._balanced(block, energy)
         if not system.holds(Fact.MOMENTUM):
             momentum[:] = np.nan
@@ -219,22 +220,17 @@ class Conservation:
             self._pushed(block, momentum)
             return
         # np.maximum, unlike max(), lets NaN through
-        if not physics.exchanges(system) and block.memory is None and system.inner_mass is None:
-            self.energy_drift = float(
-                np.maximum(self.energy_drift, np.max(np.abs(energy / physics.energy(system) - 1.0)))
-            )
-        self.momentum_drift = float(
-            np.maximum(
-                self.momentum_drift,
-                np.max(np.abs(momentum - physics.momentum(system))) / physics.kick_momenta(system),
-            )
-        )
+        if not balanced:
+            change = np.max(np.abs(energy / physics.energy(system) - 1.0))
+            self.energy_drift = float(np.maximum(self.energy_drift, change))
+        change = np.max(np.abs(momentum - physics.momentum(system))) / physics.kick_momenta(system)
+        self.momentum_drift = float(np.maximum(self.momentum_drift, change))
 
     def _balanced(self, block: Trajectory, energy: Floats) -> None:
         """With forces from outside or dashpots: energy is the input until then less what was lost."""
         if block.exchange is None and not physics.exchanges(block.problem.system):
             block = replace(block, exchange=np.zeros((block.frames, len(EXCHANGES))))
-        elif block.exchange is None and self._counted is not None:
+        if block.exchange is None and self._counted is not None:
             block = self._counted(block)
         if block.exchange is None:
             self.energy_drift = float("nan")

@@ -1,5 +1,6 @@
 """Spectra of beads' velocities, and how much of a drive's motion reaches them."""
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -104,15 +105,14 @@ class Spectra:
     def found(self, problem: Problem) -> Lines:
         """The highest lines, and those at the drives."""
         passed_on, beads = self.transmissibility, []
-        for chain in range(problem.chains):
-            for place, bead in enumerate(self.beads):
-                top = int(np.argmax(self.amplitude[:, chain, place]))
-                at_drive = [
-                    DriveLine(*map(float, line))
-                    for line in zip(self.drive, self.at_drive[:, chain, place], passed_on[:, chain, place], strict=True)
-                ]
-                highest = float(self.frequency[top]), float(self.amplitude[top, chain, place])
-                beads.append(HighestLine(chain + 1, bead, *highest, at_drive))
+        for chain, (place, bead) in itertools.product(range(problem.chains), enumerate(self.beads)):
+            height, lines = (
+                self.amplitude[:, chain, place],
+                (self.at_drive[:, chain, place], passed_on[:, chain, place]),
+            )
+            at_drive = [DriveLine(*map(float, line)) for line in zip(self.drive, *lines, strict=True)]
+            top = int(np.argmax(height))
+            beads.append(HighestLine(chain + 1, bead, float(self.frequency[top]), float(height[top]), at_drive))
         first = np.nan
         for chain, _, frequency in drives(problem)[:1]:
             first = float(passed_on[np.searchsorted(self.drive, frequency), chain - 1, -1])
@@ -186,8 +186,6 @@ class SpectrumMeter:
         every = self.problem.every
         frequency, amplitude = amplitudes(velocity, every)
         drive = np.unique([each[2] for each in drives(self.problem)])
-        at_drive = np.full((len(drive), *velocity.shape[1:]), np.nan)
-        for place, of_drive in enumerate(drive.tolist()):
-            if of_drive < 0.5 / every:
-                at_drive[place] = amplitude_at(velocity, every, of_drive)
-        return Spectra(self.beads, self.after, frequency, amplitude, drive, at_drive)
+        unknown = np.full(velocity.shape[1:], np.nan)
+        at_drive = [amplitude_at(velocity, every, of) if of < 0.5 / every else unknown for of in drive.tolist()]
+        return Spectra(self.beads, self.after, frequency, amplitude, drive, np.reshape(at_drive, (-1, *unknown.shape)))

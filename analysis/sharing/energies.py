@@ -79,9 +79,8 @@ class EnergyFlow:
         self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
         self._seen = 0
         self._found: list[tuple[Floats, ...]] = []
-        self._action: list[Floats] = []
-        self._last_action: Floats | None = None
-        self._has_modes = has_modes(problem.system)
+        self._action: list[Floats] | None = [] if has_modes(problem.system) else None
+        self._last_action = np.nan
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
@@ -102,9 +101,9 @@ class EnergyFlow:
         centre = np.sum(weight * block.beads, axis=-1)
         spread = np.sqrt(np.sum(weight * (block.beads - centre[..., np.newaxis]) ** 2, axis=-1))
         self._found.append((block.time[chosen], share, between, centre, spread))
-        if self._has_modes:
+        if self._action is not None:
             self._action.append(shares_of_action(block, chosen))
-            self._last_action = shares_of_action(block, slice(-1, None))
+            self._last_action = float(shares_of_action(block, slice(-1, None))[-1, -1])
 
     def result(self) -> Flow:
         """Of the frames so far.
@@ -116,9 +115,9 @@ class EnergyFlow:
             raise ValueError("no frames to measure")
         time, share, between, centre, spread = (np.concatenate(part) for part in zip(*self._found, strict=True))
         found = Flow(time, share, between, centre, spread)
-        if self._last_action is None:
+        if self._action is None:
             return found
-        return replace(found, action=np.concatenate(self._action), fastest_mode_action=float(self._last_action[-1, -1]))
+        return replace(found, action=np.concatenate(self._action), fastest_mode_action=self._last_action)
 
 
 MOST_CHAINS = 30

@@ -74,7 +74,7 @@ class Character:
         return not self.fails
 
 
-def measured_at(pulse: Pulse, problem: Problem, last_time: float, clear: Flags | None = None) -> int:
+def measured_at(pulse: Pulse, problem: Problem, last_time: float, clear: Flags) -> int:
     """Position in a pulse of the last passage that was recorded whole and that no end of the chain had disturbed.
 
     Where there is none, of the last recorded whole before the end that it runs to; else the last.
@@ -83,14 +83,14 @@ def measured_at(pulse: Pulse, problem: Problem, last_time: float, clear: Flags |
         pulse: which.
         problem: what was run.
         last_time: of the frames.
-        clear: [passage] where it is clear of the ends (`analysis.tracking.undisturbed`); by default everywhere.
+        clear: [passage] where it is clear of the ends (`analysis.tracking.undisturbed`).
     """
     way = pulse.bead if pulse.direction > 0 else mirrored_bead(problem, pulse.bead)
     with np.errstate(divide="ignore", invalid="ignore"):
         watched = np.ceil(REACH / wave_of(problem.system).speed_at(pulse.peak_velocity) / problem.every) + 1.0
         over = pulse.arrival + watched * problem.every
     good = (way <= problem.beads - CLEAR) & (over < last_time)
-    if clear is not None and np.any(good & clear):
+    if np.any(good & clear):
         good &= clear
     return int(np.flatnonzero(good)[-1]) if np.any(good) else len(pulse) - 1
 

@@ -225,12 +225,12 @@ def survey(
 
 def _uncertain(peaks: Peaks, problem: Problem, noise: float) -> Peaks:
     """Maxima with larger errors, by the noise."""
-    error = peak_error(problem.every, peaks.velocity, noise=noise)
+    late, off = peak_error(problem.every, peaks.velocity, noise)
     return replace(
         peaks,
-        time_error=peaks.time_error + error.arrival,
-        centre_error=peaks.centre_error + error.arrival,
-        velocity_error=peaks.velocity_error + error.peak_velocity,
+        time_error=peaks.time_error + late,
+        centre_error=peaks.centre_error + late,
+        velocity_error=peaks.velocity_error + off,
     )
 
 

@@ -379,7 +379,11 @@ def highest(found: Brackets) -> Floats:
 
 
 def on_a_grid(every: Floats | float, peak_velocity: Floats | float, *, all_recorded: bool = True) -> tuple[Any, Any]:
-    """Bounds on the errors of arrival (T) and peak velocity (V) of an exact wave, found on a grid of times."""
+    """Bounds on the errors of arrival (T) and peak velocity (V) of an exact wave, found on a grid of times.
+
+    Measured for peak velocities from 0.05 to 1 and times between frames up to 1. They fall as ``every**5`` or faster:
+    in arrival at 0.1, 4e-8; at 1, 4e-3.
+    """
     frames = every * peak_velocity**0.2  # in the wave's own time
     if all_recorded:
         far = np.asarray(every) >= FAR_APART

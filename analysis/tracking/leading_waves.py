@@ -132,20 +132,16 @@ def from_csv(text: str, scale: Scale, *, direction: int = 1) -> Waves:
     rows = list(csv.DictReader(io.StringIO(text)))
     try:
         chain, bead = (np.array([int(row[name]) for row in rows], dtype=np.int64) for name in ("chain", "bead"))
+        names = "arrival", "peak_velocity", "arrival_error", "peak_velocity_error"
+        units = [declared(Waves)[name][0].unit for name in names]
         arrival, peak, late, off = (
-            np.array([float(row[scale.heading(name, quantity)] or "nan") for row in rows], dtype=np.float64)
-            for name, quantity in (
-                ("arrival", "time"),
-                ("peak_velocity", "velocity"),
-                ("arrival_error", "time"),
-                ("peak_velocity_error", "velocity"),
-            )
+            np.array([float(row[scale.heading(name, unit)] or "nan") for row in rows]) / getattr(scale, unit)
+            for name, unit in zip(names, units, strict=True)
         )
     except (KeyError, TypeError) as error:
         raise ValueError(f"no table of waves ({error})") from None
-    waves = with_speeds(chain, bead, arrival / scale.time, peak / scale.velocity, direction=direction)
-    late = np.where(np.isnan(arrival), np.inf, late / scale.time)
-    return replace(waves, arrival_error=late, peak_velocity_error=off / scale.velocity)
+    waves = with_speeds(chain, bead, arrival, peak, direction=direction)
+    return replace(waves, arrival_error=np.where(np.isnan(arrival), np.inf, late), peak_velocity_error=off)
 
 
 def opposed(problem: Problem) -> bool:

@@ -1,18 +1,16 @@
 """Records with noise on them: how much it is, and frames smoothed in time so that pulses can be found in them.
 
 What a simulation writes has none; a measured or a truncated record has. At the start every state is known exactly, so
-the first frame shows the noise. `peak_error` says how well a passage is found: bounds for the exact wave on a grid of
-times, and for noise on it, as measured.
+the first frame shows the noise. `peak_error` says how well a passage is found, as measured.
 """
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from analysis.shape.exact_wave import SolitaryWave
-from analysis.tracking.brackets import FAR_APART, on_a_grid
+from analysis.tracking.brackets import FAR_APART
 from analysis.tracking.peaks import Peaks
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import physics
@@ -121,34 +119,21 @@ def distinct(peaks: Peaks, exact: SolitaryWave) -> Peaks:
     return peaks
 
 
-class PeakError(NamedTuple):
-    """Bounds on the error of passages: arrival in units of T, peak velocity in units of V; of the latter's shape."""
+def peak_error(every: float, peak_velocity: Floats, noise: float) -> tuple[Floats, Floats]:
+    """Error of arrival (T) and peak velocity (V) of an exact wave in a noisy record: four standard deviations.
 
-    arrival: Any
-    peak_velocity: Any
-
-
-def peak_error(
-    every: float, peak_velocity: float | Floats, *, noise: float = 0.0, all_recorded: bool = True
-) -> PeakError:
-    """Error of an exact wave's passage found by `analysis.tracking.peaks`, four standard deviations where there is
-    noise.
-
-    Measured for peak velocities from 0.05 to 1 (with noise 0.2 to 1) and times between frames up to 1. Without noise it
-    falls as ``every**5`` or faster: at 0.1, 4e-8 in arrival; at 1, 4e-3.
+    Measured for peak velocities from 0.2 to 1 and times between frames up to 1. Without noise it is
+    `analysis.tracking.brackets.on_a_grid`.
 
     Args:
         every: time between frames, in units of T.
         peak_velocity: of the wave, in units of V.
         noise: standard deviation of recorded displacements (L) and velocities (V).
-        all_recorded: whether every bead is recorded.
     """
-    if noise > 0.0:
-        left = left_by_smoothing(noise, every)
-        far = 2.0 if every >= FAR_APART else 1.0  # displacements are used there, and add their noise
-        arrival = far * 4.0 * 7.0 * left / peak_velocity + 0.5 * every**3
-        return PeakError(arrival, far * 4.0 * 2.5 * left + (2e-4 + 0.2 * every**3) * peak_velocity)
-    return PeakError(*on_a_grid(every, peak_velocity, all_recorded=all_recorded))
+    left = left_by_smoothing(noise, every)
+    far = 2.0 if every >= FAR_APART else 1.0  # displacements are used there, and add their noise
+    arrival = far * 4.0 * 7.0 * left / peak_velocity + 0.5 * every**3
+    return arrival, far * 4.0 * 2.5 * left + (2e-4 + 0.2 * every**3) * peak_velocity
 
 
 def width_error(every: float) -> float:

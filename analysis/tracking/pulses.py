@@ -131,13 +131,11 @@ def track_pulses(
     for chain in np.unique(passages.chain):
         own = passages.where(passages.chain == chain)
         for track in _linked(own, recorded, noise, exact, loaded):
-            if len(track) >= least and np.max(own.velocity[track]) >= smallest:
-                bead, arrival = own.bead[track], own.time[track]
-                speed = local_speed(bead, arrival)
-                if direction < 0:
-                    bead = mirrored_bead(problem, bead)
-                errors = own.time_error[track], own.velocity_error[track]
-                found.append(Pulse(int(chain), direction, bead, arrival, own.velocity[track], speed, *errors))
+            one = own.where(track)
+            if len(one) >= least and np.max(one.velocity) >= smallest:
+                bead = one.bead if direction > 0 else mirrored_bead(problem, one.bead)
+                speed, errors = local_speed(one.bead, one.time), (one.time_error, one.velocity_error)
+                found.append(Pulse(int(chain), direction, bead, one.time, one.velocity, speed, *errors))
     return tuple(sorted(found, key=lambda pulse: (pulse.chain, pulse.arrival[0])))
 
 
@@ -194,7 +192,7 @@ class _Track:
 
     Attributes:
         passages: positions in the table.
-        pace: the last delay over the exact wave's; with noise a mean.
+        usual_delay: the last delay over the exact wave's; with noise a mean.
         bound: how far the next may be from it.
     """
 
@@ -216,6 +214,7 @@ def _linked(
     place = np.searchsorted(recorded, peaks.bead)
     open_tracks: list[_Track] = []
     for number, (start, end) in enumerate(zip(starts, ends, strict=True)):
+        taken: set[int] = set()
         if start < end and open_tracks:
             last = np.array([track.passages[-1] for track in open_tracks])
             usual_delay = np.array([[track.usual_delay] for track in open_tracks])
@@ -230,18 +229,13 @@ def _linked(
             slack = SCATTER * noise / amplitude * speed_at(amplitude, peaks.bead[here]) / way
             far = (np.abs(delay - usual_delay) > bound + slack) | (delay < EARLIEST - slack) | (delay > LATEST + slack)
             cost[far | (ratio < FAINTEST)] = np.inf
-            taken = set()
             for row, column in _cheapest_pairs(cost):
-                track = open_tracks[row]
+                track, late = open_tracks[row], float(delay[row, column])
                 track.passages.append(int(here[column]))
                 steady = noise > 0.0 and np.isfinite(track.bound)
-                track.usual_delay = (
-                    0.5 * (track.usual_delay + delay[row, column]) if steady else float(delay[row, column])
-                )
+                track.usual_delay = 0.5 * (track.usual_delay + late) if steady else late
                 track.bound = UNSTEADIEST
                 taken.add(column)
-        else:
-            taken = set()
         open_tracks += [_Track([k]) for k in range(int(start), int(end)) if k - start not in taken]
         for track in [track for track in open_tracks if number - place[track.passages[-1]] > LONGEST_GAP]:
             open_tracks.remove(track)

@@ -41,27 +41,18 @@ def test_equal_beads_have_the_branch_of_the_textbook():
     )
 
 
-def test_beads_by_turns_have_the_edges_of_the_textbook():
-    light = 0.5
-    bands = cell_of(loaded(**DIMER).system).bands()
-    expected = [[0.0, 2.0 * 1.5], [2.0 * 1.5 / light, 2.0 * 1.5 * (1.0 + 1.0 / light)]]
-    np.testing.assert_allclose(bands**2, expected, rtol=1e-9, atol=1e-12)
-
-
-def test_springs_across_add_a_branch_for_every_way_in_which_chains_swing():
-    bands = cell_of(loaded(chains=2, coupling={"stiffness": 0.1}).system).bands()
-    np.testing.assert_allclose(bands[:, 0] ** 2, [0.0, 0.2], atol=1e-9)
-    np.testing.assert_allclose(bands[:, 1] ** 2, [6.0, 6.2], rtol=1e-9)
-
-
-def test_in_a_ring_chains_swing_together_or_against_each_other():
-    bands = cell_of(loaded(chains=3, coupling={"stiffness": 0.1, "topology": "ring"}).system).bands()
-    np.testing.assert_allclose(bands[:, 0] ** 2, [0.0, 0.3, 0.3], atol=1e-9)
-
-
-def test_springs_to_the_ground_leave_no_slow_waves():
-    bands = cell_of(loaded(foundation={"stiffness": 0.5}).system).bands()
-    np.testing.assert_allclose(bands**2, [[0.5, 6.5]], rtol=1e-9)
+@pytest.mark.parametrize(
+    ("changes", "edges"),
+    [
+        (DIMER, [[0.0, 3.0], [6.0, 9.0]]),  # of masses 1 and 1/2, contacts 3/2
+        ({"chains": 2, "coupling": {"stiffness": 0.1}}, [[0.0, 6.0], [0.2, 6.2]]),
+        ({"chains": 3, "coupling": {"stiffness": 0.1, "topology": "ring"}}, [[0.0, 6.0], [0.3, 6.3], [0.3, 6.3]]),
+        ({"foundation": {"stiffness": 0.5}}, [[0.5, 6.5]]),
+    ],
+    ids=["alternating beads", "two chains", "ring", "foundation"],
+)
+def test_bands_have_the_edges_of_the_textbook(changes, edges):
+    np.testing.assert_allclose(cell_of(loaded(**changes).system).bands() ** 2, edges, rtol=1e-9, atol=1e-9)
 
 
 def test_a_ridge_is_where_a_parabola_through_its_logarithm_is_highest():
@@ -147,16 +138,9 @@ def test_where_there_is_no_map_it_says_why(changes, said):
 
 
 def test_the_long_wave_theory_has_its_limits_right():
-    assert speed_over_sound(1.0 + 1e-4) == pytest.approx(1.0, abs=1e-4)
-    system = loaded(precompression={"force": 1e-9}).system
-    speed = make_speed(system).at(1, np.array([30]), np.array([0.68163]))
-    assert speed[0] == pytest.approx(0.9146 * 0.68163**0.2, rel=0.02)
-
-
-def test_the_long_wave_theory_of_other_exponents_has_its_limits_right():
     assert speed_over_sound(5.0, 1.0) == pytest.approx(1.0, rel=1e-12)
-    for exponent in (1.25, 2.0, 3.0):
-        assert speed_over_sound(1.0 + 1e-3, exponent) == pytest.approx(1.0, abs=1e-3)
+    for exponent in (1.25, 1.5, 2.0, 3.0):
+        assert speed_over_sound(1.0 + 1e-4, exponent) == pytest.approx(1.0, abs=1e-4)
         system = loaded(precompression={"force": 1e-9}, contact={"exponent": exponent}).system
         speed = make_speed(system).at(1, np.array([30]), np.array([1.0]))
         assert speed[0] == pytest.approx(nesterenko(exponent).speed, rel=0.02)

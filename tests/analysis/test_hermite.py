@@ -52,17 +52,8 @@ def test_many_series_at_once_are_each_by_itself():
     np.testing.assert_allclose(together[:, 2, 3], hermite.coefficients((0, 1), data[:, :, 2, 3], 0.3), rtol=1e-12)
 
 
-def test_the_derivative_is_that_with_respect_to_frames():
-    np.testing.assert_array_equal(hermite.derivative(np.array([5.0, 4.0, 3.0, 2.0])), [4.0, 6.0, 6.0])
-
-
 @pytest.mark.parametrize("zero", [0.0, 1e-9, 0.25, 1 / 3, 1.0])
 def test_a_falling_zero_is_found_to_rounding(zero):
     cubic = np.array([[zero], [-1.0 + zero**2], [-zero], [0.0]])  # (zero - s)(1 + zero s), falling on [0, 1]
     found = hermite.falling_zero(cubic, np.zeros(1), np.ones(1))
     assert found[0] == pytest.approx(zero, abs=4 * np.finfo(float).eps)
-
-
-def test_each_series_has_its_own_zero():
-    lines = np.array([[0.2, 0.9], [-1.0, -1.0]])
-    np.testing.assert_allclose(hermite.falling_zero(lines, np.zeros(2), np.ones(2)), [0.2, 0.9], rtol=1e-14)

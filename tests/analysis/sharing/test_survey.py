@@ -142,8 +142,8 @@ def test_a_noisy_run_gives_the_same_waves_within_the_noise(noise):
     assert exact.noise == 0.0
     assert np.array_equal(found.shared.bead[8:], exact.shared.bead[8:])
     assert np.max(np.abs(found.shared.amplitude - exact.shared.amplitude)[8:]) < 5.0 * noise
-    error = peak_error(0.1, float(exact.shared.amplitude.min()), noise=noise)
-    assert np.max(np.abs(found.shared.arrival - exact.shared.arrival)[8:]) < error.arrival
+    late, _ = peak_error(0.1, exact.shared.amplitude.min(), noise)
+    assert np.max(np.abs(found.shared.arrival - exact.shared.arrival)[8:]) < late
     assert found.verdict.sentence.split(":")[0] in {exact.verdict.state.value, "beating"}
 
 

@@ -8,6 +8,7 @@ from small_problems import problem
 from synthetic_waves import arrivals, exact_waves, reference
 
 from analysis.shape.exact_wave import solitary_wave
+from analysis.tracking.brackets import on_a_grid
 from analysis.tracking.noise import distinct, left_by_smoothing, peak_error, smoothed
 from analysis.tracking.peaks import PeakFinder, find_peaks
 from analysis.tracking.pulses import Pulse, local_speed, of_one_kind, track_pulses
@@ -41,11 +42,11 @@ def test_a_wave_on_any_grid_is_one_pulse_with_the_arrivals_and_amplitude_that_we
     every = trajectory.problem.every
     (pulse,) = found_in(trajectory, direction)
     assert np.array_equal(np.sort(pulse.bead), trajectory.beads)
-    error = peak_error(every, peak, all_recorded=recorded == "all")
+    late, off = on_a_grid(every, peak, all_recorded=recorded == "all")
     whole = (pulse.bead > 2) & (pulse.bead < 39)  # the first and last bead lack the neighbour that the wave has
     expected = arrivals(peak, arrival, pulse.bead, 40 if direction < 0 else None)
-    assert np.max(np.abs(pulse.arrival - expected)[whole]) < error.arrival
-    assert np.max(np.abs(pulse.peak_velocity - peak)[whole]) < error.peak_velocity
+    assert np.max(np.abs(pulse.arrival - expected)[whole]) < late
+    assert np.max(np.abs(pulse.peak_velocity - peak)[whole]) < off
 
 
 @settings(max_examples=25)
@@ -53,7 +54,7 @@ def test_a_wave_on_any_grid_is_one_pulse_with_the_arrivals_and_amplitude_that_we
 def test_the_speed_of_a_wave_is_that_of_the_exact_law_within_the_error_of_its_arrivals(peak, every):
     (pulse,) = found_in(exact_waves([(peak, 8.0)], every=every))
     speed = float(solitary_wave().speed_at(peak))
-    bound = peak_error(every, peak).arrival * speed**2
+    bound = on_a_grid(every, peak)[0] * speed**2
     assert np.max(np.abs(pulse.speed[4:-4] - speed)) < bound
 
 
@@ -68,10 +69,10 @@ def test_a_noisy_wave_is_one_pulse_within_the_stated_error(peak, every, noise):
     trajectory = exact_waves([(peak, 8.0)], every=every, noise=noise)
     (pulse,) = noisy_pulses(trajectory, noise)
     assert len(pulse) >= 36
-    error = peak_error(trajectory.problem.every, peak, noise=noise)
+    late, off = peak_error(trajectory.problem.every, peak, noise)
     whole = (pulse.bead > 2) & (pulse.bead < 39)
-    assert np.max(np.abs(pulse.arrival - arrivals(peak, 8.0, pulse.bead))[whole]) < error.arrival
-    assert np.max(np.abs(pulse.peak_velocity - peak)[whole]) < error.peak_velocity
+    assert np.max(np.abs(pulse.arrival - arrivals(peak, 8.0, pulse.bead))[whole]) < late
+    assert np.max(np.abs(pulse.peak_velocity - peak)[whole]) < off
 
 
 @settings(max_examples=10)
