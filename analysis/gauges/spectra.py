@@ -106,11 +106,9 @@ class Spectra:
         """The highest lines, and those at the drives."""
         passed_on, beads = self.transmissibility, []
         for chain, (place, bead) in itertools.product(range(problem.chains), enumerate(self.beads)):
-            height, lines = (
-                self.amplitude[:, chain, place],
-                (self.at_drive[:, chain, place], passed_on[:, chain, place]),
-            )
-            at_drive = [DriveLine(*map(float, line)) for line in zip(self.drive, *lines, strict=True)]
+            height = self.amplitude[:, chain, place]
+            lines = zip(self.drive, self.at_drive[:, chain, place], passed_on[:, chain, place], strict=True)
+            at_drive = [DriveLine(*map(float, line)) for line in lines]
             top = int(np.argmax(height))
             beads.append(HighestLine(chain + 1, bead, float(self.frequency[top]), float(height[top]), at_drive))
         first = np.nan
