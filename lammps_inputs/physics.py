@@ -236,8 +236,9 @@ def gap(system: System) -> float:
 
 
 def exponent(system: System) -> float | None:
-    """Of the overlap in the force of a contact; None where that is no power of it."""
-    return getattr(system.along[0].law, "exponent", None) if len(system.along) == 1 else None
+    """Of the overlap in the force of a contact; None where that is no power of it, or contacts have their own."""
+    found = getattr(system.along[0].law, "exponent", None) if len(system.along) == 1 else None
+    return None if isinstance(found, np.ndarray) else found
 
 
 @once

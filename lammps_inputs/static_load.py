@@ -109,7 +109,7 @@ def hold_lines(system: System) -> list[str]:
         f"# static load: contact forces at rest {said}; the resultants found at rest are subtracted",
         "run 0 post no",
     ]
-    if physics.remembering(system):  # fix held of `laws.by_pairs` stores them: later memories give other forces at rest
+    if physics.remembering(system):  # fix held stores them (`plastic_lines`): later memories give others at rest
         return lines
     if not physics.even(system):
         return [

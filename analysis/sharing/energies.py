@@ -22,8 +22,7 @@ from analysis.shape.waveforms import reach
 from analysis.sharing.equipartition import Sharing
 from analysis.trajectory import Flags, Floats, Trajectory
 from lammps_inputs import Problem, System, laws, physics
-from lammps_inputs.laws.spring import Linear
-from lammps_inputs.laws.varying import Varying
+from lammps_inputs.laws.spring import Linear, Varying
 
 MOST_INSTANTS = 500
 

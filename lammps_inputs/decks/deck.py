@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 
 from lammps_inputs import file_names, laws, loads, physics, scheme, static_load, strict_yaml, window
 from lammps_inputs.deck_lines import AtomTypes, Lines
-from lammps_inputs.laws import by_pairs, dashpot, spring
-from lammps_inputs.laws.wall import wall_lines
+from lammps_inputs.laws import dashpot, plastic_lines, spring
+from lammps_inputs.laws.contact import wall_lines
 from lammps_inputs.layout import Layout
 from lammps_inputs.links import Across, Along, Link, Wall, words
 from lammps_inputs.numbers import text
@@ -290,7 +290,7 @@ def number_fix(problem: Problem) -> list[str]:
     """What holds numbers of every bead; none where no law has them."""
     if _numbers(problem) is None:
         return []
-    return ["fix numbers all property/atom " + " ".join(by_pairs.COLUMNS)]
+    return ["fix numbers all property/atom " + " ".join(plastic_lines.COLUMNS)]
 
 
 def _numbers(problem: Problem) -> NDArray[np.float64] | None:

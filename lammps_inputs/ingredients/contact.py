@@ -17,7 +17,7 @@ from lammps_inputs.ingredients import by_formula, plastic, profile
 from lammps_inputs.ingredients.base import Positive, with_keys
 from lammps_inputs.ingredients.profile import Floats, Strength
 from lammps_inputs.laws import Law, Parameter
-from lammps_inputs.laws.contact import Hertz, Power, PowerByContact
+from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.laws.written import AlongChains, Force, Kind
 from lammps_inputs.links import Along
 from lammps_inputs.units import PURE, Unit
@@ -207,7 +207,7 @@ class Contact(by_formula.ByFormula):
             return self.formula.law(AlongChains, _kind(self.formula, self.tension), strength)  # type: ignore[no-any-return]
         exponent, _ = known
         if self._powers is not None:
-            return PowerByContact(strength * np.ones_like(self._powers), self._powers)
+            return Power(strength * np.ones_like(self._powers), self._powers)
         return Hertz(strength) if exponent == HERTZ else Power(strength, exponent)
 
     def cited(self) -> tuple[str, ...]:

@@ -26,8 +26,7 @@ from lammps_inputs.ingredients.base import (
     refuse_range,
     with_keys,
 )
-from lammps_inputs.laws.spring import Duffing, Linear
-from lammps_inputs.laws.varying import Varying
+from lammps_inputs.laws.spring import Duffing, Linear, Varying
 from lammps_inputs.laws.written import ToGround
 from lammps_inputs.links import Ground
 from lammps_inputs.numbers import number_or_array

@@ -18,7 +18,7 @@ from lammps_inputs import physics
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Positive
-from lammps_inputs.laws.wall import faces
+from lammps_inputs.laws.contact import faces
 from lammps_inputs.layout import Layout
 from lammps_inputs.units import Unit
 

@@ -1,20 +1,21 @@
-"""Contacts of two beads, which only ever push: a force ``strength * overlap**exponent``.
+"""Contacts of two beads, or of a bead and a wall, which only ever push: a force ``strength * overlap**exponent``.
 
 `Hertz` is that of elastic spheres (Hertz 1882), whose exponent is 1.5. `Power` has any: chains of any exponent above
 1 are sonic vacua (Nesterenko, Dynamics of Heterogeneous Materials, Springer 2001, 1.2).
 """
 
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lammps_inputs import laws
 from lammps_inputs.deck_lines import AtomTypes, Lines, types_by_contact
 from lammps_inputs.laws import Parameter, Pure, formula
 from lammps_inputs.numbers import text
-from lammps_inputs.units import Dimension
 
 if TYPE_CHECKING:
     from lammps_inputs.layout import Layout
+    from lammps_inputs.links import Wall
 
 
 class Hertz(NamedTuple):
@@ -125,8 +126,8 @@ class Power(NamedTuple):
 
     strength: Pure
     """A, in units of the scale's contact constant."""
-    exponent: Annotated[float, Dimension()]
-    """p."""
+    exponent: Pure
+    """p, a number or [chain, contact]."""
 
     @staticmethod
     def force(s: Any, strength: Any, exponent: Any) -> Any:
@@ -153,70 +154,33 @@ class Power(NamedTuple):
         """Linear contacts are a style of LAMMPS's own; others it has from a formula of the energy, eight times slower.
 
         Raises:
-            ValueError: contacts that differ, of an exponent other than 1.
+            ValueError: contacts that differ, of exponents other than 1, or 1 and 1.5.
         """
-        if self.exponent == 1.0:
-            return self._linear(layout)
+        if np.ndim(self.exponent) > 0:
+            return self._by_contact(name, layout)
+        p = float(self.exponent)
         if np.ndim(self.strength) > 0:
-            raise ValueError(
-                f"{name}: LAMMPS has strengths that differ from contact to contact for the exponents 1 and 1.5, not "
-                f"{self.exponent:g}; use the reference engine"
-            )
-        return self._by_formula(layout)
-
-    def _linear(self, layout: "Layout") -> Lines:
-        if np.ndim(self.strength) > 0:
+            if p != 1.0:
+                raise ValueError(
+                    f"{name}: LAMMPS has strengths that differ from contact to contact for the exponents 1 and 1.5, "
+                    f"not {p:g}; use the reference engine"
+                )
             return _granular("hooke", 1.0, self.strength, "overlap", layout)
-        return Lines(
-            interactions=(
-                "# contacts: force = overlap, no friction, no loss; this style computes no energy",
-                f"pair_style gran/hooke {text(float(self.strength))} 0 0 0 0 0",
-                "pair_coeff * *",
+        if p == 1.0:
+            return Lines(
+                interactions=(
+                    "# contacts: force = overlap, no friction, no loss; this style computes no energy",
+                    f"pair_style gran/hooke {text(float(self.strength))} 0 0 0 0 0",
+                    "pair_coeff * *",
+                )
             )
-        )
+        energy = f"{text(float(self.strength) / (p + 1.0))}*({text(layout.diameter)}-r)^{text(p + 1.0)}"
+        return formula.contacts(energy, f"= overlap^{text(p)}, from its energy", layout)
 
-    def _by_formula(self, layout: "Layout") -> Lines:
-        power = self.exponent + 1.0
-        energy = f"{text(float(self.strength) / power)}*({text(layout.diameter)}-r)^{text(power)}"
-        return formula.contacts(energy, f"= overlap^{text(self.exponent)}, from its energy", layout)
-
-
-class PowerByContact(NamedTuple):
-    """``A (s)+^p`` with an exponent of its own for each contact."""
-
-    strength: Pure
-    """A, in units of the scale's contact constant."""
-    power: Pure
-    """p, [chain, contact]."""
-
-    @staticmethod
-    def force(s: Any, strength: Any, power: Any) -> Any:
-        """Repulsion at an overlap; none where the beads are apart."""
-        return strength * np.maximum(s, 0.0) ** power
-
-    @staticmethod
-    def energy(s: Any, strength: Any, power: Any) -> Any:
-        """As of `Power`."""
-        return Power.energy(s, strength, power)
-
-    @staticmethod
-    def stiffness(s: Any, strength: Any, power: Any) -> Any:
-        """As of `Power`."""
-        return Power.stiffness(s, strength, power)
-
-    @staticmethod
-    def max_strain(energy: Any, strength: Any, power: Any) -> Any:
-        """As of `Power`."""
-        return Power.max_strain(energy, strength, power)
-
-    def along(self, name: str, layout: "Layout") -> Lines:
-        """LAMMPS distinguishes contacts by the types of their beads; it has two exponents for that.
-
-        Raises:
-            ValueError: other exponents than 1 and 1.5.
-        """
+    def _by_contact(self, name: str, layout: "Layout") -> Lines:
+        """LAMMPS distinguishes contacts by the types of their beads; it has two exponents for that."""
         words = {1.0: ("hooke", 1.0), 1.5: ("hertz", float(1.0 / np.sqrt(layout.diameter / 4.0)))}
-        power = np.asarray(self.power)
+        power = np.asarray(self.exponent)
         if others := sorted(set(power.reshape(-1).tolist()) - set(words)):
             raise ValueError(
                 f"{name}: LAMMPS has exponents that differ from contact to contact of 1 and 1.5, not {others[0]:g}; "
@@ -228,3 +192,71 @@ class PowerByContact(NamedTuple):
         law = [f"{words[p][0]} {text(words[p][1] * a)}" for a, p in kinds.tolist()]
         models = {pair: law[int(number)] for pair, number in types.strength.items()}
         return _of_types(law[0], (types, models), "overlap^exponent, both by the bead types", layout)
+
+
+def faces(link: "Wall", layout: "Layout") -> list[tuple[float, float]]:
+    """Strength of the wall of every chain, and where it stands in LAMMPS: nearer by an overlap at rest."""
+    radius, right = layout.diameter / 2.0, link.side > 0.0
+    end, law = -1 if right else 0, link.law
+    place, clear = layout.places[:, end], np.broadcast_to(link.gap - laws.rest(law), laws.strength(law).shape)[:, end]
+    face = place + radius + clear if right else place - radius - clear
+    return list(zip(np.max(laws.strength(law), axis=1).tolist(), face.tolist(), strict=True))
+
+
+def wall_lines(link: "Wall", layout: "Layout") -> Lines:
+    """Walls of the ends of the chains, with their dashpots.
+
+    Only the beads that can reach them are asked, for the others cost as much. All have one radius in LAMMPS, so chains
+    whose walls are not equally hard, or equally far along, have walls of their own.
+    """
+    name, exponent, loss = link.name, getattr(link.law, "exponent", None), layout.wall_loss(link.side)
+    lost, model = ([0.0] * layout.chains, "damping velocity") if loss is None else loss.granular(layout)
+    end = layout.beads if link.side > 0.0 else 1
+    walls = [(*face, g) for face, g in zip(faces(link, layout), lost, strict=True)]
+    if len(set(walls)) == 1:
+        hard, face, g = walls[0]
+        unit = "over the force of a contact" if exponent is None else f"force per overlap^{text(exponent)}"
+        strength = f"variable {name} index {text(hard)}   # {unit}"
+        dashpot = f"variable {name}_damping index {text(g)}   # {model}"
+        coefficient = "0" if loss is None else f"${{{name}_damping}}"
+        return Lines(
+            variables=(strength,) if loss is None else (strength, dashpot),
+            motion=(
+                f"group {name} id {end}:{layout.chains * layout.beads}:{layout.beads}",
+                *_push(name, f"v_{name}", face, coefficient, model, link, layout),
+            ),
+        )
+    lines = []
+    for number, wall in enumerate(sorted(set(walls)), 1):
+        own, (hard, face, g) = f"{name}{number}", wall
+        atoms = " ".join(str(chain * layout.beads + end) for chain, other in enumerate(walls) if other == wall)
+        coefficient = "0" if loss is None else text(g)
+        lines += [f"group {own} id {atoms}", *_push(own, text(hard), face, coefficient, model, link, layout)]
+    return Lines(motion=tuple(lines))
+
+
+def _push(name: str, hard: str, face: float, g: str, model: str, link: Any, layout: "Layout") -> list[str]:
+    """Force of a wall on the beads of a group; LAMMPS's own of a flat wall is ``K * sqrt(radius) * overlap**1.5``.
+
+    Others are forces from outside, for LAMMPS's walls of any potential take ten times as long. Their dashpot is that of
+    a sphere of no stiffness.
+    """
+    right, law, radius = link.side > 0.0, link.law, layout.diameter / 2.0
+    planes = f"NULL {text(face)}" if right else f"{text(face)} NULL"
+
+    def granular(normal: str) -> str:
+        return f"wall/gran granular {normal} {g} tangential linear_nohistory 0 0 {model} xplane {planes}"
+
+    if getattr(law, "exponent", None) == 1.5:
+        return [f"fix {name} {name} {granular(f'hertz $({hard}/{text(float(np.sqrt(radius)))}:%.17g)')}"]
+    touched = text(face - link.side * radius)
+    overlap, closed = (f"(x-{touched})", f"(x>{touched})") if right else (f"({touched}-x)", f"(x<{touched})")
+    if not hasattr(law, "wall"):
+        force = f"{hard}*({overlap}*{closed})^{text(law.exponent)}"
+    else:
+        force = law.wall(f"({overlap}*{closed})" if law.kind.cut else f"({overlap})", hard)
+    return [
+        f"variable {name}_push atom {'-' * right}{force}",
+        f"fix {name} {name} addforce v_{name}_push 0.0 0.0",
+        *([] if g == "0" else [f"fix {name}_damping {name} {granular('hertz 0')}"]),
+    ]

@@ -105,10 +105,10 @@ class Thornton(NamedTuple):
         return np.maximum(memory, onset) - _unloading(np.maximum(memory, onset), onset, memory)[0]
 
     def along(self, name: str, layout: "Layout") -> "Lines":
-        """See `lammps_inputs.laws.by_pairs`."""
-        from lammps_inputs.laws import by_pairs
+        """See `lammps_inputs.laws.plastic_lines`."""
+        from lammps_inputs.laws import plastic_lines
 
-        return by_pairs.contacts(self, name, layout)
+        return plastic_lines.contacts(self, name, layout)
 
 
 class WaltonBraun(NamedTuple):

@@ -77,7 +77,7 @@ class PreloadedPower(NamedTuple):
 
     strength: Parameter
     """A, in units of the scale's contact constant."""
-    exponent: float
+    exponent: Parameter
     """p."""
     rest: Parameter
     """d0, the overlap at rest, never quite 0."""

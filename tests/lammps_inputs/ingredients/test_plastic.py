@@ -19,7 +19,7 @@ from analysis.conservation import Conservation
 from analysis.gauges.gauge import at_frames, gauges
 from lammps_inputs import InputError, laws, library, materials, physics, references
 from lammps_inputs.decks import deck
-from lammps_inputs.laws import by_callback
+from lammps_inputs.laws import plastic_lines
 from lammps_inputs.laws.plastic import Thornton, restitution_of
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import yielding
@@ -288,7 +288,7 @@ def by_host(beads=0):
     """The process that hosts LAMMPS computes the forces of contacts that yield of more than so many beads."""
     with pytest.MonkeyPatch.context() as patch:
         deck._of_links.cache_clear()
-        patch.setattr(by_callback, "MOST_STOCK", beads)
+        patch.setattr(plastic_lines, "MOST_STOCK", beads)
         yield
     deck._of_links.cache_clear()
 
@@ -304,7 +304,7 @@ def test_forces_of_the_host_are_those_of_the_stock_deck(name, tmp_path):
     case = in_lammps(name, beads=20)
     with by_host():
         host = run(case, tmp_path / "host", check=False)
-        assert by_callback.EXTERNAL in (tmp_path / "host" / "in.chains").read_text()
+        assert plastic_lines.EXTERNAL in (tmp_path / "host" / "in.chains").read_text()
     same_by_host_and_stock(case, host.trajectory, run(case, tmp_path / "stock", check=False).trajectory)
 
 
@@ -326,7 +326,7 @@ def test_a_run_with_forces_of_the_host_goes_on_bit_for_bit(name, tmp_path):
 
 def test_more_beads_than_the_stock_deck_is_for_run_on_one_rank_and_in_no_other_program(tmp_path, capsys):
     few, many = (plastic(beads=beads) for beads in (4000, 4001))
-    assert [by_callback.refusal(few.system), deck.refusal(many.system), by_callback.refusal(many.system, 1)] == [""] * 3
+    assert plastic_lines.refusal(few.system) == plastic_lines.refusal(many.system, 1) == deck.refusal(many.system) == ""
     with pytest.raises(InputError, match=r"^--ranks: .*of more than 4000 beads.* on one rank"):
         run(many, tmp_path / "run", ranks=2)
     (tmp_path / "many.yaml").write_text(deck.render_scene(many))

@@ -24,7 +24,7 @@ import numpy as np
 
 from lammps_inputs import Problem, file_names, window
 from lammps_inputs.decks import continuation
-from lammps_inputs.laws import by_callback
+from lammps_inputs.laws import plastic_lines
 from workflow.engines.lammps import files_on_disk, invariants, mpi
 from workflow.engines.lammps.files_on_disk import FramesOnDisk
 from workflow.engines.lammps.stepping import LivePeaks, Travel
@@ -96,7 +96,7 @@ def begun(problem: Problem, part: int) -> Any:
         lmp.command(f"variable dump index {continuation.dump_part(part)}")
         lmp.command(f"variable snapshots index {continuation.snapshots_part(part)}")
         deck = file_names.CONTINUE
-    if not by_callback.needed(problem.system):
+    if not plastic_lines.needs_host(problem.system):
         lmp.file(deck)
         return lmp
     from workflow.engines.lammps import yielding  # numba takes a third of a second to import

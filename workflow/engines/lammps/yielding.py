@@ -1,4 +1,4 @@
-"""Forces of contacts that yield, computed here for LAMMPS's `fix external` (see `lammps_inputs.laws.by_callback`)."""
+"""Forces of contacts that yield, computed here for LAMMPS's `fix external` (see `lammps_inputs.laws.plastic_lines`)."""
 
 from pathlib import Path
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from lammps_inputs import Problem
-from lammps_inputs.laws import by_callback
+from lammps_inputs.laws import plastic_lines
 from lammps_inputs.laws.plastic import Thornton
 from workflow.compiled import ieee, inlined
 
@@ -17,19 +17,19 @@ def read(lmp: Any, problem: Problem, deck: str) -> None:
     """Have LAMMPS carry out a deck, with the forces of its contacts from here."""
     for line in Path(deck).read_text(encoding="utf-8").splitlines():
         lmp.command(line)
-        if line == by_callback.EXTERNAL:
+        if line == plastic_lines.EXTERNAL:
             _attach(lmp, problem)
 
 
 def _attach(lmp: Any, problem: Problem) -> None:
-    law, touched = by_callback.table(problem.layout)
+    law, touched = plastic_lines.table_of_host(problem.layout)
 
     def forces(_: Any, step: int, atoms: int, tag: Any, x: Any, f: Any) -> None:  # noqa: ARG001  as LAMMPS calls it
         f[:] = np.nan  # LAMMPS goes on after an exception: the run then fails
-        memory = tuple(lmp.numpy.extract_atom(name) for name in (by_callback.MEMORY, by_callback.AHEAD))
+        memory = tuple(lmp.numpy.extract_atom(name) for name in (plastic_lines.MEMORY, plastic_lines.AHEAD))
         _contacts(x, f, memory, tag, law, touched, problem.layout.diameter)
 
-    lmp.set_fix_external_callback(by_callback.FIX, forces)
+    lmp.set_fix_external_callback(plastic_lines.FIX, forces)
 
 
 @ieee

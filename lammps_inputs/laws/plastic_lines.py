@@ -1,27 +1,59 @@
-"""How LAMMPS spells contacts that yield, with stock commands: pairs of beads as chunks, and a fix that stores memories.
+"""How LAMMPS has contacts that yield: by stock commands, or by `fix external` where there are too many beads for that.
 
-Every bead has two contacts: one in the first pairs (beads 1 and 2, 3 and 4, ...), one in the second (2 and 3, ...).
-A chunk holds the beads of a pair, the sum of their places with alternating sign is their overlap, and each bead takes
-it from there. Where a bead at the end is in no pair, a wall takes that place. At the end of a step the memories are
-updated, and what follows from them; each number is computed once, for LAMMPS evaluates a variable wherever it is named.
-Under a static load the forces found at rest, with the memories of that state, are stored and subtracted, in a continued
-run as well, so that rest is exactly rest.
+Stock commands are pairs of beads as chunks, and a fix that stores memories. Every bead has two contacts: one in the
+first pairs (beads 1 and 2, 3 and 4, ...), one in the second (2 and 3, ...). A chunk holds the beads of a pair, the sum
+of their places with alternating sign is their overlap, and each bead takes it from there. Where a bead at the end is in
+no pair, a wall takes that place. At the end of a step the memories are updated, and what follows from them; each number
+is computed once, for LAMMPS evaluates a variable wherever it is named. Under a static load the forces found at rest,
+with the memories of that state, are stored and subtracted, in a continued run as well, so that rest is exactly rest.
+
+Forces of `fix external` are computed by a function of the process that hosts LAMMPS
+(`workflow.engines.lammps.yielding`), on one rank. The memories are numbers of every bead (`fix property/atom`), so they
+are in frames and restarts.
 """
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.deck_lines import Lines
-from lammps_inputs.laws import by_callback
-from lammps_inputs.laws.wall import faces
+from lammps_inputs.laws.contact import faces
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
     from lammps_inputs.laws.plastic import Thornton
     from lammps_inputs.layout import Layout
     from lammps_inputs.links import Wall
+    from lammps_inputs.system import System
+
+MOST_STOCK = 4000
+"""Beads up to which stock commands are worth while: a step takes 0.7 to 2 us a bead, fifty times elastic ones'."""
+
+FIX = "contacts"
+
+EXTERNAL = f"fix {FIX} all external pf/callback 1 1   # forces of contacts: computed by granchain run, on one rank"
+"""The line after which the host gives LAMMPS its function."""
+
+MEMORY, AHEAD = "d_memory", "d_memory_ahead"
+"""Largest overlap of the contact behind each bead, and of that between the last bead and a wall."""
+
+
+def needs_host(system: "System") -> bool:
+    """Whether the forces of a system's contacts in LAMMPS are those of a function of its host."""
+    return system.chains * system.beads > MOST_STOCK and any(laws.remembers(link.law) for link in system.links)
+
+
+def refusal(system: "System", ranks: int | None = None) -> str:
+    """Why a deck runs neither in another program nor on several ranks; empty where it does, or it is on one rank."""
+    if ranks == 1 or not needs_host(system):
+        return ""
+    return (
+        f"contacts that yield of more than {MOST_STOCK} beads: their forces are computed by `granchain run`, on one "
+        "rank; use that or the reference engine"
+    )
+
 
 COLUMNS = ("d_strength1", "d_strength2", "d_onset1", "d_onset2")
 """Per-atom numbers of the first and of the second pairs, where contacts differ."""
@@ -33,15 +65,14 @@ def contacts(law: "Thornton", name: str, layout: "Layout") -> Lines:
     Raises:
         ValueError: a static load and too many beads, or walls that are not at one place for all chains.
     """
-    system, loaded = layout.system, bool(np.any(laws.load(law)))
-    if by_callback.needed(system):
+    walls, loaded = _walls(layout.system), bool(np.any(laws.load(law)))
+    if needs_host(layout.system):
         if loaded:
             raise ValueError(
-                f"{name}: LAMMPS has contacts that yield under a static load up to {by_callback.MOST_STOCK} beads "
-                "only; use the reference engine"
+                f"{name}: LAMMPS has contacts that yield under a static load up to {MOST_STOCK} beads only; use the "
+                "reference engine"
             )
-        return by_callback.lines(layout)
-    walls: list[Any] = [link for link in system.ground if laws.remembers(link.law)]
+        return _lines_of_host(layout)
     if any(len({face for _, face in faces(wall, layout)}) > 1 for wall in walls):
         raise ValueError(
             f"{name}: LAMMPS has walls that yield at one place for all chains only; use the reference engine"
@@ -67,13 +98,9 @@ def contacts(law: "Thornton", name: str, layout: "Layout") -> Lines:
     ]
     return Lines(
         variables=variables,
-        interactions=(
-            "# contacts: no forces of LAMMPS's own, but neighbours; see fix contacts",
-            f"pair_style zero {text(layout.diameter)} nocoeff",
-            "pair_coeff * *",
-        ),
+        interactions=_no_forces(", but neighbours", layout),
         motion=tuple(lines),
-        numbers=table(law, walls, layout) if differ else None,
+        numbers=_columns(layout) if differ else None,
     )
 
 
@@ -147,18 +174,54 @@ def _at_wall(wall: "Wall", n: int, layout: "Layout") -> str:
     return f"+((id-1)%{beads}=={end - 1})*{strain}"
 
 
-def table(law: "Thornton", walls: list[Any], layout: "Layout") -> Any:
+def _no_forces(but: str, layout: "Layout") -> tuple[str, ...]:
+    return (
+        f"# contacts: no forces of LAMMPS's own{but}; see fix contacts",
+        f"pair_style zero {text(layout.diameter)} nocoeff",
+        "pair_coeff * *",
+    )
+
+
+def _walls(system: "System") -> list[Any]:
+    """The walls that yield."""
+    return [link for link in system.ground if laws.remembers(link.law)]
+
+
+def _columns(layout: "Layout") -> NDArray[np.float64]:
     """[column, chain, bead] `COLUMNS`; a strength of 0 where there is no contact."""
-    chains, beads = layout.chains, layout.beads
-    found = np.zeros((2, 2, chains, beads))
+    table, _ = table_of_host(layout)
+    odd, before, behind = np.arange(layout.beads) % 2 == 1, table[..., :-1], table[..., 1:]
+    pairs = np.stack([np.where(odd, before, behind), np.where(odd, behind, before)], axis=1)
+    return pairs.reshape(4, layout.chains, layout.beads)
+
+
+def _lines_of_host(layout: "Layout") -> Lines:
+    """Contacts along chains, and with walls, whose forces the host computes."""
+    return Lines(
+        interactions=_no_forces("", layout),
+        motion=(
+            f"fix memory all property/atom {MEMORY} {AHEAD}",
+            f"variable memory atom {MEMORY}",
+            f"variable memory_ahead atom {AHEAD}",
+            EXTERNAL,
+        ),
+    )
+
+
+def table_of_host(layout: "Layout") -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """[strength or onset, chain, contact], where the first and the last contacts are with walls; a strength of 0 where
+    there is no contact. And [chain, side] the places at which the first bead and the last touch walls.
+    """
+    system = layout.system
+    law: Thornton = system.along[0].law  # type: ignore[assignment]
+    found = np.zeros((2, layout.chains, layout.beads + 1))
     found[1] = 1.0
     for row, value in zip(found, (law.strength, law.onset), strict=True):
-        of = np.broadcast_to(value, (chains, beads - 1))
-        for contact in range(beads - 1):
-            row[contact % 2, :, contact : contact + 2] = of[:, contact, np.newaxis]
-    for wall in walls:
-        right = wall.side > 0.0
-        free, end = (1 if not right or beads % 2 == 0 else 0), -1 if right else 0
+        row[:, 1:-1] = value
+    touched = np.zeros((layout.chains, 2))
+    for wall in _walls(system):
+        end = -1 if wall.side > 0.0 else 0
         for row, value in zip(found, (wall.law.strength, wall.law.onset), strict=True):
-            row[free, :, end] = np.broadcast_to(value, (chains, beads))[:, end]
-    return found.reshape(4, chains, beads)
+            row[:, end] = np.broadcast_to(value, (layout.chains, layout.beads))[:, end]
+        touched[:, end] = [face - wall.side * layout.diameter / 2.0 for _, face in faces(wall, layout)]
+    return found, touched
