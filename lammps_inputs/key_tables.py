@@ -12,13 +12,13 @@ from typing import Any
 from pydantic import BaseModel
 
 from lammps_inputs import materials, references, schema
-from lammps_inputs.ingredients import INGREDIENTS, coupling, foundation, plastic, profile, unequal
+from lammps_inputs.ingredients import INGREDIENTS, contact, coupling, foundation, plastic, unequal
 from lammps_inputs.ingredients.preload import Gravity
 from lammps_inputs.output import Forces, Limits, Output, Spectra
 from lammps_inputs.scene import Kick, Material, Scene
 from lammps_inputs.units import Unit
 
-_TYPES: list[type[BaseModel]] = [Material, Kick, Output, Forces, Spectra, Limits, coupling.Ramp, profile.Profile]
+_TYPES: list[type[BaseModel]] = [Material, Kick, Output, Forces, Spectra, Limits, coupling.Ramp, contact.Profile]
 _TYPES += [foundation.GroundRamp, foundation.Modulation, plastic.Yield]
 _TYPES += [unequal.Kind, unequal.Replacement, unequal.Disorder, unequal.Striker, *INGREDIENTS.values()]
 PARTS = {model.__name__: model for model in _TYPES if model is not Gravity}  # which is a number

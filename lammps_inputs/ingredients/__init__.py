@@ -17,10 +17,9 @@ from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.contact import Contact, contacts
 from lammps_inputs.ingredients.coupling import Coupling
 from lammps_inputs.ingredients.damping import Damping
-from lammps_inputs.ingredients.drive import Drive
 from lammps_inputs.ingredients.foundation import Foundation
+from lammps_inputs.ingredients.on_bead import Drive, Push
 from lammps_inputs.ingredients.preload import Gravity, Precompression
-from lammps_inputs.ingredients.push import Push
 from lammps_inputs.ingredients.resonators import Resonators
 from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.laws.spring import Linear

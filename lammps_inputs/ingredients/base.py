@@ -203,25 +203,3 @@ class Ingredient(Part):
     def motions(self, scene: "BaseScene") -> tuple[Motion, ...]:  # noqa: ARG002
         """The beads whose motion it gives, dimensionless."""
         return ()
-
-
-class OnBead(Ingredient):
-    """What acts on one bead from outside, as long as it lasts."""
-
-    key: ClassVar[str]
-    several: ClassVar[bool] = True
-    why = MappingProxyType(
-        {
-            Fact.FRONT: "a window would take the bead that it acts on to its head",
-            Fact.REVERSIBLE: "suzuki4 steps back in time within each cycle",
-        }
-    )
-
-    chain: Count = 1
-    """Chain of the bead."""
-    bead: Count = 1
-    """Number of the bead."""
-
-    def refuse(self, scene: "BaseScene") -> None:
-        """Refuse a bead outside the array."""
-        refuse_outside(self.key, self, scene)

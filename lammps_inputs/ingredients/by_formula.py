@@ -28,6 +28,9 @@ _SPAN = np.geomspace(1e-9, 1e9, 109)
 
 _SAME, _ROUNDED = 1e-12, 1e-13
 
+MOST_EXPONENT = 3.0
+"""Exponent of contacts up to which there are solitary waves to compare with."""
+
 SMALL = 1e-20
 """A strain at which only the leading power of a force is left, in any units."""
 
@@ -140,25 +143,49 @@ def multiple_of_strain(force: Force) -> float | None:
 
 
 @functools.lru_cache(maxsize=256)
-def power_of_strain(force: Force, way: float, exponent: float) -> float | None:
-    """A of a force that is ``A s^p`` at positive strain; None of others."""
-    a = float(force.at(way))
-    return a if np.allclose(force.at(way * _SPAN), a * _SPAN**exponent, rtol=_SAME, atol=0.0) else None
+def kind_of_contact(force: Force, tension: str | None) -> written.Kind:
+    """How the formula counts s, and whether it is cut where beads are apart.
+
+    Raises:
+        ValueError: there is no contact of such a force.
+    """
+    rest, small = float(force.at(0.0)), SMALL
+    if not np.isfinite(rest):
+        raise ValueError("contact.force: has no real value at s = 0, where beads rest; valid: `A/(d+s)^p` with d > 0")
+    if rest < 0.0:
+        raise ValueError(f"contact.force: is {rest:.6g} at s = 0, so that beads pull each other at rest; at least 0")
+    law = force.law(written.AlongChains)
+    slopes = [float(law.stiffness(s, *law)) for s in (small, -small)]
+    way = 1.0 if slopes[0] > 0.0 or slopes[1] > 0.0 else -1.0
+    if not any(abs(slope) > 0.0 for slope in slopes):
+        raise ValueError("contact.force: is the same at all s near 0; it should grow as beads come closer")
+    if not np.isfinite(slopes[0 if way > 0.0 else 1]):
+        raise ValueError("contact.force: falls as beads come closer; it should grow, as A*s^1.5 with A > 0")
+    kind = written.Kind(way, cut=rest == 0.0 if tension is None else tension == "cut")
+    if not kind.cut and not np.isfinite(slopes[1 if way > 0.0 else 0]):
+        raise ValueError(
+            "contact.tension: the force has no real value where beads are apart; leave it out: it is then cut there"
+        )
+    return kind
 
 
 @functools.lru_cache(maxsize=256)
-def leading_power(force: Force, way: float, *, cut: bool) -> tuple[float, float]:
-    """Exponent and constant of ``A s^p``, as which the force of a contact begins above that at rest.
+def power_of_contact(force: Force, kind: written.Kind) -> tuple[float, float, bool]:
+    """Exponent and constant of ``A s^p``, as which a contact's force begins above that at rest; whether it is that.
 
     Raises:
         ValueError: p is below 1.
     """
-    law = force.law(written.AlongChains, written.Kind(way, cut))
+    law = force.law(written.AlongChains, kind)
     stiffness = [float(law.stiffness(s, *law)) for s in (SMALL, 2.0 * SMALL)]
     if not 0.999 * stiffness[0] <= stiffness[1] < np.inf:
         raise ValueError("contact.force: is infinitely stiff at s = 0; powers of s from 1 on are valid")
     exponent = 1.0 + round(float(np.log2(stiffness[1] / stiffness[0])), 6)
-    return exponent, stiffness[0] / (exponent * SMALL ** (exponent - 1.0))
+    if kind.cut and exponent <= MOST_EXPONENT:
+        a = float(force.at(kind.way))
+        if np.allclose(force.at(kind.way * _SPAN), a * _SPAN**exponent, rtol=_SAME, atol=0.0):
+            return exponent, a, True
+    return exponent, stiffness[0] / (exponent * SMALL ** (exponent - 1.0)), False
 
 
 def refuse_unrest(key: str, force: Force) -> None:

@@ -2,48 +2,157 @@
 
 They are those of elastic spheres (Hertz 1882), unless the scene names another exponent. Measured for shells, hollow
 spheres, cylinders and rubber O-rings: p from 1 to 3 (Nesterenko 2001; Spadoni & Daraio, PNAS 107, 2010).
+
+Their strength may differ along the chains, such as of cylinders at angles; contact i lies between beads i and i + 1. A
+slow ramp leaves the velocity of a pulse as it is, and changes its force and speed as strength**0.4 (Chaunsali, Kim &
+Yang, Phil. Trans. R. Soc. A 376, 20170136, 2018).
 """
 
-import functools
+import math
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Discriminator, Field, Tag, field_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import by_formula, plastic, profile
-from lammps_inputs.ingredients.base import Positive, with_keys
-from lammps_inputs.ingredients.profile import Floats, Strength
+from lammps_inputs.ingredients import by_formula, plastic
+from lammps_inputs.ingredients.base import Part, Positive, ends, refuse_other_count, refuse_range, with_keys
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.laws.written import AlongChains, Force, Kind
 from lammps_inputs.links import Along
+from lammps_inputs.numbers import random_shares
 from lammps_inputs.units import PURE, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
     from lammps_inputs.system import System
 
+Floats = NDArray[np.float64]
+Count = Annotated[int, Field(ge=1, le=10**8)]
+Factor = Annotated[Positive, PURE]
+
 HERTZ = 1.5
 """Exponent of the contact of spheres."""
-
-MOST_EXPONENT = 3.0
-"""Exponent up to which there are solitary waves to compare with."""
 
 LEAST_OF_PULSES = 1.05
 """Exponent below which a solitary wave, if there is one, is longer than forty beads."""
 
 
-_Power = Annotated[float, Field(ge=1, le=MOST_EXPONENT), PURE]
+@with_keys(
+    ends(
+        Factor | None,
+        "Strength up to the first contact of the ramp.",
+        "Strength from the last contact of the ramp on.",
+        None,
+    )
+)
+class Profile(Part):
+    """A ramp, a cosine and random factors, each absent unless given; the strength is their product."""
+
+    example: ClassVar[str] = "{from: 1, to: 4, contacts: [50, 150]}"
+
+    contacts: tuple[Count, Count] | None = None
+    """First and last contact of the ramp; the strength is constant before and after."""
+    mean: Factor | None = None
+    """Mean of the cosine; 1 if omitted."""
+    amplitude: Annotated[float, Field(gt=-1e30, lt=1e30), PURE] | None = None
+    """Amplitude of the cosine, smaller than its mean."""
+    wavenumber: Annotated[float, Field(ge=-1e6, le=1e6), PURE] | None = None
+    """Wavenumber q of the cosine, in cycles per contact."""
+    phase: Annotated[float, Field(ge=-360, le=360), Unit("degrees", always=True)] | None = None
+    """Phase of the cosine; 0 if omitted."""
+    spread: Annotated[float, Field(ge=0, le=0.9), PURE] | None = None
+    """Largest relative deviation of the random factors."""
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] | None = None
+    """Seed of the random factors, which are the same on any machine; 1 if omitted."""
+
+    _from_list = field_validator("contacts", mode="before")(strict_yaml.as_tuple)
+
+    def refuse(self, key: str, contacts: int) -> None:
+        """Refuse keys that miss others, and strengths that are not positive.
+
+        Raises:
+            ValueError: naming the key, what was found and what to do.
+        """
+        if not self.model_fields_set:
+            raise ValueError(f"{key}: names nothing; valid: `strength: {self.example}`")
+        parts = {("from", "to", "contacts"): (), ("amplitude", "wavenumber"): ("mean", "phase"), ("spread",): ("seed",)}
+        for needed, more in parts.items():
+            given = [name for name in (*needed, *more) if getattr(self, name) is not None]
+            missing = [name for name in needed if getattr(self, name) is None]
+            if given and missing:
+                raise ValueError(f"{key}.{missing[0]}: is missing beside {given[0]}")
+        refuse_range(f"{key}.contacts", self.contacts, contacts, of="contact", least=1)
+        mean = 1.0 if self.mean is None else self.mean
+        if self.amplitude is not None and not abs(self.amplitude) < mean:
+            raise ValueError(f"{key}.amplitude: {self.amplitude:g} given; smaller than the mean, {mean:g}")
+
+    def of(self, chains: int, contacts: int) -> Floats:
+        """Strengths, [chain, contact]; random factors are those of ``numpy.random.default_rng(seed).uniform``."""
+        number, found = np.arange(1, contacts + 1), np.ones((chains, contacts))
+        if self.contacts is not None:
+            found *= np.interp(number, self.contacts, [getattr(self, end) for end in ("from", "to")])
+        if self.amplitude is not None:
+            assert self.wavenumber is not None
+            angle = 2.0 * math.pi * self.wavenumber * number + math.radians(self.phase or 0.0)
+            found *= (1.0 if self.mean is None else self.mean) + self.amplitude * np.cos(angle)
+        if self.spread:
+            least, most = 1.0 - self.spread, 1.0 + self.spread
+            shares = random_shares(1 if self.seed is None else self.seed, chains * contacts)
+            found *= (least + (most - least) * shares).reshape(chains, contacts)
+        return found
+
+
+def _kind_of_values(value: Any) -> str:
+    """Tag of what is given: keys, a row for all chains, rows of chains, or a number."""
+    if isinstance(value, dict | Profile):
+        return "<keys>"
+    rows = isinstance(value, tuple | list) and any(isinstance(row, tuple | list) for row in value)
+    return "<rows>" if rows else "<row>" if isinstance(value, tuple | list) else "<plain>"
+
+
+_Row = tuple[Factor, ...]
+Strength = Annotated[
+    Annotated[Factor, Tag("<plain>")]
+    | Annotated[Profile, Tag("<keys>")]
+    | Annotated[_Row, Tag("<row>")]
+    | Annotated[tuple[_Row, ...], Tag("<rows>")],
+    Discriminator(_kind_of_values),
+]
+"""A number for all contacts, a profile, a list with one for each contact, or a list of such lists, one a chain."""
+
+
+_Power = Annotated[float, Field(ge=1, le=by_formula.MOST_EXPONENT), PURE]
 Exponent = Annotated[
     Annotated[_Power, Tag("<plain>")]
     | Annotated[tuple[_Power, ...], Tag("<row>")]
     | Annotated[tuple[tuple[_Power, ...], ...], Tag("<rows>")],
-    Discriminator(lambda value: "<plain>" if isinstance(value, dict) else profile.kind(value)),
+    Discriminator(lambda value: "<plain>" if isinstance(value, dict) else _kind_of_values(value)),
 ]
 """A number for all contacts, a list with one for each, or a list of such lists, one a chain."""
+
+
+def _refuse_values(key: str, strength: Any, scene: "BaseScene") -> None:
+    """Refuse a strength that does not fit the chains.
+
+    Raises:
+        ValueError: naming the key, what was found and what to do.
+    """
+    contacts = scene.beads - 1
+    if isinstance(strength, Profile):
+        strength.refuse(key, contacts)
+    if not isinstance(strength, tuple):
+        return
+    rows = strength if isinstance(strength[0] if strength else None, tuple) else (strength,)
+    if len(rows) != 1:
+        refuse_other_count(key, rows, scene.chains, what="lists")
+    for row in rows:
+        if len(row) != contacts:
+            raise ValueError(f"{key}: {len(row)} numbers for the {contacts} contacts of {scene.beads} beads")
 
 
 @with_keys(
@@ -97,7 +206,7 @@ class Contact(by_formula.ByFormula):
             return
         if self.tension is not None:
             raise ValueError("contact.tension: is that of a formula; give contact.force, too, or leave it out")
-        profile.refuse("contact.exponent", self.exponent, scene)
+        _refuse_values("contact.exponent", self.exponent, scene)
         if self._powers is not None:
             self._refuse_exponents(scene)
         if self._yields is not None and "exponent" in self.model_fields_set and self.exponent != self._power:
@@ -142,7 +251,7 @@ class Contact(by_formula.ByFormula):
     def _refuse_formula(self, force: Force, scene: "BaseScene") -> None:
         """Refuse what is said twice, and forces at rest that nothing holds."""
         self.refuse_beside("contact", "exponent", "stiffness", "yield")
-        kind = _kind(force, self.tension)
+        kind = self._kind
         rest = float(force.at(0.0))
         if kind.cut and rest:
             raise ValueError(f"contact.tension: the force is {rest:.6g} at s = 0, where it would be cut; leave it out")
@@ -167,17 +276,6 @@ class Contact(by_formula.ByFormula):
                     "of them out"
                 )
 
-    @property
-    def _known(self) -> tuple[float, float | None] | None:
-        """Exponent p and constant A of a force that is ``A overlap^p``; None of other formulas."""
-        if self.formula is None:
-            return self._power, self.stiffness
-        kind = _kind(self.formula, self.tension)
-        exponent, _ = by_formula.leading_power(self.formula, kind.way, cut=kind.cut)
-        known = kind.cut and exponent <= MOST_EXPONENT
-        a = by_formula.power_of_strain(self.formula, kind.way, exponent) if known else None
-        return None if a is None else (exponent, a)
-
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:
         """Refuse what is known of spheres only, and formulas where they have no value."""
         from lammps_inputs.ingredients.unequal import sizes_and_moduli
@@ -201,11 +299,11 @@ class Contact(by_formula.ByFormula):
 
     def contact_law(self, strength: Parameter) -> Law:
         """Hertz's law where it is that."""
-        known = self._known
-        if known is None:
+        exponent, _, is_power = self._begins
+        if not is_power:
             assert self.formula is not None
-            return self.formula.law(AlongChains, _kind(self.formula, self.tension), strength)  # type: ignore[no-any-return]
-        exponent, _ = known
+            law: Law = self.formula.law(AlongChains, self._kind, strength)
+            return law
         if self._powers is not None:
             return Power(strength * np.ones_like(self._powers), self._powers)
         return Hertz(strength) if exponent == HERTZ else Power(strength, exponent)
@@ -213,7 +311,7 @@ class Contact(by_formula.ByFormula):
     def cited(self) -> tuple[str, ...]:
         """Of the profile, of a law that yields, and of exponents that differ."""
         law: tuple[str, ...] = () if self._yields is None else plastic.SOURCES[self._yields.law]
-        if self.formula is not None and not _kind(self.formula, self.tension).cut:
+        if not self._kind.cut:
             law = ("moleron2014",)
         if self._powers is not None:
             law = ("nesterenko2001", "spadoni2010")
@@ -229,20 +327,33 @@ class Contact(by_formula.ByFormula):
         """Those of the profile, at the overlap by which lengths are measured."""
         found: Parameter = 1.0
         if self.strength is not None:
-            profile.refuse("contact.strength", self.strength, scene)
-            found = profile.strengths(self.strength, scene)
+            _refuse_values("contact.strength", self.strength, scene)
+            shape = (scene.chains, scene.beads - 1)
+            if isinstance(self.strength, Profile):
+                found = self.strength.of(*shape)
+            elif isinstance(self.strength, tuple):
+                found = np.array(np.broadcast_to(self.strength, shape))
+            else:
+                found = self.strength
         if self._powers is not None:
             found = found * scene.scale.length ** (self._powers - HERTZ)
         return found
 
     def contact_scale(self) -> tuple[float, float | None]:
         """By which the contacts have the strength 1: those of a formula as they begin."""
-        known = self._known
-        if known is not None:
-            return known
-        assert self.formula is not None
-        kind = _kind(self.formula, self.tension)
-        return by_formula.leading_power(self.formula, kind.way, cut=kind.cut)
+        return self._begins[:2]
+
+    @property
+    def _begins(self) -> tuple[float, float | None, bool]:
+        """Exponent p and constant A of the force ``A overlap^p`` of small overlaps, and whether it is that of all."""
+        if self.formula is None:
+            return self._power, self.stiffness, True
+        return by_formula.power_of_contact(self.formula, self._kind)
+
+    @property
+    def _kind(self) -> Kind:
+        """How a formula counts s, and whether it is cut where beads are apart, as other contacts are."""
+        return Kind(cut=True) if self.formula is None else by_formula.kind_of_contact(self.formula, self.tension)
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
         """Linear contacts disperse any pulse; all that are harder at first than spheres begin abruptly.
@@ -250,37 +361,10 @@ class Contact(by_formula.ByFormula):
         What acts at a distance transmits sound.
         """
         exponent = self.contact_scale()[0] if self._powers is None else float(np.min(self._powers))
-        if self.formula is not None and not _kind(self.formula, self.tension).cut:
+        if not self._kind.cut:
             return frozenset({Fact.SONIC_VACUUM, Fact.FRONT, Fact.PULSE})
         taken = {Fact.REVERSIBLE} if exponent < HERTZ else set()
         return frozenset(taken | {Fact.PULSE} if exponent < LEAST_OF_PULSES else taken)
-
-
-@functools.lru_cache(maxsize=256)
-def _kind(force: Force, tension: str | None) -> Kind:
-    """How the formula counts s, and whether it is cut where beads are apart.
-
-    Raises:
-        ValueError: there is no contact of such a force.
-    """
-    rest, small = float(force.at(0.0)), by_formula.SMALL
-    if not np.isfinite(rest):
-        raise ValueError("contact.force: has no real value at s = 0, where beads rest; valid: `A/(d+s)^p` with d > 0")
-    if rest < 0.0:
-        raise ValueError(f"contact.force: is {rest:.6g} at s = 0, so that beads pull each other at rest; at least 0")
-    law = force.law(AlongChains)
-    slopes = [float(law.stiffness(s, *law)) for s in (small, -small)]
-    way = 1.0 if slopes[0] > 0.0 or slopes[1] > 0.0 else -1.0
-    if not any(abs(slope) > 0.0 for slope in slopes):
-        raise ValueError("contact.force: is the same at all s near 0; it should grow as beads come closer")
-    if not np.isfinite(slopes[0 if way > 0.0 else 1]):
-        raise ValueError("contact.force: falls as beads come closer; it should grow, as A*s^1.5 with A > 0")
-    kind = Kind(way, cut=rest == 0.0 if tension is None else tension == "cut")
-    if not kind.cut and not np.isfinite(slopes[1 if way > 0.0 else 0]):
-        raise ValueError(
-            "contact.tension: the force has no real value where beads are apart; leave it out: it is then cut there"
-        )
-    return kind
 
 
 def contacts(gap: float, strength: Parameter = 1.0, law: Law | None = None) -> tuple[Along, ...]:
