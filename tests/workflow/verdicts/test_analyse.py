@@ -21,7 +21,7 @@ from workflow.cli import main
 from workflow.engines.collisions.modes import THETA_OF_EQ_5
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.gallery.rigid_rows import hertz_impulses, problem_at, relative_mode
+from workflow.studies.gallery.entries.paper_gapped import hertz_impulses, problem_at, relative_mode
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.analysis_report import waves_csv
 
