@@ -1,8 +1,4 @@
-"""SIGKILLs at random moments of runs, which are then resumed: is every result bit for bit the uninterrupted one?
-
-As a script, from the root of the repository: ``python tests/support/kill_many.py 200 [SEED [NAME...]]``, the names
-being those of `SCENES` and `MORE`; some four minutes.
-"""
+"""SIGKILLs at random moments of runs, which are then resumed, and the frames that a run has in all of its files."""
 
 import contextlib
 import json
@@ -11,12 +7,8 @@ import random
 import signal
 import subprocess
 import sys
-import tempfile
 import time
-from collections import Counter
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from processes import HANGS, wait_until, working_in
@@ -24,74 +16,30 @@ from stock_lammps import scene
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import Scene, library, strict_yaml
-from lammps_inputs.ingredients.damping import Damping
-from workflow.engines.lammps import mpi
 
 GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
 
-SCENES = {
-    "pair": (scene(name="pair", chains=2, beads=50, kappa=0.1, duration=4000.0, every=0.5), 1),
-    "ranks": (scene(name="ranks", chains=3, beads=16, kappa=1e-3, gap=1.5, duration=2000.0, every=0.5), 2),
-    "damped": (
-        scene(
-            name="damped",
-            chains=2,
-            beads=20,
-            kappa=0.1,
-            duration=1500.0,
-            every=0.5,
-            timestep=0.01,
-            damping=Damping(contact=0.002, beads=1e-4),
-        ),
-        1,
-    ),
-    "some": (scene(name="some", chains=1, beads=80, duration=4000.0, every=0.1, recorded=(3, 40)), 1),
-}
-"""Scene and ranks; each runs for two to three seconds."""
-
-_SHORT = {
+LOSSY = {
+    "name": "lossy",
     "chains": 2,
     "beads": 20,
     "coupling": {"stiffness": 0.1},
+    "kick": {"velocity": 1.0},
+    "damping": {"contact": 0.002, "tension": "cut", "beads": 1e-4, "coupling": 0.01},
     "duration": 1000.0,
     "timestep": 0.01,
     "output": {"every": 0.5},
 }
-_LOSSY = {"contact": 0.002, "tension": "cut", "beads": 1e-4, "coupling": 0.01}
-_LOADED = {"precompression": {"force": 0.5}, "walls": {"right": "flat"}}
 
-
-def _more(name: str, ranks: int, **parts: Any) -> tuple[Scene, int]:
-    return library.from_plain({"name": name, **_SHORT, **parts}, name), ranks
-
-
-MORE = {
-    "lossy": _more("lossy", 2, kick={"velocity": 1.0}, damping=_LOSSY),
-    "viscous": _more("viscous", 2, kick={"velocity": 1.0}, damping={"contact": 0.01, "law": "viscoelastic"}),
-    "bounced": _more("bounced", 1, kick={"velocity": 1.0}, damping={"contact": 0.99, "law": "restitution"}),
-    "driven": _more(
-        "driven",
-        2,
-        drive={"displacement": 0.5, "frequency": 0.1, "phase": -90},
-        foundation={"stiffness": 0.2},
-        damping={"contact": 0.05, "beads": 0.01},
-    ),
-    "loaded": _more("loaded", 2, **_LOADED, push={"peak": 1.0, "duration": 3.0, "shape": "half-sine"}),
-    "shaken": _more("shaken", 1, **_LOADED, drive={"force": 0.1, "frequency": 0.2}),
+SCENES = {
+    "some": (scene(name="some", chains=1, beads=80, duration=4000.0, every=0.1, recorded=(3, 40)), 1),
+    "ranks": (scene(name="ranks", chains=3, beads=16, kappa=1e-3, gap=1.5, duration=2000.0, every=0.5), 2),
+    "lossy": (library.from_plain(LOSSY, "lossy"), 2),
 }
-"""Losses, drives and loads: likewise."""
+"""Scene and ranks; each runs for two to three seconds."""
 
 AIMS = ("all", "command", "worker")
 """Who is killed: everything, as by a loss of power; the command alone; one of the processes that compute."""
-
-
-@dataclass
-class Tally:
-    """What happened: how many were killed, and what their directories said."""
-
-    kills: int = 0
-    runs: int = 0
-    states: Counter[str] = field(default_factory=Counter)
 
 
 def command(*words: object) -> "subprocess.Popen[str]":
@@ -166,26 +114,24 @@ def computes(process: "subprocess.Popen[str]", directory: Path, share: float, on
     wait_until(lambda: size(directory) > before + some, process)
 
 
-def until_done(directory: Path, one: Scene, ranks: int, tally: Tally, chance: random.Random, *, kills: int) -> None:
-    """Run a scene to its end, and kill it on the way."""
+def until_done(directory: Path, one: Scene, ranks: int, chance: random.Random, *, kills: int) -> set[str]:
+    """Run a scene to its end, and kill it on the way; returns what its directory has said of it."""
     scene_file = directory.with_suffix(".yaml")
     scene_file.write_text(strict_yaml.dump(one.plain()))
-    left = kills
+    states = set()
     while True:
         state, words = next_words(directory, scene_file, ranks)
-        tally.states[state] += 1
+        states.add(state)
         if state == "done":
-            break
+            return states
         process = command(*words)
         try:
-            if left:
+            if kills:
                 if chance.random() < 0.75:
                     computes(process, directory, chance.random(), one)
                 else:  # it may hit the command while it still sets up
                     time.sleep(chance.uniform(0.0, 0.5))
-                hit = struck(process, directory, chance.choice(AIMS), chance)
-                tally.kills += hit
-                left -= hit
+                kills -= struck(process, directory, chance.choice(AIMS), chance)
                 # a command that was killed alone leaves processes that see it, and end by themselves
                 assert wait_until(lambda: not working_in(directory))
                 process.communicate()
@@ -194,34 +140,3 @@ def until_done(directory: Path, one: Scene, ranks: int, tally: Tally, chance: ra
                 assert process.returncode == 0, err
         finally:
             end(process, directory)
-    tally.runs += 1
-
-
-def main(kills: int, seed: int, chosen: list[str]) -> int:
-    """Kill as often as asked; exit code 1 if any result differs."""
-    tally, chance, wrong = Tally(), random.Random(seed), 0
-    scenes = {name: (SCENES | MORE)[name] for name in chosen or SCENES}
-    with tempfile.TemporaryDirectory() as work:
-        whole = {}
-        for name, (one, ranks) in scenes.items():
-            until_done(Path(work) / name, one, ranks, Tally(), chance, kills=0)
-            whole[name] = frames(Path(work) / name)
-        names = [name for name in scenes if scenes[name][1] <= mpi.cores()]
-        while tally.kills < kills:
-            name = names[tally.runs % len(names)]
-            directory = Path(work) / f"{tally.runs}"
-            few = min(chance.randint(1, 8), kills - tally.kills)
-            until_done(directory, *scenes[name], tally, chance, kills=few)
-            same = np.array_equal(frames(directory), whole[name])
-            wrong += not same
-            again = json.loads((directory / "run.json").read_text()).get("resumed", [])
-            steps = ", ".join(str(one["from_step"]) for one in again)
-            verdict = "same" if same else "DIFFERS"
-            print(f"{tally.kills:4d} kills  {name:7s} {verdict}  resumed from step {steps or '-'}", flush=True)
-    print(f"{tally.kills} SIGKILLs over {tally.runs} runs: {tally.runs - wrong} bit for bit the same, {wrong} not")
-    print(f"states found: {dict(tally.states)}")
-    return 1 if wrong else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 1, sys.argv[3:]))

@@ -4,12 +4,10 @@ Each class says for a run directory what to measure, and declares its quantities
 analysis (`workflow.verdicts.analyse`) and of what `analyze` prints does not know which there are.
 """
 
-from workflow.verdicts.findings.energy import Budget, Energy
+from workflow.verdicts.findings.energy import Budget, Cells, Energy, Window
 from workflow.verdicts.findings.finding import Finding
-from workflow.verdicts.findings.gauges import Contacts, FarEnd, Forces, Spectra
-from workflow.verdicts.findings.pulses import Cells, Window
+from workflow.verdicts.findings.gauges import Contacts, FarEnd, Forces, PlasticContacts, Spectra
 from workflow.verdicts.findings.sound import Dispersion, Sound
-from workflow.verdicts.findings.yielding import PlasticContacts
 
 FINDINGS: tuple[type[Finding], ...] = (
     Energy,

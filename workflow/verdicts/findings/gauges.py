@@ -1,5 +1,6 @@
-"""What gauges have read: those that a scene names, spectra of beads, the far end of the chains, the largest overlap."""
+"""What gauges have read: those that a scene names, spectra of beads, the far end of the chains; and contacts."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -7,11 +8,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from analysis import quantity
+from analysis.contacts import LargestOverlap, Yielded, YieldMeter, YieldTable, shown_by_frames
+from analysis.gauges.far_end import FarEnd as Collected
+from analysis.gauges.far_end import Transmitted
 from analysis.gauges.forces import PULSE, ForceMeter, ForceTable, Reading, Readings
 from analysis.gauges.gauge import gauges
 from analysis.gauges.reflection import Reflection, reflections
+from analysis.gauges.spectra import HighestLine, Lines, SpectrumMeter, SpectrumTable
+from analysis.gauges.spectra import Spectra as Measured
 from analysis.sharing.survey import Survey
 from lammps_inputs import physics
+from workflow.runs.contacts import Contacts as ContactOverlaps
+from workflow.runs.contacts import has_contacts, of_overlap
 from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Table
@@ -19,18 +27,6 @@ from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-from typing import TYPE_CHECKING
-
-from analysis.gauges.spectra import HighestLine, Lines, SpectrumMeter, SpectrumTable
-from analysis.gauges.spectra import Spectra as Measured
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-from analysis.contacts import LargestOverlap, shown_by_frames
-from analysis.gauges.far_end import FarEnd as Collected
-from analysis.gauges.far_end import Transmitted
-from workflow.runs.contacts import Contacts as ContactOverlaps
-from workflow.runs.contacts import has_contacts, of_overlap
 
 _WORDS = {"largest": "largest", "at": "at", "impulse": "impulse", "dwell": "dwell"}
 
@@ -248,3 +244,54 @@ class Contacts(Finding):
             return None if largest is None else cls(problem, largest)
 
         return Measure(finish, overlap.add) if shown_by_frames(problem) else Measure(finish)
+
+
+@dataclass(frozen=True)
+class PlasticContacts(Finding):
+    """What the contacts keep at the end."""
+
+    key, kind, figure = "plastic", Yielded, "plastic"
+    table = "plastic.csv", YieldTable
+
+    found: Yielded
+    contacts: YieldTable
+
+    def said(self) -> Iterator[str]:
+        """How many have yielded, by how much, and how the largest force falls along the kicked chain."""
+        found, scale = self.found, self.problem.scale
+        line = (
+            f"plastic contacts: {found.contacts} of {len(self.contacts.contact)} have a permanent overlap, at most "
+            f"{scale.written(found.permanent, 'length')}"
+        )
+        if math.isfinite(found.decay):
+            line += f"; the largest force falls as n^{found.decay:.3f} with the number n of the contact"
+        yield line
+
+    def rows(self) -> YieldTable:
+        """Each contact."""
+        return self.contacts
+
+    @property
+    def drawable(self) -> bool:
+        """Where any contact has been closed."""
+        return bool((self.contacts.overlap > 0.0).any())
+
+    def draw(self) -> "Figure":
+        """Along the chains."""
+        from analysis.figures.forces import yield_figure
+
+        return yield_figure(self.problem, self.contacts)
+
+    @classmethod
+    def measure(cls, directory: RunDirectory) -> Measure | None:
+        """Of all beads."""
+        problem = directory.problem
+        if not problem.memory_columns or not hasattr(problem.system.along[0].law, "permanent"):
+            return None
+        meter = YieldMeter()
+
+        def finish(_: Survey) -> PlasticContacts | None:
+            found = meter.result()
+            return None if found is None else cls(problem, *found)
+
+        return Measure(finish, meter.add)

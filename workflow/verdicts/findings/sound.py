@@ -1,27 +1,25 @@
 """Sound under a static load: its dispersion, and the leading pulse on it against the long-wave theory's."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from analysis.dispersion import Bands, Branches, Map, NoDispersionError
 from analysis.dispersion import Dispersion as Collected
+from analysis.loaded_pulse import LoadedPulse, bands
+from analysis.loaded_pulse import Sound as Measured
+from analysis.shape.long_waves import sound_speed
 from analysis.sharing.survey import Survey
-from lammps_inputs import physics
+from lammps_inputs import Scene, laws, physics
+from lammps_inputs.facts import Fact
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.findings.finding import Finding, Measure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-import math
-
-import numpy as np
-
-from analysis.loaded_pulse import LoadedPulse, bands
-from analysis.loaded_pulse import Sound as Measured
-from analysis.shape.long_waves import sound_speed
-from lammps_inputs import Scene, laws
-from lammps_inputs.facts import Fact
 
 
 @dataclass(frozen=True)
