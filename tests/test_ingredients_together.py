@@ -90,23 +90,9 @@ def test_lammps_keeps_the_error_it_states(changes):
 
 
 @pytest.mark.slow
-@FEW
-@given(walled_and_pushed())
-def test_symmetries_hold(changes):
-    is_the_same_in_the_mirror_and_with_chains_in_another_order(changes)
-
-
-@pytest.mark.slow
-@FEW
-@given(walled_and_pushed())
-def test_energy_is_kept_once_the_push_is_over(changes):
-    closes_its_budget(changes)
-
-
-@pytest.mark.slow
 @MANY
 @given(unequal() | walled_and_pushed())
-def test_many_mixtures(changes):
+def test_mixtures_keep_their_stated_error_have_symmetries_and_conserve_energy_once_a_push_is_over(changes):
     keeps_the_error_it_states(changes)
     is_the_same_in_the_mirror_and_with_chains_in_another_order(changes)
     closes_its_budget(changes)

@@ -1,20 +1,26 @@
-"""A law and an ingredient of one's own go all the way from YAML without touching the product."""
+"""Laws and ingredients of one's own go all the way from YAML without touching the product.
+
+They may add atoms that no table shows, and contacts whose force depends on the past.
+"""
 
 import json
 import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from processes import HANGS
+from scipy.integrate import solve_ivp
 
 pytestmark = pytest.mark.slow
 
 TESTS = Path(__file__).parent
 
 OWN = '''
-"""A spring to the ground whose force is the fifth power of the displacement."""
+"""Springs of the fifth power, stiffer contacts, a mass inside each bead, contacts that remember their overlap."""
 
 from typing import Annotated, NamedTuple
 
@@ -22,8 +28,9 @@ import numpy as np
 from pydantic import Field
 
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.ingredients.base import Ingredient, Inner, Positive
 from lammps_inputs.laws import Parameter, Pure, dimensionless, formula
+from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across, Ground
 from lammps_inputs.units import Dimension
 
@@ -105,57 +112,91 @@ class Stiffer(Ingredient):
         return Stiffening(strength, self.b)
 
 
-INGREDIENTS = {"bed": Bed, "stiffer": Stiffer, "tie": Tie}
+class Masses(Ingredient):
+    """A mass inside each bead, on a linear spring."""
+
+    takes_away = frozenset({Fact.PULSE, Fact.SONIC_VACUUM})
+
+    mass: Positive
+    stiffness: Positive
+
+    def inner(self, scene):
+        edges = tuple((chain, scene.chains + chain) for chain in range(scene.chains))
+        link = Across("masses", Linear(self.stiffness / scene.scale.stiffness), edges=edges)
+        return Inner(np.full((scene.chains, scene.beads), self.mass / scene.scale.mass), (link,))
+
+    def lacks(self, scene):
+        return self.takes_away
+
+
+class Worn(NamedTuple):
+    """``s**1.5`` at first; what was pressed to d falls to nothing at ``share * d``."""
+
+    strength: Pure
+    share: Pure
+    memory: Pure = 0.0
+
+    @staticmethod
+    def force(s, strength, share, memory):
+        left = (s - share * memory) / (1.0 - share)
+        return strength * np.maximum(s if s >= memory else left, 0.0) ** 1.5
+
+    @staticmethod
+    def energy(s, strength, share, memory):
+        return 0.4 * strength * np.maximum(s, 0.0) ** 2.5
+
+    @staticmethod
+    def stiffness(s, strength, share, memory):
+        return 1.5 * strength / (1.0 - share) * np.sqrt(np.maximum(s, 0.0))
+
+    @staticmethod
+    def max_strain(energy, strength, share, memory):
+        return (2.5 * energy / strength) ** 0.4
+
+    @staticmethod
+    def remember(s, strength, share, memory):
+        return max(s, memory)
+
+
+class Wear(Ingredient):
+    takes_away = frozenset({Fact.PULSE, Fact.SONIC_VACUUM})
+
+    share: Positive
+
+    def contact_law(self, strength):
+        return Worn(strength, self.share)
+
+    def lacks(self, scene):
+        return self.takes_away
+
+
+INGREDIENTS = {"bed": Bed, "masses": Masses, "stiffer": Stiffer, "tie": Tie, "wear": Wear}
 '''
 
-SCENE = """
-name: bed
-chains: 2
-beads: 8
-coupling: {stiffness: 0.2}
-bed: {quintic: 1.5}
-kick: {velocity: 1.0}
-duration: 40
-output: {every: 0.1}
-"""
+SCENES: dict[str, dict[str, Any]] = {
+    "bed": {"chains": 2, "coupling": {"stiffness": 0.2}, "bed": {"quintic": 1.5}, "duration": 40},
+    "contact": {"stiffer": {"b": 0.5}, "damping": {"contact": 0.2}, "kick": {"velocity": 4.0}, "timestep": 0.001},
+    "held": {"stiffer": {"b": 0.5}, "walls": {"right": "bead"}, "gap": 0.3, "kick": {"velocity": 4.0}, "duration": 12},
+    "tied": {"chains": 3, "tie": {"quintic": 1.5}, "duration": 40},
+    "inner": {"beads": 30, "masses": {"mass": 0.1, "stiffness": 1.0}, "duration": 40},
+    "worn": {"beads": 2, "wear": {"share": 0.19}, "duration": 8, "timestep": 0.01},
+}
 
-CONTACT = """
-name: stiffer
-beads: 8
-stiffer: {b: 0.5}
-damping: {contact: 0.2}
-kick: {velocity: 4.0}
-duration: 10
-timestep: 0.001
-output: {every: 0.1}
-"""
 
-HELD = """
-name: held
-beads: 8
-stiffer: {b: 0.5}
-walls: {right: bead}
-gap: 0.3
-kick: {velocity: 4.0}
-duration: 12
-output: {every: 0.1}
-"""
+def text(name: str, **changes: Any) -> str:
+    """A scene file: one chain of eight beads for 10 T unless it says otherwise."""
+    plain = {"beads": 8, "kick": {"velocity": 1.0}, "duration": 10, "output": {"every": 0.1}}
+    return json.dumps({"name": name, **plain, **SCENES[name], **changes})
 
-TIED = """
-name: tied
-chains: 3
-beads: 8
-tie: {quintic: 1.5}
-kick: {velocity: 1.0}
-duration: 40
-"""
 
 PROGRAM = """
 import json
+from dataclasses import replace
 from pathlib import Path
 import numpy as np
 import lammps_here as here
-from lammps_inputs import find
+from analysis.tracking.peaks import find_peaks
+from lammps_inputs import InputError, find
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.runs.resume import resume
@@ -173,6 +214,14 @@ reference = engine.run(problem)
 damped = run(find("contact.yaml"), "damped")
 tied = run(find("tied.yaml"), "tied")
 held = engine.run(find("held.yaml").problem())
+inner = run(find("inner.yaml"), "inner")
+peaks = find_peaks([engine.run(inner.directory.problem)])
+worn = find("worn.yaml").problem()
+try:
+    run(find("worn.yaml"), "worn")
+    refused = ""
+except InputError as error:
+    refused = str(error)
 print(json.dumps({
     "error": whole.check.velocity,
     "sure": whole.check.reference.velocity,
@@ -188,24 +237,47 @@ print(json.dumps({
     "held": [(held.displacement[-1, 0] * held.problem.scale.length).tolist(), (held.velocity[-1, 0] * 4.0).tolist()],
     "tied": tied.check.velocity,
     "passed_on": float(np.abs(tied.trajectory.velocity[:, 2]).max()),
+    "inner": inner.check.velocity,
+    "shape": inner.trajectory.velocity.shape,
+    "peak": float(peaks.velocity[peaks.bead == 20][0]),
+    "refused": refused,
+    "rebound": [engine.run(worn, steps_per_frame=steps).velocity[-1, 0].tolist() for steps in (10, 400)],
+    "memories": [engine.make_state(replace(worn, system=system), None).memory.size
+                 for system in (worn.system, find("two-chains").system)],
 }))
 """
+
+
+def python(place, *words, **environment):
+    """How a process of Python beside the scenes ended; no path but that of the packages unless another is given."""
+    return subprocess.run(
+        [sys.executable, *words],
+        cwd=place,
+        env={**os.environ, "PYTHONPATH": str(TESTS.parent), **environment},
+        capture_output=True,
+        text=True,
+        timeout=HANGS,
+        check=False,
+    )
+
+
+def granchain(place, *words, **environment):
+    """How a command ended."""
+    return python(place, "-m", "workflow.cli", *words, **environment)
+
+
+def own(*places):
+    """Environment in which the own ingredients are found."""
+    return {"GRANCHAIN_INGREDIENTS": "own", "PYTHONPATH": os.pathsep.join(map(str, (*places, TESTS.parent)))}
 
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
     path = tmp_path_factory.mktemp("own")
-    (path / "bed.py").write_text(OWN)
-    (path / "bed.yaml").write_text(SCENE)
-    (path / "contact.yaml").write_text(CONTACT)
-    (path / "tied.yaml").write_text(TIED)
-    (path / "held.yaml").write_text(HELD)
-    paths = [str(path), str(TESTS / "support"), str(TESTS.parent)]
-    own = {"GRANCHAIN_INGREDIENTS": "bed", "PYTHONPATH": os.pathsep.join(paths)}
-    command = [sys.executable, "-c", PROGRAM]
-    done = subprocess.run(
-        command, cwd=path, env={**os.environ, **own}, capture_output=True, text=True, timeout=HANGS, check=False
-    )
+    (path / "own.py").write_text(OWN)
+    for name in SCENES:
+        (path / f"{name}.yaml").write_text(text(name))
+    done = python(path, "-c", PROGRAM, **own(path, TESTS / "support"))
     assert done.returncode == 0, done.stderr[-3000:]
     return path, json.loads(done.stdout.splitlines()[-1])
 
@@ -230,8 +302,6 @@ def test_it_shortens_the_stability_bound(found):
 
 def test_a_wall_beside_own_contacts_has_their_law(found):
     """In the scene's units: the last bead and a wall as far apart as beads, with the force s**1.5 (1 + 0.5 s)."""
-    import numpy as np
-    from scipy.integrate import solve_ivp
 
     def rate(_, state):
         s = np.maximum(state[:8] - np.append(state[1:8], 0.0) - 0.3, 0.0)
@@ -245,26 +315,26 @@ def test_a_wall_beside_own_contacts_has_their_law(found):
     np.testing.assert_allclose(np.ravel(found[1]["held"]), exact, atol=1e-4)
 
 
-@pytest.mark.parametrize("kind", ["rigid", "{stiffness: 2}"])
-def test_a_wall_that_is_known_for_powers_of_the_overlap_only_is_refused_beside_own_contacts(found, kind):
-    (found[0] / "face.yaml").write_text(HELD.replace("right: bead", f"right: {kind}"))
-    done = granchain("show", "face.yaml", cwd=found[0], GRANCHAIN_INGREDIENTS="bed", PYTHONPATH=own_path(found[0]))
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"walls": {"right": "rigid"}}, "walls.right: is known for contacts whose force is a power of the overlap;"),
+        ({"walls": {"right": {"stiffness": 2}}}, "walls.right: is known for contacts whose force is a power of the"),
+        ({"damping": {"contact": 0.2, "law": "restitution"}}, "damping.law: "),
+        ({"damping": {"contact": 0.2, "tension": "cut"}}, "damping.tension: "),
+    ],
+)
+def test_what_is_known_for_powers_of_the_overlap_only_is_refused_beside_own_contacts(found, changes, says):
+    (found[0] / "refused.yaml").write_text(text("contact", **changes))
+    done = granchain(found[0], "show", "refused.yaml", **own(found[0]))
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert "walls.right: is known for contacts whose force is a power of the overlap; take bead" in done.stderr
+    assert says in done.stderr
+    assert "a power of the overlap" in done.stderr
 
 
 def test_springs_across_from_a_formula_agree_with_the_reference(found):
     assert found[1]["tied"] < 5e-4
     assert found[1]["passed_on"] > 0.1
-
-
-@pytest.mark.parametrize(("damping", "key"), [("law: restitution", "law"), ("tension: cut", "tension")])
-def test_dashpots_that_need_a_power_of_the_overlap_are_refused_beside_own_contacts(found, damping, key):
-    (found[0] / "refused.yaml").write_text(CONTACT.replace("contact: 0.2", f"contact: 0.2, {damping}"))
-    done = granchain("show", "refused.yaml", cwd=found[0], GRANCHAIN_INGREDIENTS="bed", PYTHONPATH=own_path(found[0]))
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert f"damping.{key}: " in done.stderr
-    assert "a power of the overlap" in done.stderr
 
 
 def test_an_interrupted_run_goes_on_bit_for_bit(found):
@@ -278,9 +348,6 @@ def test_the_deck_and_its_continuation_have_its_lines(found):
 
 
 def test_the_reference_agrees_with_an_independent_integrator(found):
-    import numpy as np
-    from scipy.integrate import solve_ivp
-
     def rate(_, state):
         x = state[:16].reshape(2, 8)
         push = np.maximum(x[:, :-1] - x[:, 1:], 0.0) ** 1.5
@@ -297,7 +364,6 @@ def test_the_reference_agrees_with_an_independent_integrator(found):
 
 def test_own_contacts_are_scaled_and_damped_like_built_in_ones(found):
     """In the scene's units, at V = 4: a force s**1.5 (1 + 0.5 s) and a dashpot 0.2 s' while beads touch."""
-    import numpy as np
 
     def acceleration(x, v):
         s = np.maximum(x[:-1] - x[1:], 0.0)
@@ -313,38 +379,34 @@ def test_own_contacts_are_scaled_and_damped_like_built_in_ones(found):
     np.testing.assert_allclose(found[1]["own_contacts"][0], v, atol=4.0 * found[1]["damped"] + 1e-5)
 
 
-def own_path(place):
-    """Python's path with the module of own ingredients."""
-    return os.pathsep.join([str(place), str(TESTS.parent)])
+def test_a_mass_inside_each_bead_acts_alike_in_lammps_and_the_reference_and_stands_in_no_table(found):
+    """The peak is that of an independent program (mass-in-mass chain, m2 = 0.1, k2 = 1)."""
+    assert found[1]["peak"] == pytest.approx(0.588365, abs=2e-6)
+    assert found[1]["inner"] < 2e-4  # the accuracy that its time step is chosen for
+    assert found[1]["shape"] == [401, 1, 30]
 
 
-def granchain(*words, cwd, **environment):
-    """How a command ended, beside the scene; no path but that of the package unless another is given."""
-    return subprocess.run(
-        [sys.executable, "-m", "workflow.cli", *words],
-        cwd=cwd,
-        env={**os.environ, "PYTHONPATH": str(TESTS.parent), **environment},
-        capture_output=True,
-        text=True,
-        timeout=HANGS,
-        check=False,
-    )
+def test_a_contact_that_remembers_its_largest_overlap_gives_two_beads_their_restitution(found):
+    """Of the energy 0.4 d**2.5 at the largest overlap d, the share is lost: e**2 = 1 - share."""
+    assert "LAMMPS has no such force; use the reference engine" in found[1]["refused"]
+    coarse, fine = found[1]["rebound"]
+    assert coarse == pytest.approx([0.05, 0.95], abs=1e-5)  # the largest overlap is found within the step
+    assert fine == pytest.approx([0.05, 0.95], abs=1e-8)
+    assert found[1]["memories"] == [3, 0]
 
 
 def test_without_the_module_the_key_is_unknown(found):
-    done = granchain("show", "bed.yaml", cwd=found[0])
+    done = granchain(found[0], "show", "bed.yaml")
     assert done.returncode == 2
     assert "bed: unknown key" in done.stderr
 
 
 def test_a_module_that_is_not_there_is_one_line(found):
-    done = granchain("show", "bed.yaml", cwd=found[0], GRANCHAIN_INGREDIENTS="nonsense")
+    done = granchain(found[0], "show", "bed.yaml", GRANCHAIN_INGREDIENTS="nonsense")
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert done.stderr.startswith("granchain: GRANCHAIN_INGREDIENTS: 'nonsense'")
 
 
 def test_lammps_finds_the_module_on_a_relative_path(found):
-    path = own_path(".")
-    words = ("run", "bed.yaml", "-o", "relative", "--no-check")
-    done = granchain(*words, cwd=found[0], GRANCHAIN_INGREDIENTS="bed", PYTHONPATH=path)
+    done = granchain(found[0], "run", "bed.yaml", "-o", "relative", "--no-check", **own("."))
     assert (done.returncode, done.stderr) == (0, "")

@@ -10,13 +10,13 @@ Impulses are [interval, chain, bead], the intervals between two frames. Every be
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem, laws, physics
+from lammps_inputs import Problem, System, laws, physics
 from lammps_inputs.laws.preloaded import pressed
 from lammps_inputs.links import Along, Link
 from lammps_inputs.loads import Load
@@ -57,19 +57,27 @@ def on_beads(link: Link, impulse: Floats, trajectory: Trajectory) -> Floats:
     return column[:, : trajectory.problem.chains]
 
 
-def unexplained(
-    trajectory: Trajectory, links: Iterable[Link] = (), dampers: Iterable[Link] = (), *, loads: bool = True
-) -> Floats:
-    """Change of the beads' momentum but for what these links and dampers and, if so, forces from outside gave."""
-    problem = trajectory.problem
-    change: Floats = np.diff(trajectory.velocity, axis=0) * problem.system.mass
-    for load in problem.system.loads if loads else ():
+def links_of(system: System) -> tuple[Link, ...]:
+    """All links of a system, those of inner atoms last."""
+    return *system.links, *system.inner_links
+
+
+def given_by_links(trajectory: Trajectory, *, loads: bool = True) -> Floats:
+    """Change of the beads' momentum but for what forces from outside, if these count, gave."""
+    change: Floats = np.diff(trajectory.velocity, axis=0) * trajectory.problem.system.mass
+    for load in trajectory.problem.system.loads if loads else ():
         change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
+    return change
+
+
+def unexplained(trajectory: Trajectory, without: Sequence[Link] = (), *, loads: bool = True) -> Floats:
+    """What all links and dampers but some, and if these count forces from outside, leave of the change of momentum."""
+    change, system = given_by_links(trajectory, loads=loads), trajectory.problem.system
     for link, impulse in (
-        *((link, of_link(link, trajectory)) for link in links),
-        *((damper, of_damper(damper, trajectory)) for damper in dampers),
+        *((link, of_link(link, trajectory)) for link in links_of(system) if all(link is not one for one in without)),
+        *((damper, of_damper(damper, trajectory)) for damper in system.dampers),
     ):
-        if physics.is_inner(problem.system, link):
+        if physics.is_inner(system, link):
             change -= on_beads(link, impulse, trajectory)
         else:
             link.drive(change, -impulse)
@@ -112,9 +120,9 @@ def identify_beads(trajectory: Trajectory) -> Felt | None:
     system = problem.system
     if not problem.forces_known or trajectory.frames < 10 or problem.chains * problem.beads > MOST:
         return None
-    change = unexplained(trajectory)
+    change = given_by_links(trajectory)
     contacts, others = np.zeros(change[:, :, 1:].shape), []
-    for link in (*system.links, *system.inner_links):
+    for link in links_of(system):
         impulse = of_link(link, trajectory)
         if isinstance(link, Along):
             contacts += impulse
@@ -162,9 +170,7 @@ def _apart(behind: Floats, ahead: Floats) -> tuple[Floats, Floats]:
 
 def impulse_given(trajectory: Trajectory, load: Load) -> Floats:
     """Impulse from outside until each frame, [frame], on the bead of a load: what the links on it do not explain."""
-    problem = trajectory.problem
-    links = (*problem.system.links, *problem.system.inner_links)
-    change = unexplained(trajectory, links, problem.system.dampers, loads=False)
+    change = unexplained(trajectory, loads=False)
     return np.concatenate([[0.0], np.cumsum(change[:, load.chain - 1, load.bead - 1])])
 
 
@@ -280,7 +286,7 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     if system.motions:  # by unknown forces
         return None
     x, v = trajectory.displacement, trajectory.velocity
-    change = unexplained(trajectory, (*system.along, *system.ground, *system.inner_links), system.dampers)
+    change = unexplained(trajectory, system.across)
     felt = np.cumsum(change, axis=1)[:, :-1]
     relative, relative_rate = x[:, 1:] - x[:, :-1], v[:, 1:] - v[:, :-1]
     if np.max(np.abs(relative)) < _APART:
@@ -329,9 +335,8 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
     problem = trajectory.problem
     if not problem.forces_known or trajectory.frames < 10:
         return None
-    change = _but_for_driven(unexplained(trajectory), problem)
-    links = (*problem.system.links, *problem.system.inner_links)
-    given = [part for link in links for part in _parts(link, trajectory)]
+    change = _but_for_driven(given_by_links(trajectory), problem)
+    given = [part for link in links_of(problem.system) for part in _parts(link, trajectory)]
     given += [(damper.name, damper, of_damper(damper, trajectory)) for damper in problem.system.dampers]
     columns = np.array(
         [_but_for_driven(on_beads(link, impulse, trajectory), problem).reshape(-1) for _, link, impulse in given]
@@ -409,8 +414,7 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     if not powers or not problem.forces_known or trajectory.frames < 10:
         return None
     bearing = (*system.along, *physics.walls(system))
-    others = [link for link in (*system.links, *system.inner_links) if link not in bearing]
-    change = unexplained(trajectory, others, system.dampers)
+    change = unexplained(trajectory, bearing)
 
     def left(factor: float) -> Floats:
         total = change.copy()
@@ -456,7 +460,7 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
     ):
         return None
     (contact,) = system.along
-    left = unexplained(trajectory, (*system.across, *system.ground, *system.inner_links), system.dampers)
+    left = unexplained(trajectory, system.along)
     spacing, v = intervals(trajectory), trajectory.velocity
     overlap, closing = np.maximum(contact.overlap(trajectory.displacement), 0.0), v[..., :-1] - v[..., 1:]
     rest = laws.rest(contact.law)

@@ -199,7 +199,7 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
         found = found or _strengths(own, reference)
     found = found or _static(own, reference) or _exponent(own, reference)
     found = found or ([] if physics.one_kind(own.problem.system) else _beads(own, reference))
-    found = found or _by_formula(own) or _strengths(own, reference) or _springs(own, reference)
+    found = found or _strengths(own, reference) or _springs(own, reference)
     found = found or (_beads(own, reference) if physics.one_kind(own.problem.system) else [])
     return found or _laws(own, reference)
 
@@ -312,13 +312,10 @@ def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
 
 def _profile(own: Trajectory, factor: Floats) -> list[str]:
     """Whether other strengths of the contacts along the chains, the scene's times factors, explain the motion."""
-    system = own.problem.system
-    (contact,) = system.along
-    links = (*system.links, *system.inner_links)
-    others = [link for link in links if link is not contact]
-    left = symptoms.unexplained(own, others, system.dampers)
+    (contact,) = own.problem.system.along
+    left = symptoms.unexplained(own, (contact,))
     contact.drive(left, -np.where(np.isfinite(factor), factor, 1.0) * symptoms.of_link(contact, own))
-    if np.sum(left**2) > _EXPLAINED * np.sum(symptoms.unexplained(own, links, system.dampers) ** 2):
+    if np.sum(left**2) > _EXPLAINED * np.sum(symptoms.unexplained(own) ** 2):
         return []
     right = np.broadcast_to(laws.strength(contact.law), factor.shape)
     felt = right * factor
@@ -343,23 +340,6 @@ def _profile(own: Trajectory, factor: Floats) -> list[str]:
     ]
 
 
-def _by_formula(own: Trajectory) -> list[str]:
-    """Whether contacts whose force is a formula were so many times as strong, which no exponent or load shows."""
-    system = own.problem.system
-    if physics.exponent(system) is not None or len(system.along) != 1:
-        return []
-    (contact,) = system.along
-    others = [link for link in system.links if link is not contact]
-    left = symptoms.unexplained(own, others, system.dampers)
-    given = np.zeros_like(left)
-    contact.drive(given, symptoms.of_link(contact, own))
-    factor = float(np.sum(left * given) / np.sum(given**2)) if np.any(given) else 1.0
-    explained = np.sum((left - factor * given) ** 2) < _EXPLAINED * np.sum((left - given) ** 2)
-    if not explained or abs(factor - 1.0) < _BEAD_DOUBT:
-        return []
-    return [f"the contacts are {factor:.4g} times as strong as the scene says"]
-
-
 def _static(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether the static forces on the beads differ from the scene's."""
     felt, right = symptoms.identify_load(own), symptoms.identify_load(reference)
@@ -377,10 +357,14 @@ def _static(own: Trajectory, reference: Trajectory) -> list[str]:
 
 
 def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
-    """Whether the beads were held, or tied in ways that `_springs` does not know, otherwise than the scene says."""
-    problem = own.problem
-    system = problem.system
-    links = (*system.ground, *(() if physics.open_row(system) else system.across), *system.inner_links, *system.dampers)
+    """Whether the beads were held, or tied in ways that `_springs` does not know, otherwise than the scene says.
+
+    So also contacts whose force is a formula, of which neither an exponent nor a load is known.
+    """
+    system = own.problem.system
+    contacts = system.along if physics.exponent(system) is None and len(system.along) == 1 else ()
+    across = () if physics.open_row(system) else system.across
+    links = (*contacts, *system.ground, *across, *system.inner_links, *system.dampers)
     if not links:
         return []
     felt, right = symptoms.identify_strengths(own), symptoms.identify_strengths(reference)

@@ -1,4 +1,4 @@
-"""Is a run right? Compared with the accurate_reference reference, quantity by quantity."""
+"""Is a run right? Compared with an accurate reference, quantity by quantity."""
 
 import warnings
 from collections.abc import Iterable
@@ -51,25 +51,25 @@ class Validation:
         against: what it was compared with.
         deviations: per quantity of `analysis.against.difference.QUANTITIES`; those that cannot be had are missing.
         tolerances: what was let pass.
+        frames: number of frames that the run has, as far as the scene asks for them.
+        compared: number of instants at which the two were compared.
         causes: what seems to be wrong, in words; empty if nothing does.
         remarks: what else is worth knowing, in words; does not count against the run.
         uncertainty: uncertainty of the reference; None for a user's table.
         interpolation: bounds on the errors of (displacement, velocity) that interpolating between frames added; None if
             that was not needed.
-        frames: number of frames that the run has, as far as the scene asks for them.
-        compared: number of instants at which the two were compared.
     """
 
     problem: Problem
     against: str
     deviations: dict[str, Deviation]
     tolerances: dict[str, float]
-    causes: tuple[str, ...]
-    remarks: tuple[str, ...]
-    uncertainty: Uncertainty | None
-    interpolation: tuple[float, float] | None
     frames: int
     compared: int
+    causes: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    uncertainty: Uncertainty | None = None
+    interpolation: tuple[float, float] | None = None
 
     @property
     def complete(self) -> bool:
@@ -84,7 +84,7 @@ class Validation:
     def passed(self) -> bool:
         """Whether the run is complete and within the tolerances, and the uncertainty of the reference suffices."""
         certain = self.uncertainty is None or not _doubts(self.uncertainty, self.tolerances)
-        return self.complete and certain and not self.causes and not any(map(self.exceeded, self.deviations))
+        return self.complete and certain and not self.causes and not any_exceeded(self.deviations, self.tolerances)
 
     def __repr__(self) -> str:
         return (
@@ -135,9 +135,11 @@ class Validation:
 _PAST = "no cause could be determined: forces of contacts that yield depend on their past"
 """Said where frames differ and nothing else explains it."""
 
+_HALF = "the front half of the window is compared; the rows behind it lack the influence of the removed rows"
+
 
 def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None) -> Validation:
-    """Compare a run with the accurate_reference reference, and write ``validation.json`` and a figure beside it.
+    """Compare a run with an accurate reference, and write ``validation.json`` and a figure beside it.
 
     Args:
         directory: the run.
@@ -176,23 +178,16 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         causes=tuple(found),
         remarks=(
             *filter(None, [directory.failure]),
-            *_half(problem),
+            *([] if problem.window is None else [_HALF]),
             *_doubts(halving.uncertainty, limits),
             *([_PAST] if exceeded and not found and physics.remembering(problem.system) else []),
         ),
         uncertainty=halving.uncertainty,
-        interpolation=None,
         frames=difference.frames,
         compared=difference.frames,
     )
     write(directory.path, result, error_figure(result, difference, "the reference"))
     return result
-
-
-def _half(problem: Problem) -> tuple[str, ...]:
-    if problem.window is None:
-        return ()
-    return ("the front half of the window is compared; the rows behind it lack the influence of the removed rows",)
 
 
 def limits_of(problem: Problem, tolerances: dict[str, float] | None) -> dict[str, float]:
@@ -203,11 +198,10 @@ def limits_of(problem: Problem, tolerances: dict[str, float] | None) -> dict[str
 
 
 def _doubts(uncertainty: Uncertainty, limits: dict[str, float]) -> tuple[str, ...]:
-    sizes = {"velocity": uncertainty.velocity, "arrival": uncertainty.arrival}
     return tuple(
         f"the uncertainty of the reference, {size:.1e} in {name}, is too large for this tolerance"
-        for name, size in sizes.items()
-        if not size <= limits[name]
+        for name in ("velocity", "arrival")
+        if not (size := getattr(uncertainty, name)) <= limits[name]
     )
 
 
@@ -223,10 +217,7 @@ def _accurate_enough(problem: Problem, limits: dict[str, float]) -> StepHalving:
     for _ in range(_MOST_DOUBLINGS):
         trial = StepHalving(problem, steps_per_frame=steps)
         uncertainty = trial.run()
-        if (
-            _MORE_ACCURATE * uncertainty.velocity <= limits["velocity"]
-            and _MORE_ACCURATE * uncertainty.arrival <= limits["arrival"]
-        ):
+        if all(_MORE_ACCURATE * getattr(uncertainty, name) <= limits[name] for name in ("velocity", "arrival")):
             break
         steps = 2 * uncertainty.steps_per_frame
     return StepHalving(problem, steps_per_frame=steps)

@@ -24,7 +24,7 @@ def validate_against(
 ) -> Validation:
     """Compare a run with a user's own trajectory in a file; writes what `validate` writes.
 
-    Files: see `analysis.files.table` and `analysis.files.table`.
+    Files: see `analysis.files.table`.
 
     The run is interpolated to the table's times. Peaks and arrivals are compared where the table has displacement and
     velocity at evenly spaced times. That the table's numbers are rounded is remarked, and is the cause where a
@@ -79,7 +79,6 @@ def validate_against(
         tolerances=limits,
         causes=tuple(found),
         remarks=(*digits, *remarks(path, theirs, own)),
-        uncertainty=None,
         interpolation=None if are_frames(theirs, own) else common_times.interpolation_error(own_part),
         frames=own.frames,
         compared=len(theirs.time),
@@ -132,10 +131,6 @@ def validate_traces(
             for channel, column in zip(given.channels, apart.T, strict=True)
         },
         tolerances=own,
-        causes=(),
-        remarks=(),
-        uncertainty=None,
-        interpolation=None,
         frames=whole.frames,
         compared=len(given.time),
     )
