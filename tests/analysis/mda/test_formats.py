@@ -1,7 +1,5 @@
 import pickle
 import re
-import subprocess
-import sysconfig
 from pathlib import Path
 
 import MDAnalysis as mda
@@ -9,48 +7,28 @@ import numpy as np
 import pytest
 from MDAnalysis.coordinates.LAMMPS import DumpReader
 from MDAnalysis.coordinates.XYZ import XYZReader
-from processes import HANGS
+from stock_lammps import lammps, run, scene
 
 import analysis.mda.formats as formats
 import lammps_inputs
 from analysis import trajectory
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import atom_ids, blocks, rest_positions
-from lammps_inputs import Coupling, Kick, Output, Scene, file_names
+from lammps_inputs import Output, Scene, file_names
 from lammps_inputs.decks import deck
 
-BIN = Path(sysconfig.get_path("scripts"))
 TEXT = "frames.lammpstrj"
-THREE = Scene(
-    name="three",
-    chains=3,
-    beads=10,
-    coupling=Coupling(stiffness=0.1),
-    kick=(Kick(velocity=1.0),),
-    duration=6.0,
-    timestep=0.01,
-    output=Output(every=0.1),
-)
+THREE = scene(chains=3, beads=10, kappa=0.1, duration=6.0, every=0.1)
 SOME = THREE.model_copy(update={"output": Output(every=0.1, beads=(2, 7, 9))})
-LOOSE = THREE.model_copy(update={"coupling": None})
 LOOSE_SOME = SOME.model_copy(update={"coupling": None})
 PROBLEM = THREE.problem()
 
 
-def run_lammps(directory: Path, scene: Scene) -> Path:
-    """Run a deck that also writes a text dump of the same frames; some ranks, so that atoms are in disorder."""
-    deck.write(scene, directory)
-    text = (directory / file_names.DECK).read_text()
-    also = f"dump text all custom ${{every}} {TEXT} id x y z vx\ndump_modify text format float %.17g\n"
-    (directory / file_names.DECK).write_text(text.replace("thermo_style", f"{also}thermo_style", 1))
-    command = [BIN / "mpiexec", "-n", "2", BIN / "lmp", "-in", file_names.DECK, "-screen", "none"]
-    subprocess.run(command, cwd=directory, check=True, timeout=HANGS)
-    return directory
-
-
 @pytest.fixture(scope="module")
 def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return run_lammps(tmp_path_factory.mktemp("run"), THREE)
+    """A run on two ranks, so that atoms are in disorder, with a text dump of the same frames."""
+    also = f"dump text all custom ${{every}} {TEXT} id x y z vx\ndump_modify text format float %.17g"
+    return run(THREE, tmp_path_factory.getbasetemp() / "run", ranks=2, before_run=also).directory
 
 
 @pytest.fixture
@@ -155,7 +133,7 @@ def test_a_sheared_box_has_the_lengths_and_angles_that_the_stock_reader_finds(tm
         f"dump t all custom 1 {TEXT} id x y z vx vy vz\n"
         f"dump b all custom 1 {file_names.DUMP} id x y z vx vy vz\nrun 1\n"
     )
-    subprocess.run([BIN / "lmp", "-in", "in", "-screen", "none"], cwd=tmp_path, check=True, timeout=HANGS)
+    lammps(tmp_path, "in")
     stock = DumpReader(tmp_path / TEXT, dt=1.0)
     ours = formats.BinaryDumpReader(tmp_path / file_names.DUMP)
     np.testing.assert_allclose(ours[1].dimensions, stock[1].dimensions, rtol=1e-6)
@@ -289,8 +267,8 @@ def test_beads_that_differ_are_atoms_with_their_masses(
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", [SOME, LOOSE_SOME], ids=["springs", "no springs"])
 def test_only_recorded_beads_are_atoms_and_lie_on_their_chains(tmp_path: Path, scene: Scene) -> None:
-    run_lammps(tmp_path, scene)
-    universe = mda.Universe(tmp_path / file_names.DATA, tmp_path / file_names.DUMP)
+    directory = run(scene, tmp_path / "some", ranks=2).directory
+    universe = mda.Universe(directory / file_names.DATA, directory / file_names.DUMP)
     assert universe.atoms.ids.tolist() == [2, 7, 9, 12, 17, 19, 22, 27, 29]
     assert universe.atoms.resids.tolist() == [2, 7, 9] * 3
     assert universe.atoms.segids.tolist() == ["C1"] * 3 + ["C2"] * 3 + ["C3"] * 3

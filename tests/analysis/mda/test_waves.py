@@ -6,26 +6,19 @@ import MDAnalysis as mda
 import numpy as np
 import pytest
 from lammps_here import run as run_here
+from stock_lammps import scene
 
 from analysis.mda.universe import universe
 from analysis.mda.waves import LeadingWaves
 from analysis.tracking.leading_waves import Waves, leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import Trajectory
-from lammps_inputs import Coupling, Kick, Output, Scene
+from lammps_inputs import Output
 from workflow.engines.lammps import engine
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
-SCENE = Scene(
-    name="small",
-    chains=2,
-    beads=30,
-    coupling=Coupling(stiffness=0.1),
-    kick=(Kick(velocity=1.0),),
-    duration=40.0,
-    timestep=0.01,
-)
+SCENE = scene(name="small", chains=2, beads=30, kappa=0.1, duration=40.0)
 COLUMNS = ("chain", "bead", "arrival", "peak_velocity", "speed")
 
 
@@ -36,9 +29,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunDirectory, RunDir
     moving = SCENE.model_copy(update={"beads": 100, "window": 64, "duration": 130.0, "output": Output(every=0.5)})
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(engine, "run", run_here)
-        whole, window = (
-            run(scene, place / name, check=False).directory for name, scene in (("a", SCENE), ("b", moving))
-        )
+        whole, window = (run(one, place / name, check=False).directory for name, one in (("a", SCENE), ("b", moving)))
     return whole, window
 
 

@@ -6,25 +6,17 @@ import MDAnalysis as mda
 import numpy as np
 import pytest
 from MDAnalysis.transformations import translate
+from stock_lammps import scene
 
 from analysis.files.binary_dump import BinaryDump
 from analysis.files.recording import Writer, atom_ids, blocks
 from analysis.mda.formats import BinaryDumpReader, BinaryDumpWriter
 from analysis.mda.universe import universe
 from analysis.trajectory import joined
-from lammps_inputs import Coupling, Kick, Output, Scene, file_names
+from lammps_inputs import Output, file_names
 from lammps_inputs.decks import deck
 
-SCENE = Scene(
-    name="small",
-    chains=3,
-    beads=10,
-    coupling=Coupling(stiffness=0.1),
-    kick=(Kick(velocity=1.0),),
-    duration=6.0,
-    timestep=0.01,
-    output=Output(every=0.1),
-)
+SCENE = scene(chains=3, beads=10, kappa=0.1, duration=6.0, every=0.1)
 PROBLEM = SCENE.problem()
 
 
