@@ -24,14 +24,19 @@ from workflow.view.write import _left_out
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
 
+def hit(chains=2, duration=4.0, kappa=0.1, material=None, **changes):
+    """A problem of chains of six beads, hit with 0.5 (m/s); duration and coupling in units of T and of the contacts."""
+    kick = (Kick(velocity=0.5),)
+    unit = scene(chains=chains, kick=kick, material=material).scale
+    coupling = {"kappa": kappa * unit.stiffness} if chains > 1 else {}
+    options = {"beads": 6, "material": material, "duration": duration * unit.time, **coupling, **changes}
+    return scene(chains=chains, kick=kick, **options).problem()
+
+
 @pytest.fixture(scope="module", params=[None, STEEL], ids=["reduced", "SI"])
 def held(request):
     """A problem of three chains, a run in which each number is another, and what a page holds of chains 1 and 3."""
-    kick = (Kick(velocity=0.5),)
-    material = request.param
-    unit = scene(chains=3, beads=6, kick=kick, material=material).scale
-    what = scene(chains=3, beads=6, kick=kick, material=material, kappa=0.1 * unit.stiffness, duration=4.0 * unit.time)
-    problem = what.problem()
+    problem = hit(chains=3, material=request.param)
     shape = (problem.frames + 1, 3, 6)
     displacement = 0.1 * np.cos(np.arange(np.prod(shape))).reshape(shape)
     time = np.arange(problem.frames + 1) * problem.every
@@ -60,16 +65,6 @@ def test_every_number_is_the_runs_in_the_units_of_its_figures(held):
         np.testing.assert_allclose(part.force[place][:, :-1], force * scale.force, atol=1e-12 * scale.force)
         own = motion.bead_energy(problem.system, run.displacement, run.velocity)[:, chain].sum(axis=-1)
         np.testing.assert_allclose(part.energy[place], own * scale.energy)
-
-
-def test_the_middle_of_a_pixel_is_its_bead_and_time(held):
-    _, _, part, _ = held
-    data = maps.image_source(part, 1).data
-    rows, columns = data["velocity"][0].shape
-    middle = (data["x"][0] + 0.5 * data["dw"][0] / columns, data["y"][0] + 0.5 * data["dh"][0] / rows)
-    assert middle == pytest.approx((1.0, 0.0), abs=1e-12 * float(part.time[-1]))
-    assert data["dw"][0] / columns == 1.0
-    assert data["dh"][0] / rows == pytest.approx(float(part.time[1]))
 
 
 def test_the_arrival_after_that_in_the_first_chain_is_positive_where_a_chain_is_later(held):
@@ -148,7 +143,7 @@ def made(problem, *, rows=None):
 
 @pytest.mark.parametrize("stride", [4, 7])
 def test_thinning_in_time_keeps_the_velocity_of_largest_size_around_each_frame(stride):
-    problem = scene(chains=2, beads=6, kick=(Kick(velocity=0.5),), kappa=0.1, duration=4.8).problem()
+    problem = hit(duration=4.8)
     run, frames = made(problem), problem.frames + 1
     blocks = [run[:3], run[3:4], run[4:17], run[17:]]
     part = thinned(problem, blocks, [1], most=-(-frames * 6 // stride))
@@ -163,7 +158,7 @@ def test_thinning_in_time_keeps_the_velocity_of_largest_size_around_each_frame(s
 
 
 def test_what_a_window_has_left_does_not_make_frames_fewer():
-    problem = scene(chains=2, beads=600, kick=(Kick(velocity=0.5),), kappa=0.1, duration=3.0, window=64).problem()
+    problem = hit(beads=600, duration=3.0, window=64)
     run = replace(made(problem, rows=64), first=301)
     part = thinned(problem, [run], [0, 1], most=(problem.frames + 1) * 2 * 64)
     assert (part.bead_stride, part.frame_stride) == (2, 1)
@@ -173,22 +168,19 @@ def test_what_a_window_has_left_does_not_make_frames_fewer():
 
 @pytest.mark.parametrize("material", [None, STEEL], ids=["reduced", "SI"])
 def test_a_page_says_how_far_apart_frames_are_that_cannot_follow_a_pulse(material):
-    kick = (Kick(velocity=0.5),)
-    unit = scene(chains=2, beads=6, kick=kick, material=material).scale
-    problem = scene(chains=2, beads=6, kick=kick, material=material, duration=4.8 * unit.time).problem()
+    problem = hit(duration=4.8, material=material)
     for stride, said in ((1, False), (3, False), (8, True)):
         part = thinned(problem, [made(problem)], [0, 1], most=-(-(problem.frames + 1) * 12 // stride))
         told, apart = " ".join(_left_out(problem, part)), part.frame_stride * problem.every
-        distance = f"{apart:.3g} T" if material is None else f"{apart * unit.time * 1e6:.3g} \N{MICRO SIGN}s"
+        distance = f"{apart:.3g} T" if material is None else f"{apart * problem.scale.time * 1e6:.3g} \N{MICRO SIGN}s"
         assert f"{distance} apart, too far" in told or not said
         assert ("too far" in told) == said
         assert ("largest in size" in told) == (stride > 1)
 
 
 @pytest.mark.parametrize(("beads", "even"), [((1, 3, 5), True), ((1, 2, 6), False)])
-def test_a_column_of_the_map_is_one_recorded_bead_however_they_are_spaced(beads, even):
-    output = Output(every=0.1, beads=beads)
-    problem = scene(chains=2, beads=6, kick=(Kick(velocity=0.5),), kappa=0.1, duration=2.0, output=output).problem()
+def test_the_middle_of_a_pixel_is_its_time_and_its_recorded_bead_however_they_are_spaced(beads, even):
+    problem = hit(duration=2.0, output=Output(every=0.1, beads=beads))
     part = thinned(problem, [made(problem)], [0, 1])
     assert part.even == even
     data = maps.image_source(part, 0).data
@@ -196,6 +188,8 @@ def test_a_column_of_the_map_is_one_recorded_bead_however_they_are_spaced(beads,
     middles = data["x"][0] + width * (0.5 + np.arange(3))
     assert middles == pytest.approx(part.places)
     assert middles == pytest.approx(beads if even else (0, 1, 2))
+    height = data["dh"][0] / len(part.time)
+    assert data["y"][0] + height * (0.5 + np.arange(len(part.time))) == pytest.approx(part.time, abs=1e-12)
 
 
 def headings(root):
@@ -203,10 +197,9 @@ def headings(root):
 
 
 def test_no_peaks_are_drawn_where_no_pulse_leads():
-    kick = (Kick(velocity=0.5),)
     waves = with_speeds(np.array([1, 1]), np.array([2, 3]), np.array([1.0, 2.0]), np.array([0.2, 0.1]))
     for foundation, drawn in ((None, True), (Foundation(stiffness=0.5), False)):
-        problem = scene(chains=1, beads=6, kick=kick, duration=2.0, foundation=foundation).problem()
+        problem = hit(chains=1, duration=2.0, foundation=foundation)
         root = run_page.layout(problem, thinned(problem, [made(problem)], [0]), SimpleNamespace(waves=waves), [1, 3])
         assert ("peak velocity of the leading pulse" in headings(root)) == drawn
         assert "energy of each chain, without coupling" in headings(root)

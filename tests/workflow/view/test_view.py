@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import sys
 
 import numpy as np
 import pytest
@@ -11,7 +12,6 @@ from analysis import motion
 from workflow import api
 from workflow.cli import main
 from workflow.runs.run_directory import RunDirectory
-from workflow.view.thin import thinned
 
 SCENE = {
     "name": "seen",
@@ -104,35 +104,9 @@ def model(page, name, what):
     return page.evaluate(f"() => {{ const it = Bokeh.documents[0].get_model_by_name('{name}'); return {what}; }}")
 
 
-def test_what_a_page_holds_is_the_runs_own(ran):
-    problem, whole = ran.directory.problem, ran.trajectory
-    part = thinned(problem, ran.directory.blocks(), [1], most=1000)
-    assert (part.frame_stride, part.bead_stride) == (5, 1)
-    v = whole.velocity[3:198, 1].reshape(-1, 5, 20)  # around every fifth frame
-    assert np.array_equal(part.velocity[0, 1:-1], np.take_along_axis(v, np.abs(v).argmax(1)[:, None], 1)[:, 0])
-    assert np.array_equal(part.overlap[0, :, :-1], motion.overlaps(problem.system, whole.displacement)[::5, 1])
-    assert np.array_equal(part.time, whole.time[::5])
-    assert part.energy[0] == pytest.approx(
-        motion.bead_energy(problem.system, whole.displacement, whole.velocity)[::5, 1].sum(axis=-1), abs=1e-15
-    )
-
-
-def test_pages_without_bokeh_are_refused_in_one_line(ran, monkeypatch, capsys):
-    monkeypatch.setitem(__import__("sys").modules, "bokeh", None)
-    assert "pip install" in refusal(["view", ran.directory.path], capsys)
-
-
-def test_each_run_of_a_comparison_has_a_page(ran, tmp_path, capsys):
-    for name in ("collisions", "reference"):
-        shutil.copytree(ran.directory.path, tmp_path / name)
-    shutil.copy(ran.directory.path / "scene.yaml", tmp_path)
-    (tmp_path / "compare.json").write_text("{}")
-    assert main(["view", str(tmp_path), "--no-open"]) == 0
-    said = capsys.readouterr().out
-    for name in ("collisions", "reference"):
-        assert (tmp_path / name / "view.html").is_file()
-        assert f"{name}/view.html" in said
-    assert not (tmp_path / "view.html").exists()
+def test_pages_without_bokeh_are_refused_in_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "bokeh", None)
+    assert "pip install" in refusal(["view", tmp_path], capsys)
 
 
 @pytest.mark.slow
@@ -233,9 +207,18 @@ def test_the_page_of_many_chains_and_few_beads_answers_clicks_and_keys(tmp_path,
 
 
 @pytest.mark.slow
-def test_a_page_is_readable_in_dark_mode(ran, look):
-    assert main(["view", str(ran.directory.path), "--no-open", "--quiet"]) == 0
-    page = look(ran.directory.path / "view.html", color_scheme="dark")
+def test_each_run_of_a_comparison_has_a_page_that_is_readable_in_dark_mode(ran, tmp_path, capsys, look):
+    for name in ("collisions", "reference"):
+        shutil.copytree(ran.directory.path, tmp_path / name)
+    shutil.copy(ran.directory.path / "scene.yaml", tmp_path)
+    (tmp_path / "compare.json").write_text("{}")
+    assert main(["view", str(tmp_path), "--no-open"]) == 0
+    said = capsys.readouterr().out
+    for name in ("collisions", "reference"):
+        assert (tmp_path / name / "view.html").is_file()
+        assert f"{name}/view.html" in said
+    assert not (tmp_path / "view.html").exists()
+    page = look(tmp_path / "reference" / "view.html", color_scheme="dark")
     page.wait_for_function(
         "() => [...Bokeh.documents[0]._all_models.values()].filter(one => one.type == 'Figure')"
         ".every(one => one.background_fill_color == '#1b1d21')"
