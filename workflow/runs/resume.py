@@ -183,17 +183,13 @@ def _hold(files: list[Path], problem: Problem, step: int) -> bool:
 
 def _tidy(path: Path) -> None:
     """End each file of frames after its last whole one."""
-    for file in all_parts(path):
-        try:
-            os.truncate(file, _index(file).whole_bytes)
-        except NoFrameError:
-            file.unlink()
-
-
-def _index(file: Path) -> BinaryDump:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CutDumpWarning)
-        return BinaryDump(file)
+        for file in all_parts(path):
+            try:
+                os.truncate(file, BinaryDump(file).whole_bytes)
+            except NoFrameError:
+                file.unlink()
 
 
 def _remove_frames(path: Path) -> None:

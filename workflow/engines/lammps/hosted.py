@@ -6,7 +6,6 @@ In return an abort of LAMMPS takes this process along: whoever started it must s
 
 import os
 from pathlib import Path
-from typing import Any
 
 from lammps_inputs import Problem
 from workflow.engines.lammps import worker
@@ -16,18 +15,6 @@ from workflow.errors import RunError
 
 class LammpsError(RunError):
     """LAMMPS itself failed: no instance in this process can be trusted any more, not even to close."""
-
-
-class _Silent(worker.Report):
-    """Hands what would be said to a function."""
-
-    def __init__(self, progress: Progress | None) -> None:
-        super().__init__(speaks=True)
-        self._progress = progress
-
-    def say(self, line: dict[str, Any]) -> None:
-        if self._progress is not None and "bead" in line:
-            self._progress(line["step"], line["bead"])
 
 
 def run(
@@ -51,9 +38,14 @@ def run(
     assert ranks == 1
     os.chdir(directory)
     problem = worker.problem_here() if problem is None else problem
+
+    def tell(line: worker.Line) -> None:
+        if progress is not None:
+            progress(line["step"], line["bead"])
+
     try:
         instance = worker.begun(problem, part)
-        end = worker.segments(instance, problem, _Silent(progress), part=part, every=restart_every)
+        end = worker.segments(instance, problem, tell, part=part, every=restart_every)
     except Exception as error:  # LAMMPS raises nothing more specific
         raise LammpsError(f"LAMMPS: {worker.first_line(error)}") from None
     instance.close()

