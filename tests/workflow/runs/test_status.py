@@ -309,19 +309,36 @@ def test_of_a_job_and_a_local_run_the_later_one_counts(tmp_path):
 # --- anything ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.fixture(scope="module")
+def any_directory(tmp_path_factory):
+    """A deck with frames."""
+    return with_frames(with_deck(tmp_path_factory.mktemp("x")), 3)
+
+
+def assert_named(directory, file, content):
+    """With other content of a file the state has a name, and a printable line says why."""
+    path = directory / file
+    before = path.read_bytes() if path.exists() else None
+    path.write_bytes(content)
+    try:
+        for queue in (None, alps()):
+            found = status(directory, queue)
+            assert found.state in MEANING
+            assert found.why.isprintable()
+    finally:
+        path.unlink()
+        if before is not None:
+            path.write_bytes(before)
+
+
 @given(
     st.sampled_from(
         [RECORD, file_names.JOB_STATE, file_names.DECK, file_names.DUMP, file_names.SCENE, file_names.CASES]
     ),
     st.binary(max_size=300),
 )
-def test_whatever_stands_in_a_file_the_state_has_a_name_and_one_printable_line(tmp_path_factory, name, content):
-    directory = with_frames(with_deck(tmp_path_factory.mktemp("x")), 3)
-    (directory / name).write_bytes(content)
-    for queue in (None, alps()):
-        found = status(directory, queue)
-        assert found.state in MEANING
-        assert found.why.isprintable()
+def test_whatever_stands_in_a_file_the_state_has_a_name_and_one_printable_line(any_directory, name, content):
+    assert_named(any_directory, name, content)
 
 
 @given(
@@ -330,12 +347,8 @@ def test_whatever_stands_in_a_file_the_state_has_a_name_and_one_printable_line(t
         st.none() | st.integers() | st.floats() | st.text() | st.sampled_from(["running", "failed", "done"]),
     )
 )
-def test_whatever_a_record_says_the_state_has_a_name(tmp_path_factory, record):
-    directory = with_deck(tmp_path_factory.mktemp("x"))
-    (directory / RECORD).write_text(json.dumps(record))
-    found = status(directory)
-    assert found.state in MEANING
-    assert found.why.isprintable()
+def test_whatever_a_record_says_the_state_has_a_name(any_directory, record):
+    assert_named(any_directory, RECORD, json.dumps(record).encode())
 
 
 def test_the_command_prints_a_line_each_and_their_counts(tmp_path, capsys):

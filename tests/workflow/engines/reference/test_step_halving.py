@@ -90,6 +90,7 @@ def test_the_certificate_bounds_the_error_in_every_scene(quantity, measured):
         assert deviations[quantity].largest <= getattr(uncertainty, quantity), scene
 
 
+@pytest.mark.slow
 def test_the_certificate_is_no_wilder_than_it_must_be(measured):
     # twice the step makes an error of order 2.5 to 4 larger by 5.7 to 16, less the error itself
     shares = [deviations["velocity"].largest / uncertainty.velocity for uncertainty, deviations in measured]
