@@ -1,36 +1,48 @@
-"""The calculus of every law: a force is the slope of its energy, and what a dashpot has given the integral of it."""
+"""The calculus of every law: a force is the slope of its energy, and what a dashpot has given the integral of it.
+
+Under a static load rest is exactly rest, and no digit of a small motion is lost to the load.
+"""
+
+import math
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from small_problems import system
 
 from lammps_inputs import laws
 from lammps_inputs.laws import dashpot
 from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.laws.dashpot import NO_LIMIT, ContactDashpot, Restitution, Viscoelastic, WallDashpot
-from lammps_inputs.laws.preloaded import under
+from lammps_inputs.laws.preloaded import pressed, under
 from lammps_inputs.laws.spring import Duffing, Linear
-from lammps_inputs.links import Wall
+from lammps_inputs.layout import Layout
+from lammps_inputs.links import Across, Wall
 
 LOADED = np.array([0.0, 0.0, 0.4])
 """A wall holds the last bead of a chain only."""
+
+LOADS, GRID = np.geomspace(1e-9, 1e6, 40), 2.0**-42
 
 ELASTIC = {
     "spheres": Hertz(1.7),
     **{f"power {p}": Power(1.7, p) for p in (1.0, 1.25, 2.0, 3.0)},
     "spring": Linear(0.3),
     "cubic spring": Duffing(0.3, 0.7),
-    "pressed": under(Hertz(), 0.37, 2.0**-42),
-    "pressed, arrays": under(Hertz(np.linspace(0.5, 2.0, 40)), np.geomspace(1e-9, 1e6, 40), 2.0**-42),
-    "pressed, linear": under(Power(1.0, 1.0), 0.37, 2.0**-42),
-    "pressed, cubic": under(Power(np.linspace(0.5, 2.0, 40), 3.0), np.geomspace(1e-9, 1e6, 40), 2.0**-42),
-    "pressed wall": under(Hertz(5.0 * LOADED), LOADED, 2.0**-42),
-    "pressed wall of power 2": under(Power(5.0 * LOADED, 2.0), LOADED, 2.0**-42),
 }
+PRESSED = {
+    "spheres": under(Hertz(), 0.37, GRID),
+    "spheres, arrays": under(Hertz(np.linspace(0.5, 2.0, 40)), LOADS, GRID),
+    "linear": under(Power(1.0, 1.0), 0.37, GRID),
+    "cubic, arrays": under(Power(np.linspace(0.5, 2.0, 40), 3.0), LOADS, GRID),
+    "wall": under(Hertz(5.0 * LOADED), LOADED, GRID),
+    "wall of power 2": under(Power(5.0 * LOADED, 2.0), LOADED, GRID),
+}
+LAWS = ELASTIC | {f"pressed {name}": law for name, law in PRESSED.items()}
 
 
-@pytest.mark.parametrize("law", ELASTIC.values(), ids=ELASTIC)
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 @pytest.mark.parametrize("strain", [-2.0, -0.3, 0.003, 0.7, 3.0])
 def test_force_is_the_slope_of_the_energy_and_stiffness_that_of_the_force(law, strain):
     h = 1e-5
@@ -40,17 +52,84 @@ def test_force_is_the_slope_of_the_energy_and_stiffness_that_of_the_force(law, s
     np.testing.assert_allclose((strong - weak) / (2 * h), laws.stiffness(law, strain), rtol=1e-5, atol=1e-9 * size)
 
 
-@pytest.mark.parametrize("law", [law for name, law in ELASTIC.items() if "pressed wall" not in name])
+@pytest.mark.parametrize("law", [law for name, law in LAWS.items() if "wall" not in name])
 @given(energy=st.floats(1e-6, 1e6))
 def test_the_largest_strain_holds_the_whole_energy(law, energy):
     np.testing.assert_allclose(laws.energy(law, law.max_strain(energy, *law)), energy, rtol=1e-11)
 
 
-def test_at_hertz_s_exponent_a_law_of_any_exponent_is_hertz_s_to_rounding():
-    s = np.linspace(-1.5, 1.5, 50)
+@pytest.mark.parametrize("law", [law for name, law in ELASTIC.items() if "spring" not in name])
+def test_contacts_push_only_where_beads_overlap_and_in_proportion_to_their_strength(law):
+    strength = np.array([[1.0, 2.0], [3.0, 0.0]])
+    strong = law._replace(strength=strength)
+    for of in (laws.force, laws.energy, laws.stiffness):
+        assert not np.any(of(law, np.array([-1e300, -0.1, 0.0]))[:2])
+        np.testing.assert_allclose(of(strong, np.full((5, 2, 2), 0.7))[4], strength * of(law, 0.7) / 1.7, rtol=1e-15)
+    assert laws.force(law, 0.0) == laws.energy(law, 0.0) == 0.0
+    assert strong.max_strain(1.0, *strong)[1, 1] == 0.0
+    assert laws.at(strong, np.array([1, 0]), np.array([0, 1])).strength.tolist() == [3.0, 2.0]
+
+
+def test_spheres_push_with_the_overlap_to_the_power_3_over_2_and_so_does_that_power():
+    s = np.geomspace(1e-6, 1e3, 50)
+    np.testing.assert_allclose(laws.force(Hertz(), s), s**1.5, rtol=1e-15)
     for of in (laws.force, laws.energy, laws.stiffness):
         assert of(Power(1.3, 1.5), s) == pytest.approx(of(Hertz(1.3), s), rel=1e-14)
 
+
+# --- under a static load ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", PRESSED.values(), ids=PRESSED)
+def test_at_rest_there_is_no_force_and_no_energy_to_the_last_bit(law):
+    assert not np.any(laws.force(law, 0.0))
+    assert not np.any(laws.energy(law, 0.0))
+
+
+@pytest.mark.parametrize("name", ["spheres, arrays", "linear", "cubic, arrays"])
+def test_the_energy_of_small_strains_has_all_its_digits(name):
+    law = PRESSED[name]
+    expected = 0.5 * laws.stiffness(law, 0.0) * 1e-12**2
+    np.testing.assert_allclose(laws.energy(law, 1e-12), expected, rtol=1e-5)
+
+
+def test_the_energy_of_any_exponent_goes_on_smoothly_from_its_series():
+    law, strain = under(Power(1.0, 2.5), 0.4, GRID), 0.1 * PRESSED["spheres"].rest * np.array([-1.0, 1.0])
+    for s in strain:
+        below, above = laws.energy(law, s * (1.0 - 1e-12)), laws.energy(law, s * (1.0 + 1e-12))
+        assert above == pytest.approx(below, rel=1e-11)
+
+
+def test_reach_of_a_pressed_wall_is_what_an_energy_adds_and_0_for_beads_without_one():
+    law = PRESSED["wall"]
+    added = law.max_strain(0.5, *law)
+    assert law.rest[2] > 0.3
+    assert added[:2].tolist() == [0.0, 0.0]
+    assert laws.energy(law, added)[2] == pytest.approx(0.5, rel=1e-12)
+
+
+def test_loads_are_those_asked_for_but_for_the_rounding_of_places():
+    for law in (PRESSED["spheres, arrays"], PRESSED["cubic, arrays"]):
+        np.testing.assert_allclose(law.load[1:], LOADS[1:], rtol=1e-6)
+        assert np.array_equal(law.rest / GRID, np.round(law.rest / GRID))
+
+
+def test_a_contact_that_bears_nothing_is_a_contact_without_load():
+    for free, digits in ((Hertz(), 1e-14), (Power(1.0, 1.0), 1e-12), (Power(1.0, 3.0), 1e-12)):
+        law = under(free, np.array([0.0, 0.1]), GRID)
+        for s in (-0.3, 0.2):
+            assert laws.force(law, s)[0] == pytest.approx(laws.force(free, s), rel=digits)
+            assert laws.energy(law, s)[0] == pytest.approx(laws.energy(free, s), rel=digits)
+
+
+@pytest.mark.parametrize("law", [PRESSED["spheres"], PRESSED["cubic, arrays"]], ids=["spheres", "cubic"])
+def test_a_contact_pressed_so_many_times_bears_that_load(law):
+    np.testing.assert_allclose(pressed(law, 2.0).load, 2.0 * law.load, rtol=1e-14)
+    assert laws.force(pressed(law, 2.0), 0.0) == pytest.approx(0.0, abs=1e-9 * np.max(law.load))
+    assert np.all(pressed(law, 0.0).load < 1e-100)
+
+
+# --- dashpots ---------------------------------------------------------------------------------------------------------
 
 PLACES = np.array([-0.6, -0.2, 0.3, 1.1])
 WALLS = {
@@ -118,3 +197,43 @@ def test_a_cut_dashpot_pulls_as_hard_as_the_contact_pushes_and_no_harder(law):
 def test_beads_without_a_wall_feel_nothing_however_hard_they_are_pressed():
     law = WallDashpot(np.array([0.0, 0.3]), 0.0, 0.0, np.array([0.0, 2.0]))
     assert dashpot.damping(law, np.array([5.0, 5.0]), np.array([-9.0, -0.1])).tolist() == [0.0, -0.03]
+
+
+# --- in LAMMPS and at walls -------------------------------------------------------------------------------------------
+
+ENERGIES = st.floats(1e-9, 1e9)
+
+
+@given(ENERGIES, st.floats(0.0, 1.0))
+def test_beads_in_lammps_are_too_large_for_any_share_of_the_energy_to_let_second_neighbours_meet(energy, share):
+    diameter = Layout(system(energy)).diameter
+    two = laws.max_strain(Hertz(), share * energy) + laws.max_strain(Hertz(), (1 - share) * energy)
+    assert max(two, 2.0 * laws.max_strain(Hertz(), energy), 4.0) <= diameter
+    assert math.frexp(diameter)[0] == 0.5  # a power of two
+
+
+@given(ENERGIES)
+def test_lammps_is_given_the_constant_that_makes_its_force_ours(energy):
+    """LAMMPS: force = Kn sqrt(overlap) sqrt(R_eff) overlap with R_eff = diameter / 4."""
+    layout = Layout(system(energy))
+    _, style, coefficients = Hertz().along("contacts", layout).interactions
+    kn = float(style.split()[2])
+    assert (style.split()[1], style.split()[3:], coefficients) == ("gran/hertz/history", ["0"] * 5, "pair_coeff * *")
+    assert kn * math.sqrt(layout.diameter / 4) == pytest.approx(1.0, rel=3e-16)
+
+
+def test_a_bond_has_half_the_stiffness_with_17_digits_and_no_rest_length():
+    bonds = Linear(0.1).across(Across("coupling", Linear(0.1), edges=((0, 1),)), Layout(system(0.5, 0.1, 2)))
+    assert (bonds.style, bonds.coefficients) == ("harmonic", ("$(v_kappa/2:%.17g) 0",))
+
+
+@given(st.floats(-10.0, 10.0), st.floats(0.0, 5.0), st.sampled_from([1.0, -1.0]), st.sampled_from([1.0, 1.5, 3.0]))
+def test_a_wall_never_pulls_and_only_one_side_feels_it(place, gap, side, exponent):
+    strength, force, x = np.array([[2.0]]), np.zeros((1, 1)), np.array([[place]])
+    link = Wall("wall", Hertz(strength) if exponent == 1.5 else Power(strength, exponent), side, gap)
+    link.drive(force, link.force(x))
+    assert force * side <= 0.0
+    assert side * place > gap or force == 0.0
+    assert side * place < gap + 1e-6 or force != 0.0
+    rate = link.force_rate(x, np.array([[1.0]]))
+    np.testing.assert_allclose(side * rate, laws.stiffness(link.law, side * x - gap), rtol=1e-14)
