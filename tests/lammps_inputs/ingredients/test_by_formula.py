@@ -8,8 +8,6 @@ from lammps_inputs import InputError, laws, library
 from lammps_inputs.decks import deck
 from lammps_inputs.laws import expression
 from lammps_inputs.limits import rates
-from workflow.engines.reference import engine
-from workflow.runs.run import run
 
 SATURATING = {"force": "k*s/sqrt(1+(s/s0)^2)", "k": 0.3, "s0": 0.5}
 MAGNETS = {"force": "A/(d+s)^p", "A": 1.0, "p": 4.0, "d": 1.0}
@@ -154,52 +152,6 @@ def test_a_scene_keeps_its_formula_and_parameters_and_no_default_beside_them():
     plain = scene(coupling=SATURATING).plain()
     assert plain["coupling"] == SATURATING
     assert library.from_plain(plain, "test").system == scene(coupling=SATURATING).system
-
-
-def first_maximum(trajectory, bead, chain=1):
-    """Time and value of the first maximum of the velocity of a bead, in the scene's units, by a parabola."""
-    v, scale = trajectory.velocity[:, chain - 1, bead - 1], trajectory.problem.scale
-    at = next(i for i in range(1, len(v) - 1) if v[i - 1] < v[i] >= v[i + 1] and v[i] > 0.1 * v.max())
-    low, top, high = v[at - 1 : at + 2]
-    part = 0.5 * (low - high) / (low - 2.0 * top + high)
-    return (trajectory.time[at] + part * trajectory.problem.every) * scale.time, (
-        top - 0.25 * (low - high) * part
-    ) * scale.velocity
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("velocity", "peak", "time"), [(0.5, 0.154168, 9.28958), (2.0, 1.440944, 5.98560)])
-def test_magnets_have_the_peaks_of_an_independent_integration(velocity, peak, time):
-    case = scene(contact=MAGNETS, **HELD, beads=40, kick={"velocity": velocity}, duration=10.0, output={"every": 0.01})
-    found = first_maximum(engine.run(case.problem()), 20)
-    assert found == (pytest.approx(time, abs=1e-5), pytest.approx(peak, abs=1e-6))
-
-
-@pytest.mark.slow
-def test_saturating_springs_have_the_peaks_of_an_independent_integration():
-    case = scene(coupling=SATURATING, beads=120, duration=150.0, output={"every": 0.05})
-    found = engine.run(case.problem())
-    peaks = [first_maximum(found, bead, chain)[1] for bead in (50, 100) for chain in (1, 2)]
-    assert peaks == pytest.approx([0.348727, 0.348760, 0.348744, 0.348744], abs=1e-6)
-
-
-def extrapolated(case, step, folder, place):
-    """The first maximum in LAMMPS at (bead, chain) places, from two steps: its error is of order 2."""
-    coarse, fine = (
-        run(case.model_copy(update={"timestep": one}), folder / str(one), check=False).trajectory
-        for one in (step, 0.5 * step)
-    )
-    return [(4.0 * first_maximum(fine, *at)[1] - first_maximum(coarse, *at)[1]) / 3.0 for at in place]
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("lammps_here")
-def test_lammps_has_the_same_peaks(tmp_path):
-    magnets = scene(contact=MAGNETS, **HELD, beads=40, kick={"velocity": 0.5}, duration=9.6, output={"every": 0.02})
-    assert extrapolated(magnets, 0.01, tmp_path / "magnets", [(20,)]) == pytest.approx([0.154168], abs=2e-6)
-    springs = scene(coupling=SATURATING, beads=70, duration=75.0, output={"every": 0.06})
-    found = extrapolated(springs, 0.03, tmp_path / "springs", [(50, 1), (50, 2)])
-    assert found == pytest.approx([0.348727, 0.348760], abs=2e-6)
 
 
 @pytest.mark.slow

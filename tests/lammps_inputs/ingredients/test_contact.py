@@ -10,14 +10,11 @@ from stock_lammps import DEBIAN
 
 from analysis.dispersion import cell_of
 from analysis.shape.exact_wave import solitary_wave
-from analysis.tracking.leading_waves import leading_waves
-from analysis.tracking.peaks import find_peaks
 from lammps_inputs import InputError, Scene, file_names, strict_yaml
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
 from workflow.cli import main
-from workflow.engines.reference import engine
 from workflow.runs.contacts import at_most
 from workflow.runs.run import run
 from workflow.sweep.fields import all_fields
@@ -99,15 +96,6 @@ def test_random_strengths_are_those_of_numpy_chain_after_chain():
     np.testing.assert_array_equal(law.strength, one)
 
 
-@pytest.mark.parametrize("strength", [1, {"from": 1, "to": 1, "contacts": [2, 5]}, {"spread": 0}, [[1] * 11]], ids=str)
-def test_strengths_of_1_leave_the_deck_of_a_chain_without(strength):
-    plain = deck.render(graded(None, contact=None, timestep=0.01))
-    found = deck.render(graded(strength, timestep=0.01))
-    assert {name: text for name, text in found.items() if name != file_names.SCENE} == {
-        name: text for name, text in plain.items() if name != file_names.SCENE
-    }
-
-
 def test_a_list_of_one_exponent_is_that_exponent():
     one, other = (touching(p, timestep=0.01) for p in (2.0, [2.0] * 7))
     assert other.problem().system == one.problem().system
@@ -139,36 +127,3 @@ def test_pressures_are_those_of_spheres_only():
     steel = {"material": {"name": "steel", "radius": 4.76e-3}, "duration": 1e-4, "output": {}}
     assert at_most(graded(None, contact=None, **steel)) is not None
     assert at_most(graded({"spread": 0.1}, **steel)) is None
-
-
-PEAKS = {
-    "ramp": ({"from": 1, "to": 4, "contacts": [50, 150]}, 293.0, {100: 0.677273, 200: 0.681405}),
-    "cosine": (
-        {"amplitude": 0.3, "wavenumber": (5.0**0.5 - 1.0) / 2.0},
-        338.0,
-        {50: 0.529035, 100: 0.449545, 200: 0.330882},
-    ),
-    "random": ({"spread": 0.3, "seed": 1}, 338.0, {50: 0.593169, 100: 0.551047, 200: 0.505182}),
-}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", PEAKS)
-def test_peaks_along_a_graded_chain_are_those_of_two_independent_integrations(name, tmp_path):
-    strength, duration, peaks = PEAKS[name]
-    every = 0.02 if name == "ramp" else 0.1
-    case = graded(strength, beads=260, duration=duration, timestep=0.002, output={"every": every})
-    done = run(case, tmp_path / "run", check=False).trajectory
-    for trajectory in (engine.run(case.problem()), done):
-        waves = leading_waves(find_peaks([trajectory], 1e-3))
-        for bead, peak in peaks.items():
-            assert waves.peak_velocity[waves.bead == bead] == pytest.approx(peak, abs=1e-6)
-        if name == "ramp":
-            force = case.problem().system.along[0].force(trajectory.displacement)[:, 0, 199]
-            assert parabola_top(force) == pytest.approx(1.11308, abs=1e-5)
-
-
-def parabola_top(values):
-    """Largest of some samples of a smooth curve, by a parabola through three."""
-    a, b, c = values[int(np.argmax(values)) - 1 :][:3]
-    return b - (a - c) ** 2 / (8.0 * (a - 2.0 * b + c))

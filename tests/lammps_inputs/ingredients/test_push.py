@@ -64,27 +64,19 @@ def test_a_table_is_read_from_beside_the_scene_and_written_into_it(tmp_path):
         ("0,0\n2,1\n", "push.table: must begin (unless at time 0) and end with a force of 0"),
         ("1,1\n2,0\n", "push.table: must begin (unless at time 0) and end with a force of 0"),
         ("0,0\n2,0\n", "push.table: has no force"),
+        ("none.csv", "none.csv: the table of a push cannot be read: No such file"),
+        ("/dev/zero", "/dev/zero: the table of a push cannot be read: it is larger than 16 MiB"),
     ],
 )
 def test_a_table_that_is_none_is_one_line(content, complaint, tmp_path):
-    (tmp_path / "force.csv").write_text(content)
-    (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\npush: {table: force.csv}\n")
+    name = "force.csv" if "\n" in content else content
+    if name != content:
+        (tmp_path / name).write_text(content)
+    (tmp_path / "a.yaml").write_text(f"name: a\nbeads: 20\nduration: 10\npush: {{table: {name}}}\n")
     with pytest.raises(InputError) as caught:
         library.find(str(tmp_path / "a.yaml"))
     assert complaint in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_a_table_without_end_is_one_line(tmp_path):
-    (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\npush: {table: /dev/zero}\n")
-    with pytest.raises(InputError, match=r"/dev/zero: the table of a push cannot be read: it is larger than 16 MiB"):
-        library.find(str(tmp_path / "a.yaml"))
-
-
-def test_a_table_that_is_not_there_is_named(tmp_path):
-    (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\npush: {table: none.csv}\n")
-    with pytest.raises(InputError, match=r"none\.csv: the table of a push cannot be read: No such file"):
-        library.find(str(tmp_path / "a.yaml"))
 
 
 def test_lammps_is_not_given_long_tables():

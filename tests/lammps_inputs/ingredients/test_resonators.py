@@ -9,7 +9,6 @@ from analysis.conservation import Conservation
 from analysis.dispersion import NoDispersionError, cell_of
 from analysis.files import recording
 from analysis.mda.universe import universe
-from analysis.tracking.peaks import find_peaks
 from lammps_inputs import library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
@@ -19,12 +18,6 @@ from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
 
 LIGHT, HEAVY = {"mass": 0.1, "stiffness": 1.0}, {"mass": 0.5, "stiffness": 0.1}
-IN_ROWS = {"mass": 0.3, "stiffness": 0.2, "rows": [41, 60]}
-PEAKS = [
-    (LIGHT, {20: 0.588365, 80: 0.583870, 140: 0.579514}),
-    (IN_ROWS, {120: 0.456372}),
-    (HEAVY, {20: 0.096440, 40: 0.151090}),
-]
 
 
 def scene(resonators, **more):
@@ -34,17 +27,6 @@ def scene(resonators, **more):
 
 def small(resonators=LIGHT, **more):
     return scene(resonators, **{"beads": 12, "duration": 10.0, **more})
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("resonators", "peaks"), PEAKS)
-def test_first_peaks_are_those_of_an_independent_program(resonators, peaks, tmp_path, lammps_here):  # noqa: ARG001
-    case = scene(resonators)
-    found = run(case, tmp_path / "run", check=False).trajectory
-    for trajectory, most in ((engine.run(case.problem()), 1e-6), (found, 6e-6)):
-        first = find_peaks([trajectory]).first()
-        for bead, peak in peaks.items():
-            assert first.velocity[first.bead == bead][0] == pytest.approx(peak, abs=most)
 
 
 def test_edges_of_the_bands_and_the_ratio_in_the_gap_are_the_derived_ones():
@@ -75,14 +57,6 @@ def test_a_resonator_weighs_on_the_contacts_of_a_column():
 def test_the_bound_of_the_step_holds_the_frequency_of_a_bead_and_its_resonator():
     plain, own = rates.fastest(small([]).system) ** 2, rates.fastest(small().system) ** 2
     assert own - plain == pytest.approx(1.0 * (1.0 + 1.0 / 0.1), rel=1e-12)
-
-
-@pytest.mark.parametrize("neutral", [{"mass": 0.0, "stiffness": 1.0}, {"mass": 0.1, "stiffness": 0.0}, []])
-def test_what_is_no_resonator_leaves_nothing(neutral):
-    own, other = small(neutral).problem(), small(None).problem()
-    assert own.system == other.system
-    assert deck.render_deck(own) == deck.render_deck(other)
-    assert deck.render_data(own) == deck.render_data(other)
 
 
 def test_resonators_are_small_atoms_of_their_own_type_after_the_beads():
