@@ -31,16 +31,6 @@ def kept_run(scene: Scene, engine: str, path: Path, settings: Settings | None = 
     return done.directory
 
 
-def errors(directory: RunDirectory) -> tuple[float, float]:
-    """Bounds on the errors of a run's peak velocities, in units of V, and of its arrivals, in units of T.
-
-    For LAMMPS the difference from the reference found when it was run, for the reference its uncertainty.
-    """
-    found = ENGINES[directory.engine].errors(directory.job)
-    assert found is not None
-    return found
-
-
 def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
     """An earlier run of just this scene that came to its end."""
     if not (path / file_names.SCENE).is_file():

@@ -25,10 +25,11 @@ from analysis.tracking.leading_waves import Waves, leading_waves
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, Train, track_pulses, train_of
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem, library
+from lammps_inputs import library
 from lammps_inputs.facts import Fact
+from workflow.runs.engines import ENGINES as KNOWN_ENGINES
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.kept_runs import errors, kept_run
+from workflow.studies.kept_runs import kept_run
 from workflow.studies.page import Picture, Section, Statement, drawn
 
 ENGINES = ("lammps", "reference")
@@ -45,32 +46,29 @@ Meter = TypeVar("Meter", bound=_Meter)
 Value = TypeVar("Value")
 
 
-@dataclass(frozen=True)
-class Ran:
+class Ran(RunDirectory):
     """A run of one scene by one engine."""
-
-    directory: RunDirectory
-
-    @property
-    def problem(self) -> Problem:
-        """What was run."""
-        return self.directory.problem
 
     @property
     def errors(self) -> tuple[float, float]:
-        """Bounds on the errors of peak velocities (V) and of arrivals (T)."""
-        return errors(self.directory)
+        """Bounds on the errors of peak velocities (V) and of arrivals (T).
+
+        For LAMMPS the difference from the reference found when it was run, for the reference its uncertainty.
+        """
+        found = KNOWN_ENGINES[self.engine].errors(self.job)
+        assert found is not None
+        return found
 
     def read(self, meter: Meter) -> Meter:
         """A meter that has been given all frames, block by block."""
-        for block in self.directory.blocks():
+        for block in self.blocks():
             meter.add(block)
         return meter
 
     @cached_property
     def trajectory(self) -> Trajectory:
         """All frames."""
-        return self.directory.trajectory
+        return super().trajectory
 
     @cached_property
     def _forwards(self) -> Peaks:
@@ -85,9 +83,13 @@ class Ran:
         """Leading pulse at every bead."""
         return leading_waves(self._forwards)
 
-    def peak(self, bead: int, chain: int = 1) -> float:
-        """Velocity of the leading pulse at a bead."""
-        return float(self.waves.of_chain(chain).at(bead).peak_velocity[0])
+    def peak(self, bead: int) -> float:
+        """Velocity of the leading pulse of chain 1 at a bead."""
+        return float(self.waves.of_chain(1).at(bead).peak_velocity[0])
+
+    def arrival(self, bead: int) -> float:
+        """Time of that."""
+        return float(self.waves.of_chain(1).at(bead).arrival[0])
 
     def peaks(self, beads: Iterable[float]) -> Floats:
         """Velocities of the leading pulse of chain 1 at beads."""
@@ -100,8 +102,7 @@ class Ran:
 
     def speed(self, first: int, last: int) -> float:
         """Beads per unit time of the leading pulse of chain 1 between two beads."""
-        arrival = [float(self.waves.of_chain(1).at(bead).arrival[0]) for bead in (first, last)]
-        return (last - first) / (arrival[1] - arrival[0])
+        return (last - first) / (self.arrival(last) - self.arrival(first))
 
     def pulses(self, direction: int = 1, smallest: float = 0.01) -> tuple[Pulse, ...]:
         """Every pulse that runs one way and reaches a velocity."""
@@ -118,7 +119,7 @@ class Ran:
 
     def residual(self, period: int) -> float:
         """Share of its energy that chain 1's pulse loses from one cell to the next; NaN where it passed none."""
-        found = left(survey(self.directory.blocks, self.problem), 1, period)
+        found = left(survey(self.blocks, self.problem), 1, period)
         return float("nan") if found is None else found.per_cell
 
     @cached_property
@@ -165,9 +166,9 @@ def chain(beads: int, duration: float, *, timestep: float = 0.005, every: float 
     return {"beads": beads, **kick, **times, **keys}
 
 
-Statements = Iterable[Statement]
-
 # --- statements -------------------------------------------------------------------------------------------------------
+
+Statements = Iterable[Statement]
 
 
 def exponent(quantity: Floats, over: Floats) -> float:
@@ -245,15 +246,12 @@ class Entry:
         Raises:
             RunError: a run failed.
         """
-        wanted = {
-            **{name: (scene, ENGINES) for name, scene in self.scenes.items()},
-            **{name: (scene, ("reference",)) for name, scene in self.swept.items()},
-        }
         results: dict[str, Runs] = {}
-        for name, (plain, engines) in wanted.items():
+        for name, plain in {**self.scenes, **self.swept}.items():
             scene = library.find(plain) if isinstance(plain, str) else library.from_plain({"name": name, **plain}, name)
             results[name] = {
-                engine: Ran(kept_run(scene, engine, folder / f"{scene.name}-{engine}")) for engine in engines
+                engine: Ran(kept_run(scene, engine, folder / f"{scene.name}-{engine}").path)
+                for engine in (ENGINES if name in self.scenes else ENGINES[1:])
             }
         notes = [_own_errors(results)] if results else []
         pictures = [*self.pictures(results)]

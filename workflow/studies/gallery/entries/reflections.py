@@ -37,7 +37,7 @@ def _secondary(run: Ran) -> float:
 def _collision(results: Results) -> Statements:
     """Energy lost, secondary waves, and the phase shift."""
     alone, even, odd = (results[name] for name in ("alone", "even", "odd"))
-    early = each(lambda one, two: float(one.waves.at(PASSED).arrival[0]) - _after(two)[0], alone, even)
+    early = each(lambda one, two: one.arrival(PASSED) - _after(two)[0], alone, even)
     ratio = each(lambda one, other: _secondary(one) / _secondary(other), even, odd)
     secondary_odd = Measured("odd number of beads", each(_secondary, odd), at_least(0.0), "5 V")
     yield state(
@@ -110,8 +110,7 @@ def _back(run: Ran) -> tuple[float, float]:
     """Time from the incident to the reflected pulse at a bead, and the ratio of their velocities."""
     pulse = max(run.pulses(-1, 0.1), key=lambda one: float(one.peak_velocity.max()))
     at = int(list(pulse.bead).index(SEEN))
-    incident = float(run.waves.at(SEEN).arrival[0])
-    return float(pulse.arrival[at]) - incident, float(pulse.peak_velocity[at]) / run.peak(SEEN)
+    return float(pulse.arrival[at]) - run.arrival(SEEN), float(pulse.peak_velocity[at]) / run.peak(SEEN)
 
 
 def _wall(results: Results) -> Statements:

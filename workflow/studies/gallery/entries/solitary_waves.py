@@ -159,8 +159,7 @@ def _series(xi: Floats) -> Floats:
 
 def _deviation(run: Ran) -> tuple[Floats, Floats]:
     """Distance ahead of the wave, and by how much the series is above the share of its shift that `BEAD` has moved."""
-    arrival = float(run.waves.at(BEAD).arrival[0])
-    xi = run.speed(BEAD - 10, BEAD + 10) * (arrival - run.trajectory.time)
+    xi = run.speed(BEAD - 10, BEAD + 10) * (run.arrival(BEAD) - run.trajectory.time)
     close = np.abs(xi) < 4.0
     shift = solitary_wave().shift_at(run.peak(BEAD))
     return xi[close], _series(xi[close]) - run.trajectory.displacement[close, 0, BEAD - 1] / shift
@@ -168,9 +167,9 @@ def _deviation(run: Ran) -> tuple[Floats, Floats]:
 
 def _tail(run: Ran) -> Floats:
     """By what factor the logarithm of the velocity falls faster from bead to bead ahead of the wave, [bead]."""
-    frame = int(np.argmin(np.abs(run.trajectory.time - run.waves.at(BEAD).arrival[0])))
+    frame = int(np.argmin(np.abs(run.trajectory.time - run.arrival(BEAD))))
     ahead = np.abs(run.trajectory.velocity[frame, 0, BEAD : BEAD + 9])
-    steps = np.diff(np.log(ahead[ahead > RESOLVED[run.directory.engine]]))
+    steps = np.diff(np.log(ahead[ahead > RESOLVED[run.engine]]))
     return np.asarray(steps[1:] / steps[:-1])
 
 
