@@ -11,9 +11,7 @@ from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import file_names, scheme
 from lammps_inputs.decks import deck
 from workflow.engines.reference import engine
-from workflow.engines.reference.schemes import SUZUKI4, VERLET
-
-TABLES = {"verlet": VERLET, "suzuki4": SUZUKI4}
+from workflow.engines.reference.schemes import SUZUKI4
 
 
 def trace(phase, steps):
@@ -25,7 +23,7 @@ def trace(phase, steps):
     return abs(np.trace(product))
 
 
-@pytest.mark.parametrize("name", TABLES)
+@pytest.mark.parametrize("name", scheme.WEIGHTS)
 def test_a_cycle_has_the_length_one(name):
     assert sum(scheme.WEIGHTS[name]) == pytest.approx(1.0, abs=1e-15)
 
@@ -35,7 +33,7 @@ def test_suzukis_weights_cancel_the_error_of_third_order():
     assert sum(step**3 for step in scheme.WEIGHTS["suzuki4"]) == pytest.approx(0.0, abs=1e-15)
 
 
-@pytest.mark.parametrize("name", TABLES)
+@pytest.mark.parametrize("name", scheme.WEIGHTS)
 def test_an_oscillator_is_stable_up_to_the_bound_and_not_beyond(name):
     steps = scheme.WEIGHTS[name]
     bound = len(steps) * scheme.LARGEST_PHASE[name]
@@ -43,12 +41,11 @@ def test_an_oscillator_is_stable_up_to_the_bound_and_not_beyond(name):
     assert trace(1.001 * bound, steps) > 2.0
 
 
-@pytest.mark.parametrize("name", TABLES)
-def test_lammps_does_step_for_step_what_the_references_table_does(name, tmp_path):
-    case = scene(chains=2, beads=30, kappa=0.1, duration=30.0, every=0.5, timestep=0.02, scheme=name)
+def test_lammps_does_step_for_step_what_the_references_table_does(tmp_path):
+    case = scene(chains=2, beads=30, kappa=0.1, duration=30.0, every=0.5, timestep=0.02, scheme="suzuki4")
     found = deck_run(case, tmp_path / "run")
     problem = case.problem()
-    expected = engine.run(problem, scheme=TABLES[name], steps_per_frame=problem.steps_per_frame // scheme.cycle(name))
+    expected = engine.run(problem, scheme=SUZUKI4, steps_per_frame=problem.steps_per_frame // 5)
     # 1500 steps at x = 120, whose last bit is 1.4e-14
     np.testing.assert_allclose(found[:, 2], expected.velocity.reshape(len(found), -1), rtol=0, atol=1e-10)
 

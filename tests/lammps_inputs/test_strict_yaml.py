@@ -81,14 +81,10 @@ def test_any_file_gives_a_mapping_or_one_line(tmp_path_factory, content):
         assert_one_line(error, f"{path}: ")
 
 
-def test_a_byte_order_mark_is_no_part_of_the_first_key(tmp_path):
+def test_a_byte_order_mark_is_no_part_of_the_first_key_and_windows_line_ends_are_line_ends(tmp_path):
     path = tmp_path / "bom.yaml"
-    path.write_bytes(b"\xef\xbb\xbfname: a\n")
-    assert strict_yaml.load(path) == {"name": "a"}
-
-
-def test_windows_line_ends_are_line_ends():
-    assert strict_yaml.parse("name: a\r\nbeads: 2\r\n", "here") == {"name": "a", "beads": 2}
+    path.write_bytes(b"\xef\xbb\xbfname: a\r\nbeads: 2\r\n")
+    assert strict_yaml.load(path) == {"name": "a", "beads": 2}
 
 
 def test_a_file_that_may_not_be_read_is_named_with_the_reason(tmp_path, monkeypatch):

@@ -239,12 +239,17 @@ ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
 
 
 @pytest.mark.slow
-def test_a_job_out_of_time_leaves_a_restart_and_says_that_no_other_could_be_submitted(tmp_path):
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [({}, "the next job could not be submitted:"), ({"max_jobs": 1}, "stopped after 1 jobs (--max-jobs)")],
+    ids=["no sbatch", "no more jobs"],
+)
+def test_a_job_out_of_time_leaves_a_restart_and_says_why_no_other_follows(options, says, tmp_path):
     (tmp_path / "sbatch").symlink_to("/bin/false")
-    directory = placed(ENDLESS, tmp_path / "job", checkpoint=1)
+    directory = placed(ENDLESS, tmp_path / "job", checkpoint=1, **options)
     cut(directory, f"{tmp_path}:{os.environ['PATH']}")
     assert told(directory)["state"] == "incomplete"
-    assert told(directory)["reason"].startswith("the next job could not be submitted:")
+    assert told(directory)["reason"].startswith(says)
     assert (directory / file_names.RESTART).exists()
     assert 0 < int(told(directory)["step"]) < ENDLESS.problem().steps
 
@@ -298,14 +303,6 @@ def test_what_the_time_limit_leaves_of_a_task_is_done_by_the_next_job(tmp_path):
     (directory / "long" / file_names.JOB_STATE).write_text("state done\n")
     go(directory, SLURM_ARRAY_TASK_ID=0)
     assert told(directory / "after")["state"] == "done"
-
-
-@pytest.mark.slow
-def test_a_job_submits_no_more_jobs_than_it_may(tmp_path):
-    directory = placed(ENDLESS, tmp_path / "job", checkpoint=1, max_jobs=1)
-    cut(directory)
-    assert told(directory)["state"] == "incomplete"
-    assert told(directory)["reason"] == "stopped after 1 jobs (--max-jobs)"
 
 
 def test_a_deck_that_lammps_does_not_read_is_told_before_anything_is_computed(tmp_path):
