@@ -11,6 +11,7 @@ import numpy as np
 
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import System, laws, physics
+from lammps_inputs.links import partners
 
 
 def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
@@ -173,7 +174,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
             acceleration -= np.where(there, side * laws.force(law, overlap), 0.0)
             rate -= np.where(there, side * laws.stiffness(law, overlap) * closing, 0.0)
         for spring in (*system.across, *system.inner_links):
-            for edge, partner in spring.partners(x.shape[1], side):
+            for edge, partner in partners(spring.edges, x.shape[1], side):
                 law = laws.at(spring.law, edge[chain], row) if laws.differs(spring.law) else spring.law
                 there_x, there_v = x[frame, partner[chain], bead], v[frame, partner[chain], bead]
                 acceleration -= laws.force(law, here_x - there_x)  # none where a chain is its own partner

@@ -142,17 +142,16 @@ def _one_a_key(details: list[ErrorDetails], model: type[BaseModel]) -> list[Erro
     chosen: list[tuple[list[int | str], ErrorDetails]] = []
     for detail in details:
         path = _path(detail, model)
-        same = next((k for k, (other, _) in enumerate(chosen) if _begins(path, other) or _begins(other, path)), None)
+        same = next((k for k, (other, _) in enumerate(chosen) if path[: len(other)] == other[: len(path)]), None)
         if same is None:
             chosen.append((path, detail))
-        elif _within(path, chosen[same][0]) and chosen[same][1]["type"] != "extra_forbidden":
+            continue
+        above, earlier = chosen[same]
+        within = len(path) > len(above) and isinstance(path[len(above)], str)
+        if within and earlier["type"] != "extra_forbidden":
             chosen[same] = path, detail
     meant = [[*path[:-1], _meant(path, model)] for path, detail in chosen if detail["type"] == "extra_forbidden"]
     return [detail for path, detail in chosen if detail["type"] != "missing" or path not in meant]
-
-
-def _begins(path: list[int | str], above: list[int | str]) -> bool:
-    return path[: len(above)] == above
 
 
 def _meant(path: list[int | str], model: type[BaseModel]) -> str | None:
@@ -179,10 +178,6 @@ def _path(detail: ErrorDetails, model: type[BaseModel]) -> list[int | str]:
     return found
 
 
-def _within(path: list[int | str], above: list[int | str]) -> bool:
-    return len(path) > len(above) and path[: len(above)] == above and isinstance(path[len(above)], str)
-
-
 def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     kind = detail["type"]
     path = _path(detail, model)
@@ -204,18 +199,18 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     if kind == "literal_error" and key == "output.beads":
         return f"{key}: should be `all` or a list of bead numbers, {given} given"
     value = detail["input"]
-    if kind in _WHOLE and isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
+    if kind in ("int_type", "int_from_float") and isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
         return f"{key}: {given} given; write it as a whole number without a point or exponent, {int(value)}"
     message = _PLAIN.get(kind, detail["msg"].removeprefix("Input "))
     if kind == "literal_error" and isinstance(value, str):
         message += suggestion(value, re.findall(r"'([^']*)'", context["expected"]))
-    example = _example(path, model) if kind in _PAIRS else ""
+    example = _example(path, model) if message == _PAIRS else ""
     if example:
         return f"{key}: {message}, such as `{example}`, {given} given"
     return f"{key}: {message}, {given} given"
 
 
-_WHOLE = ("int_type", "int_from_float")
+_PAIRS = "should hold `key: value` pairs"
 
 _PLAIN = {
     "int_type": "should be a whole number",
@@ -224,20 +219,14 @@ _PLAIN = {
     "string_type": "should be text",
     "tuple_type": "should be a list",
     "finite_number": "should be a finite number",
-    "model_type": "should hold `key: value` pairs",
-    "model_attributes_type": "should hold `key: value` pairs",
+    "model_type": _PAIRS,
+    "model_attributes_type": _PAIRS,
 }
-
-_PAIRS = ("model_type", "model_attributes_type")
 
 
 def _example(path: list[int | str], model: type[BaseModel]) -> str:
     """A valid line for the part at a path; empty where there is none."""
-    found: type[BaseModel] | None = model
-    for part in path:
-        if found is not None and part in found.model_fields:
-            found = model_in(found.model_fields[str(part)].annotation)
-    example = getattr(found, "example", "")
+    example = getattr(_model_at(model, path), "example", "")
     words = [part for part in path if isinstance(part, str)]
     return f"{words[-1]}: {example}" if example and words else ""
 
@@ -271,12 +260,16 @@ def _short(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _fields_at(model: type[BaseModel], path: list[int | str]) -> list[str]:
+def _model_at(model: type[BaseModel], path: list[int | str]) -> type[BaseModel]:
+    """The innermost model on a path, in which numbers in a list and names that the user gave are no fields."""
     for part in path:
-        if isinstance(part, int) or part not in model.model_fields:  # a number in a list, or a name that the user gave
-            continue
-        model = model_in(model.model_fields[part].annotation) or model
-    return [field.alias or name for name, field in model.model_fields.items()]
+        if isinstance(part, str) and part in model.model_fields:
+            model = model_in(model.model_fields[part].annotation) or model
+    return model
+
+
+def _fields_at(model: type[BaseModel], path: list[int | str]) -> list[str]:
+    return [field.alias or name for name, field in _model_at(model, path).model_fields.items()]
 
 
 def model_in(annotation: Any) -> type[BaseModel] | None:

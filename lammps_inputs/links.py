@@ -228,16 +228,13 @@ class Across(Link):
         ends = np.array(self.edges).reshape(count, 2)
         return ends[:, 0], ends[:, 1]
 
-    def partners(self, chains: int, side: int) -> list[tuple[Integers, Integers]]:
-        """Edges of every chain, [chain], to others of lower (side -1) or higher number, and the chains at their ends.
-
-        As many pairs as any chain has; where a chain has fewer, its edge is -1 and its partner itself.
-        """
-        return _partners(self.edges, chains, side)
-
 
 @functools.lru_cache(maxsize=16)
-def _partners(edges: tuple[tuple[int, int], ...], chains: int, side: int) -> list[tuple[Integers, Integers]]:
+def partners(edges: tuple[tuple[int, int], ...], chains: int, side: int) -> list[tuple[Integers, Integers]]:
+    """Edges of every chain, [chain], to others of lower (side -1) or higher number, and the chains at their ends.
+
+    As many pairs as any chain has; where a chain has fewer, its edge is -1 and its partner itself.
+    """
     found: list[list[tuple[int, int]]] = [[] for _ in range(chains)]
     for number, (lower, higher) in enumerate(edges):
         here, there = (higher, lower) if side < 0 else (lower, higher)
@@ -288,14 +285,6 @@ class Wall(Ground):
     def mirrored(self) -> Self:
         """The wall at the other end."""
         return replace(super().mirrored(), side=-self.side)
-
-
-def words(across: tuple[Across, ...], number: str = ".6g") -> str:
-    """Stiffness at rest of links across, least and largest where they differ, and what they tie if not neighbours."""
-    stiffness = [laws.stiffness(link.law, 0.0) for link in across]
-    least, largest = (float(choose(list(map(choose, map(np.ravel, stiffness))))) for choose in (min, max))
-    said = f"{largest:{number}}" if least == largest else f"{least:{number}} to {largest:{number}}"
-    return ", ".join([said, *(link.shape for link in across if link.shape)])
 
 
 def largest_eigenvalue(across: Across, chains: int, stiffness: Floats | None = None) -> float:

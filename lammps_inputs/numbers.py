@@ -49,25 +49,22 @@ _TIMES = (
     (120.0, 60.0, "min"),
     (1.0, 1.0, "s"),
     (1e-3, 1e-3, "ms"),
+    (0.0, 1e-6, "us"),
 )
-"""The least time that is written in a unit, and the unit in seconds."""
+_SIZES = ((1e12, 1e12, "TB"), (1e9, 1e9, "GB"), (1e6, 1e6, "MB"), (1e3, 1e3, "kB"), (0.0, 1.0, "bytes"))
+"""The least value that is written in a unit, and the unit."""
 
 
 def time_text(seconds: float) -> str:
     """A time in the unit that people read it in: ``67 min``."""
-    for least, size, unit in _TIMES:
-        if seconds >= least:
-            return _rounded(seconds / size, unit)
-    return _rounded(seconds * 1e6, "us")
+    return _in_unit(seconds, _TIMES)
 
 
 def size_text(count: float) -> str:
     """A number of bytes: ``3.3 GB``."""
-    for size, unit in ((1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
-        if count >= size:
-            return _rounded(count / size, unit)
-    return _rounded(count, "bytes")
+    return _in_unit(count, _SIZES)
 
 
-def _rounded(value: float, unit: str) -> str:
-    return f"{value:.2g} {unit}" if value < 99.5 else f"{value:.0f} {unit}"
+def _in_unit(value: float, units: tuple[tuple[float, float, str], ...]) -> str:
+    size, unit = next((size, unit) for least, size, unit in units if value >= least)
+    return f"{value / size:.2g} {unit}" if value / size < 99.5 else f"{value / size:.0f} {unit}"

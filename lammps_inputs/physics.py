@@ -134,15 +134,13 @@ def why_no_pulse(system: System) -> str:
     return "no pulse keeps its shape in this scene"
 
 
-def _nowhere(_: float) -> float:
-    """How far contacts act that only push where beads touch."""
-    return 0.0
-
-
 @once
 def farthest(system: System) -> float:
     """How much farther apart than at rest neighbours that act at a distance come, at most; 0 where none do."""
-    return max(float(getattr(link.law, "farthest", _nowhere)(energy(system))) for link in system.along)
+    return max(
+        (float(link.law.farthest(energy(system))) for link in system.along if hasattr(link.law, "farthest")),
+        default=0.0,
+    )
 
 
 def uniform(system: System) -> bool:

@@ -28,7 +28,7 @@ from lammps_inputs.deck_lines import AtomTypes, Lines
 from lammps_inputs.laws import dashpot, plastic_lines, spring
 from lammps_inputs.laws.contact import wall_lines
 from lammps_inputs.layout import Layout
-from lammps_inputs.links import Across, Along, Link, Wall, words
+from lammps_inputs.links import Across, Along, Link, Wall
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.system import System
@@ -331,13 +331,21 @@ def _title(problem: Problem) -> list[str]:
     if physics.loaded(system):
         parts.append("under a static load")
     if physics.coupled(system):
-        parts.append(f"coupling {words(system.across)}")
+        parts.append(f"coupling {_coupling(system)}")
     run = f"lmp -in {file_names.DECK}"
     return [
         f"# {problem.name}: {', '.join(parts)}",
         f"# {run}     or: mpirun -np 4 {run}     or: {run} -var steps 1000",
         *_scale_lines(problem.scale),
     ]
+
+
+def _coupling(system: System) -> str:
+    """Stiffness at rest of links across, least and largest where they differ, and what they tie if not neighbours."""
+    stiffness = np.concatenate([np.ravel(laws.stiffness(link.law, 0.0)) for link in system.across])
+    least, largest = f"{np.min(stiffness):.6g}", f"{np.max(stiffness):.6g}"
+    shapes = [link.shape for link in system.across if link.shape]
+    return ", ".join([largest if least == largest else f"{least} to {largest}", *shapes])
 
 
 def _scale_lines(scale: Scale) -> list[str]:
