@@ -40,15 +40,11 @@ def of_word(word: str) -> str | None:
     if not re.fullmatch(r"[a-z][a-z0-9_-]{2,}", word):  # shorter ones are symbols
         return None
     whole = re.compile(rf"(?<![\w-]){word}(?![\w-])")
-    found = [
-        (names, section)
-        for names, section in sections()
-        if any(whole.search(code) for code in re.findall(r"^\| `[^|]*", section, re.M))
-    ] or [
-        (names, section)
-        for names, section in sections()
-        if any(whole.search(code) for code in re.findall(r"`([^`\n]*)`", section))
-    ]
+
+    def having(code: str) -> list[tuple[list[str], str]]:
+        return [one for one in sections() if any(map(whole.search, re.findall(code, one[1], re.M)))]
+
+    found = having(r"^\| `[^|]*") or having(r"`([^`\n]*)`")
     if len(found) == 1:
         return _plain(found[0][1])
     places = ", ".join(names[0] for names, _ in found)

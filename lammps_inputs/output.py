@@ -1,5 +1,6 @@
 """What is recorded, and how often; and what is computed from the frames: forces and spectra."""
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator
@@ -50,33 +51,37 @@ class Forces(Part):
         Raises:
             ValueError: naming the key, what was found and what to do.
         """
-        beads, recorded = scene.beads, scene.output.beads
-        needed: dict[str, list[int]] = {}
+        beads = scene.beads
         if self.wall is None and self.contacts is None and self.sensors is None:
             raise ValueError("output.forces: name wall: true, contacts or sensors")
         if scene.window is not None:
             raise ValueError("output.forces: a window lets go of the beads behind it; leave one of them out")
-        if self.wall:
-            walls = physics.walls(scene.system)
-            if not walls:
-                raise ValueError("output.forces.wall: the chains have no wall; name one in walls, or leave this out")
-            needed["wall"] = [beads if wall.side > 0.0 else 1 for wall in walls]
-        for bead in self.contacts or ():
+        walls = physics.walls(scene.system) if self.wall else ()
+        if self.wall and not walls:
+            raise ValueError("output.forces.wall: the chains have no wall; name one in walls, or leave this out")
+        contacts, sensors = self.contacts or (), self.sensors or ()
+        for bead in contacts:
             if bead > beads - 1:
                 raise ValueError(f"output.forces.contacts: bead {bead} has no next one (beads 1 to {beads - 1} have)")
-            needed.setdefault("contacts", []).extend((bead, bead + 1))
-        for bead in self.sensors or ():
+        for bead in sensors:
             if not 2 <= bead <= beads - 1:
                 raise ValueError(
                     f"output.forces.sensors: bead {bead} has no bead on either side (beads 2 to {beads - 1} have)"
                 )
-            needed.setdefault("sensors", []).extend((bead - 1, bead, bead + 1))
-        if recorded != "all":
-            for key, wanted in needed.items():
-                missing = sorted(set(wanted) - set(recorded))
-                if missing:
-                    names = ", ".join(map(str, missing[:10]))
-                    raise ValueError(f"output.forces.{key}: needs beads {names} too; add them to output.beads")
+        needed = {
+            "wall": {beads if wall.side > 0.0 else 1 for wall in walls},
+            "contacts": {bead + beside for bead in contacts for beside in (0, 1)},
+            "sensors": {bead + beside for bead in sensors for beside in (-1, 0, 1)},
+        }
+        for key, wanted in needed.items():
+            if missing := _not_recorded(scene, wanted):
+                raise ValueError(f"output.forces.{key}: needs beads {missing} too; add them to output.beads")
+
+
+def _not_recorded(scene: "BaseScene", beads: Iterable[int]) -> str:
+    """Ten at most of these that the scene does not record; empty where there are none."""
+    recorded = scene.output.beads
+    return "" if recorded == "all" else ", ".join(map(str, sorted(set(beads) - set(recorded))[:10]))
 
 
 class Spectra(Part):
@@ -106,11 +111,8 @@ class Spectra(Part):
             raise ValueError("output.spectra: a window lets go of the beads behind it; leave one of them out")
         if max(self.beads) > scene.beads:
             raise ValueError(f"output.spectra.beads: {max(self.beads)} is outside the array (beads 1 to {scene.beads})")
-        missing = [] if scene.output.beads == "all" else sorted(set(self.beads) - set(scene.output.beads))
-        if missing:
-            raise ValueError(
-                f"output.spectra.beads: {', '.join(map(str, missing[:10]))} not recorded; add to output.beads"
-            )
+        if missing := _not_recorded(scene, self.beads):
+            raise ValueError(f"output.spectra.beads: {missing} not recorded; add to output.beads")
         if self.after is not None and scene.duration is not None and self.after >= scene.duration:
             raise ValueError(f"output.spectra.after: {self.after:g} is after the end at {scene.duration:g}")
 

@@ -11,13 +11,14 @@ beads that oscillates about its mean with angular frequency omega is late, in ve
 """
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws, physics
-from lammps_inputs.laws import dashpot
+from lammps_inputs.laws import Law, dashpot
 from lammps_inputs.laws.in_time import Sine
 from lammps_inputs.links import Across, Along, Wall, largest_eigenvalue
 from lammps_inputs.scheme import LARGEST_PHASE, SchemeName
@@ -32,11 +33,6 @@ def fastest(system: System) -> float:
     return max((own, *endless, *modulated, *(motion.omega for motion in system.motions)))
 
 
-def of_contacts(system: System) -> float:
-    """Angular frequency, at most, of beads on their contacts, springs left out."""
-    return float(np.sqrt(_contacts(system)))
-
-
 def modal_frequency(system: System) -> float:
     """Angular frequency, at most, of a bead on its springs, those across and those to the ground, and of sound."""
     return float(np.sqrt(_springs(system) + sound_frequency(system) ** 2))
@@ -46,10 +42,7 @@ def sound_frequency(system: System) -> float:
     """Angular frequency, at most, of sound: small motions about rest, springs left out; 0 where there is none."""
     if not physics.loaded(system):
         return 0.0
-    total = sum(_on_beads(system, laws.stiffness(link.law, 0.0)) for link in system.along)
-    for wall in physics.walls(system):
-        total += laws.stiffness(wall.law, 0.0)
-    return float(np.sqrt(np.max(total / system.mass)))
+    return float(np.sqrt(_of_lightest(system, lambda law: laws.stiffness(law, 0.0))))
 
 
 def front_speed(system: System) -> float:
@@ -93,9 +86,14 @@ def _contacts(system: System) -> float:
         contacts = sum(4.0 * laws.stiffest(link.law, physics.energy(system)) for link in system.along)
         # a bead at the end has one contact, and a wall
         return max(contacts, 0.5 * contacts + wall) if physics.walls(system) else contacts
-    total = sum(_on_beads(system, laws.stiffest_of_each(link.law, physics.energy(system))) for link in system.along)
-    for held in physics.walls(system):
-        total += laws.stiffest_of_each(held.law, physics.energy(system))
+    return _of_lightest(system, lambda law: laws.stiffest_of_each(law, physics.energy(system)))
+
+
+def _of_lightest(system: System, stiffness: Callable[[Law], Any]) -> float:
+    """Largest sum of the stiffnesses of a bead's contacts, twice for both, and wall, over its mass."""
+    total = sum(_on_beads(system, stiffness(link.law)) for link in system.along)
+    for wall in physics.walls(system):
+        total += stiffness(wall.law)
     return float(np.max(total / system.mass))
 
 
@@ -193,7 +191,7 @@ def _order(scheme: SchemeName) -> float:
 
 def timestep_for(accuracy: float, duration: float, system: System, scheme: SchemeName = "verlet") -> float:
     """A (mean) step of Verlet that should end with an error below the accuracy, by the rule; all dimensionless."""
-    contacts, springs, braked = of_contacts(system), modal_frequency(system), drag(system)
+    contacts, springs, braked = float(np.sqrt(_contacts(system))), modal_frequency(system), drag(system)
     step = largest_timestep(accuracy, system, scheme)
     if system.dampers and not physics.velocity_at_full_steps(system):
         step = min(step, accuracy / (_DASHPOTS * (contacts + braked)))

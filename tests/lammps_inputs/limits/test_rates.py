@@ -1,21 +1,34 @@
-"""How fast anything can move, by hand."""
+"""How fast anything can move, by hand; and the bounds on time steps that follow."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from small_problems import system as pair
 
-from lammps_inputs import System, library
+from lammps_inputs import Scene, System, laws, library
+from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.limits import rates
+from lammps_inputs.scene import DEFAULT_ACCURACY
+from workflow.engines.reference import engine
+from workflow.engines.reference.schemes import SUZUKI4, VERLET
+from workflow.engines.reference.step_halving import accurate_reference
 
 TIED = {"chains": 2, "coupling": {"stiffness": 0.1}}
 
 LIGHT = {"kinds": {"light": {"mass": 0.25}}, "replace": {"bead": 3, "kind": "light"}}
 
 
-def system(**keys: Any) -> System:
+def scene(**keys: Any) -> Scene:
     plain = {"name": "test", "beads": 6, "kick": {"velocity": 1.0}, "duration": 10.0}
-    return library.from_plain({**plain, **keys}, "test").system
+    return library.from_plain({**plain, **keys}, "test")
+
+
+def system(**keys: Any) -> System:
+    return scene(**keys).system
 
 
 @pytest.mark.parametrize(
@@ -60,3 +73,96 @@ def test_nothing_is_faster_than_a_drive() -> None:
     turn = 2.0 * math.pi * 100.0
     driven = system(kick=None, drive={"displacement": 0.1, "frequency": 100.0})
     assert rates.fastest(driven) == pytest.approx(turn * (0.1 * turn) ** -0.2)
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=12), st.integers(1, 5), st.floats(0.0, 100.0))
+def test_no_overlaps_of_this_energy_vibrate_faster_than_the_bound(shares, chains, kappa):
+    total = 0.5
+    energies = total * np.array(shares) / max(1.0, sum(shares))
+    slopes = laws.stiffness(Hertz(), (2.5 * energies) ** 0.4)
+    along = np.diff(np.eye(len(slopes) + 1), axis=0)
+    across = np.diff(np.eye(chains), axis=0)
+    hessian = np.kron(np.eye(chains), along.T @ (slopes[:, None] * along))
+    hessian += kappa * np.kron(across.T @ across, np.eye(len(slopes) + 1))
+    fastest = math.sqrt(max(np.linalg.eigvalsh(hessian)[-1], 0.0))
+    assert fastest * rates.stability_bound(pair(total, kappa, chains)) <= 2.0 + 1e-12
+
+
+class Softening(NamedTuple):
+    """``k tanh(s)``."""
+
+    spring: float
+
+    @staticmethod
+    def stiffness(s, spring):
+        return spring / np.cosh(s) ** 2
+
+    @staticmethod
+    def max_strain(energy, spring):
+        return np.arccosh(np.exp(energy / spring))
+
+
+class Peaked(Softening):
+    """One that knows that it is stiffer in between."""
+
+    @staticmethod
+    def stiffest(energy, spring):
+        return 3.0 * spring + 0.0 * energy
+
+
+def test_a_law_that_softens_is_bounded_by_its_stiffness_at_rest_or_by_its_own_bound():
+    assert laws.stiffest(Softening(2.0), 0.5) == 2.0
+    assert laws.stiffest(Peaked(2.0), 0.5) == 6.0
+
+
+def test_the_bound_is_that_of_the_notes():
+    """omega_max^2 = 6 sqrt(overlap_max) + kappa lambda_max, 0.4 overlap_max^2.5 = energy."""
+    overlap = (0.5 / 0.4) ** 0.4
+    assert rates.stability_bound(pair(0.5, 0.1, 2)) == pytest.approx(2 / math.sqrt(6 * overlap**0.5 + 0.2), rel=1e-14)
+
+
+@given(st.floats(1e-6, 1e6), st.floats(0.0, 1e12), st.integers(1, 100), st.floats(1e-10, 0.1))
+def test_the_rule_gives_no_step_above_half_the_bound(energy, kappa, chains, accuracy):
+    step = rates.timestep_for(accuracy, 1.0, pair(energy, kappa, chains))
+    assert 0.0 < step <= rates.stability_bound(pair(energy, kappa, chains)) / 2.0
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"contact": {"exponent": 3.0}},
+        {"kinds": {"light": {"mass": 1e-3}}, "replace": {"bead": 3, "kind": "light"}},
+        {"damping": {"contact": 0.1}},
+    ],
+    ids=["harder", "unlike", "damped"],
+)
+def test_the_step_is_shorter_where_contacts_are_harder_or_damped_or_beads_differ(keys):
+    own, other = (scene(**more).problem().timestep for more in ({}, keys))
+    assert other < 0.8 * own
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("table", [VERLET, SUZUKI4], ids=lambda table: table.name)
+@pytest.mark.parametrize("kappa", [1.01, 3.0, 10.0, 100.0])
+@pytest.mark.parametrize("chains", [2, 3])
+def test_the_rule_keeps_the_default_accuracy_where_springs_are_stiff(kappa, chains, table):
+    stiff = scene(chains=chains, coupling={"stiffness": kappa}, duration=200.0, scheme=table.name)
+    problem = stiff.problem()
+    cycles = problem.steps_per_frame // len(table.drifts)
+    runs = engine.blocks(problem, scheme=table, steps_per_frame=cycles)
+    right = accurate_reference(problem, 1e-5).blocks()
+    assert max(np.abs(a.velocity - b.velocity).max() for a, b in zip(runs, right, strict=True)) < DEFAULT_ACCURACY
+
+
+@given(st.floats(1e-10, 0.1), st.floats(1.0, 1e5), st.floats(0.0, 1e4), st.integers(1, 100))
+def test_the_law_asks_for_shorter_steps_for_more_accuracy_time_and_stiffness(accuracy, duration, kappa, chains):
+    for scheme in ("verlet", "suzuki4"):
+        step = rates.timestep_for(accuracy, duration, pair(0.5, kappa, chains), scheme)
+        assert 0.0 < rates.timestep_for(accuracy / 2.0, duration, pair(0.5, kappa, chains), scheme) <= step
+        assert rates.timestep_for(accuracy, 2.0 * duration, pair(0.5, kappa, chains), scheme) <= step
+        assert rates.timestep_for(accuracy, duration, pair(0.5, 2.0 * kappa, chains), scheme) <= step
+
+
+def test_velocity_verlet_needs_ten_times_the_steps_for_a_hundredth_of_the_error():
+    few, many = (rates.timestep_for(accuracy, 192.0, pair(0.5, 0.1, 2)) for accuracy in (1e-3, 1e-5))
+    assert few / many == pytest.approx(10.0, rel=1e-12)
