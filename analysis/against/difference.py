@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -117,7 +117,6 @@ def _place(block: Trajectory, position: int) -> Place:
     return Place(int(chain) + 1, int(block.beads[bead]), float(block.time[frame]))
 
 
-@dataclass
 class Difference:
     """Accumulates the difference of two trajectories over pairs of blocks; `deviations` says how far apart they are.
 
@@ -126,20 +125,15 @@ class Difference:
         counted: gives frames of the first their exchange; see `analysis.conservation.Conservation`.
     """
 
-    tolerances: dict[str, float]
-    counted: Callable[[Trajectory], Trajectory] | None = None
-    _velocity: _Running = field(init=False)
-    _displacement: _Running = field(init=False)
-
-    def __post_init__(self) -> None:
-        self._velocity = _Running(self.tolerances["velocity"])
-        self._displacement = _Running(self.tolerances["displacement"])
+    def __init__(self, tolerances: dict[str, float], counted: Callable[[Trajectory], Trajectory] | None = None) -> None:
+        self.tolerances = tolerances
+        self.conservation = Conservation(counted)
+        self.frames = 0
+        self._velocity, self._displacement = (_Running(tolerances[name]) for name in ("velocity", "displacement"))
         self._peaks: tuple[PeakFinder, PeakFinder] | None = None
-        self.conservation = Conservation(self.counted)
         self._map: list[Floats] = []
         self._times: list[float] = []
         self._last_time, self._cell_beads = 0.0, np.zeros(0, dtype=np.int64)
-        self.frames = 0
         self._problem: Problem | None = None
 
     def add(self, block: Trajectory, reference: Trajectory) -> None:

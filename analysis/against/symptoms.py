@@ -21,6 +21,8 @@ from lammps_inputs.laws.preloaded import pressed
 from lammps_inputs.links import Along, Link
 from lammps_inputs.loads import Load
 
+LEAST_FRAMES = 10
+
 
 def integral(value: Floats, rate: Floats, intervals: Floats) -> Floats:
     """Integral between consecutive frames from values and rates there (corrected trapezoid, order 4)."""
@@ -55,6 +57,11 @@ def on_beads(link: Link, impulse: Floats, trajectory: Trajectory) -> Floats:
     column = np.zeros_like(_seen(link, trajectory)[0][1:])
     link.drive(column, impulse)
     return column[:, : trajectory.problem.chains]
+
+
+def _enough(trajectory: Trajectory) -> bool:
+    """Whether there are frames enough, and numbers in each, to determine the forces on the beads."""
+    return trajectory.problem.forces_known and trajectory.frames >= LEAST_FRAMES
 
 
 def links_of(system: System) -> tuple[Link, ...]:
@@ -118,7 +125,7 @@ def identify_beads(trajectory: Trajectory) -> Felt | None:
     """
     problem = trajectory.problem
     system = problem.system
-    if not problem.forces_known or trajectory.frames < 10 or problem.chains * problem.beads > MOST:
+    if not _enough(trajectory) or problem.chains * problem.beads > MOST:
         return None
     change = given_by_links(trajectory)
     contacts, others = np.zeros(change[:, :, 1:].shape), []
@@ -281,10 +288,8 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     """
     problem = trajectory.problem
     system = problem.system
-    if problem.chains < 2 or not physics.open_row(system) or not problem.forces_known or trajectory.frames < 10:
-        return None
-    if system.motions:  # by unknown forces
-        return None
+    if problem.chains < 2 or not physics.open_row(system) or not _enough(trajectory) or system.motions:
+        return None  # motions are by unknown forces
     x, v = trajectory.displacement, trajectory.velocity
     change = unexplained(trajectory, system.across)
     felt = np.cumsum(change, axis=1)[:, :-1]
@@ -333,7 +338,7 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
     and where the impulses of two kinds of link cannot be distinguished.
     """
     problem = trajectory.problem
-    if not problem.forces_known or trajectory.frames < 10:
+    if not _enough(trajectory):
         return None
     change = _but_for_driven(given_by_links(trajectory), problem)
     given = [part for link in links_of(problem.system) for part in _parts(link, trajectory)]
@@ -410,8 +415,7 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     """
     problem = trajectory.problem
     system = problem.system
-    powers = physics.loaded(system) and physics.exponent(system) is not None
-    if not powers or not problem.forces_known or trajectory.frames < 10:
+    if not physics.loaded(system) or physics.exponent(system) is None or not _enough(trajectory):
         return None
     bearing = (*system.along, *physics.walls(system))
     change = unexplained(trajectory, bearing)
@@ -426,7 +430,7 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     start = trajectory.displacement[0]
     outside = np.zeros_like(start)
     for link in system.links:
-        link.drive(outside, -np.broadcast_to(_at_rest(link), link.strain(start).shape))
+        link.drive(outside, -np.broadcast_to(laws.load(link.law), link.strain(start).shape))
     power = float(np.sum(outside**2) * np.sum(np.diff(trajectory.time)))
     size = float(np.max(np.abs(outside)))
     far = 1e-9 * size * problem.chains * problem.beads
@@ -438,11 +442,6 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     return StaticLoad(holding, float(factors[best]) if explains else 1.0)
 
 
-def _at_rest(link: Link) -> Floats:
-    """Force at rest of each loaded link."""
-    return np.asarray(laws.load(link.law))
-
-
 def identify_exponent(trajectory: Trajectory) -> float | None:
     """The power of the overlap that the contacts' force was felt to be; the problem's own unless another explains all.
 
@@ -452,12 +451,8 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
 
     problem = trajectory.problem
     system = problem.system
-    if (
-        physics.exponent(system) is None
-        or not physics.alike(system)
-        or not problem.forces_known
-        or trajectory.frames < 10
-    ):
+    stated = physics.exponent(system)
+    if stated is None or not physics.alike(system) or not _enough(trajectory):
         return None
     (contact,) = system.along
     left = unexplained(trajectory, system.along)
@@ -475,8 +470,6 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
 
     found = minimize_scalar(left_by, (1.0, 2.0), (0.9, 4.0), method="bounded", options={"xatol": 1e-6})
     explains = found.fun < _UNEXPLAINED * float(np.sum(_but_for_driven(left, problem) ** 2))
-    stated = physics.exponent(system)
-    assert stated is not None
     return float(found.x) if explains and found.fun < _BETTER * left_by(stated) else stated
 
 
