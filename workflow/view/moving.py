@@ -20,7 +20,7 @@ from bokeh.plotting import figure
 from analysis.figures.style import Unit
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
-from workflow.view.axes import label, name_places, number
+from workflow.view.plots import label, name_places, number
 from workflow.view.thin import Thinned, Units, behind
 
 BEADS_IN_SIGHT = 40

@@ -13,9 +13,21 @@ from analysis.sharing.survey import Survey
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
-from workflow.view.axes import CHAIN_COLOURS, graph, number, of_chain, put_legend_aside
-from workflow.view.maps import BEAD_DASHES, PLOTS_A_ROW, image_source, maps_of, on_click, root_colours, traces_of
 from workflow.view.moving import moving_beads
+from workflow.view.plots import (
+    BEAD_DASHES,
+    CHAIN_COLOURS,
+    PLOTS_A_ROW,
+    graph,
+    image_source,
+    maps_of,
+    number,
+    of_chain,
+    on_click,
+    put_legend_aside,
+    root_colours,
+    traces_of,
+)
 from workflow.view.thin import Thinned, Units, units_of
 
 

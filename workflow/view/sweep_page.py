@@ -30,7 +30,7 @@ from bokeh.plotting import figure
 
 from analysis.figures.studies import logarithmic
 from workflow.sweep.collect import Table
-from workflow.view.axes import CHAIN_COLOURS, TICK, TOOLS
+from workflow.view.plots import CHAIN_COLOURS, TICK, TOOLS
 
 _LINK = '<a href="<%= link %>"><%- value %></a>'
 

@@ -66,6 +66,7 @@ def test_chains_differ_by_dash_in_every_panel_so_that_grey_tells_them(found):
     assert len({str(dash) for dash in CHAIN_DASHES}) == MAX_PANELS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("recorded", "chains", "kick"),
     [

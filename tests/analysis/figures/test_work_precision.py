@@ -19,9 +19,7 @@ def curve(error, forces):
 
 def drawn(curves, front=((1.0, 1e-2), (2.0, 1e-4))):
     fronts = dict.fromkeys(QUANTITIES, np.array(front))
-    figure = work_precision_figure(problem(), curves, fronts, dict.fromkeys(QUANTITIES, 1e-9))
-    figure.draw_without_rendering()
-    return figure
+    return work_precision_figure(problem(), curves, fronts, dict.fromkeys(QUANTITIES, 1e-9))
 
 
 def lines(axis):
@@ -51,4 +49,5 @@ def test_a_method_looks_the_same_over_time_and_over_forces_and_infinite_errors_a
 @pytest.mark.slow
 def test_an_error_of_zero_is_drawn_at_the_foot():
     figure = drawn({"exact": curve([0.0], [1.0])}, [[1.0, 0.0]])
+    figure.draw_without_rendering()
     assert figure.axes[0].get_ylim()[0] > 0.0

@@ -1,9 +1,10 @@
-"""Frames of a run in one file or several, some of them or all."""
+"""Frames of a run in one file or several, some of them or all, and how far a file has come."""
 
 import numpy as np
 import pytest
 from stock_lammps import scene
 
+from analysis.files.dump_layout import last_step
 from analysis.files.recording import Writer, blocks
 from analysis.trajectory import joined
 
@@ -39,3 +40,20 @@ def test_every_stride_th_frame_of_the_run_is_read_wherever_files_end(parts, stri
     np.testing.assert_array_equal(found.velocity[:, 1, 2], wanted)
     np.testing.assert_array_equal(found.displacement[:, 0, 0], wanted / 64)
     np.testing.assert_allclose(found.time, 0.1 * wanted, rtol=1e-14)
+
+
+@pytest.mark.parametrize(("cut", "step"), [(0, 30), (1, 20), (16, 20)])
+def test_the_last_whole_frame_counts_of_a_file_that_ends_within_one(cut, step, tmp_path):
+    path, still = tmp_path / "chains.dump.bin", np.zeros((2, 3))
+    with Writer(path, PROBLEM) as writer:
+        for number in (0, 10, 20, 30):
+            writer.append(number, still, still)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) - cut])
+    assert last_step(path) == step
+
+
+def test_where_there_is_no_frame_there_is_no_step(tmp_path):
+    (tmp_path / "empty").write_bytes(b"")
+    assert last_step(tmp_path / "empty") is None
+    assert last_step(tmp_path / "none") is None

@@ -17,7 +17,7 @@ from lammps_inputs.ingredients.foundation import Foundation
 from lammps_inputs.ingredients.unequal import Kind, radii
 from lammps_inputs.laws.in_time import HalfSine
 from lammps_inputs.loads import Load
-from workflow.view import maps, moving, run_page
+from workflow.view import moving, plots, run_page
 from workflow.view.thin import thinned, units_of
 from workflow.view.write import _left_out
 
@@ -124,7 +124,7 @@ def test_axes_cursors_and_bars_have_the_unit_of_what_they_show(held):
 
 def test_springs_are_drawn_between_chains_that_are_tied(held):
     problem, _, part, units = held
-    images = [maps.image_source(part, place) for place in range(2)]
+    images = [plots.image_source(part, place) for place in range(2)]
     both = thinned(problem, [Trajectory(problem, *(np.zeros(s) for s in ((1,), (1, 3, 6), (1, 3, 6))))], [1, 2])
     for kept, springs in ((part, []), (both, [[0, 1]])):  # chains 1 and 3 are tied to chain 2 only
         colours = LinearColorMapper(palette=["#000"])
@@ -183,7 +183,7 @@ def test_the_middle_of_a_pixel_is_its_time_and_its_recorded_bead_however_they_ar
     problem = hit(duration=2.0, output=Output(every=0.1, beads=beads))
     part = thinned(problem, [made(problem)], [0, 1])
     assert part.even == even
-    data = maps.image_source(part, 0).data
+    data = plots.image_source(part, 0).data
     width = data["dw"][0] / 3
     middles = data["x"][0] + width * (0.5 + np.arange(3))
     assert middles == pytest.approx(part.places)
