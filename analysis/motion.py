@@ -84,11 +84,6 @@ def contact_energy(system: System, displacement: Floats, first: int = 1) -> Floa
     return np.asarray(sum(link.energy(displacement, first) for link in system.along))
 
 
-def stored_in_contact(system: System, strain: Floats, *contact: Integers | slice) -> Floats:
-    """Energy in chosen contacts at a strain; see `contact_force`."""
-    return np.asarray(sum(laws.energy(laws.at(link.law, *contact), strain) for link in system.along))
-
-
 def contact_force(system: System, overlap: Floats, *contact: Integers | slice) -> Floats:
     """Force of chosen contacts at an overlap, that at rest included; they are [chain, contact] positions of the links,
     from 0.

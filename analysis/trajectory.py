@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -223,3 +223,20 @@ def blocks(trajectory: Trajectory) -> Iterator[Trajectory]:
     size = frames_per_block(trajectory.problem)
     for start in range(0, trajectory.frames, size):
         yield trajectory[start : start + size]
+
+
+class Watcher(Protocol):
+    """Anything that is shown a run block by block."""
+
+    def add(self, block: Trajectory, /) -> None:
+        """Take the next frames."""
+
+
+AnyWatcher = TypeVar("AnyWatcher", bound=Watcher)
+
+
+def watch(watcher: AnyWatcher, blocks: Iterable[Trajectory]) -> AnyWatcher:
+    """A watcher that has been shown all blocks."""
+    for block in blocks:
+        watcher.add(block)
+    return watcher

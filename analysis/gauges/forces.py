@@ -277,34 +277,20 @@ class ForceMeter:
         def mean(entry: Integers, s: Floats) -> Floats:
             return np.asarray(sum(curve.of(entry)(s) for curve in curves)) / len(curves)
 
-        def closed(entry: Integers, s: Floats) -> Flags:
-            return np.asarray(sum(curve.of(entry).elastic(s) for curve in curves)) / len(curves) > CLOSED
+        shut = pressing > CLOSED
+        panel, entry = np.nonzero(shut[:-1] != shut[1:])
+        before, changing = shut[panel, entry], [curve.of(entry) for curve in curves]
 
-        start = np.repeat(block.time[:-1], self.problem.chains)
-        entry, at = self._take_changes(place, start, pressing > CLOSED, border, closed, spacing)
+        def closed(s: Floats) -> Flags:
+            return np.asarray(sum(curve.elastic(s) for curve in changing)) / len(curves) > CLOSED
+
+        at = hermite.change(closed, before, border[panel], border[panel + 1])
+        start = np.repeat(block.time[:-1], self.problem.chains)[entry]
+        self._changes[place].append((entry % self.problem.chains, start + at * spacing, ~before))
         if gauge.damped:  # a dashpot's force may jump to its largest where a contact closes
-            self._take_values(place, entry, start[entry] + at * spacing, mean(entry, at))
+            entry, after = entry[~before], np.minimum(at[~before] + _JUST, 1.0)
+            self._take_values(place, entry, start[~before] + after * spacing, mean(entry, after))
         self._take_largest(place, block, forces.reshape(len(border), -1, self.problem.chains), border, mean)
-
-    def _take_changes(
-        self,
-        place: int,
-        start: Floats,
-        closed: Flags,
-        border: Floats,
-        state: Callable[[Integers, Floats], Flags],
-        spacing: float,
-    ) -> tuple[Integers, Floats]:
-        """Note when contacts open and close; ``start`` is the time of the frame before, of every entry.
-
-        Returns:
-            Where they have just closed: entries, and s.
-        """
-        panel, entry = np.nonzero(closed[:-1] != closed[1:])
-        before = closed[panel, entry]
-        at = hermite.change(lambda s: state(entry, s), before, border[panel], border[panel + 1])
-        self._changes[place].append((entry % self.problem.chains, start[entry] + at * spacing, ~before))
-        return entry[~before], np.minimum(at[~before] + _JUST, 1.0)
 
     def _take_values(self, place: int, entry: Integers, time: Floats, value: Floats) -> None:
         """Take values at times for the largest, where they are larger than those so far."""

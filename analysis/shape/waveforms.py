@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis import hermite, motion
+from analysis import hermite
 from analysis.columns import Columns
 from analysis.shape.exact_wave import wave_of
 from analysis.shape.long_waves import length_of
 from analysis.trajectory import Floats, Integers, Trajectory
-from lammps_inputs import Problem, physics
+from lammps_inputs import Problem, laws, physics
 
 REACH = 4.0
 """Half the watched stretch, in beads of travel; the exact wave has fallen to 1e-10 of its peak there."""
@@ -134,7 +134,8 @@ class Waveforms:
         kinetic = np.where(there, 0.5 * physics.mass_of(system, chain, bead) * v * v, 0.0)
         overlap = x[:, :-1] - x[:, 1:] - physics.gap(system)
         contact = chain, np.minimum(bead[:, :-1], problem.beads - 2)
-        stored = np.where(there[:, :-1] & there[:, 1:], motion.stored_in_contact(system, overlap, *contact), 0.0)
+        energy = sum(laws.energy(laws.at(link.law, *contact), overlap) for link in system.along)
+        stored = np.where(there[:, :-1] & there[:, 1:], energy, 0.0)
         left_out = (place[:, 0] < 0) & (block.first > 1)  # by a window
         if physics.remembering(system):  # what they store depends on their largest overlap so far
             left_out[:] = True

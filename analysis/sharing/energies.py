@@ -20,7 +20,7 @@ from analysis.conservation import energy_input
 from analysis.quantity import declare, result
 from analysis.shape.waveforms import reach
 from analysis.sharing.equipartition import Sharing
-from analysis.trajectory import Flags, Floats, Trajectory
+from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, System, laws, physics
 from lammps_inputs.laws.spring import Linear, Varying
 
@@ -206,10 +206,6 @@ class EnergyShares:
         for row in np.flatnonzero((self._frame >= start) & (self._frame < self._seen)):
             frame = self._frame[row] - start
             self.chain[row], self.wave[row] = self._energies(block, int(frame))
-
-    def forget(self, waves: Flags) -> None:
-        """Leave out the energies of some waves, [instant, chain]."""
-        self.wave[waves] = np.nan
 
     def _energies(self, block: Trajectory, frame: int) -> tuple[Floats, Floats]:
         x, v = block.displacement[frame], block.velocity[frame]

@@ -18,7 +18,7 @@ import numpy as np
 
 from analysis import hermite, motion
 from analysis.files.events import Events
-from analysis.trajectory import Floats, Integers, Trajectory, joined
+from analysis.trajectory import Floats, Integers, Trajectory, joined, watch
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 
@@ -164,10 +164,7 @@ class ImpulseMeter:
 
 def measure(problem: Problem, blocks: Iterable[Trajectory]) -> Impulses:
     """Impulses in a run given as consecutive blocks of frames; see `ImpulseMeter`."""
-    meter = ImpulseMeter(problem)
-    for block in blocks:
-        meter.add(block)
-    return meter.result()
+    return watch(ImpulseMeter(problem), blocks).result()
 
 
 def from_events(problem: Problem, events: Events) -> Impulses:

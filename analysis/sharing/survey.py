@@ -5,7 +5,6 @@ A run is given as a function that reads it again, block by block, so that it nee
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -34,7 +33,7 @@ from analysis.tracking.noise import distinct, left_by_smoothing, noise_at_start,
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks
 from analysis.tracking.pulses import SMALLEST, Pulse, ahead_of_sound, track_pulses
 from analysis.tracking.undisturbed import clear_of_ends, clear_of_others, once_each, returns
-from analysis.trajectory import Flags, Integers, Trajectory
+from analysis.trajectory import Flags, Integers, Trajectory, Watcher
 from lammps_inputs import Problem, physics
 
 MAX_PASSAGES = 4000
@@ -45,13 +44,6 @@ HALF = 2.0
 
 NOISE_MARGIN = 5.0
 """Standard deviations of the noise that a peak must exceed."""
-
-
-class Watcher(Protocol):
-    """Anything that is shown a run block by block."""
-
-    def add(self, block: Trajectory, /) -> None:
-        """Take the next frames."""
 
 
 @dataclass(frozen=True)
@@ -198,7 +190,7 @@ def survey(
         waveforms.add(block)
         energies.add(block if direction > 0 else mirrored(block))
     shapes = _of_one_pulse(waveforms.shape(), waveforms.passages, pulses, problem)
-    energies.forget(_of_others(shared.bead[energies.place], waves, pulses, problem, direction))
+    energies.wave[_of_others(shared.bead[energies.place], waves, pulses, problem, direction)] = np.nan
     characters = tuple(
         characterise(pulse, place, shapes.entry(len(chosen) + number), tolerances, problem=problem)
         for number, (pulse, place) in enumerate(zip(pulses, at, strict=True))

@@ -15,7 +15,7 @@ from analysis import hermite
 from analysis.columns import Columns, together
 from analysis.mirror import direction_of, mirrored_bead
 from analysis.tracking.brackets import NODES, Brackets, bracketed, highest, largest, no_maxima, on_a_grid
-from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined, of_atoms
+from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined, of_atoms, watch
 from lammps_inputs import Problem
 
 THRESHOLD = 1e-3
@@ -208,10 +208,7 @@ class PeakFinder:
 
 def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD, *, direction: int | None = None) -> Peaks:
     """Maxima above a threshold in a run given as consecutive blocks of frames; see `PeakFinder`."""
-    finder = PeakFinder(threshold, direction=direction)
-    for block in blocks:
-        finder.add(block)
-    return finder.result()
+    return watch(PeakFinder(threshold, direction=direction), blocks).result()
 
 
 def _refined(parts: list[Brackets], direction: int) -> Peaks:

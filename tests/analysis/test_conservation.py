@@ -10,6 +10,7 @@ from stock_lammps import scene
 from analysis.conservation import STORED, Account, Budget, Conservation
 from analysis.figures.energy import budget_figure
 from analysis.quantity import plain
+from analysis.trajectory import watch
 from lammps_inputs import Kick, library, physics
 from lammps_inputs.laws.in_time import Rectangular, Sine
 from lammps_inputs.loads import Load
@@ -26,10 +27,7 @@ def found():
 
 
 def seen(*blocks):
-    conservation = Conservation()
-    for block in blocks:
-        conservation.add(block)
-    return conservation
+    return watch(Conservation(), blocks)
 
 
 def test_an_exact_run_keeps_both(found):
@@ -145,12 +143,15 @@ LOST = np.array([0.0, 0.2, 0.3, 0.0, 0.7])
 """In contacts, springs, drag and walls until t = 1, and what was put in."""
 
 
-def account_of(problem, motion, cuts=()):
-    budget, whole = Budget(problem), written_down(problem, motion)
+def exchanging(problem, motion, cuts):
+    """Blocks of a motion in which `LOST` is exchanged."""
+    whole = written_down(problem, motion)
     whole = replace(whole, exchange=whole.time[:, np.newaxis] * LOST)
-    for start, end in zip((0, *cuts), (*cuts, whole.frames), strict=True):
-        budget.add(whole[start:end])
-    return budget.result()
+    return [whole[start:end] for start, end in zip((0, *cuts), (*cuts, whole.frames), strict=True)]
+
+
+def account_of(problem, motion, cuts=()):
+    return watch(Budget(problem), exchanging(problem, motion, cuts)).result()
 
 
 @pytest.mark.parametrize("cuts", [(), (1, 7, 30)])
@@ -220,13 +221,11 @@ def test_a_heavy_bead_is_kicked_with_its_own_energy():
 
 @pytest.mark.parametrize("cuts", [(), (1, 30)])
 def test_the_drift_is_in_shares_of_the_most_that_was_put_in(cuts):
-    problem, seen = library.from_plain(PLAIN, "test").problem(), Conservation()
-    whole = written_down(problem, lambda t: (0.0 * t, 0.5 + 0.0 * t))
-    whole = replace(whole, exchange=whole.time[:, np.newaxis] * LOST)
-    for start, end in zip((0, *cuts), (*cuts, whole.frames), strict=True):
-        seen.add(whole[start:end])
-    missing = 2.0 + 0.5 * whole.time - (0.5 + 0.7 * whole.time)
-    assert seen.energy_drift == pytest.approx(np.max(missing) / (0.5 + 0.7 * 5.0))
+    problem = library.from_plain(PLAIN, "test").problem()
+    drift = seen(*exchanging(problem, lambda t: (0.0 * t, 0.5 + 0.0 * t), cuts)).energy_drift
+    time = np.arange(problem.frames + 1) * problem.every
+    missing = 2.0 + 0.5 * time - (0.5 + 0.7 * time)
+    assert drift == pytest.approx(np.max(missing) / (0.5 + 0.7 * 5.0))
 
 
 def test_the_last_frame_counts_though_it_is_none_of_these():

@@ -5,7 +5,7 @@ import pytest
 from stock_lammps import scene
 
 from analysis.contacts import LargestOverlap, shown_by_frames
-from analysis.trajectory import Trajectory
+from analysis.trajectory import Trajectory, watch
 from lammps_inputs import Output
 
 
@@ -16,10 +16,7 @@ def states(*displacement, **changes):
 
 
 def found(*blocks):
-    largest = LargestOverlap()
-    for block in blocks:
-        largest.add(block)
-    return largest.value
+    return watch(LargestOverlap(), blocks).value
 
 
 def test_it_is_how_far_a_bead_has_come_upon_the_next_of_its_chain():

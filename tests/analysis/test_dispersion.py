@@ -12,6 +12,7 @@ from analysis import quantity
 from analysis.dispersion import Cell, Dispersion, Map, NoDispersionError, _ridge, cell_of
 from analysis.shape.exact_wave import nesterenko
 from analysis.shape.long_waves import make_speed, sound_speed, speed_over_sound
+from analysis.trajectory import watch
 from lammps_inputs import library
 from lammps_inputs.units import make_scale
 from workflow.runs.run import run
@@ -65,12 +66,8 @@ def test_the_map_does_not_depend_on_where_blocks_end():
     problem = loaded(duration=50.0).problem()
     bead = np.arange(1, 65)
     whole = written_down(problem, lambda t: (0.0 * t, np.cos(0.8 * bead - 1.25 * t)))
-    found = []
-    for cuts in ((), (3, 100, 333)):
-        one = Dispersion(problem)
-        for start, end in zip((0, *cuts), (*cuts, whole.frames), strict=True):
-            one.add(whole[start:end])
-        found.append(one.result())
+    parts = whole[:3], whole[3:100], whole[100:333], whole[333:]
+    found = [watch(Dispersion(problem), blocks).result() for blocks in ([whole], parts)]
     assert found[0].frequency[-1] < 0.5 * math.pi / problem.every  # not every frame is taken
     np.testing.assert_array_equal(found[0].power, found[1].power)
 
@@ -85,10 +82,8 @@ def test_long_waves_run_at_the_speed_of_sound_of_a_cell_anywhere_in_it(pattern):
 
 def test_a_run_of_lammps_shows_the_edges_of_the_bands_to_a_bin(tmp_path):
     case = loaded(**DIMER, kick={"velocity": 1.0}, precompression={"force": 300.0}, duration=50.0, timestep=0.01)
-    found = Dispersion(case.problem())
-    for block in run(case, tmp_path / "run", check=False).directory.blocks():
-        found.add(block)
-    result = found.result()
+    frames = run(case, tmp_path / "run", check=False).directory.blocks()
+    result = watch(Dispersion(case.problem()), frames).result()
     difference = np.abs(result.measured_bands() - result.cell.bands())
     assert difference[0, 1] < result.bin
     assert np.all(difference[1] < result.bin)
@@ -99,9 +94,8 @@ def test_a_wave_towards_higher_bead_numbers_has_a_positive_wavenumber(way):
     problem = loaded(duration=50.0).problem()
     turn = 2.0 * math.pi * 8 / 64, 1.25  # wavenumber and frequency
     bead = np.arange(1, 65)
-    found = Dispersion(problem)
-    found.add(written_down(problem, lambda t: (0.0 * t, np.cos(way * turn[0] * bead - turn[1] * t))))
-    result = found.result()
+    wave = written_down(problem, lambda t: (0.0 * t, np.cos(way * turn[0] * bead - turn[1] * t)))
+    result = watch(Dispersion(problem), [wave]).result()
     row, column = np.unravel_index(np.argmax(result.power), result.power.shape)
     assert result.wavenumber[column] == pytest.approx(way * turn[0])
     assert result.frequency[row] == pytest.approx(turn[1], abs=result.bin)

@@ -8,6 +8,7 @@ import pytest
 from analysis import motion
 from analysis.dispersion import cell_of
 from analysis.loaded_pulse import LoadedPulse
+from analysis.trajectory import watch
 from lammps_inputs import laws, library
 from workflow.engines.reference import engine
 
@@ -19,10 +20,8 @@ def found(bead, velocity):
     plain = {"name": "test", "beads": 40, "precompression": {"force": 0.3}, "duration": 36.0}
     kick = {"bead": bead, "velocity": velocity}
     problem = library.from_plain({**plain, "kick": kick, "output": {"every": 0.05}}, "test").problem()
-    pulse, run = LoadedPulse(problem), engine.run(problem)
-    for block in (run[:100], run[100:]):
-        pulse.add(block)
-    return pulse.result(), run
+    run = engine.run(problem)
+    return watch(LoadedPulse(problem), (run[:100], run[100:])).result(), run
 
 
 @pytest.mark.parametrize(("bead", "first"), [(1, 20), (27, 27)])
@@ -53,10 +52,7 @@ def test_a_front_of_sound_runs_as_fast_as_its_dispersion_says(pattern):
     plain = {"name": "sound", "beads": 150, "precompression": {"force": 1.0}, "kick": {"velocity": 1e-4}}
     scene = library.from_plain({**plain, "duration": 150.0, "kinds": KINDS, "pattern": pattern}, "test")
     problem = scene.problem()
-    watcher = LoadedPulse(problem)
-    for block in engine.blocks(problem):
-        watcher.add(block)
-    wave = watcher.result()
+    wave = watch(LoadedPulse(problem), engine.blocks(problem)).result()
     short, long = cell_of(problem.system).branches(np.array([0.1, 0.01]))[:, 0] / [0.1, 0.01]
     bent = 3.0 * (1.0 - short / long) / (0.1**2 - 0.01**2)
     way = 0.5 * (wave.first + wave.last)

@@ -11,8 +11,13 @@ from analysis import motion
 from analysis.figures.studies import front
 from analysis.gauges.far_end import FarEnd
 from analysis.gauges.gauge import at_frames, far_wall
+from analysis.trajectory import watch
 from lammps_inputs import library
 from workflow.engines.reference import engine
+
+
+def far_end(run):
+    return watch(FarEnd(run.problem), [run]).result()
 
 
 @pytest.mark.parametrize(("hit", "velocity", "end"), [(1, 1.0, slice(18, 20)), (20, -1.0, slice(0, 2))])
@@ -29,10 +34,8 @@ def test_frames_far_apart_say_what_energy_passes_the_last_tenth_and_when(hit, ve
     run = engine.run(fine)
     there = motion.bead_energy(fine.system, run.displacement[..., end], run.velocity[..., end], end.start + 1)
     share = there.sum(axis=(1, 2)) / 0.5  # of the kick
-    gauge, trajectory = FarEnd(coarse), engine.run(coarse)
-    for part in (trajectory[:37], trajectory[37:]):
-        gauge.add(part)
-    found = gauge.result()
+    trajectory = engine.run(coarse)
+    found = watch(FarEnd(coarse), (trajectory[:37], trajectory[37:])).result()
     rising = slice(0, int(np.argmax(share)))
     assert found.transmitted_energy == pytest.approx(share.max(), rel=1e-4)
     assert found.delay == pytest.approx(np.interp(0.5 * share.max(), share[rising], run.time[rising]), abs=5e-4)
@@ -48,9 +51,7 @@ def test_the_far_wall_is_the_one_that_the_blow_goes_to_and_feels_all_chains(side
         library.from_plain({**plain, "timestep": 0.01, "output": {"every": every}}, "test").problem()
         for every in (0.01, 0.5)
     )
-    run, end = engine.run(fine), FarEnd(coarse)
-    end.add(engine.run(coarse))
-    found = end.result()
+    run, found = engine.run(fine), far_end(engine.run(coarse))
     force = at_frames(run, (far_wall(fine.system),))[..., 0]
     assert found.wall_force == pytest.approx(force.sum(axis=1).max(), rel=1e-3)
     assert found.wall_force_chain == pytest.approx(force.max(), rel=1e-3)
@@ -71,9 +72,7 @@ def test_a_record_that_ends_before_or_inside_the_pulse_has_no_largest_value_of_i
     run = engine.run(small)
 
     def of(frames):
-        end = FarEnd(small)
-        end.add(run[:frames])
-        return vars(end.result())
+        return vars(far_end(run[:frames]))
 
     final = of(run.frames)
     names = {"delay", "transmitted_energy"} | ({"wall_force", "wall_force_chain"} if wall else set())
@@ -86,9 +85,8 @@ def test_a_record_that_ends_before_or_inside_the_pulse_has_no_largest_value_of_i
 
 
 def test_what_is_at_the_far_end_from_the_start_has_not_arrived_there():
-    end = FarEnd(problem(beads=20, chains=1, kicks=((1, 19, 1.0),)))
-    end.add(engine.run(end.problem))
-    assert all(math.isnan(value) for value in vars(end.result()).values())
+    found = far_end(engine.run(problem(beads=20, chains=1, kicks=((1, 19, 1.0),))))
+    assert all(math.isnan(value) for value in vars(found).values())
 
 
 def test_the_force_of_a_wall_that_is_only_relieved_is_undefined():
@@ -101,9 +99,7 @@ def test_the_force_of_a_wall_that_is_only_relieved_is_undefined():
         moved[:, :, 19] = -0.1 * np.sin(math.pi * time[..., 0] / 10.0) ** 2
         return moved, np.zeros_like(moved)
 
-    end = FarEnd(small)
-    end.add(written_down(small, motion))
-    found = end.result()
+    found = far_end(written_down(small, motion))
     assert all(math.isnan(getattr(found, name)) for name in ("wall_force", "wall_force_chain", "delay"))
 
 
@@ -118,9 +114,7 @@ MOVED = {"drive": {"displacement": 0.5, "frequency": 0.05, "phase": -90.0}}
 def test_where_energy_is_input_none_is_transmitted(bead, acting):
     ((name, how),) = acting.items()
     plain = {"name": "test", "beads": 4, "duration": 30.0, name: {**how, "bead": bead}}
-    end = FarEnd(library.from_plain(plain, "test").problem())
-    end.add(engine.run(end.problem))
-    found = end.result()
+    found = far_end(engine.run(library.from_plain(plain, "test").problem()))
     assert [math.isnan(value) for value in (found.delay, found.transmitted_energy)] == 2 * [bead == 4]
 
 
@@ -130,10 +124,7 @@ def test_transmitted_energy_is_a_share_of_the_work_done_until_then(set_in_motion
     """Nothing is lost, so that the energy of all beads is that work."""
     small = library.from_plain({"name": "test", "beads": 30, "duration": 70.0, **set_in_motion}, "test").problem()
     run = engine.run(small)
-    end, unknown = FarEnd(small), FarEnd(small)
-    end.add(run)
-    unknown.add(replace(run, exchange=None))
     there = motion.bead_energy(small.system, run.displacement, run.velocity)[:, 0, 27:].sum(axis=-1)
     work = motion.energy(small.system, run.displacement, run.velocity)
-    assert end.result().transmitted_energy == pytest.approx(np.nanmax(there[1:] / work[1:]), rel=1e-4)
-    assert math.isnan(unknown.result().transmitted_energy)
+    assert far_end(run).transmitted_energy == pytest.approx(np.nanmax(there[1:] / work[1:]), rel=1e-4)
+    assert math.isnan(far_end(replace(run, exchange=None)).transmitted_energy)

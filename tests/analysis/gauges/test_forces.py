@@ -9,6 +9,7 @@ from small_problems import problem, written_down
 
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
+from analysis.trajectory import watch
 from lammps_inputs import library, physics
 from workflow.engines.reference import engine
 
@@ -27,11 +28,8 @@ def walled(**changes):
 
 
 def read(trajectory, *blocks, **places):
-    asked = {"wall": True, "contacts": (), "sensors": (), **places}
-    meter = ForceMeter(trajectory.problem, gauges(trajectory.problem.system, **asked))
-    for block in blocks or (trajectory,):
-        meter.add(block)
-    return meter.result()
+    meter = ForceMeter(trajectory.problem, gauges(trajectory.problem.system, **{"wall": True, **places}))
+    return watch(meter, blocks or (trajectory,)).result()
 
 
 @pytest.fixture(scope="module")

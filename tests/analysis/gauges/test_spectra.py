@@ -9,6 +9,7 @@ from small_problems import problem, written_down
 
 from analysis.gauges.spectra import Spectra, SpectrumMeter, amplitude_at, amplitudes
 from analysis.quantity import csv_of
+from analysis.trajectory import watch
 from lammps_inputs.loads import Motion
 from lammps_inputs.units import make_scale
 
@@ -40,12 +41,8 @@ def test_spectra_are_of_the_beads_named_from_the_time_named_or_half_the_duration
     trajectory = written_down(
         driven, lambda t: (0.0 * t, here * np.where(t < 6.0, 0.0, np.sin(2.0 * np.pi * frequency * t)))
     )
-    found = {}
-    for after in (None, 6.05):
-        meter = SpectrumMeter(driven, (3, 8), after)
-        for block in (trajectory[:33], trajectory[33:]):
-            meter.add(block)
-        found[after] = meter.result()
+    parts = trajectory[:33], trajectory[33:]
+    found = {after: watch(SpectrumMeter(driven, (3, 8), after), parts).result() for after in (None, 6.05)}
     assert found[None].after == 5.0
     assert found[6.05].at_drive[0] == pytest.approx(np.array([[0.0, 0.0], [0.4, 0.0]]), abs=0.01)
     assert found[None].at_drive[0, 1, 0] < 0.39  # a fifth of the time it stood still

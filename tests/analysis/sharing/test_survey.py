@@ -19,7 +19,7 @@ from analysis.sharing.survey import survey
 from analysis.tracking.leading_waves import from_csv, leading_waves, usual_arrival
 from analysis.tracking.noise import noise_at_start, peak_error, smoothed, width_error
 from analysis.tracking.peaks import find_peaks
-from analysis.trajectory import Trajectory, blocks, joined
+from analysis.trajectory import Trajectory, blocks, joined, watch
 from lammps_inputs import Kick, library
 from workflow.engines.reference import engine
 
@@ -30,10 +30,7 @@ def shape_of(trajectory: Trajectory, peak: float, arrival: float, bead: int = 20
     speed = float(EXACT.speed_at(peak))
     at = arrival + (bead - 1 if direction > 0 else trajectory.problem.beads - bead) / speed
     passages = Passages(*(np.array([number]) for number in (1, bead, at, peak, speed, direction)))
-    waveforms = Waveforms(trajectory.problem, passages)
-    for block in blocks(trajectory):
-        waveforms.add(block)
-    return waveforms.shape()
+    return watch(Waveforms(trajectory.problem, passages), blocks(trajectory)).shape()
 
 
 @settings(max_examples=25)
@@ -64,9 +61,7 @@ def test_with_few_beads_recorded_the_energy_is_that_of_the_virial_theorem():
 def test_maxima_in_reverse_order_or_at_one_time_have_no_width(speed):
     passages = Passages(*(np.array([number]) for number in (1, 20, 30.0, 0.5, speed, 1)))
     trajectory = exact_waves([(0.5, 8.0)])
-    waveforms = Waveforms(trajectory.problem, passages)
-    waveforms.add(trajectory)
-    shape = waveforms.shape()
+    shape = watch(Waveforms(trajectory.problem, passages), [trajectory]).shape()
     assert np.isnan([shape.width, shape.momentum]).all()
     assert np.isfinite([shape.residual, shape.energy]).all()
 

@@ -15,7 +15,7 @@ from analysis.quantity import csv_of
 from analysis.sharing.impulses import measure
 from analysis.tracking.leading_waves import from_csv, leading_waves
 from analysis.tracking.peaks import PeakFinder, Peaks, find_peaks, in_mirror, sharp
-from analysis.trajectory import Trajectory, blocks
+from analysis.trajectory import Trajectory, blocks, watch
 from lammps_inputs import Kick, Problem, library
 from lammps_inputs.laws.in_time import HalfSine, Rectangular
 from lammps_inputs.loads import Load
@@ -51,12 +51,7 @@ def cut(trajectory: Trajectory, places: list[int]) -> list[Trajectory]:
 @given(st.lists(st.integers(1, 400), max_size=12), st.sampled_from([None, (2, 9, 20)]), st.booleans())
 def test_maxima_are_the_same_bit_for_bit_wherever_the_blocks_are_cut(fine, places, recorded, first_only):
     run = thinned(fine, 20, recorded)
-    found = []
-    for pieces in ([run], cut(run, places)):
-        finder = PeakFinder(first_only=first_only)
-        for piece in pieces:
-            finder.add(piece)
-        found.append(finder.result())
+    found = [watch(PeakFinder(first_only=first_only), pieces).result() for pieces in ([run], cut(run, places))]
     for field in fields(Peaks):
         assert np.array_equal(getattr(found[0], field.name), getattr(found[1], field.name), equal_nan=True), field.name
 
@@ -65,13 +60,9 @@ def test_maxima_are_the_same_bit_for_bit_wherever_the_blocks_are_cut(fine, place
 @given(st.lists(st.integers(1, 400), max_size=12))
 def test_energy_is_the_same_bit_for_bit_wherever_the_blocks_are_cut(fine, places):
     run = thinned(fine, 20)
-    seen = []
-    for pieces in ([run], cut(run, places)):
-        conservation = Conservation()
-        for piece in pieces:
-            conservation.add(piece)
-        seen.append((conservation.energy_drift, conservation.momentum_drift, conservation.front))
-    assert seen[0] == seen[1]
+    whole, parts = (watch(Conservation(), pieces) for pieces in ([run], cut(run, places)))
+    for name in ("energy_drift", "momentum_drift", "front"):
+        assert getattr(whole, name) == getattr(parts, name), name
 
 
 @settings(max_examples=15, deadline=None)

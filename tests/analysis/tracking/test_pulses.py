@@ -4,16 +4,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from small_problems import problem
+from small_problems import problem as problem
 from synthetic_waves import arrivals, exact_waves, reference
 
 from analysis.shape.exact_wave import solitary_wave
+from analysis.sharing.survey import survey
 from analysis.tracking.brackets import on_a_grid
 from analysis.tracking.noise import distinct, left_by_smoothing, peak_error, smoothed
 from analysis.tracking.peaks import PeakFinder, find_peaks
-from analysis.tracking.pulses import Pulse, local_speed, of_one_kind, track_pulses
-from analysis.trajectory import Trajectory, blocks
+from analysis.tracking.pulses import Pulse, local_speed, of_one_kind, track_pulses, train_of
+from analysis.trajectory import Trajectory, blocks, watch
 from lammps_inputs import Kick
+from workflow.engines.reference import engine
 
 PEAKS = st.floats(0.05, 1.0)
 EVERY = st.floats(0.03, 1.0)
@@ -26,9 +28,7 @@ def found_in(trajectory: Trajectory, direction: int = 1) -> tuple[Pulse, ...]:
 def noisy_pulses(trajectory: Trajectory, noise: float) -> tuple[Pulse, ...]:
     every = trajectory.problem.every
     left = left_by_smoothing(noise, every)
-    finder = PeakFinder(5.0 * left, noisy=True)
-    for block in smoothed(blocks(trajectory), every):
-        finder.add(block)
+    finder = watch(PeakFinder(5.0 * left, noisy=True), smoothed(blocks(trajectory), every))
     peaks = distinct(finder.result(), solitary_wave())
     return track_pulses(peaks, trajectory.problem, smallest=max(0.02, 10.0 * left), noise=left)
 
@@ -161,3 +161,13 @@ def test_beads_are_compared_with_those_of_their_mass_unless_all_differ(beads):
     dimer = np.resize([2.0, 1.0], beads)[np.newaxis]
     assert of_one_kind(problem(chains=1, beads=beads, mass=taper)).all()
     np.testing.assert_array_equal(of_one_kind(problem(chains=1, beads=beads, mass=dimer)), dimer[0] == 2.0)
+
+
+def test_two_beads_launched_together_give_two_pulses_of_known_heights():
+    one = problem(chains=1, beads=310, kicks=((1, 1, 1.0), (1, 2, 1.0)), timestep=0.25, steps_per_frame=1, frames=1700)
+    run = engine.run(one)
+    found = survey(lambda: blocks(run), one)
+    train = train_of(found.pulses, 1, 1, 300)
+    assert train.peak_velocity == pytest.approx([0.8535, 0.4463], abs=1e-4)
+    assert train.ratio[1] == pytest.approx(0.4463 / 0.8535, abs=2e-4)
+    assert train.spacing[0] == pytest.approx(train.arrival[1] - train.arrival[0])
