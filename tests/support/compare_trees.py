@@ -20,6 +20,7 @@ import contextlib
 import hashlib
 import io
 import json
+import math
 import os
 import random
 import signal
@@ -51,6 +52,9 @@ CLOCK = {
 """Keys of JSON that say when, where and how long."""
 
 EVERY_TENTH = 10
+
+STEP = 0.01
+"""Of LAMMPS at most, in T, where a scene does not say otherwise."""
 
 
 def commands(scene: Path, place: Path, number: int) -> Iterator[tuple[str, list[str]]]:
@@ -122,6 +126,7 @@ def written_scenes(directory: Path, old: Path, count: int, seed: int) -> list[Pa
     from random_scenes import draw
 
     from lammps_inputs import library, strict_yaml
+    from lammps_inputs.scene import DEFAULT_EVERY
 
     directory.mkdir(parents=True, exist_ok=True)
     found = {}
@@ -134,8 +139,10 @@ def written_scenes(directory: Path, old: Path, count: int, seed: int) -> list[Pa
             with contextlib.suppress(ValueError):
                 found[f"random-{name}"] = draw(chance, name)
     for name, scene in found.items():
-        step = {} if scene.timestep or scene.accuracy else {"timestep": 0.01 * scene.scale.time}
-        (directory / f"{name}.yaml").write_text(strict_yaml.dump({**scene.plain(), **step}))
+        every = scene.output.every or DEFAULT_EVERY * scene.scale.time
+        step = every / math.ceil(every / scene.scale.time / STEP)
+        given = {} if scene.timestep or scene.accuracy else {"timestep": step}
+        (directory / f"{name}.yaml").write_text(strict_yaml.dump({**scene.plain(), **given}))
     return [directory / f"{name}.yaml" for name in found]
 
 
