@@ -16,11 +16,10 @@ import itertools
 import json
 import math
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, ValidationError, model_validator
 
@@ -46,11 +45,35 @@ def number(value: Any) -> Number:
     return value
 
 
-class _Part(BaseModel):
+class Part(BaseModel):
+    """A part of a file, whose keys are known."""
+
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
-class Range(_Part):
+Kind = TypeVar("Kind", bound=Part)
+
+
+def validated(kind: type[Kind], data: Any, where: str, wanted: str = "") -> Kind:
+    """A part of a file from plain data.
+
+    Args:
+        kind: of the part.
+        data: what was given.
+        where: it was given, up to the key.
+        wanted: of a whole file, what it should be: a sweep or a design.
+
+    Raises:
+        InputError: naming the key, what was given and what would be right.
+    """
+    try:
+        return kind.model_validate(data)
+    except ValidationError as error:
+        mistaken = library.mistaken(data, wanted) if wanted else ""
+        raise InputError(f"{where}{mistaken or library.describe(error, kind)}") from None
+
+
+class Range(Part):
     """Evenly spaced values, or evenly spaced logarithms, both ends among them."""
 
     first: Annotated[Any, PlainValidator(number), Field(alias="from")]
@@ -73,6 +96,9 @@ class Range(_Part):
         if self.spacing == "log" and min(self.first, self.last) <= 0:
             raise ValueError("spacing: log needs from and to above 0")
         return self
+
+    def __len__(self) -> int:
+        return abs(self.last - self.first) + 1 if self.count is None else self.count
 
     def values(self) -> list[Number]:
         """The values from first to last; whole numbers where both ends are and the values come out whole."""
@@ -99,7 +125,7 @@ def _some(value: dict[str, Any]) -> dict[str, Any]:
     return value
 
 
-class _File(_Part):
+class _File(Part):
     scene: Any
     vary: Annotated[dict[str, Any], AfterValidator(_some)]
     combine: Literal["product", "zip"] = "product"
@@ -157,10 +183,7 @@ def from_plain(data: dict[str, Any], path: Path) -> Sweep:
     Raises:
         InputError: as `load`.
     """
-    try:
-        file = _File.model_validate(data)
-    except ValidationError as error:
-        raise InputError(f"{path}: {library.mistaken(data, 'sweep') or library.describe(error, _File)}") from None
+    file = validated(_File, data, f"{path}: ", "sweep")
     scene = scene_in(file.scene, path)
     names = sorted(file.vary)
     seen: dict[fields.Path, str] = {}
@@ -176,7 +199,7 @@ def from_plain(data: dict[str, Any], path: Path) -> Sweep:
         if above is not None:
             raise InputError(f"{path}: vary.{name}: lies within `{above}`, which is varied too")
     given = {name: _given(file.vary[name], f"{path}: vary.{name}") for name in names}
-    _refuse_too_many({name: _count(values) for name, values in given.items()}, file.combine, path)
+    _refuse_too_many({name: len(values) for name, values in given.items()}, file.combine, path)
     return Sweep(
         source=str(path),
         scene=scene,
@@ -193,16 +216,7 @@ def _given(given: Any, where: str) -> list[Any] | Range:
         return given
     if not isinstance(given, dict):
         raise InputError(f"{where}: should be a list, or a range such as {{from: 1, to: 10, count: 4}}")
-    try:
-        return Range.model_validate(given)
-    except ValidationError as error:
-        raise InputError(f"{where}.{library.describe(error, Range)}") from None
-
-
-def _count(values: list[Any] | Range) -> int:
-    if not isinstance(values, Range):
-        return len(values)
-    return abs(values.last - values.first) + 1 if values.count is None else values.count
+    return validated(Range, given, f"{where}.")
 
 
 def _refuse_too_many(counts: dict[str, int], combine: str, path: Path) -> None:
@@ -272,7 +286,9 @@ def all_cases(sweep: Sweep) -> list[Case]:
         InputError: two of the same name, or one that is no scene, by name.
     """
     cases, names = [], set()
-    for values in _combinations(sweep):
+    columns = list(sweep.vary.values())
+    for row in itertools.product(*columns) if sweep.combine == "product" else zip(*columns, strict=True):
+        values = dict(zip(sweep.vary, row, strict=True))
         case = Case(case_name(values), values)
         if case.name in names:
             raise InputError(f"{sweep.source}: vary: the case {case.name} is there twice; a value is given twice")
@@ -280,12 +296,6 @@ def all_cases(sweep: Sweep) -> list[Case]:
         scene_of(sweep, case)
         cases.append(case)
     return cases
-
-
-def _combinations(sweep: Sweep) -> Iterator[dict[str, Any]]:
-    columns = list(sweep.vary.values())
-    rows = itertools.product(*columns) if sweep.combine == "product" else zip(*columns, strict=True)
-    return (dict(zip(sweep.vary, row, strict=True)) for row in rows)
 
 
 def scene_of(sweep: Sweep, case: Case) -> Scene:

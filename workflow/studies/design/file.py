@@ -25,12 +25,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationError, model_validator
+from pydantic import Field, PlainValidator, model_validator
 
-from lammps_inputs import InputError, library, schema, strict_yaml
+from lammps_inputs import InputError, schema, strict_yaml
 from workflow.studies.measures import AT_BEAD, KNOWN, heading, refuse_unknown
 from workflow.sweep import fields
-from workflow.sweep.file import number, scene_in, scene_of_file
+from workflow.sweep.file import Part, number, scene_in, scene_of_file, validated
 
 # --- variables --------------------------------------------------------------------------------------------------------
 
@@ -129,11 +129,7 @@ def values_of(variables: Sequence[Variable], vector: Sequence[float]) -> dict[st
 MOST_PLACES = 64
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-
-class Search(_Part):
+class Search(Part):
     """How to search."""
 
     evaluations: Annotated[int, Field(ge=20, le=10_000_000)] = 2000
@@ -143,14 +139,14 @@ class Search(_Part):
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
 
 
-class Manufacture(_Part):
+class Manufacture(Part):
     """What small errors do to the best."""
 
     spread: Annotated[float, Field(gt=0, le=0.5)] = 0.01
     members: Annotated[int, Field(ge=2, le=10_000)] = 32
 
 
-class Limit(_Part):
+class Limit(Part):
     """Bounds of a quantity."""
 
     low: Annotated[Any, Field(alias="from")] = None
@@ -176,15 +172,15 @@ class Limit(_Part):
         return float(max(below, above))
 
 
-class File(_Part):
+class File(Part):
     """The keys of a design file."""
 
     scene: Any
     vary: dict[str, Any]
     minimize: str | None = None
     maximize: str | None = None
-    where: dict[str, Limit] = {}
-    also: list[str] = []
+    where: dict[str, Limit] = Field(default={})
+    also: list[str] = Field(default=[])
     beside: Any = None
     search: Search = Search()
     manufacture: Manufacture = Manufacture()
@@ -194,7 +190,7 @@ class File(_Part):
 Places = Annotated[int, Field(ge=1, le=MOST_PLACES)]
 
 
-class _Bounds(_Part):
+class _Bounds(Part):
     """A number, or a list of so many."""
 
     low: Annotated[Any, PlainValidator(number), Field(alias="from", json_schema_extra={"type": "number"})]
@@ -211,7 +207,7 @@ class _Bounds(_Part):
         return self
 
 
-class _Choices(_Part):
+class _Choices(Part):
     """A list of so many choices."""
 
     of: list[Any]
@@ -313,10 +309,7 @@ def from_plain(data: Any, path: Path) -> Design:
     Raises:
         InputError: as `load`.
     """
-    try:
-        file = File.model_validate(data)
-    except ValidationError as error:
-        raise InputError(f"{path}: {library.mistaken(data, 'design') or library.describe(error, File)}") from None
+    file = validated(File, data, f"{path}: ", "design")
     if (file.minimize is None) == (file.maximize is None):
         raise InputError(f"{path}: give either minimize or maximize, and a quantity: {', '.join(KNOWN)}")
     objectives = {key: [name] for key in ("minimize", "maximize") if (name := getattr(file, key)) is not None}
@@ -345,15 +338,12 @@ def _variable(name: str, given: Any, path: Path, scene: dict[str, Any]) -> Varia
     given = {"of": given, "places": 1} if one else given
     if not isinstance(given, dict):
         raise InputError(f"{where}: should be bounds such as {{from: 1, to: 10}}, or a list of choices")
-    kind = _Choices if "of" in given else _Bounds
-    try:
-        read = kind.model_validate(given)
-    except ValidationError as error:
-        raise InputError(f"{where}.{library.describe(error, kind)}") from None
-    if isinstance(read, _Choices):
-        if len(read.of) < 2:
+    if "of" in given:
+        choices = validated(_Choices, given, f"{where}.")
+        if len(choices.of) < 2:
             raise InputError(f"{where}: needs two choices or more")
-        return Variable(name, choices=tuple(read.of), places=None if one else read.places)
+        return Variable(name, choices=tuple(choices.of), places=None if one else choices.places)
+    read = validated(_Bounds, given, f"{where}.")
     whole = fields.is_whole(keys)
     if whole and not all(isinstance(end, int) for end in (read.low, read.high)):
         raise InputError(f"{where}: takes whole numbers; {read.low} to {read.high} given")

@@ -33,8 +33,7 @@ from workflow.runs.files import as_json
 from workflow.runs.run_directory import provenance
 from workflow.screen import count_bar, one_line
 from workflow.studies.study import Study, print_records, to_csv
-from workflow.studies.trade.advice import sentences
-from workflow.studies.trade.points import Findings, Limits, Order, Points, measure
+from workflow.studies.trade.points import Findings, Limits, Order, Points, measure, sentences
 from workflow.studies.trade.settings import WINDOW, run, settings
 from workflow.studies.trade.truth import QUANTITIES, Interval, Truth, intervals, make_truth
 
