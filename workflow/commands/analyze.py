@@ -146,13 +146,8 @@ def _print_waves(found: Analysis) -> None:
         at = waves.at(bead)
         measured = at.measured(scale)
         for k in range(min(len(at), MOST_CHAINS)):
-            row = [
-                str(bead) if k == 0 else "",
-                str(at.chain[k]),
-                cell(measured.arrival[k], ".7g"),
-                cell(measured.peak_velocity[k], ".5g"),
-                cell(measured.speed[k], ".5g"),
-            ]
+            numbers = (cell(getattr(measured, name)[k], ".7g" if name == "arrival" else ".5g") for name in words)
+            row = [str(bead) if k == 0 else "", str(at.chain[k]), *numbers]
             rows.append([*row, f"{at.peak_velocity[k]:.5f}"] if scale.si else row)
         if len(at) > MOST_CHAINS:
             rows.append(["", f"of {len(at)}", "", "", ""])

@@ -1,11 +1,11 @@
 """Compute the statements and figures of the paper: the gallery with the entries of the paper only."""
 
 import argparse
-from pathlib import Path
 
 from workflow.screen import Answer
 from workflow.studies.gallery.entries import PAPER
 from workflow.studies.gallery.study import ANSWERS, run_entries
+from workflow.studies.options import add_output
 
 __all__ = ["ANSWERS"]
 
@@ -17,9 +17,7 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Where to."""
-    parser.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, required=True, help="new directory, or one to resume"
-    )
+    add_output(parser)
 
 
 def execute(arguments: argparse.Namespace) -> Answer:

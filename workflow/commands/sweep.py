@@ -8,6 +8,7 @@ from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
 from workflow.screen import Answer, count_bar, one_line
+from workflow.studies.options import add_output
 from workflow.sweep import carry_out, file
 
 ANSWERS = "how many cases there are, are done, have failed"
@@ -21,9 +22,7 @@ EXAMPLES = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The sweep, where to, and how."""
     parser.add_argument("sweep", metavar="SWEEP.yaml", type=Path, help="a scene, and what to vary in it")
-    parser.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, required=True, help="new directory, or one to resume"
-    )
+    add_output(parser)
     parser.add_argument("--jobs", metavar="N", type=int, default=cores(), help="cases at a time (default all cores)")
     parser.add_argument("--figures", action="store_true", help="draw every case")
     parser.add_argument("--no-check", action="store_true", help="do not measure the errors against the reference")

@@ -179,24 +179,19 @@ def _quick(
     waves = leading_waves(beyond_kicks(finder.result(), problem), usual_arrival(problem))
     quick: dict[str, float | None] = dict(_at_beads(waves, problem, scene, names))
     if set(names) & set(_OF_SHARING):
-        quick |= _shared(waves, problem)
+        found = sharing(waves, problem)
+        final, beat = found.final, found.beat_length
+        quick |= {
+            "amplitude": None if final is None else final.value,
+            "agree_10": found.agrees_from(0.1),
+            "agree_1": found.agrees_from(0.01),
+            "in_step_1": found.in_step_from(0.01),
+            "beat_length": None if beat is None else beat.value,
+        }
     if last is not None and problem.whole:
         energy = bead_energy(last.system_at(-1), last.displacement[-1], last.velocity[-1])
         quick[PARTICIPATION] = quantity.plain(participation(energy), problem.scale)
     return quick
-
-
-def _shared(waves: Waves, problem: Problem) -> dict[str, float | None]:
-    found = sharing(waves, problem)
-    final, beat = found.final, found.beat_length
-    values = (
-        None if final is None else final.value,
-        found.agrees_from(0.1),
-        found.agrees_from(0.01),
-        found.in_step_from(0.01),
-        None if beat is None else beat.value,
-    )
-    return dict(zip(_OF_SHARING, values, strict=True))
 
 
 def case(plain: dict[str, Any], names: Sequence[str], source: str, masses: Masses = NO_LIMIT) -> evaluate.Case:

@@ -121,14 +121,15 @@ def render(title: str, summary: str, sections: Sequence[Section]) -> str:
         title, summary: its head; the summary is split into paragraphs at line ends.
         sections: one below the other.
     """
-    keys = [key for section in sections for key in (*section.sources, *map(_key, section.statements))]
+    stated = [[statement.source.partition(", ")[0] for statement in section.statements] for section in sections]
+    keys = [key for section, own in zip(sections, stated, strict=True) for key in (*section.sources, *own)]
     cited = list(dict.fromkeys([key for key in keys if key] + references.ENGINES))
+    contents = "".join(
+        f'<li><a href="#s{number}">{html.escape(section.title)}</a> {_verdicts(section)}</li>'
+        for number, section in enumerate(sections)
+    )
     body = "\n".join(_section(section, number, cited) for number, section in enumerate(sections))
-    return document(title, summary, _contents(sections) + body, cited)
-
-
-def _key(statement: Statement) -> str:
-    return statement.source.partition(", ")[0]
+    return document(title, summary, f'<ol class="contents">{contents}</ol>\n{body}', cited)
 
 
 def document(title: str, summary: str, body: str, cited: Iterable[str]) -> str:
@@ -149,14 +150,6 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     lines = [("th", head), *(("td", row) for row in rows)]
     cells = ("".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in line) for tag, line in lines)
     return f"<table>{''.join(f'<tr>{line}</tr>' for line in cells)}</table>"
-
-
-def _contents(sections: Sequence[Section]) -> str:
-    rows = "".join(
-        f'<li><a href="#s{number}">{html.escape(section.title)}</a> {_verdicts(section)}</li>'
-        for number, section in enumerate(sections)
-    )
-    return f'<ol class="contents">{rows}</ol>\n'
 
 
 def _verdicts(section: Section) -> str:
@@ -196,19 +189,16 @@ def _cite(key: str, cited: Sequence[str]) -> str:
 HEADS = ("published", "derived here", "found", "verdict")
 
 
-def _unbroken(line: str) -> str:
-    """With numbers that no browser breaks at their signs."""
-    return re.sub(r"(?<=\de)-(?=\d)", "\N{NON-BREAKING HYPHEN}", line)
-
-
 def _row(statement: Statement, cited: Sequence[str]) -> str:
     key, _, place = statement.source.partition(", ")
     source = f" {_cite(key, cited)}{html.escape(f', {place}' if place else '')}" if key else ""
     correction = f"<br><em>{html.escape(statement.correction)}</em>" if statement.correction else ""
+    # numbers that no browser breaks at their signs
+    found = [re.sub(r"(?<=\de)-(?=\d)", "\N{NON-BREAKING HYPHEN}", line) for line in statement.found]
     cells = (
         html.escape(statement.published) + source or "-",
         html.escape(statement.derived) or "-",
-        "".join(f"<p>{html.escape(_unbroken(line))}</p>" for line in statement.found),
+        "".join(f"<p>{html.escape(line)}</p>" for line in found),
     )
     verdict = f'<td class="{_kind(statement.holds)}"><strong>{html.escape(statement.holds)}</strong>{correction}</td>'
     return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}{verdict}</tr>"

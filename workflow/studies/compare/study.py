@@ -26,9 +26,8 @@ from workflow.runs.engines import ENGINES, LAMMPS, REFERENCE, RIGID, engine_call
 from workflow.runs.files import EVENTS, as_json
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Answer, count_bar, one_line, print_table
-from workflow.studies.kept_runs import kept_run
 from workflow.studies.options import add_output
-from workflow.studies.study import Study
+from workflow.studies.study import Study, kept_run
 from workflow.workers.evaluate import Progress
 
 # --- numbers ----------------------------------------------------------------------------------------------------------

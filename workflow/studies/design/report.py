@@ -23,9 +23,9 @@ def page(found: Found) -> str:
     """The report in HTML, pictures and all."""
     design, best = found.design, found.verified[0]
     wanted = ("least" if design.sign > 0.0 else "largest") + f" {design.objective}"
-    words = _warnings(found) + table(*found.table())
+    words = "".join(f"<p><b>Warning:</b> {html.escape(warning)}.</p>" for warning in found.warnings)
     parts = {
-        "The best": words + _shown(_of_best(found)),
+        "The best": words + table(*found.table()) + _shown(_of_best(found)),
         "The search": _search_words(found) + _shown(_of_search(found)),
         f"Manufacturing tolerance of {found.sensitivity.spread:.2%}": _made(found),
     }
@@ -42,10 +42,6 @@ def page(found: Found) -> str:
 
 def _shown(pictures: list[Picture]) -> str:
     return "".join(shown(picture) for picture in pictures)
-
-
-def _warnings(found: Found) -> str:
-    return "".join(f"<p><b>Warning:</b> {html.escape(warning)}.</p>" for warning in found.warnings)
 
 
 def _search_words(found: Found) -> str:

@@ -29,10 +29,9 @@ from workflow.studies.design import file
 from workflow.studies.design.file import Design
 from workflow.studies.design.found import Found, Verified, sensitivity
 from workflow.studies.design.search import RULED_OUT, Record, computed, search, worth
-from workflow.studies.kept_runs import kept_run
 from workflow.studies.measures import by_reference, of_frames, scene_to_run
 from workflow.studies.options import add_jobs, add_output, as_job, on_cores
-from workflow.studies.study import Study, csv_text
+from workflow.studies.study import Study, csv_text, kept_run
 from workflow.sweep import fields
 from workflow.workers.pool import Pool
 

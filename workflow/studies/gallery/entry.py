@@ -29,8 +29,8 @@ from lammps_inputs import library
 from lammps_inputs.facts import Fact
 from workflow.runs.engines import ENGINES as KNOWN_ENGINES
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.kept_runs import kept_run
 from workflow.studies.page import Picture, Section, Statement, drawn
+from workflow.studies.study import kept_run
 
 ENGINES = ("lammps", "reference")
 COLOURS = CHAIN_COLOURS
