@@ -8,6 +8,7 @@
 """
 
 import contextlib
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -103,17 +104,13 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
         except InputError:  # damaged: it is rewritten
             return
         resolved = scene.resolved().plain()
-        key = _first_difference(*(_without(data, found_beforehand(scene)) for data in (written, resolved)))
+        key = _first_difference(written, resolved, found_beforehand(scene))
     if key is not None:
         raise InputError(f"{path}: holds this case of another scene ({key} differs); {advice}")
 
 
-def _without(data: dict[str, Any], keys: set[str]) -> dict[str, Any]:
-    return {key: value for key, value in data.items() if key not in keys}
-
-
-def _first_difference(one: dict[str, Any], other: dict[str, Any]) -> str | None:
-    keys = [key for key in {**one, **other} if key != "limits" and one.get(key) != other.get(key)]
+def _first_difference(one: dict[str, Any], other: dict[str, Any], ignored: Iterable[str] = ()) -> str | None:
+    keys = [key for key in {**one, **other} if key not in ("limits", *ignored) and one.get(key) != other.get(key)]
     return keys[0] if keys else None
 
 

@@ -57,14 +57,12 @@ def parse(text: str, scene: Mapping[str, Any] = MappingProxyType({})) -> Path:
 
 def _parameters(scene: Mapping[str, Any]) -> list[str]:
     """Dotted paths of the parameters of forces that are formulas."""
-    parts = ((key, part) for key, part in scene.items() if isinstance(part, dict) and "force" in part)
-    found = (
-        (key, name)
-        for key, part in parts
-        if key in FORMULAS
+    return [
+        f"{key}.{name}"
+        for key, part in scene.items()
+        if key in FORMULAS and isinstance(part, dict) and "force" in part
         for name in FORMULAS[key].parameters_of(part["force"]) or ()
-    )
-    return [f"{key}.{name}" for key, name in found]
+    ]
 
 
 FORMULAS = {key: ingredient for key, ingredient in INGREDIENTS.items() if issubclass(ingredient, ByFormula)}
@@ -83,7 +81,7 @@ def _meant(text: str, known: list[str], scene: Mapping[str, Any]) -> list[str]:
     end = end or next(iter([] if close else difflib.get_close_matches(text, ends, n=1)), None)
     found = close or [name for name in known if name.rpartition(".")[2] == end]
     named = list(itertools.chain(*(_with_names(name, scene) for name in found)))
-    held = [name for name in named if look_up(dict(scene), _keys(name)) is not None]
+    held = [name for name in named if look_up(dict(scene), tuple((key, None) for key in name.split("."))) is not None]
     return (held or named)[:_MOST_MEANT]
 
 
@@ -94,10 +92,6 @@ def _with_names(field: str, scene: Mapping[str, Any]) -> list[str]:
         return [field]
     names = scene.get(key)
     return [f"{key}.{name}.{rest}" for name in (names if isinstance(names, dict) and names else ["NAME"])]
-
-
-def _keys(field: str) -> Path:
-    return tuple((key, None) for key in field.split("."))
 
 
 def all_fields(model: type[BaseModel], above: str = "") -> list[str]:
@@ -172,7 +166,7 @@ def look_up(scene: dict[str, Any], path: Path) -> Any:
 
 def is_whole(path: Path) -> bool:
     """Whether a field takes whole numbers only."""
-    kinds = {part for part in _parts(_field(path)) if isinstance(part, type)}
+    kinds = _parts(_field(path))
     return int in kinds and float not in kinds
 
 

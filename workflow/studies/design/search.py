@@ -6,7 +6,7 @@ and from what designs are worth alone: one that was interrupted goes the same wa
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -117,7 +117,8 @@ def search(design: Design, compute: Compute) -> list[Record]:
         return [worth(design, record) for record in records]
 
     if design.exhaustive:
-        vectors = _all_vectors(design)
+        bounds = [variable.bounds for variable in _axes(design)]
+        vectors = map(np.array, itertools.product(*(np.arange(low, high + 1.0) for low, high in bounds)))
         while batch := list(itertools.islice(vectors, design.population)):
             ask(batch)
     else:
@@ -129,11 +130,6 @@ def search(design: Design, compute: Compute) -> list[Record]:
 def _axes(design: Design) -> list[Variable]:
     """The variable of each coordinate."""
     return [variable for variable in design.variables for _ in range(variable.coordinates)]
-
-
-def _all_vectors(design: Design) -> Iterator[Floats]:
-    axes = [np.arange(low, high + 1.0) for low, high in (variable.bounds for variable in _axes(design))]
-    return (np.array(vector) for vector in itertools.product(*axes))
 
 
 def _evolved(design: Design, ask: Any) -> tuple[Floats, float]:

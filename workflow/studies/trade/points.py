@@ -220,8 +220,8 @@ class Findings:
         if self.truth is None:
             return []
         floor = WELL_ABOVE * self.truth.floors["velocity"]
-        found = [order(points, floor) for points in self.by_method().values() if points[0].setting.by_step]
-        return [one for one in found if one is not None]
+        stepped = (points for points in self.by_method().values() if points[0].setting.by_step)
+        return [one for points in stepped if (one := order(points, floor)) is not None]
 
 
 # --- advice: which setting for which accuracy, and what else is worth choosing ----------------------------------------
@@ -252,8 +252,7 @@ def left_out(study: Findings) -> list[str]:
     """What was not measured, and why, a sentence for each method."""
     said = []
     for name, several in study.by_method().items():
-        points = [point for point in several if point.left_out]
-        if points:
+        if points := [point for point in several if point.left_out]:
             more = f", and {len(points) - 1} more" if len(points) > 1 else ""
             said.append(f"Left out: {name}, {points[0].setting.label} ({points[0].left_out}){more}.")
     return said
