@@ -219,8 +219,7 @@ def sweep(
     from workflow.sweep.carry_out import sweep as carry_out
 
     read = file.from_plain(dict(what), Path("sweep")) if isinstance(what, Mapping) else file.load(Path(what))
-    with count_bar("sweep") as progress:
-        end = carry_out(read, _path(directory), processes=jobs, check=check, progress=progress)
+    end = carry_out(read, _path(directory), processes=jobs, check=check)
     if end.interrupted:
         raise RunError("interrupted: completed cases remain; the same call runs the rest")
     return collect(directory)
@@ -232,8 +231,7 @@ def collect(directory: Path | str) -> Table:
     Raises:
         InputError: there are none.
     """
-    with count_bar("analyse") as progress:
-        return collecting.collect(_path(directory), progress)
+    return collecting.collect(_path(directory))
 
 
 def plot(table: Table, quantity: str, over: str, beside: str | None = None) -> Picture:

@@ -7,7 +7,7 @@ from typing import Any
 
 from lammps_inputs import InputError, strict_yaml
 from workflow.runs.files import write_text
-from workflow.screen import Answer, count_bar, one_line, print_table
+from workflow.screen import Answer, one_line, print_table
 from workflow.sweep import collect as collecting
 from workflow.sweep.collect import QUANTITIES, UNCERTAINTIES, Table
 
@@ -63,8 +63,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     where = dict(_condition(text) for text in arguments.where)
     output = arguments.output or arguments.directory / TABLE
     _refuse(output)
-    with count_bar("analyse") as progress:
-        table = collecting.only(collecting.collect(arguments.directory, progress), where)
+    table = collecting.only(collecting.collect(arguments.directory), where)
     figures: tuple[Path, ...] = ()
     if arguments.plot is not None:
         title = ", ".join(f"{name} = {value}" for name, value in where.items())

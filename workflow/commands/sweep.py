@@ -7,7 +7,7 @@ from lammps_inputs import InputError, file_names
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
-from workflow.screen import Answer, count_bar, one_line
+from workflow.screen import Answer, one_line
 from workflow.studies.options import add_output
 from workflow.sweep import carry_out, file
 
@@ -42,15 +42,13 @@ def execute(arguments: argparse.Namespace) -> Answer:
 
 
 def _run(what: file.Sweep, arguments: argparse.Namespace) -> Answer:
-    with count_bar("sweep") as progress:
-        end = carry_out.sweep(
-            what,
-            arguments.output,
-            processes=arguments.jobs,
-            check=not arguments.no_check,
-            figures=arguments.figures,
-            progress=progress,
-        )
+    end = carry_out.sweep(
+        what,
+        arguments.output,
+        processes=arguments.jobs,
+        check=not arguments.no_check,
+        figures=arguments.figures,
+    )
     for name, reason in end.failed:
         print(f"{name}: {reason}")
     before = f" ({end.before} of them before)" if end.before else ""
@@ -72,8 +70,7 @@ def _run(what: file.Sweep, arguments: argparse.Namespace) -> Answer:
 def _write(what: file.Sweep, output: Path, options: JobOptions) -> Answer:
     from workflow.sweep import on_cluster  # takes half a second to import
 
-    with count_bar("decks") as progress:
-        written = on_cluster.write_array(what, output, options, progress)
+    written = on_cluster.write_array(what, output, options)
     under_way = f", {written.under_way} in the queue or running" if written.under_way else ""
     print(f"{output}: {written.tasks} of {written.cases} cases to do{under_way}")
     if written.tasks:

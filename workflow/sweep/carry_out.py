@@ -16,6 +16,7 @@ from workflow.runs.files import alone
 from workflow.runs.own_files import make_directory
 from workflow.runs.size import refuse_beforehand
 from workflow.runs.status import Queue, slurm_queue, status
+from workflow.screen import count_bar
 from workflow.sweep import directory as directories
 from workflow.sweep.directory import Asked, task
 from workflow.sweep.file import Case, Sweep, all_cases, scene_of
@@ -51,7 +52,6 @@ def sweep(
     processes: int | None = None,
     check: bool = True,
     figures: bool = False,
-    progress: evaluate.Progress | None = None,
 ) -> Swept:
     """Run and analyse every case that a directory does not hold yet; Ctrl-C keeps what is done.
 
@@ -61,7 +61,6 @@ def sweep(
         processes: cases computed at a time; by default as many as there are cores.
         check: whether to measure the error of LAMMPS runs.
         figures: whether to draw every case.
-        progress: called after every case.
 
     Raises:
         InputError: a case is no scene, or its directory holds something else. Nothing has run then.
@@ -88,13 +87,15 @@ def sweep(
             own = task((directory / case.name).absolute(), wanted, check=check, figures=formats)
             tasks.append(evaluate.Case(case.name, own, cost=_work(scene)))
 
-        def show(done: int, _: int, bad: int) -> None:
-            if progress is not None:
-                progress(before + done, len(cases), bad)
-
         try:
-            with Pool(min(processes or cores(), len(missing))) as pool:
-                evaluate.evaluate(tasks, pool=pool, progress=show, tell=note, failed=lambda one: one.value != "done")
+            with count_bar("sweep") as progress, Pool(min(processes or cores(), len(missing))) as pool:
+                evaluate.evaluate(
+                    tasks,
+                    pool=pool,
+                    progress=lambda now, _, bad: progress(before + now, len(cases), bad),
+                    tell=note,
+                    failed=lambda one: one.value != "done",
+                )
         except KeyboardInterrupt:
             done = len(cases) - len(_missing(cases, directory, figures=figures))  # some ended while they were stopped
             return Swept(len(cases), before, done, failed, interrupted=True, others=others)

@@ -19,6 +19,7 @@ from workflow.engines.lammps.mpi import cores
 from workflow.runs.files import RECORD, write_figure
 from workflow.runs.job import account
 from workflow.runs.status import slurm_queue, status
+from workflow.screen import count_bar
 from workflow.sweep import fields
 from workflow.sweep.directory import Asked, asked, is_analysed, read_json, task
 from workflow.verdicts.analysis_report import REPORT
@@ -154,12 +155,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def collect(directory: Path, progress: evaluate.Progress | None = None) -> Table:
+def collect(directory: Path) -> Table:
     """Gather all cases below a directory; those with frames but no analysis are analysed first, on all cores.
 
     Args:
         directory: of a sweep, or any that run directories lie in.
-        progress: called with the analyses done and their total.
 
     Raises:
         InputError: there is no run directory in it.
@@ -173,7 +173,7 @@ def collect(directory: Path, progress: evaluate.Progress | None = None) -> Table
     known = slurm_queue() if (directory / file_names.CASES).is_file() else None
     states = {path: status(path, known) for path in found}
     done = [path for path in found if states[path].state == "done"]
-    complaints = _analyse([path for path in done if not is_analysed(path)], progress)
+    complaints = _analyse([path for path in done if not is_analysed(path)])
     requests = {path: asked(path) or Asked({}, {}, "") for path in found}
     names = sorted({name for request in requests.values() for name in request.swept})
     paths = {name: _path(name, directory, requests.values()) for name in names}
@@ -231,12 +231,12 @@ def _path(name: str, directory: Path, requests: Iterable[Asked]) -> fields.Path:
         raise InputError(f"{directory}: a case in it: {error}") from None
 
 
-def _analyse(directories: list[Path], progress: evaluate.Progress | None) -> dict[str, str]:
+def _analyse(directories: list[Path]) -> dict[str, str]:
     """Analyse directories; name -> what went wrong."""
     if not directories:
         return {}
     cases = [evaluate.Case(path.name, task(path.absolute(), None, check=False)) for path in directories]
-    with Pool(min(cores(), len(cases))) as pool:
+    with count_bar("analyse") as progress, Pool(min(cores(), len(cases))) as pool:
         found = evaluate.evaluate(cases, pool=pool, progress=progress)
     return {name: " ".join(answer.failed.split()) for name, answer in found.items() if answer.failed}
 

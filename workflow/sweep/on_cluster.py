@@ -18,6 +18,7 @@ from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text
 from workflow.runs.job import Job
 from workflow.runs.own_files import claim, listed, retire
 from workflow.runs.status import slurm_queue, status
+from workflow.screen import count_bar
 from workflow.sweep.carry_out import planned, refuse_if_queued, request
 from workflow.sweep.directory import Asked, begin
 from workflow.sweep.file import Case, Sweep, scene_of
@@ -47,16 +48,13 @@ class Written:
     numbers: int
 
 
-def write_array(
-    what: Sweep, directory: Path, options: JobOptions, progress: evaluate.Progress | None = None
-) -> Written:
+def write_array(what: Sweep, directory: Path, options: JobOptions) -> Written:
     """Write decks and the array; nothing of a case that is done, waits or runs is touched.
 
     Args:
         what: the sweep.
         directory: made if need be; the array is to be submitted there.
         options: of the job.
-        progress: called with the cases written and their total.
 
     Raises:
         InputError: as `workflow.sweep.carry_out.plan`; or the list of cases would change under an array in the queue.
@@ -78,7 +76,7 @@ def write_array(
             refuse_if_queued(directory, listed, known, advice)
         count = options.cases_per_task
         lines += [tuple(new[first : first + count]) for first in range(0, len(new), count)]
-        small = _write_cases(what, todo, directory.absolute(), progress)
+        small = _write_cases(what, todo, directory.absolute())
         options = with_ranks(options, small[0])
         if options.ranks > (rows := small[-1].rows):
             raise InputError(
@@ -99,7 +97,7 @@ def _lines(directory: Path) -> list[tuple[str, ...]]:
     return [tuple(line.split()) for line in path.read_text(encoding="utf-8").splitlines()] if path.is_file() else []
 
 
-def _write_cases(what: Sweep, todo: list[Case], directory: Path, progress: evaluate.Progress | None) -> list[Problem]:
+def _write_cases(what: Sweep, todo: list[Case], directory: Path) -> list[Problem]:
     """Write what each case needs, on all cores; the problems of the fewest beads and of the fewest rows.
 
     Raises:
@@ -117,7 +115,7 @@ def _write_cases(what: Sweep, todo: list[Case], directory: Path, progress: evalu
         wanted, source = request(what, case, scene_of(what, case)), f"{what.source}: case {case.name}"
         arguments = {"directory": str(directory / case.name), "case": wanted.plain(), "source": source}
         cases.append(evaluate.Case(case.name, Task(f"{__name__}:write_case", arguments)))
-    with Pool(min(cores(), len(cases))) as pool:
+    with count_bar("decks") as progress, Pool(min(cores(), len(cases))) as pool:
         sizes = evaluate.evaluate(cases, pool=pool, progress=progress, tell=ready)
     fewest = [min(sizes, key=lambda name: sizes[name].value[of]) for of in ("beads", "rows")]
     return [load(directory / name / file_names.SCENE).problem() for name in fewest]

@@ -28,7 +28,6 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Answer, count_bar, one_line, print_table
 from workflow.studies.options import add_output
 from workflow.studies.study import Study, kept_run
-from workflow.workers.evaluate import Progress
 
 # --- numbers ----------------------------------------------------------------------------------------------------------
 
@@ -336,19 +335,13 @@ def engines_for(scene: Scene, asked: Sequence[str] | None) -> tuple[str, ...]:
     return tuple(asked)
 
 
-def compare(
-    scene: Scene,
-    directory: Path,
-    engines: Sequence[str] | None = None,
-    progress: Progress | None = None,
-) -> Comparison:
+def compare(scene: Scene, directory: Path, engines: Sequence[str] | None = None) -> Comparison:
     """Run a scene with each engine in a directory of its own, and write what they found beside.
 
     Args:
         scene: what to compute; every bead is recorded.
         directory: made if need be; runs of the same scene in it are kept.
         engines: of `workflow.runs.engines.ENGINES`; by default all that can do the scene.
-        progress: called with the runs done, their total, and 0.
 
     Raises:
         InputError: the directory or an engine cannot be used.
@@ -365,14 +358,13 @@ def compare(
     text = strict_yaml.dump(scene.resolved().plain())
     study = replace(STUDY, others=tuple(ENGINES))
     reference.load()  # compiled before any clock runs
-    with study.opened(directory):
+    with study.opened(directory), count_bar("compare") as progress:
         path = directory / file_names.SCENE
         if path.is_file() and path.read_text(encoding="utf-8") != text:
             raise InputError(f"{path}: is another scene than the one to compare; choose another -o")
         study.write(directory, {file_names.SCENE: text})
         for count, name in enumerate(names):  # one at a time, for each is timed
-            if progress is not None:
-                progress(count, len(names), 0)
+            progress(count, len(names))
             results.append(measure(kept_run(scene, name, directory / name, settings), rows))
         last = last_row(results)
         found = Comparison(problem, tuple(results), rows, last, answer(results, last))
@@ -414,8 +406,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     engines = None if arguments.engines is None else tuple(arguments.engines.split(","))
     if "lammps" in engines_for(scene, engines):
         refuse_unstable(scene, arguments.scene)
-    with count_bar("compare") as progress:
-        found = compare(scene, arguments.output, engines, progress)
+    found = compare(scene, arguments.output, engines)
     system = found.problem.system
     if physics.gap(system) and physics.coupled(system):
         from workflow.engines.collisions import modes  # numba takes a third of a second to import

@@ -35,7 +35,7 @@ from workflow.studies.study import Study, print_records, to_csv
 from workflow.verdicts.validate import TOLERANCES
 from workflow.workers import evaluate
 from workflow.workers.evaluate import key_of
-from workflow.workers.pool import Answer, Task
+from workflow.workers.pool import Task
 
 # --- true error -------------------------------------------------------------------------------------------------------
 
@@ -260,27 +260,6 @@ QUICK = 1e7
 """Largest cost of a cell of the quick report: about a second, most of it for starting and judging; see `cost`."""
 
 
-def make_report(
-    cells: Sequence[Cell], directory: Path | None = None, *, progress: evaluate.Progress | None = None
-) -> list[Outcome]:
-    """Measure what is missing; the outcomes of all cells, in their order.
-
-    Args:
-        cells: what to run.
-        directory: new, or resumed; None to keep nothing.
-        progress: called with the numbers of cells done, of all, and of those that are wrong.
-
-    Raises:
-        InputError: the directory cannot be written to.
-        RunError: a process died.
-    """
-    with STUDY.opened(directory) as cache:
-        outcomes = [Outcome(**one) for one in evaluate.values(plan(cells), cache, progress=progress, failed=_is_wrong)]
-        if directory is not None:
-            STUDY.write(directory, {TABLE: to_csv(Outcome, outcomes)})
-    return outcomes
-
-
 def plan(cells: Sequence[Cell]) -> list[evaluate.Case]:
     """Their cases, which are computed again when the program changes. Those of several ranks use all cores."""
     program = _program()
@@ -293,10 +272,6 @@ def plan(cells: Sequence[Cell]) -> list[evaluate.Case]:
         )
         for cell in cells
     ]
-
-
-def _is_wrong(answer: Answer) -> bool:
-    return bool(answer.failed) or answer.value["kind"] == "WRONG"
 
 
 def cost(cell: Cell) -> float:
@@ -338,8 +313,13 @@ def execute(arguments: argparse.Namespace) -> int:
     """Run what is missing, print a table; exit code 1 if a cell is silently wrong."""
     refuse_unknown_parts("extremes", arguments.parts, PARTS)
     chosen = [cell for cell in grid(arguments.parts) if not arguments.quick or cost(cell) <= QUICK]
-    with count_bar("extremes") as progress:
-        outcomes = make_report(chosen, arguments.output, progress=progress)
+    with STUDY.opened(arguments.output) as cache, count_bar("extremes") as progress:
+        found = evaluate.values(
+            plan(chosen), cache, progress=progress, failed=lambda one: bool(one.failed) or one.value["kind"] == "WRONG"
+        )
+        outcomes = [Outcome(**value) for value in found]
+        if arguments.output is not None:
+            STUDY.write(arguments.output, {TABLE: to_csv(Outcome, outcomes)})
     title = "largest error of any velocity (V), against a more accurate reference"
     print_records(title, Outcome, outcomes)
     for outcome in outcomes:

@@ -124,20 +124,13 @@ def busy() -> list[str]:
     return [f"Other processes ran (load {load:.1f} on {mpi.cores()} cores): times are no better than their spread."]
 
 
-def study(
-    problem: Problem,
-    directory: Path,
-    *,
-    budget: float = BUDGET,
-    follow: Callable[[int, int], None] = lambda *_: None,
-) -> Findings:
+def study(problem: Problem, directory: Path, *, budget: float = BUDGET) -> Findings:
     """Measure everything, or until Ctrl-C, and write it; ``trade.csv`` grows meanwhile.
 
     Args:
         problem: of a scene.
         directory: made, or that of an earlier study.
         budget: seconds that it should take.
-        follow: called after every call, with the calls done and their total.
 
     Raises:
         InputError: the directory cannot be used.
@@ -145,7 +138,7 @@ def study(
     """
     found = Findings(problem, notes=busy())
     started = time.perf_counter()
-    with STUDY.opened(directory):
+    with STUDY.opened(directory), count_bar("trade") as follow:
         try:
             with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as name:
                 _measure(found, directory, Path(name), Limits(REPEATS, _LONGEST * budget, _ENGINES * budget), follow)
@@ -158,7 +151,7 @@ def study(
     return found
 
 
-def _measure(found: Findings, directory: Path, work: Path, limits: Limits, follow: Callable[[int, int], None]) -> None:
+def _measure(found: Findings, directory: Path, work: Path, limits: Limits, follow: Callable[..., None]) -> None:
     problem = found.problem
     follow(0, 1)
     truth = found.truth = make_truth(problem, work, seconds=_TRUTH / _ENGINES * limits.budget)
@@ -252,8 +245,7 @@ def execute(arguments: argparse.Namespace) -> int:
             "beads show the same trade",
             file=sys.stderr,
         )
-    with count_bar("trade") as progress:
-        found = study(problem, arguments.output, budget=arguments.budget, follow=progress)
+    found = study(problem, arguments.output, budget=arguments.budget)
     _print(found)
     names = [name for name in STUDY.files if (arguments.output / name).exists()]
     print(f"{one_line(arguments.output)}: {', '.join(names)}")
