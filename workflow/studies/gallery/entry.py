@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import matplotlib as mpl
 import numpy as np
@@ -22,9 +22,9 @@ from analysis.sharing.cells import left
 from analysis.sharing.energies import EnergyFlow, Flow
 from analysis.sharing.survey import survey
 from analysis.tracking.leading_waves import Waves, leading_waves
-from analysis.tracking.peaks import PeakFinder, Peaks
+from analysis.tracking.peaks import Peaks, find_peaks
 from analysis.tracking.pulses import Pulse, Train, track_pulses, train_of
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Floats, Trajectory, watch
 from lammps_inputs import library
 from lammps_inputs.facts import Fact
 from workflow.runs.engines import ENGINES as KNOWN_ENGINES
@@ -38,11 +38,6 @@ COLOURS = CHAIN_COLOURS
 # --- runs -------------------------------------------------------------------------------------------------------------
 
 
-class _Meter(Protocol):
-    def add(self, block: Trajectory, /) -> None: ...
-
-
-Meter = TypeVar("Meter", bound=_Meter)
 Value = TypeVar("Value")
 
 
@@ -59,12 +54,6 @@ class Ran(RunDirectory):
         assert found is not None
         return found
 
-    def read(self, meter: Meter) -> Meter:
-        """A meter that has been given all frames, block by block."""
-        for block in self.blocks():
-            meter.add(block)
-        return meter
-
     @cached_property
     def trajectory(self) -> Trajectory:
         """All frames."""
@@ -72,11 +61,11 @@ class Ran(RunDirectory):
 
     @cached_property
     def _forwards(self) -> Peaks:
-        return self.read(PeakFinder(direction=1)).result()
+        return find_peaks(self.blocks(), direction=1)
 
     @cached_property
     def _backwards(self) -> Peaks:
-        return self.read(PeakFinder(direction=-1)).result()
+        return find_peaks(self.blocks(), direction=-1)
 
     @cached_property
     def waves(self) -> Waves:
@@ -115,7 +104,7 @@ class Ran(RunDirectory):
     def forces(self, *, contacts: Iterable[int] = (), wall: bool = False) -> Readings:
         """What gauges at walls and in contacts (between bead n and the next) read."""
         places = gauges(self.problem.system, wall=wall, contacts=tuple(contacts))
-        return self.read(ForceMeter(self.problem, places)).result()
+        return watch(ForceMeter(self.problem, places), self.blocks()).result()
 
     def residual(self, period: int) -> float:
         """Share of its energy that chain 1's pulse loses from one cell to the next; NaN where it passed none."""
@@ -125,12 +114,12 @@ class Ran(RunDirectory):
     @cached_property
     def flow(self) -> Flow:
         """Energy of the chains over time."""
-        return self.read(EnergyFlow(self.problem)).result()
+        return watch(EnergyFlow(self.problem), self.blocks()).result()
 
     @cached_property
     def spectrum(self) -> Map:
         """Power of the velocities over wavenumber and frequency."""
-        return self.read(Dispersion(self.problem)).result()
+        return watch(Dispersion(self.problem), self.blocks()).result()
 
     def width(self, bead: int) -> float:
         """Full width at half maximum of the leading pulse at a bead of chain 1, in beads: time there times speed."""

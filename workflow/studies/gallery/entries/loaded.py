@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 
 from analysis.loaded_pulse import LoadedPulse, LoadedWave
 from analysis.shape.long_waves import speed_over_sound
+from analysis.trajectory import watch
 from workflow.studies.gallery.criteria import Measured, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, exponent
 
@@ -18,7 +19,7 @@ LOADS = {f"load-{load:g}": load for load in (0.1, 0.01, 0.003)}
 
 
 def _wave(run: Ran) -> LoadedWave:
-    found = run.read(LoadedPulse(run.problem)).result()
+    found = watch(LoadedPulse(run.problem), run.blocks()).result()
     assert found is not None
     return found
 

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from analysis.contacts import YieldMeter
-from analysis.trajectory import Floats
+from analysis.trajectory import Floats, watch
 from lammps_inputs.laws.plastic import restitution_of
 from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, by_engine, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, exponent
@@ -42,7 +42,7 @@ def _worst(*runs: Ran) -> float:
 
 def _force_exponent(first: int, last: int, run: Ran) -> float:
     """Of the largest force over the number of the contact."""
-    found = run.read(YieldMeter()).result()
+    found = watch(YieldMeter(), run.blocks()).result()
     assert found is not None
     return exponent(found[1].force[first - 1 : last - 1], np.arange(float(first), last))
 

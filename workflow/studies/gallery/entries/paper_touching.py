@@ -9,6 +9,7 @@ import numpy as np
 from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
 from analysis.figures.waves import response_figure
 from analysis.sharing.equipartition import Estimate, Sharing, sharing
+from analysis.trajectory import watch
 from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, by_engine, near, state
 from workflow.studies.gallery.entry import Entry, Ran, Results, Statements, each
 from workflow.studies.map.study import run_case
@@ -142,9 +143,11 @@ def pictures(runs: Results) -> list[Picture]:
     for name, bead, space, time in CASES:
         run = runs[name]["lammps"]
         caption = f"Fig. {space}: velocity in space and time ({name}, LAMMPS)."
-        found.append(drawn(f"fig{space}", spacetime_figure(run.read(SpaceTime(run.problem))), caption))
+        found.append(drawn(f"fig{space}", spacetime_figure(watch(SpaceTime(run.problem), run.blocks())), caption))
         caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
-        found.append(drawn(f"fig{time}", response_figure(run.read(BeadHistory(run.problem, (bead,)))), caption))
+        found.append(
+            drawn(f"fig{time}", response_figure(watch(BeadHistory(run.problem, (bead,)), run.blocks())), caption)
+        )
     return found
 
 
