@@ -174,14 +174,14 @@ def _passed(time: Floats, energy: Floats) -> bool:
     largest = float(np.max(energy))
     if not FAINTEST_ENERGY < largest < np.inf or energy[0] >= 0.5 * largest:  # there from the start
         return False
-    quarter, half, level = (_crossed(time, energy, share * largest) for share in (0.25, 0.5, 1.0 - LEVEL))
+
+    def reached(level: float) -> float:
+        """When, from the values alone."""
+        k = int(np.argmax(energy >= level))
+        return crossing(time, energy, k, level) if k else float(time[0])
+
+    quarter, half, level = (reached(share * largest) for share in (0.25, 0.5, 1.0 - LEVEL))
     return bool(energy[-1] < largest or time[-1] - level >= half - quarter)
-
-
-def _crossed(time: Floats, values: Floats, level: float) -> float:
-    """When values first reach a level, from values alone."""
-    k = int(np.argmax(values >= level))
-    return crossing(time, values, k, level) if k else float(time[0])
 
 
 def _largest(time: Floats, energy: Floats, rate: Floats, total: Floats) -> float:

@@ -111,7 +111,9 @@ class ImpulseMeter:
             raise ValueError("no frames to measure")
         imbalance = float("nan")
         if self.problem.recorded is None and self.problem.system.holds(Fact.MOMENTUM):
-            imbalance = _imbalance(self._whole, (self._carried.velocity[0] - self._start) * self.problem.system.mass)
+            gained = ((self._carried.velocity[0] - self._start) * self.problem.system.mass).sum(axis=0)
+            ahead = np.cumsum(gained[::-1])[::-1][1:]
+            imbalance = float(np.max(np.abs(self._whole.sum(axis=0) - ahead)))
         with np.errstate(invalid="ignore", divide="ignore"):
             time = self._moment / self._first
         return Impulses(self._bead, self._first.copy(), self._whole.copy(), self._contacts.copy(), time, imbalance)
@@ -180,11 +182,6 @@ def from_events(problem: Problem, events: Events) -> Impulses:
     first[chain[index], row[index]] = events.impulse[index]
     time[chain[index], row[index]] = events.time[index]
     return Impulses(np.arange(2, problem.beads + 1), first, whole, contacts, time, 0.0)
-
-
-def _imbalance(whole: Floats, gained: Floats) -> float:
-    ahead = np.cumsum(gained.sum(axis=0)[::-1])[::-1][1:]
-    return float(np.max(np.abs(whole.sum(axis=0) - ahead)))
 
 
 def _gauss(spacing: float) -> tuple[Floats, Floats]:

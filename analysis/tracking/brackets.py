@@ -211,7 +211,6 @@ def bracketed(
 ) -> Brackets:
     """Maxima whose largest frames are given. One at frame 0 stays there but of a bead that is pushed or moved."""
     spacing = block.spacing
-    x, v = block.displacement, block.velocity
     by_equations = block.forces_known and not noisy
     if by_equations:
         rising = way * motion.acceleration_and_rate(block, frame, chain, bead)[0] > 0.0
@@ -223,13 +222,7 @@ def bracketed(
         start = np.clip(frame - 1, 0, block.frames - len(nodes))
         low = np.maximum(frame - start - 1.0, 0.0)
         high = low + 2.0
-    states = []
-    for at in (start + node for node in nodes):
-        state = [x[at, chain, bead], v[at, chain, bead]]
-        if by_equations:
-            state += motion.acceleration_and_rate(block, at, chain, bead)
-        states.append(state)
-    data = way * np.array(states)
+    data = way * np.array([_states(block, start + node, chain, bead, by_equations=by_equations) for node in nodes])
 
     quick = spacing * max(1.0, rates.fastest(block.problem.system) / FREQUENCY) if by_equations else spacing
 
@@ -278,17 +271,19 @@ def _beside(block: Trajectory, frame: Integers, start: Integers, chain: Integers
     if len(near) == 0:
         return found
     frame, start, chain, bead = frame[near], start[near], chain[near], bead[near]
-    x, v = block.displacement, block.velocity
-    states = [
-        [x[at, chain, bead], v[at, chain, bead], *motion.acceleration_and_rate(block, at, chain, bead)]
-        for at in (start, start + 1)
-    ]
-    curve, _ = _polynomials(
-        (0, 1), way * np.array(states), block.spacing, block.spacing, by_equations=True, noisy=False
-    )
+    data = way * np.array([_states(block, at, chain, bead, by_equations=True) for at in (start, start + 1)])
+    curve, _ = _polynomials((0, 1), data, block.spacing, block.spacing, by_equations=True, noisy=False)
     along = [hermite.value(curve, np.full(len(near), s)) for s in np.linspace(0.0, 1.0, _SAMPLES)]
-    found[near] += np.max(along, axis=0) - way * v[frame, chain, bead]
+    found[near] += np.max(along, axis=0) - way * block.velocity[frame, chain, bead]
     return found
+
+
+def _states(
+    block: Trajectory, frame: Integers, chain: Integers, bead: Integers, *, by_equations: bool
+) -> tuple[Floats, ...]:
+    """Displacement and its derivatives at chosen positions: three where the equation of motion gives them, else one."""
+    state = block.displacement[frame, chain, bead], block.velocity[frame, chain, bead]
+    return (*state, *motion.acceleration_and_rate(block, frame, chain, bead)) if by_equations else state
 
 
 def _pushed(

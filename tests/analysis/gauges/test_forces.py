@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from small_problems import problem, written_down
 
+from analysis.files.traces import Channel
 from analysis.gauges.forces import ForceMeter
-from analysis.gauges.gauge import gauges
+from analysis.gauges.gauge import beads_of, complaint, gauges, read, read_at
 from analysis.trajectory import watch
 from lammps_inputs import library, physics
 from workflow.engines.reference import engine
@@ -27,7 +28,7 @@ def walled(**changes):
     return library.from_plain(given, "test").problem()
 
 
-def read(trajectory, *blocks, **places):
+def readings_of(trajectory, *blocks, **places):
     meter = ForceMeter(trajectory.problem, gauges(trajectory.problem.system, **{"wall": True, **places}))
     return watch(meter, blocks or (trajectory,)).result()
 
@@ -41,7 +42,7 @@ def found():
 def test_momentum_lost_is_the_impulse_of_the_walls(walls):
     one = walled(walls=walls, chains=2, coupling={"stiffness": 0.1}, output={"every": 0.01})
     trajectory = engine.run(one, steps_per_frame=10)
-    readings = read(trajectory)
+    readings = readings_of(trajectory)
     lost = 1.0 - trajectory.velocity[-1].sum()
     taken = sum(
         (1.0 if gauge.name == "right wall" else -1.0) * readings.impulse[:, place].sum()
@@ -54,7 +55,7 @@ def test_momentum_lost_is_the_impulse_of_the_walls(walls):
 def test_a_lone_bead_at_a_wall_has_the_exact_contact():
     """Largest force (5/4)**0.6, impulse 2, duration 2.9432752 times the largest overlap (5/4)**0.4."""
     last = walled(beads=2, kick={"bead": 2, "velocity": 1.0}, duration=6.0, output={"every": 0.02})
-    readings = read(engine.run(last, steps_per_frame=40))
+    readings = readings_of(engine.run(last, steps_per_frame=40))
     beta = 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
     assert readings.largest[0, 0] == pytest.approx(1.25**0.6, abs=1e-9)
     assert readings.at[0, 0] == pytest.approx(0.5 * beta * 1.25**0.4, abs=1e-5)
@@ -64,29 +65,29 @@ def test_a_lone_bead_at_a_wall_has_the_exact_contact():
 
 
 def test_a_sensor_reads_the_mean_of_its_beads_contacts(found):
-    readings = read(found, contacts=(9, 10), sensors=(10,))
+    readings = readings_of(found, contacts=(9, 10), sensors=(10,))
     np.testing.assert_allclose(readings.force[..., 3], readings.force[..., 1:3].mean(axis=-1), atol=1e-16)
     assert readings.impulse[0, 3] == pytest.approx(readings.impulse[0, 1:3].mean(), rel=1e-14)
 
 
 def test_the_bulk_force_is_the_solitary_waves():
     one = walled(beads=60, duration=50.0, walls={"right": "bead"})
-    readings = read(engine.run(one, steps_per_frame=100), contacts=(30,))
+    readings = readings_of(engine.run(one, steps_per_frame=100), contacts=(30,))
     assert readings.largest[0, 1] == pytest.approx(0.63955, abs=5e-6)
 
 
 def test_the_largest_force_does_not_depend_on_where_frames_fall(found):
-    fine = read(found).largest[0, 0]
+    fine = readings_of(found).largest[0, 0]
     for start in (0, 1, 2):
         coarse = found[start::3]
-        assert read(coarse).largest[0, 0] == pytest.approx(fine, abs=2e-7)
+        assert readings_of(coarse).largest[0, 0] == pytest.approx(fine, abs=2e-7)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("cut", [1, 57, 300, 499])
 def test_blocks_add_up_to_the_whole(cut, found):
-    whole = read(found, contacts=(9,), sensors=(10,))
-    parts = read(found, found[:cut], found[cut:], contacts=(9,), sensors=(10,))
+    whole = readings_of(found, contacts=(9,), sensors=(10,))
+    parts = readings_of(found, found[:cut], found[cut:], contacts=(9,), sensors=(10,))
     np.testing.assert_array_equal(whole.force, parts.force)
     for name in ("largest", "impulse", "dwell"):
         np.testing.assert_allclose(getattr(whole, name), getattr(parts, name), rtol=1e-13)
@@ -102,7 +103,7 @@ def test_recording_the_beads_concerned_is_enough(found):
         displacement=found.displacement[:, :, np.array(beads) - 1],
         velocity=found.velocity[:, :, np.array(beads) - 1],
     )
-    whole, part = read(found, **asked), read(few, **asked)
+    whole, part = readings_of(found, **asked), readings_of(few, **asked)
     np.testing.assert_array_equal(whole.force, part.force)
     np.testing.assert_allclose(part.largest, whole.largest, atol=1e-5)
     np.testing.assert_allclose(part.impulse, whole.impulse, atol=1e-4)
@@ -110,7 +111,7 @@ def test_recording_the_beads_concerned_is_enough(found):
 
 def test_under_a_load_walls_and_contacts_read_it_at_rest():
     loaded = walled(beads=8, precompression={"force": 0.5}, duration=2.0)
-    readings = read(written_down(loaded, lambda t: (0.0 * t, 0.0 * t)), contacts=(4,), sensors=(4,))
+    readings = readings_of(written_down(loaded, lambda t: (0.0 * t, 0.0 * t)), contacts=(4,), sensors=(4,))
     np.testing.assert_allclose(readings.force, 0.5, rtol=1e-4)
     np.testing.assert_allclose(readings.static, 0.5, rtol=1e-4)
     np.testing.assert_allclose(readings.impulse, 0.0, atol=1e-15)
@@ -130,7 +131,7 @@ def pressed_by(size, until=20.0):
         last = np.arange(8) == 7
         return last * (overlap - (0.5 / strength) ** (2.0 / 3.0)), last * (2.0 / 3.0 * rate / strength * overlap**-0.5)
 
-    return read(written_down(loaded, motion))
+    return readings_of(written_down(loaded, motion))
 
 
 @pytest.mark.parametrize("size", [0.2, 20.0])
@@ -174,7 +175,7 @@ def test_the_dwell_is_that_of_the_hardest_contact():
         first = np.array([1.0, 0.0])  # bead 1 moves, bead 2 does not
         return first * overlap, first * rate
 
-    readings = read(written_down(small, motion), wall=False, contacts=(1,))
+    readings = readings_of(written_down(small, motion), wall=False, contacts=(1,))
     assert readings.contacts[0, 0] == 3
     assert readings.largest[0, 0] == pytest.approx(0.5**1.5, rel=1e-4)
     assert readings.at[0, 0] == pytest.approx(5.5, abs=0.01)
@@ -184,7 +185,7 @@ def test_the_dwell_is_that_of_the_hardest_contact():
 def test_beads_at_rest_are_read_as_no_force():
     still = problem(kappa=0.0)
     trajectory = written_down(still, lambda t: (0.0 * t, 0.0 * t))
-    readings = read(trajectory, wall=False, contacts=(3,))
+    readings = readings_of(trajectory, wall=False, contacts=(3,))
     assert not readings.force.any()
     assert readings.impulse.tolist() == readings.largest.tolist() == readings.dwell.tolist() == [[0.0], [0.0]]
     assert np.isnan(readings.at).all()
@@ -210,10 +211,50 @@ def test_a_damped_contact_is_read_with_its_dashpot(g):
     time = np.linspace(1e-9, over, 100001)
     fall = np.exp(-g * time)
     force = fall * (np.sin(omega * time) / omega + g * (np.cos(omega * time) - g / omega * np.sin(omega * time)))
-    readings = read(exact, wall=False, contacts=(1,))
+    readings = readings_of(exact, wall=False, contacts=(1,))
     assert readings.largest[0, 0] == pytest.approx(force.max(), abs=1e-4)
     assert readings.at[0, 0] == pytest.approx(time[np.argmax(force)], abs=0.01)
     assert readings.force.min() == pytest.approx(force.min(), abs=0.02 * g)  # it pulls, last of all hardest
     assert readings.impulse[0, 0] == pytest.approx(0.5 * (1.0 + share), abs=1e-4)
     assert readings.dwell[0, 0] == pytest.approx(over, abs=1e-4)
     assert readings.contacts[0, 0] == 1
+
+
+# --- traces as they would have been measured --------------------------------------------------------------------------
+
+
+PROBLEM = walled(chains=2, beads=8, walls={"right": "flat"}, precompression={"force": 0.3}, duration=5.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "first", "last"), [("contact", 1, 7), ("sensor", 2, 7), ("velocity", 1, 8), ("displacement", 1, 8)]
+)
+def test_channels_are_of_beads_that_have_such(kind, first, last):
+    for bead in range(10):
+        said = complaint(Channel(kind, 2, bead), PROBLEM)
+        assert said == (None if first <= bead <= last else f"beads {first} to {last} of the scene have such")
+
+
+def test_walls_and_chains_must_be_there():
+    assert complaint(Channel("wall", 1, right=True), PROBLEM) is None
+    assert complaint(Channel("wall", 1, right=False), PROBLEM) == "the scene has no left wall"
+    assert complaint(Channel("velocity", 3, 1), PROBLEM) == "the scene has chains 1 to 2"
+
+
+def test_a_force_takes_the_beads_on_either_side():
+    of = {Channel("contact", 1, 4): (4, 5), Channel("sensor", 1, 4): (3, 4, 5), Channel("velocity", 1, 4): (4,)}
+    for channel, beads in of.items():
+        assert beads_of((channel,), PROBLEM) == beads
+    assert beads_of((Channel("wall", 1, right=True), *of), PROBLEM) == (3, 4, 5, 8)
+
+
+def test_a_dynamic_force_is_that_above_rest_and_nothing_is_before_the_start():
+    channels = tuple(
+        Channel(kind, 1, 4, dynamic=dynamic) for kind in ("contact", "sensor") for dynamic in (False, True)
+    )
+    channels += tuple(Channel("wall", 1, right=True, dynamic=dynamic) for dynamic in (False, True))
+    rest = written_down(PROBLEM, lambda t: (0.0 * t, 0.0 * t))
+    np.testing.assert_allclose(read(rest, channels), [[0.3, 0.0] * 3] * rest.frames, rtol=1e-9, atol=1e-12)
+    before, after = read_at(rest, channels, np.array([-0.5, 1.23]))
+    assert not np.any(before)
+    np.testing.assert_allclose(after, [0.3, 0.0] * 3, rtol=1e-9, atol=1e-12)

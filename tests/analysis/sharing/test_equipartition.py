@@ -1,7 +1,6 @@
 """Known beads of agreement, and synthetic sharings of known mismatch, beat and decay."""
 
 import functools
-import math
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from analysis.sharing.equipartition import Sharing
 from analysis.sharing.survey import Survey, survey
 from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star, fit_decay, verdict_on
 from analysis.trajectory import blocks
-from lammps_inputs import Coupling, Kick, Output, Scene, library, physics
+from lammps_inputs import Kick, library
 from workflow.engines.reference import engine
 
 RUNS = {
@@ -207,11 +206,6 @@ def test_verdict_without_any_place_gives_the_rule_of_thumb():
     assert (verdict.state, verdict.expected.value) == (State.SHORT, pytest.approx(60.0))
 
 
-def test_n_star_of_theory_is_that_of_the_table():
-    assert expected_n_star(0.01) == pytest.approx(2.709 / 0.01, rel=2e-4)
-    assert expected_n_star(0.01, 2) == pytest.approx(expected_n_star(0.01) / 2.0, rel=1e-15)
-
-
 def test_a_weakly_coupled_pulse_decays_by_the_law():
     trajectory = reference(2, 0.002, 400, 560.0)
     fit = survey(reader(trajectory), trajectory.problem).decay
@@ -263,23 +257,6 @@ def test_a_mirrored_scene_is_found_the_same():
     assert mirror.verdict.sentence == plain.verdict.sentence
 
 
-@pytest.mark.parametrize("speed", [0.01, 20.0])
-def test_the_kicks_speed_changes_nothing_but_the_units(speed):
-    kappa = 0.1 * speed**0.4
-    scene = Scene(
-        name="scaled",
-        chains=2,
-        beads=80,
-        coupling=Coupling(stiffness=kappa),
-        kick=(Kick(velocity=speed),),
-        duration=110.0 * speed**-0.2,
-        output=Output(every=0.1 * speed**-0.2),
-    )
-    scaled, plain = scene.problem(), problem(2, 0.1, 80, 110.0)
-    assert math.isclose(physics.kappa(scaled.system), physics.kappa(plain.system), rel_tol=1e-12)
-    assert math.isclose(scaled.every, plain.every, rel_tol=1e-12)
-
-
 def test_chains_are_compared_at_the_beads_after_the_one_hit_and_until_five_before_the_free_end():
     found = run(2, 0.1)
     assert found.shared.bead[0] == 2
@@ -315,31 +292,28 @@ def test_an_amplitude_that_goes_on_changing_has_no_limit_but_a_range(name):
     assert sorted((least, largest)) == pytest.approx(sorted(FALLING[name](np.array([52.0, 101.0]))))
 
 
-CHANGING = {
-    "energy is dissipated": {"damping": {"contact": 1e-4}},
-    "beads, contacts or loads differ along the chain": {"disorder": {"mass": 1e-3}},
-    "no pulse keeps its shape": {"foundation": {"stiffness": 0.1}},
-    "chains of unlike beads are coupled": {
-        "chains": 2, "coupling": {"stiffness": 0.1}, "kinds": {"a": {}, "b": {"mass": 2.0}}, "pattern": [["a"], ["b"]],
-    },
-    "the chains are not coupled there": {"chains": 2, "coupling": {"stiffness": 0.1, "rows": [1, 10]}},
-    "the chains have exchanged energy for less than half a beat": {"chains": 2, "coupling": {"stiffness": 1e-3}},
-}  # fmt: skip
+TIED = {"chains": 2, "coupling": {"stiffness": 0.1}}
+KICK = {"chain": 1, "velocity": 1.0}
 
-
-def test_chains_that_nothing_couples_have_no_common_limit():
-    kick = [{"chain": 1, "velocity": 1.0}, {"chain": 2, "velocity": 0.5}]
-    plain = {"name": "a", "chains": 2, "beads": 40, "kick": kick, "duration": 60.0, "output": {"every": 0.2}}
-    trajectory = engine.run(library.from_plain(plain, "test").problem())
-    found = survey(lambda: blocks(trajectory), trajectory.problem).shared
-    assert (found.changing, found.final) == ("the chains are not coupled there", None)
+CHANGING = [
+    ("energy is dissipated", {"damping": {"contact": 1e-4}}),
+    ("beads, contacts or loads differ along the chain", {"disorder": {"mass": 1e-3}}),
+    ("no pulse keeps its shape", {"foundation": {"stiffness": 0.1}}),
+    (
+        "chains of unlike beads are coupled",
+        {**TIED, "kinds": {"a": {}, "b": {"mass": 2.0}}, "pattern": [["a"], ["b"]]},
+    ),
+    ("the chains are not coupled there", {"chains": 2, "coupling": {"stiffness": 0.1, "rows": [1, 10]}}),
+    ("the chains are not coupled there", {"chains": 2, "kick": [KICK, {"chain": 2, "velocity": 0.5}]}),
+    ("the chains have exchanged energy for less than half a beat", {"chains": 2, "coupling": {"stiffness": 1e-3}}),
+]
 
 
 @pytest.mark.parametrize(
-    "why", [pytest.param(why, marks=[pytest.mark.slow] * (why == "energy is dissipated")) for why in CHANGING]
+    ("why", "keys"), [pytest.param(*case, marks=[pytest.mark.slow] * ("damping" in case[1])) for case in CHANGING]
 )
-def test_where_amplitudes_have_no_limit_the_reason_is_stated(why):
-    plain = {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 60.0, "output": {"every": 0.2}}
-    trajectory = engine.run(library.from_plain({**plain, **CHANGING[why]}, "test").problem())
+def test_where_amplitudes_have_no_limit_the_reason_is_stated(why, keys):
+    plain = {"name": "a", "beads": 40, "kick": KICK, "duration": 60.0, "output": {"every": 0.2}}
+    trajectory = engine.run(library.from_plain({**plain, **keys}, "test").problem())
     found = survey(lambda: blocks(trajectory), trajectory.problem).shared
     assert (found.changing, found.final) == (why, None)
