@@ -110,6 +110,10 @@ class Layout:
         rest = float(laws.rest(self.system.along[0].law)) if physics.even(self.system) else 0.0
         return self.diameter + self.gap - rest
 
+    def apart(self, edge: tuple[int, int]) -> float:
+        """Lateral distance of the centres of two chains, the lower number first."""
+        return 2.0 * (self.diameter + self.gap) * (edge[1] - edge[0])
+
     @property
     def places(self) -> NDArray[np.float64]:
         """[chain, bead] where the beads are at rest, to the last bit."""

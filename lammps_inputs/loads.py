@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lammps_inputs.deck_lines import Lines
+from lammps_inputs.laws import in_time
 from lammps_inputs.laws.in_time import Sine, TimeLaw
 from lammps_inputs.numbers import text
 
@@ -36,7 +37,7 @@ class Load:
         return (
             isinstance(other, Load)
             and (self.chain, self.bead, type(self.law)) == (other.chain, other.bead, type(other.law))
-            and all(map(np.array_equal, tuple(self.law), tuple(other.law)))  # type: ignore[arg-type]
+            and all(map(np.array_equal, tuple(self.law), tuple(other.law)))
         )
 
     def __hash__(self) -> int:
@@ -44,19 +45,19 @@ class Load:
 
     def force(self, time: Any) -> Any:
         """At a time."""
-        return self.law.force(time, *self.law)  # type: ignore[misc]
+        return self.law.force(time, *self.law)
 
     def rate(self, time: Any) -> Any:
         """How fast the force changes."""
-        return self.law.rate(time, *self.law)  # type: ignore[misc]
+        return self.law.rate(time, *self.law)
 
     def impulse(self, time: Any) -> Any:
         """Given until a time."""
-        return self.law.impulse(time, *self.law)  # type: ignore[misc]
+        return self.law.impulse(time, *self.law)
 
     def travel(self, time: Any) -> Any:
         """Of a free bead of mass 1, from rest, until a time."""
-        return self.law.travel(time, *self.law)  # type: ignore[misc]
+        return self.law.travel(time, *self.law)
 
     @property
     def end(self) -> float:
@@ -79,7 +80,7 @@ class Load:
 
     def mirrored(self, bead: int) -> "Load":
         """The opposite force on another bead."""
-        return replace(self, bead=bead, law=self.law.reversed())
+        return replace(self, bead=bead, law=in_time.opposite(self.law))
 
 
 @dataclass(frozen=True)
@@ -176,7 +177,7 @@ def start_lines(layout: "Layout") -> list[str]:
 
 def _push_lines(load: Load, name: str, layout: "Layout") -> Lines:
     first, last = text(load.law.kinks[0]), text(load.law.kinks[-1])
-    variables = load.law.variables(name)
+    variables = in_time.variables(load.law, name)
     if variables and not load.endless:
         last = f"v_{name}duration"
 

@@ -26,6 +26,7 @@ from lammps_inputs.ingredients.unequal import (
     Taper,
     masses_and_strengths,
 )
+from lammps_inputs.laws import in_time
 from lammps_inputs.limits import solids as limits_of_material
 from lammps_inputs.limits.closing import never_closes
 from lammps_inputs.limits.rates import timestep_for
@@ -462,7 +463,7 @@ class BaseScene(Part):
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(self)}
-        taken |= {Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set()
+        taken |= {Fact.SECOND_ORDER} if any(in_time.jumps(load.law) for load in loads) else set()
         inner_mass, inner_links, inner_dampers = self._inner
         borne = physics.with_inner(mass, inner_mass, self.chains)
         static = sum((ingredient.static(self, borne) for ingredient in self.ingredients), np.float64(0.0))

@@ -32,7 +32,7 @@ the layout of the beads in LAMMPS. Nothing here depends on scenes or problems.
 """
 
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, get_type_hints
 
 import numpy as np
@@ -54,20 +54,16 @@ Pure = Annotated[Parameter, Dimension()]
 class Law(Protocol):
     """What every law has beside its parameters; it is a tuple of those."""
 
-    @property
-    def force(self) -> Callable[..., Any]:
+    def force(self, *args: Any, **kwargs: Any) -> Any:
         """See above."""
 
-    @property
-    def energy(self) -> Callable[..., Any]:
+    def energy(self, *args: Any, **kwargs: Any) -> Any:
         """See above."""
 
-    @property
-    def stiffness(self) -> Callable[..., Any]:
+    def stiffness(self, *args: Any, **kwargs: Any) -> Any:
         """See above."""
 
-    @property
-    def max_strain(self) -> Callable[..., Any]:
+    def max_strain(self, *args: Any, **kwargs: Any) -> Any:
         """See above."""
 
     def __iter__(self) -> Iterator[Any]:

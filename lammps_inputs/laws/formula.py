@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lammps_inputs.deck_lines import Lines, whole_contacts
 from lammps_inputs.numbers import text
@@ -51,17 +52,22 @@ def across(energy: str) -> "Callable[[Any, Across, Layout], Lines]":
     """Method of springs between chains, from their energy; it must be even: a formula of ``q``, the strain squared."""
 
     def spell(law: Any, link: "Across", layout: "Layout") -> Lines:
-        apart = np.array([2.0 * (layout.diameter + layout.gap) * (higher - lower) for lower, higher in link.edges])
-        kinds, bonds = np.unique(apart, return_inverse=True)
-        squares = (f"(r^2-{text(distance * distance)})" for distance in kinds.tolist())
+        squares, bonds = squares_of_strain(link, layout)
         return Lines(
-            bonds=np.broadcast_to(bonds.reshape(-1, 1) + 1, (len(link.edges), layout.beads)),
+            bonds=bonds,
             style="lepton",
             coefficients=tuple(f'0 "{_filled(law, link.name, energy, square, "q")}"' for square in squares),
             interactions=("# springs between chains, from their energy", *whole_contacts(link)),
         )
 
     return spell
+
+
+def squares_of_strain(link: "Across", layout: "Layout") -> tuple[list[str], NDArray[np.int64]]:
+    """The strain squared of bonds of each length, in LAMMPS's words, and their types from 1, [edge, row]."""
+    kinds, bonds = np.unique([layout.apart(edge) for edge in link.edges], return_inverse=True)
+    squares = [f"(r^2-{text(distance * distance)})" for distance in kinds.tolist()]
+    return squares, np.broadcast_to(bonds.reshape(-1, 1) + 1, (len(link.edges), layout.beads))
 
 
 def ground(force: str) -> "Callable[[Any, str, Layout], Lines]":

@@ -13,7 +13,7 @@ within the time in which the force acts.
 
 # ruff: noqa: ARG004  every function of a law takes all of its parameters
 import math
-from collections.abc import Callable
+from collections.abc import Iterator
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -30,42 +30,31 @@ MOST_POINTS = 50
 class TimeLaw(Protocol):
     """What every law has beside its parameters; it is a tuple of those."""
 
-    @property
-    def force(self) -> Callable[..., Any]:
+    def force(self, *args: Any, **kwargs: Any) -> Any:
         """See above."""
 
-    @property
-    def rate(self) -> Callable[..., Any]:
+    def rate(self, *args: Any, **kwargs: Any) -> Any:
         """See above."""
 
-    @property
-    def impulse(self) -> Callable[..., Any]:
+    def impulse(self, *args: Any, **kwargs: Any) -> Any:
         """See above."""
 
-    @property
-    def travel(self) -> Callable[..., Any]:
+    def travel(self, *args: Any, **kwargs: Any) -> Any:
         """See above."""
+
+    def __iter__(self) -> Iterator[Any]:
+        """Over the parameters."""
 
     @property
     def kinks(self) -> tuple[float, ...]:
         """Times between which the force is smooth, from the first at which it acts to the last, which may be never."""
 
     @property
-    def jumps(self) -> bool:
-        """Whether the force jumps later than at the start."""
-
-    @property
     def total(self) -> float:
         """Integral of the force's size; of one that never ends, over half a period."""
 
-    def reversed(self) -> "TimeLaw":
-        """The opposite force."""
-
     def formula(self, name: str) -> str:
         """See above; from deck variables that begin with the name."""
-
-    def variables(self, name: str) -> tuple[str, ...]:
-        """Deck variables with the parameters."""
 
 
 class HalfSine(NamedTuple):
@@ -103,22 +92,9 @@ class HalfSine(NamedTuple):
         return 0.0, self.duration
 
     @property
-    def jumps(self) -> bool:
-        """Only its slope does."""
-        return False
-
-    @property
     def total(self) -> float:
         """Integral of the force's size."""
         return 2.0 * abs(self.peak) * self.duration / math.pi
-
-    def reversed(self) -> "HalfSine":
-        """The opposite force."""
-        return HalfSine(-self.peak, self.duration)
-
-    def variables(self, name: str) -> tuple[str, ...]:
-        """Peak and duration."""
-        return _peak_and_duration(name, self.peak, self.duration)
 
     def formula(self, name: str) -> str:
         """See the module."""
@@ -159,22 +135,9 @@ class Rectangular(NamedTuple):
         return 0.0, self.duration
 
     @property
-    def jumps(self) -> bool:
-        """At its end."""
-        return True
-
-    @property
     def total(self) -> float:
         """Integral of the force's size."""
         return abs(self.peak) * self.duration
-
-    def reversed(self) -> "Rectangular":
-        """The opposite force."""
-        return Rectangular(-self.peak, self.duration)
-
-    def variables(self, name: str) -> tuple[str, ...]:
-        """Peak and duration."""
-        return _peak_and_duration(name, self.peak, self.duration)
 
     def formula(self, name: str) -> str:
         """See the module."""
@@ -216,22 +179,9 @@ class Sine(NamedTuple):
         return 0.0, math.inf
 
     @property
-    def jumps(self) -> bool:
-        """Never later than at the start."""
-        return False
-
-    @property
     def total(self) -> float:
         """Of half a period."""
         return 2.0 * abs(self.peak) / self.omega
-
-    def reversed(self) -> "Sine":
-        """The opposite force."""
-        return Sine(-self.peak, self.omega, self.phase)
-
-    def variables(self, name: str) -> tuple[str, ...]:
-        """Peak, angular frequency and phase (rad)."""
-        return tuple(f"variable {name}{key} index {text(value)}" for key, value in self._asdict().items())
 
     def formula(self, name: str) -> str:
         """See the module; a product, for a difference of cosines would lose digits."""
@@ -286,11 +236,6 @@ class Table(NamedTuple):
         return tuple(self.time.tolist())
 
     @property
-    def jumps(self) -> bool:
-        """It ends with no force."""
-        return False
-
-    @property
     def total(self) -> float:
         """Integral of the force's size."""
         size, width = np.abs(self.value), np.diff(self.time)
@@ -298,14 +243,6 @@ class Table(NamedTuple):
         crosses = self.value[:-1] * self.value[1:] < 0.0
         mean = np.where(crosses, (size[:-1] ** 2 + size[1:] ** 2) / np.where(both > 0.0, both, 1.0), both) / 2.0
         return float(np.sum(mean * width))
-
-    def reversed(self) -> "Table":
-        """The opposite force."""
-        return Table(self.time, -self.value, -self.gained, -self.gone)
-
-    def variables(self, name: str) -> tuple[str, ...]:  # noqa: ARG002  its numbers stand in the formula
-        """None."""
-        return ()
 
     def formula(self, name: str) -> str:  # noqa: ARG002  see below
         """Half of each change of slope, times the square of the time since; at most `MOST_POINTS`.
@@ -344,5 +281,19 @@ def make_table(time: Floats, value: Floats) -> Table:
     return Table(time, value, gained, np.concatenate([[0.0], np.cumsum(gone)]))
 
 
-def _peak_and_duration(name: str, peak: float, duration: float) -> tuple[str, ...]:
-    return f"variable {name}peak index {text(peak)}", f"variable {name}duration index {text(duration)}"
+def jumps(law: TimeLaw) -> bool:
+    """Whether the force jumps later than at the start."""
+    return isinstance(law, Rectangular)
+
+
+def opposite(law: Any) -> Any:
+    """The opposite force."""
+    if isinstance(law, Table):
+        return law._replace(value=-law.value, gained=-law.gained, gone=-law.gone)
+    return law._replace(peak=-law.peak)
+
+
+def variables(law: Any, name: str) -> tuple[str, ...]:
+    """Deck variables with the parameters; none of a table, whose numbers stand in the formula."""
+    numbers = {} if isinstance(law, Table) else law._asdict()
+    return tuple(f"variable {name}{key} index {text(value)}" for key, value in numbers.items())

@@ -123,6 +123,18 @@ def held_by_variable(name: str, atoms: str, formula: str, layout: "Layout") -> l
     ]
 
 
+def driven_back(name: str, forces: list[tuple[str, str]], layout: "Layout") -> Lines:
+    """Forces towards the places of beads, each a formula of ``v_NAMEstrain`` for some atoms."""
+    lines = [f"variable {name}strain atom x-{layout.place_formula}"]
+    for number, (force, atoms) in enumerate(forces, 1):
+        lines += [
+            f"group {name}{number} id {atoms}",
+            f"variable {name}{number} atom -{force}",
+            f"fix {name}{number} {name}{number} addforce v_{name}{number} 0.0 0.0",
+        ]
+    return Lines(motion=tuple(lines))
+
+
 def tied(bonded: list[Lines]) -> list[str]:
     """Springs between chains; the types of several links are numbered one after the other."""
     styles = list(dict.fromkeys(lines.style for lines in bonded))
@@ -168,15 +180,9 @@ class Duffing(NamedTuple):
 
     def ground(self, name: str, layout: "Layout") -> Lines:
         """A force from a formula of the place, for which LAMMPS has no fix of its own."""
-        lines = [f"variable {name}strain atom x-{layout.place_formula}"]
-        for number, ((spring, cubic), atoms) in enumerate(atoms_by_value(self, (layout.chains, layout.beads)), 1):
-            strain = f"v_{name}strain"
-            lines += [
-                f"group {name}{number} id {atoms}",
-                f"variable {name}{number} atom -({text(spring)}*{strain}+{text(cubic)}*{strain}^3)",
-                f"fix {name}{number} {name}{number} addforce v_{name}{number} 0.0 0.0",
-            ]
-        return Lines(motion=tuple(lines))
+        strain, own = f"v_{name}strain", atoms_by_value(self, (layout.chains, layout.beads))
+        forces = [(f"({text(k)}*{strain}+{text(c)}*{strain}^3)", atoms) for (k, c), atoms in own]
+        return driven_back(name, forces, layout)
 
     def across(self, link: "Across", layout: "Layout") -> Lines:
         """Bonds of class2, whose energy with r0 = 0 is ``K2 r**2 + K4 r**4``, r**2 = s**2 + (lateral distance)**2.
@@ -184,7 +190,7 @@ class Duffing(NamedTuple):
         With K4 = c / 4 the lateral part adds ``2 K4 distance**2`` to K2, which is taken away; exact but for rounding.
         """
         shape = (len(link.edges), layout.beads)
-        apart = np.array([[2.0 * (layout.diameter + layout.gap) * (higher - lower)] for lower, higher in link.edges])
+        apart = np.array([[layout.apart(edge)] for edge in link.edges])
         there = np.broadcast_to((self.spring != 0.0) | (self.cubic != 0.0), shape)
         values, bonds = bonds_by_value((self.spring, self.cubic, np.where(there, apart, 0.0)), shape)
         return Lines(

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from lammps_inputs.deck_lines import Lines, atoms_by_value, whole_contacts
 from lammps_inputs.laws import Parameter, Pure, expression, formula
 from lammps_inputs.laws.expression import SQUARE, STRAIN, Derived
+from lammps_inputs.laws.spring import driven_back
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
 
@@ -76,6 +77,10 @@ class Written:
     kind: ClassVar[Kind]
     one_number: ClassVar[tuple[str, ...]]
     base: ClassVar[str]
+    strength: Parameter
+    length: float
+    per_force: float
+    at_rest: float
     rest = 0.0
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -85,14 +90,11 @@ class Written:
     @property
     def load(self) -> Parameter:
         """Force at rest."""
-        law: Any = self
-        found: Parameter = law.strength * law.per_force * law.at_rest
-        return found
+        return self.strength * self.per_force * self.at_rest
 
     def form(self, find: Any) -> str:
         """What `energy_form` or `even_form` finds for the law's parameters."""
-        law: Any = self
-        found: str = find(type(law), tuple(map(float, law[len(_OWN) :])))
+        found: str = find(type(self), tuple(map(float, tuple(cast(Any, self))[len(_OWN) :])))
         return found
 
     # --- functions of the strain and of the parameters ----------------------------------------------------------------
@@ -288,18 +290,17 @@ class AlongChains(Written):
         Raises:
             ValueError: LAMMPS has no such contacts.
         """
-        law: Any = self
-        if np.ndim(law.strength):
+        if np.ndim(self.strength):
             raise ValueError(f"{name}: LAMMPS has one formula for all contacts; use the reference engine")
-        form = law.form(energy_form)
+        form = self.form(energy_form)
         if not form:
             raise ValueError(
                 f"{name}: no formula of the energy was found, which LAMMPS needs; use the reference engine"
             )
         if not self.kind.cut and not np.isfinite(layout.farthest):
             raise ValueError(f"{name}: the energy separates neighbours for good, farther than LAMMPS looks")
-        u = f"({text(self.kind.way * float(law.length))}*({text(layout.spacing)}-r))"
-        energy = f"{text(self.kind.way * _factor(law))}*({_spelled(self, form, u, 'lepton', name)})"
+        u = f"({text(self.kind.way * float(self.length))}*({text(layout.spacing)}-r))"
+        energy = f"{text(self.kind.way * _factor(self))}*({_spelled(self, form, u, 'lepton', name)})"
         if self.kind.cut:
             touching = f"({text(layout.diameter)}-r)"
             energy = energy.replace(f"({text(layout.spacing)}-r)", touching)
@@ -315,9 +316,10 @@ class AlongChains(Written):
 
     def wall(self, overlap: str, strength: str) -> str:
         """Force of a wall at an overlap, in LAMMPS's variables."""
-        law: Any = self
-        u = f"({text(self.kind.way * float(law.length))}*{overlap})"
-        return f"{strength}*{text(float(law.per_force))}*({_spelled(self, self.derived.force, u, 'variable', 'walls')})"
+        u = f"({text(self.kind.way * float(self.length))}*{overlap})"
+        return (
+            f"{strength}*{text(float(self.per_force))}*({_spelled(self, self.derived.force, u, 'variable', 'walls')})"
+        )
 
 
 class ToGround(Written):
@@ -325,17 +327,11 @@ class ToGround(Written):
 
     def ground(self, name: str, layout: "Layout") -> Lines:
         """A force on the beads, in LAMMPS's variables."""
-        law: Any = self
-        lines = [f"variable {name}strain atom x-{layout.place_formula}"]
-        u = f"({text(float(law.length))}*v_{name}strain)"
+        u = f"({text(float(self.length))}*v_{name}strain)"
         value = _spelled(self, self.derived.force, u, "variable", name)
-        for number, ((strength,), atoms) in enumerate(atoms_by_value([law.strength], (layout.chains, layout.beads)), 1):
-            lines += [
-                f"group {name}{number} id {atoms}",
-                f"variable {name}{number} atom -{text(strength * float(law.per_force))}*({value})",
-                f"fix {name}{number} {name}{number} addforce v_{name}{number} 0.0 0.0",
-            ]
-        return Lines(motion=tuple(lines))
+        own = atoms_by_value([self.strength], (layout.chains, layout.beads))
+        forces = [(f"{text(strength * float(self.per_force))}*({value})", atoms) for (strength,), atoms in own]
+        return driven_back(name, forces, layout)
 
 
 class AcrossChains(Written):
@@ -347,25 +343,20 @@ class AcrossChains(Written):
         Raises:
             ValueError: it is none that is smooth at rest.
         """
-        law: Any = self
-        form = law.form(even_form)
+        form = self.form(even_form)
         if not form:
             raise ValueError(
                 f"{link.name}: LAMMPS's bonds take an energy that is a formula of s^2, smooth at s = 0, and none was "
                 "found; use the reference engine"
             )
-        shape = (len(link.edges), layout.beads)
-        there = np.broadcast_to(np.asarray(law.strength) != 0.0, shape)
-        apart = np.array([2.0 * (layout.diameter + layout.gap) * (higher - lower) for lower, higher in link.edges])
-        kinds, bonds = np.unique(apart, return_inverse=True)
-        scale = text(float(law.length) ** 2)
-        squares = (f"({scale}*(r^2-{text(distance * distance)}))" for distance in kinds.tolist())
-        energies = (_spelled(self, form, square, "lepton", link.name, SQUARE) for square in squares)
+        squares, bonds = formula.squares_of_strain(link, layout)
+        scale = text(float(self.length) ** 2)
+        energies = (_spelled(self, form, f"({scale}*{one})", "lepton", link.name, SQUARE) for one in squares)
         return Lines(
             variables=(SINCE,),
-            bonds=np.where(there, bonds.reshape(-1, 1) + 1, 0),
+            bonds=np.where(np.asarray(self.strength) != 0.0, bonds, 0),
             style="lepton",
-            coefficients=tuple(f'0.0 "{text(_factor(law))}*({energy})"' for energy in energies),
+            coefficients=tuple(f'0.0 "{text(_factor(self))}*({energy})"' for energy in energies),
             interactions=(
                 f"# springs between chains, from their energy, a formula of r^2 - d^2; takes {COST}",
                 *whole_contacts(link),

@@ -126,7 +126,7 @@ def _other_push(load: Load, time: Floats, felt: Floats, scale: Scale) -> str:
 
     def fit(law: TimeLaw) -> tuple[float, float]:
         """Factor on the law that explains most, and what is left, as a share."""
-        shape = np.asarray(law.impulse(time, *law))  # type: ignore[misc]
+        shape = np.asarray(law.impulse(time, *law))
         power, total = float(np.sum(shape * shape)), float(np.sum(felt * felt))
         factor = float(np.sum(felt * shape)) / power if power > 0.0 else 0.0
         return factor, float(np.sum((felt - factor * shape) ** 2)) / total if total > 0.0 else 1.0

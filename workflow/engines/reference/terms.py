@@ -244,7 +244,7 @@ def _relative(apart: str) -> tuple[str, str]:
 
 def _shape(load: Load | Motion) -> tuple[Any, ...]:
     """What loads must share to be one term: the law, and how many numbers each of its parameters has."""
-    return type(load.law), tuple(map(np.shape, load.law))  # type: ignore[arg-type]
+    return type(load.law), tuple(map(np.shape, load.law))
 
 
 def _inverse_mass(system: System, step: float) -> Floats | None:
