@@ -5,9 +5,9 @@ strain, rate of strain and the parameters:
 
 - ``damping(s, rate, ...)``: what drives the link's first bead back and its second forward; ``damping * rate`` is the
   power that is lost, never less than 0;
-- ``resistance(s, ...)``: largest ratio of that to the rate;
-- ``impulse(s, ...)``: integral of the resistance from no strain to this one: where no tension is cut, that is what a
-  dashpot has given in time, on whatever way the strain came about; nothing at rest, to the last bit;
+- ``impulse(s, ...)``: integral from no strain to this one of the resistance, the largest ratio of that to the rate:
+  where no tension is cut, that is what a dashpot has given in time, on whatever way the strain came about; nothing at
+  rest, to the last bit;
 - ``growth(s, ...)``: slope of the resistance, where that does not jump;
 - ``granular(layout)``: of contacts, what LAMMPS's ``pair_style granular`` calls it: coefficient and model.
 
@@ -52,11 +52,6 @@ class Dashpot(NamedTuple):
     def damping(s: Any, rate: Any, coefficient: Any) -> Any:  # noqa: ARG004
         """Proportional to the rate."""
         return coefficient * rate
-
-    @staticmethod
-    def resistance(s: Any, coefficient: Any) -> Any:
-        """The same at any strain."""
-        return coefficient * np.ones_like(s)
 
     @staticmethod
     def growth(s: Any, coefficient: Any) -> Any:
@@ -144,11 +139,6 @@ class ContactDashpot(NamedTuple):
         return np.maximum((closed > 0.0) * (coefficient * rate), -tensile_limit * (closed * np.sqrt(closed)))
 
     @staticmethod
-    def resistance(s: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
-        """The same at any overlap."""
-        return coefficient * (np.asarray(s + rest) > 0.0)
-
-    @staticmethod
     def growth(s: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
         """None."""
         return 0.0 * coefficient * s
@@ -176,11 +166,6 @@ class Viscoelastic(NamedTuple):
         """Proportional to the contact's radius."""
         root = np.sqrt(np.maximum(s + rest, 0.0))
         return np.maximum(coefficient * root * rate, -tensile_limit * (root * root * root))
-
-    @staticmethod
-    def resistance(s: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
-        """Grows with the overlap."""
-        return coefficient * np.sqrt(np.maximum(s + rest, 0.0))
 
     @staticmethod
     def growth(s: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
@@ -212,11 +197,6 @@ class Restitution(NamedTuple):
     def damping(s: Any, rate: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
         """Proportional to the root of the contact's stiffness."""
         return coefficient * np.sqrt(np.sqrt(np.maximum(s + rest, 0.0))) * rate
-
-    @staticmethod
-    def resistance(s: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
-        """Grows with the overlap."""
-        return coefficient * np.sqrt(np.sqrt(np.maximum(s + rest, 0.0)))
 
     @staticmethod
     def growth(s: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
@@ -253,8 +233,8 @@ def damping(law: Any, strain: Any, rate: Any) -> Any:
 
 
 def resistance(law: Any, strain: Any) -> Any:
-    """Largest ratio of force to rate of a law of damping on links at a strain."""
-    return law.resistance(strain, *law)
+    """Largest ratio of force to rate of a law of damping on links at a strain: no tension is cut while they close."""
+    return law.damping(strain, np.ones_like(strain, dtype=np.float64), *law)
 
 
 def cut(law: Any) -> bool:
@@ -334,13 +314,6 @@ class WallDashpot(NamedTuple):
         root = np.sqrt(closed)
         force = ((closed > 0.0) * steady + by_radius * root + by_stiffness * np.sqrt(root)) * rate
         return np.maximum(force, -tensile_limit * (closed * root))
-
-    @staticmethod
-    def resistance(s: Any, steady: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
-        """Grows with the overlap."""
-        closed = np.maximum(s + rest, 0.0)
-        root = np.sqrt(closed)
-        return (closed > 0.0) * steady + by_radius * root + by_stiffness * np.sqrt(root)
 
     @staticmethod
     def growth(s: Any, steady: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004

@@ -165,9 +165,8 @@ def test_a_pressed_dashpot_is_that_of_the_whole_overlap(free):
         np.testing.assert_allclose(
             dashpot.damping(pressed, PLACES, rate), dashpot.damping(free, PLACES + 0.4, rate), rtol=1e-14
         )
-    for name in ("resistance", "growth"):
-        found, right = (getattr(law, name)(s, *law) for law, s in ((pressed, PLACES), (free, PLACES + 0.4)))
-        np.testing.assert_allclose(found, right, rtol=1e-14)
+    found, right = (law.growth(s, *law) for law, s in ((pressed, PLACES), (free, PLACES + 0.4)))
+    np.testing.assert_allclose(found, right, rtol=1e-14)
 
 
 @pytest.mark.parametrize(("rest", "gap"), [(0.0, 0.0), (0.4, 0.0), (0.0, 0.1)], ids=["touching", "pressed", "gap"])
@@ -180,9 +179,7 @@ def test_a_wall_resists_as_a_contact_of_that_overlap_does_on_either_side(name, r
             felt, link = np.zeros((1, 4)), Wall("wall_damping", right, side, gap)
             link.drive(felt, link.damping(side * PLACES[np.newaxis], np.full((1, 4), side * rate)))
             np.testing.assert_allclose(felt[0], -side * expected, rtol=1e-13)
-    for of in ("resistance", "growth"):
-        found, expected = getattr(right, of)(PLACES, *right), getattr(contact, of)(PLACES + rest, *contact)
-        np.testing.assert_allclose(found, expected, rtol=1e-13)
+    np.testing.assert_allclose(right.growth(PLACES, *right), contact.growth(PLACES + rest, *contact), rtol=1e-13)
 
 
 @pytest.mark.parametrize("law", [ContactDashpot(0.3, 2.0), Viscoelastic(0.3, 2.0)], ids=["linear", "viscoelastic"])
