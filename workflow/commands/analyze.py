@@ -17,7 +17,7 @@ from analysis.tracking.pulses import of_one_kind
 from analysis.tracking.undisturbed import CLEAR
 from lammps_inputs import InputError, physics
 from lammps_inputs.facts import Fact
-from workflow.engines.lammps.invariants import ENERGY_TOLERANCE
+from workflow.engines.lammps.worker import ENERGY_TOLERANCE
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Answer, one_line, print_table
 from workflow.verdicts.analyse import Analysis, analyse, last_clear_bead

@@ -30,7 +30,7 @@ def execute(arguments: argparse.Namespace) -> int:
     print(_verdict(first, found))
     for name, (then, now) in found.changed.items():
         print(f"  {name}: {then} then, {now} here")
-    return 0 if found.same else 1
+    return 0 if found.distance is None else 1
 
 
 def _verdict(first: Original, found: Rerun) -> str:

@@ -54,13 +54,11 @@ class Rerun:
     """Result of computing a run again.
 
     Attributes:
-        same: whether all frames are bit for bit the same.
-        distance: how far they are apart; None if they are the same.
+        distance: how far they are apart; None if all frames are bit for bit the same.
         changed: what is another version or number than it was: name -> then, now.
         results: of the new run.
     """
 
-    same: bool
     distance: Distance | None
     changed: dict[str, tuple[str, str]]
     results: Results
@@ -115,13 +113,11 @@ def rerun(first: Original, directory: Path, *, progress: Progress | None = None)
     job = again.directory.job
     found = job.results
     assert found is not None
-    same = found.sha256 == first.results.sha256
     distance = None
-    if not same:
-        distance = _of_samples(first.results, found)
-        if first.directory is not None:
-            distance = _of_frames(first.directory, again.directory)
-    return Rerun(same, distance, _changed(first.job, job), found)
+    if found.sha256 != first.results.sha256:
+        kept = first.directory
+        distance = _of_samples(first.results, found) if kept is None else _of_frames(kept, again.directory)
+    return Rerun(distance, _changed(first.job, job), found)
 
 
 def _frames(directory: RunDirectory) -> Iterator[tuple[float, Floats]]:

@@ -1,1 +1,1 @@
-"""LAMMPS: `engine` starts it in a process of its own, `worker` is that process, `invariants` are what it must pass."""
+"""LAMMPS: `engine` starts it in a process of its own, `worker` is that process, and has what every state must satisfy."""

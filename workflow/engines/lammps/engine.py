@@ -88,7 +88,7 @@ def run(
 
     Raises:
         EndedError: LAMMPS was killed, or the disk is full.
-        RunError: LAMMPS failed, or a state of the run did not pass `invariants`.
+        RunError: LAMMPS failed, or a state of the run is none that there can be (`worker.fault`).
     """
     command = [sys.executable, "-P", "-m", "workflow.engines.lammps.worker", str(part), repr(float(restart_every))]
     if ranks > 1:

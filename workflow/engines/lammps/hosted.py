@@ -33,7 +33,7 @@ def run(
 
     Raises:
         LammpsError: LAMMPS failed; this process should end.
-        RunError: a state of the run did not pass `invariants`, or the disk is full.
+        RunError: a state of the run is none that there can be, or the disk is full.
     """
     assert ranks == 1
     os.chdir(directory)

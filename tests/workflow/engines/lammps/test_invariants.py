@@ -7,7 +7,7 @@ import pytest
 from stock_lammps import scene
 
 from lammps_inputs import physics
-from workflow.engines.lammps.invariants import fault
+from workflow.engines.lammps.worker import fault
 
 REMEDY = r"take a smaller timestep \(it is 0\.01, unstable above 0\.\d+\)$"
 
