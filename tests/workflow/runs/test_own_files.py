@@ -23,6 +23,8 @@ from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.study import Study
 
+Printed, Patch = pytest.CaptureFixture[str], pytest.MonkeyPatch
+
 
 def scene(duration: float = 1.0) -> Scene:
     return Scene(name="small", beads=4, kick=(Kick(velocity=1.0),), duration=duration)
@@ -38,7 +40,7 @@ def contents(directory: Path) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize("command", ["run", "run --overwrite", "deck", "deck --overwrite", "compare"])
-def test_a_project_folder_is_left_as_it_is(tmp_path: Path, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_project_folder_is_left_as_it_is(tmp_path: Path, command: str, monkeypatch: Patch) -> None:
     scene_file(tmp_path / "scene.yaml")
     for name in (".scene.yaml.swp", ".log.lammps.bak", ".run.json.orig", "waves.csv", "peaks.csv", "shape.png"):
         (tmp_path / name).write_text("mine")
@@ -56,9 +58,7 @@ def test_a_scene_of_an_earlier_run_is_not_overwritten_by_its_own_run(tmp_path: P
     assert (tmp_path / "scene.yaml").read_bytes() == before
 
 
-def test_of_two_that_find_a_new_directory_empty_at_once_one_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_of_two_that_find_a_new_directory_empty_at_once_one_is_refused(tmp_path: Path, monkeypatch: Patch) -> None:
     both_found_it_empty = threading.Barrier(2, timeout=HANGS)
 
     def alone(directory: Path) -> AbstractContextManager[int]:
@@ -90,9 +90,7 @@ def test_overwriting_removes_what_is_listed_and_nothing_else(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("command", ["analyze", "validate"])
-def test_a_report_does_not_replace_a_file_of_the_users(
-    tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_report_does_not_replace_a_file_of_the_users(tmp_path: Path, command: str, capsys: Printed) -> None:
     run(scene(), tmp_path, engine="reference")
     for name in ("waves.csv", "validation.json"):
         (tmp_path / name).write_text("mine")
@@ -101,7 +99,7 @@ def test_a_report_does_not_replace_a_file_of_the_users(
     assert (tmp_path / "waves.csv").read_text() == (tmp_path / "validation.json").read_text() == "mine"
 
 
-def test_a_run_does_not_overwrite_what_a_study_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_does_not_overwrite_what_a_study_made(tmp_path: Path, capsys: Printed) -> None:
     with Study("map", "", tables=["map.csv"]).opened(tmp_path / "map"):
         write_text(tmp_path / "map" / "map.csv", "ours")
     before = contents(tmp_path / "map")
@@ -156,7 +154,7 @@ def test_a_directory_where_a_run_names_its_file_is_refused_before_anything_is_to
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [file_names.LOG, "chains.dump.2.bin"])
-def test_nothing_is_written_through_a_link(tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_is_written_through_a_link(tmp_path: Path, name: str, capsys: Printed) -> None:
     directory = run(scene(), tmp_path / "run", check=False).directory
     directory.update(outcome="interrupted")
     (directory.path / name).unlink(missing_ok=True)
@@ -183,9 +181,7 @@ def test_nothing_is_written_through_a_link(tmp_path: Path, name: str, capsys: py
     ],
 )
 @pytest.mark.parametrize("words", [["status"], ["rerun"], ["run", "--resume"]])
-def test_a_hostile_record_is_refused_in_one_line(
-    tmp_path: Path, text: str, words: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_hostile_record_is_refused_in_one_line(tmp_path: Path, text: str, words: list[str], capsys: Printed) -> None:
     (tmp_path / "scene.yaml").write_text(strict_yaml.dump(scene().resolved().plain()))
     (tmp_path / RECORD).write_text(text)
     assert main([*words, str(tmp_path)]) in (1, 2)
@@ -194,7 +190,7 @@ def test_a_hostile_record_is_refused_in_one_line(
     assert "cannot be read" in out + err
 
 
-def test_names_are_printed_without_what_moves_a_terminal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_names_are_printed_without_what_moves_a_terminal(tmp_path: Path, capsys: Printed) -> None:
     directory = tmp_path / "a\n\x1b[2J"
     words = ["run", str(scene_file(tmp_path / "s.yaml")), "-o", str(directory), "--engine", "reference"]
     assert main(words) == 0
@@ -203,9 +199,7 @@ def test_names_are_printed_without_what_moves_a_terminal(tmp_path: Path, capsys:
     assert out.count("\n") == 2  # units, and what was done
 
 
-def test_more_beads_than_memory_holds_are_refused_beforehand(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_more_beads_than_memory_holds_are_refused_beforehand(tmp_path: Path, capsys: Printed) -> None:
     path = tmp_path / "s.yaml"
     path.write_text(
         strict_yaml.dump(
@@ -215,7 +209,7 @@ def test_more_beads_than_memory_holds_are_refused_beforehand(
     assert "need 500 GB of memory" in refusal(["run", path, "-o", tmp_path / "run"], capsys)
 
 
-def test_frames_with_the_largest_numbers_end_in_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_frames_with_the_largest_numbers_end_in_a_line(tmp_path: Path, capsys: Printed) -> None:
     directory: RunDirectory = run(scene(), tmp_path, engine="reference").directory
     data = bytearray(directory.dump.read_bytes())
     data[-8:] = np.float64(1e308).tobytes()
@@ -256,7 +250,7 @@ def test_whoever_reads_a_file_while_it_is_replaced_reads_all_of_the_one_before(t
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_what_was_there_stays_where_the_new_cannot_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_was_there_stays_where_the_new_cannot_be_written(tmp_path: Path, monkeypatch: Patch) -> None:
     path = tmp_path / "run.json"
     write_text(path, "before")
 
