@@ -274,21 +274,6 @@ def test_a_scene_that_asks_for_an_accuracy_has_no_problem_yet():
         asking(SMALL["one chain"], 1e-3).problem()
 
 
-@pytest.mark.parametrize(
-    ("lines", "says"),
-    [
-        ("accuracy: 1e-3\ntimestep: 0.01", "accuracy: give either accuracy or timestep"),
-        ("accuracy: 1e-11", "accuracy: should be greater than or equal to 0.0000000001, 1e-11 given"),
-        ("accuracy: 0.5", "accuracy: should be less than or equal to 0.1, 0.5 given"),
-        ("accuracy: high", "accuracy: should be a number, 'high' given"),
-    ],
-)
-def test_an_accuracy_that_cannot_be_is_told_in_one_line(tmp_path, capsys, lines, says):
-    path = tmp_path / "bad.yaml"
-    path.write_text(f"name: a\nbeads: 9\nkick: {{velocity: 1}}\nduration: 5\n{lines}\n")
-    assert says in refusal(["deck", path, "-o", tmp_path / "out"], capsys)
-
-
 def test_what_rounding_forbids_is_refused():
     long = small_problem(beads=100_000, frames=1_000_000)
     with pytest.raises(pilot.UnreachableError, match="rounding"):

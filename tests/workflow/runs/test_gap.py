@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from refusals import refusal
 from stock_lammps import scene
 
 from analysis.sharing.impulses import measure
@@ -101,15 +100,6 @@ def test_show_tells_the_gap_of_eq_5_in_the_units_of_the_scene(tmp_path, capsys):
 def test_show_says_nothing_of_gaps_where_there_is_none(capsys):
     assert main(["show", "two-chains"]) == 0
     assert "theta" not in capsys.readouterr().out
-
-
-def test_a_gap_that_never_closes_is_refused_before_anything_runs(tmp_path, capsys):
-    path = tmp_path / "backwards.yaml"
-    path.write_text("name: backwards\nbeads: 9\ngap: 1\nkick: {velocity: -1.0}\nduration: 9\n")
-    for command in ("run", "compare", "deck"):
-        refused = refusal([command, path, "-o", tmp_path / "out"], capsys)
-        assert refused.startswith(f"{path}: kick: none ever closes the gap of 1, ")
-    assert not (tmp_path / "out").exists()
 
 
 def test_kicks_apart_without_a_gap_run(tmp_path):

@@ -15,7 +15,7 @@ from stock_lammps import scene
 from analysis.tracking.leading_waves import from_csv
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import blocks
-from lammps_inputs import Kick, Output, Scene, file_names
+from lammps_inputs import Kick, Output, file_names
 from workflow import cli
 from workflow.engines.reference import engine
 from workflow.runs.resume import resume
@@ -169,8 +169,3 @@ def test_a_finder_goes_on_from_the_state_of_another(first_only):
     assert len(found) > 50
     assert np.array_equal(found.time, expected.time)
     assert np.array_equal(found.velocity, expected.velocity)
-
-
-def test_peaks_and_a_window_are_refused_together():
-    with pytest.raises(ValueError, match="a window records the rows near the front anyway"):
-        Scene(name="a", beads=100, window=64, kick=Kick(velocity=1.0), duration=1.0, output=Output(peaks=True))
