@@ -1,13 +1,16 @@
 """A disk that is full during frames, restart, record and analysis: one line says so, and what was there stays."""
 
 import os
+import shutil
 import signal
 import subprocess
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 from kill_many import frames
+from stock_lammps import run as run_deck
 from stock_lammps import scene
 
 from analysis.files.binary_dump import CutDumpWarning
@@ -187,3 +190,42 @@ def test_a_run_that_does_not_even_begin_can_be_begun_later(disk, capsys):
     disk.grow()
     words = ["run", "two-chains", "-o", str(disk.path / "run"), "--no-check"]
     assert main([*words, *(["--overwrite"] if (disk.path / "run" / file_names.SCENE).exists() else [])]) == 0
+
+
+# --- a restart takes the place of an earlier one when all that it needs is on the disk --------------------------------
+
+STEP = 400
+
+
+@pytest.fixture
+def ready(tmp_path, monkeypatch):
+    """In a directory with frames and a restart that LAMMPS has just written."""
+    run_deck(scene(beads=4), tmp_path / "run", before_run=f"restart {STEP} one two")
+    monkeypatch.chdir(tmp_path / "run")
+    shutil.copy("one", file_names.UNFINISHED)
+    return Path(file_names.DUMP)
+
+
+def test_frames_restart_and_its_sum_reach_the_disk_before_the_restart_takes_its_place(ready, monkeypatch):
+    order, rename = [], Path.replace
+
+    def fsync(handle):
+        order.append(Path(f"/proc/self/fd/{handle}").readlink().name)
+
+    def replace(path, target):
+        order.append(str(target))
+        rename(path, target)
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    monkeypatch.setattr(Path, "replace", replace)
+    files_on_disk.keep(ready, STEP)
+    sums = file_names.RESTART_SUMS
+    assert order == [file_names.DUMP, file_names.UNFINISHED, f".{sums}.granchain-part", sums, file_names.RESTART]
+    assert files_on_disk.intact(Path(file_names.RESTART))
+
+
+def test_a_restart_of_another_step_is_not_kept(ready):
+    with pytest.raises(OSError, match="cannot be written completely"):
+        files_on_disk.keep(ready, STEP + 1)
+    assert not Path(file_names.UNFINISHED).exists()
+    assert not Path(file_names.RESTART).exists()
