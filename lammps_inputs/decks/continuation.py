@@ -93,7 +93,6 @@ def render_continuation(problem: Problem) -> str:
         ],
         *([] if problem.window is None else [window.setup_lines(problem, problem.window, continued=True)]),
         [
-            *deck.recorded_lines(problem),
             *deck.output_lines(problem, "${dump}", "${snapshots}"),
             "# no frame before the beads are at their present places",
             *(f"dump_modify {dump} delay $(step)" for dump in dumps),

@@ -112,8 +112,10 @@ def render_deck(problem: Problem) -> str:
         )
     if problem.window is not None:
         sections.append(window.setup_lines(problem, problem.window))
-    sections.append([*recorded_lines(problem), *output_lines(problem, file_names.DUMP)])
-    sections.append([scheme.timestep_command(problem.scheme), *moved_lines(problem), *travel_lines(problem)])
+    whole = problem.window is None
+    run = scheme.run_lines(problem.scheme, "${steps}") if whole else window.travel_lines(problem)
+    sections.append(output_lines(problem, file_names.DUMP))
+    sections.append([scheme.timestep_command(problem.scheme), *moved_lines(problem), *run])
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
 
 
@@ -222,17 +224,19 @@ def moved_lines(problem: Problem) -> list[str]:
 
 
 def output_lines(problem: Problem, dump: str, snapshots: str = file_names.SNAPSHOTS) -> list[str]:
-    """Frames into a file, snapshots into another, and the log.
-
-    The group ``recorded`` exists where not all beads are.
-    """
-    recorded = "all" if problem.recorded is None else "recorded"
+    """Frames into a file, snapshots into another, and the log; with a group of the recorded beads if not all are."""
+    recorded, group = "all", []
+    if problem.recorded is not None:
+        atoms = problem.chains * problem.beads  # first:last:stride is one bead of every chain
+        listed = " ".join(f"{bead}:{atoms}:{problem.beads}" for bead in problem.recorded)
+        recorded, group = "recorded", [f"group recorded {'type 2' if _types(problem) is None else f'id {listed}'}"]
     all_columns = " ".join(columns(replace(problem, recorded=None)))
     whole = [
         f"dump snapshots all custom $({problem.frames_per_snapshot}*v_every:%.0f) {snapshots} {all_columns}",
         "dump_modify snapshots flush yes time yes",
     ]
     return [
+        *group,
         f"dump frames {recorded} custom ${{every}} {dump} {' '.join(columns(problem))}",
         "dump_modify frames flush yes time yes   # each frame is written at once, with its time",
         *(whole if problem.frames_per_snapshot is not None else []),
@@ -276,16 +280,6 @@ def _mass_lines(problem: Problem) -> list[str]:
     return [f"{f'set group {group} mass 1.0':33}# exact; by the density in the data file, within rounding"]
 
 
-def recorded_lines(problem: Problem) -> list[str]:
-    """The group of the recorded beads; none where that is all of them."""
-    if problem.recorded is None:
-        return []
-    if _types(problem) is None:
-        return ["group recorded type 2"]
-    atoms = problem.chains * problem.beads  # first:last:stride is one bead of every chain
-    return ["group recorded id " + " ".join(f"{bead}:{atoms}:{problem.beads}" for bead in problem.recorded)]
-
-
 def number_fix(problem: Problem) -> list[str]:
     """What holds numbers of every bead; none where no law has them."""
     if _numbers(problem) is None:
@@ -315,12 +309,6 @@ def _tied(system: System) -> bool:
 def _atom_style(problem: Problem) -> str:
     """Atoms carry bonds and molecules where they need them."""
     return "hybrid sphere bond" if _tied(problem.system) or problem.window is not None else "sphere"
-
-
-def travel_lines(problem: Problem) -> list[str]:
-    """The run from start to end."""
-    whole = problem.window is None
-    return scheme.run_lines(problem.scheme, "${steps}") if whole else window.travel_lines(problem)
 
 
 def _title(problem: Problem) -> list[str]:
