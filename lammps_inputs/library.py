@@ -156,7 +156,7 @@ def _one_a_key(details: list[ErrorDetails], model: type[BaseModel]) -> list[Erro
 
 def _meant(path: list[int | str], model: type[BaseModel]) -> str | None:
     """The key that an unknown one at the end of a path was probably meant for."""
-    return next(iter(difflib.get_close_matches(str(path[-1]), _fields_at(model, path[:-1]), n=1)), None)
+    return next(iter(difflib.get_close_matches(str(path[-1]), _known_beside(model, path), n=1)), None)
 
 
 def _path(detail: ErrorDetails, model: type[BaseModel]) -> list[int | str]:
@@ -185,7 +185,7 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     given = _short(detail["input"])
     context = detail.get("ctx", {})
     if kind == "extra_forbidden":
-        known = _fields_at(model, path[:-1])
+        known = _known_beside(model, path)
         return f"{key}: unknown key{suggestion(str(path[-1]), known) or f'; known here: {_listed(known)}'}"
     if kind == "missing":
         return f"{key}: is missing"
@@ -268,8 +268,9 @@ def _model_at(model: type[BaseModel], path: list[int | str]) -> type[BaseModel]:
     return model
 
 
-def _fields_at(model: type[BaseModel], path: list[int | str]) -> list[str]:
-    return [field.alias or name for name, field in _model_at(model, path).model_fields.items()]
+def _known_beside(model: type[BaseModel], path: list[int | str]) -> list[str]:
+    """The keys that may stand where the last one of a path does."""
+    return [field.alias or name for name, field in _model_at(model, path[:-1]).model_fields.items()]
 
 
 def model_in(annotation: Any) -> type[BaseModel] | None:

@@ -93,9 +93,9 @@ class Link:
         """Of each link."""
         return np.asarray(laws.force(self._seen(displacement, first), self.strain(displacement)))
 
-    def force_rate(self, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
+    def force_rate(self, displacement: Floats, velocity: Floats) -> Floats:
         """How fast the force of each link changes."""
-        law: Any = self._seen(displacement, first)
+        law: Any = self._seen(displacement, 1)
         s = self.strain(displacement)
         rate = np.asarray(laws.stiffness(law, s) * self.rate(velocity))
         return rate + law.change(s, *law) if hasattr(law, "change") else rate

@@ -52,9 +52,9 @@ def stride(problem: Problem) -> int:
     return max(1, int(LOOK / (rates.front_speed(problem.system) * problem.timestep)) // cycle) * cycle
 
 
-def setup_lines(problem: Problem, window: int, *, continued: bool = False) -> list[str]:
+def setup_lines(problem: Problem, *, continued: bool = False) -> list[str]:
     """Variables and groups that know where the front is; ``tail`` and ``head`` are rows."""
-    spacing = text(problem.layout.spacing)
+    window, spacing = problem.rows, text(problem.layout.spacing)
     tail = [f"variable tail equal $(bound(all,xmin)/{spacing}:%.0f)"] if continued else []
     return [
         "# a window that follows the pulse: rows at the tail are moved to the head, at rest; molecule = row",

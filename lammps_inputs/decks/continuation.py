@@ -91,7 +91,7 @@ def render_continuation(problem: Problem) -> str:
             *deck.motion_lines(problem, "free"),
             *static_load.go_on_lines(system),
         ],
-        *([] if problem.window is None else [window.setup_lines(problem, problem.window, continued=True)]),
+        *([] if problem.window is None else [window.setup_lines(problem, continued=True)]),
         [
             *deck.output_lines(problem, "${dump}", "${snapshots}"),
             "# no frame before the beads are at their present places",

@@ -111,7 +111,7 @@ def render_deck(problem: Problem) -> str:
             ]
         )
     if problem.window is not None:
-        sections.append(window.setup_lines(problem, problem.window))
+        sections.append(window.setup_lines(problem))
     whole = problem.window is None
     run = scheme.run_lines(problem.scheme, "${steps}") if whole else window.travel_lines(problem)
     sections.append(output_lines(problem, file_names.DUMP))
