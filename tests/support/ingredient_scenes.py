@@ -216,28 +216,6 @@ def exact(name: str) -> Any:
     return Truth(scene(name), problem.duration, 1e-11).states(problem.every * np.arange(problem.frames + 1))[1]
 
 
-def _stiffness_of(coupling: dict[str, Any], unit: Units) -> dict[str, Any]:
-    """A coupling in other units."""
-    found = dict(coupling)
-    if "stiffness" in found:
-        ramp = found["stiffness"]
-        stiffness = ramp if isinstance(ramp, dict) else {"from": ramp}
-        ends = {key: value * unit.stiffness for key, value in stiffness.items() if key != "rows"}
-        found["stiffness"] = {**ramp, **ends} if isinstance(ramp, dict) else ends["from"]
-    if "cubic" in found:
-        found["cubic"] *= unit.stiffness / unit.length**2
-    if isinstance(found.get("topology"), dict) and "edges" in found["topology"]:
-        edges = [[*edge[:2], *(value * unit.stiffness for value in edge[2:])] for edge in found["topology"]["edges"]]
-        found["topology"] = {"edges": edges}
-    return found
-
-
-def _stiffness_of_ground(stiffness: Any, unit: Units) -> Any:
-    """What numbers of a foundation's stiffness, or of its ramps, are worth."""
-    ramps = isinstance(stiffness, dict) or (isinstance(stiffness, list) and isinstance(stiffness[0], dict))
-    return {"from": unit.stiffness, "to": unit.stiffness, "times": unit.time} if ramps else unit.stiffness
-
-
 def in_units(name: str, velocity: float, material: dict[str, float] | None = None) -> Scene:
     """A case in reduced units or, with a material, in SI, with so many times its velocities: the same problem.
 
@@ -254,13 +232,15 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
     unit = Units(mass, length, velocity)
     dashpot = unit.force / unit.velocity
     losses = {"viscoelastic": dashpot / unit.length**0.5, "restitution": 1.0}
+    spring = {"": unit.stiffness, "from": unit.stiffness, "to": unit.stiffness, "times": unit.time}
+    formula = {"k": unit.stiffness, "s0": unit.length, "d": unit.length, "f": unit.force}
+    formula |= {"A": unit.force * unit.length**4, "a": unit.force / unit.length**1.5}
+    springs = {**formula, "stiffness": spring, "cubic": unit.stiffness / unit.length**2}
     worth = {
         "gap": unit.length,
-        "foundation": {
-            "stiffness": _stiffness_of_ground(CASES[name].get("foundation", {}).get("stiffness"), unit),
-            "modulation": {"frequency": 1.0 / unit.time},
-            "cubic": unit.stiffness / unit.length**2,
-        },
+        "contact": formula,
+        "coupling": {**springs, "topology": {"edges": (1, 1, unit.stiffness)}},
+        "foundation": {**springs, "modulation": {"frequency": 1.0 / unit.time}},
         "walls": {side: {"stiffness": unit.force / unit.length**p} for side in ("left", "right")},
         "precompression": {"force": unit.force},
         "gravity": unit.length / unit.time**2,
@@ -270,7 +250,7 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
             "coupling": dashpot,
         },
         "drive": {"displacement": unit.length, "force": unit.force, "frequency": 1.0 / unit.time},
-        "push": {"peak": unit.force, "duration": unit.time},
+        "push": {"peak": unit.force, "duration": unit.time, "table": (unit.time, unit.force)},
         "resonators": {"mass": mass, "stiffness": unit.stiffness, "damping": dashpot},
         "kick": {"velocity": velocity},
         "striker": {"velocity": velocity, "mass": mass},
@@ -278,20 +258,9 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
         "timestep": unit.time,
         "output": {"every": unit.time},
     }
-    tables = [push["table"] for push in keys.get("push", ()) if "table" in push]
     ball = material or {"radius": 1.0}
     kind = {"mass": mass, "radius": ball["radius"], "stiffness": ball.get("youngs_modulus", 1.0)}
     keys = _times(keys, {**worth, "kinds": dict.fromkeys(keys.get("kinds", ()), kind)})
-    for table in tables:
-        scaled = [[time * unit.time, force * unit.force] for time, force in table]
-        keys["push"] = [{**push, "table": scaled} if push.get("table") == table else push for push in keys["push"]]
-    sizes = {"k": unit.stiffness, "s0": unit.length, "d": unit.length, "f": unit.force}
-    sizes |= {"A": unit.force * unit.length**4, "a": unit.force / unit.length**1.5}
-    for key in ("coupling", "contact", "foundation"):
-        if "force" in (keys.get(key) or {}):
-            keys[key] = {name: value * sizes[name] if name in sizes else value for name, value in keys[key].items()}
-    if keys.get("coupling") is not None:
-        keys["coupling"] = _stiffness_of(keys["coupling"], unit)
     if material is not None:
         keys["material"] = material
         for own in keys.get("kinds", {}).values():
@@ -306,10 +275,12 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
 
 
 def _times(value: Any, worth: Any) -> Any:
-    """Numbers times what their unit is worth, wherever they stand."""
+    """Numbers times what their unit is worth: by key, one by one where that is a tuple; "" where there is no key."""
     if isinstance(value, dict):
         by_key = worth if isinstance(worth, dict) else {}
         return {key: _times(inner, by_key[key]) if key in by_key else inner for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [_times(one, worth) for one in value]
-    return value * worth if isinstance(value, float | int) and not isinstance(worth, dict) else value
+        each = isinstance(worth, tuple) and not isinstance(value[0], list | tuple)
+        return [_times(one, worth[place] if each else worth) for place, one in enumerate(value)]
+    factor = worth.get("", 1) if isinstance(worth, dict) else worth
+    return value * factor if isinstance(value, float | int) else value

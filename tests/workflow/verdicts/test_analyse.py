@@ -220,7 +220,6 @@ def test_frames_so_far_apart_that_agreement_to_one_per_cent_cannot_be_told_get_n
 ONE = {"name": "one", "beads": 40, "kick": {"velocity": 1}, "duration": 50, "output": {"every": 0.2}}
 STRIKER = {"kick": None, "striker": {"mass": 60, "velocity": 1}}
 PRINTED = {
-    "tapered": ({"taper": 0.02}, "no asymptotic amplitude: beads, contacts", "amplitude <"),
     "disordered": ({"disorder": {"mass": 0.1, "seed": 2}}, "no asymptotic amplitude: beads, contacts", "amplitude <"),
     "struck": (STRIKER, "no asymptotic amplitude: it has not settled; peak velocities of", "above the kick"),
     "damped": ({"damping": {"contact": 0.01}}, "chain 1: decaying at bead", "steady"),

@@ -1,5 +1,7 @@
-"""What analysis.json says of trains, the decay law and the final amplitude: hand-made numbers."""
+"""What analysis.json says of trains, the decay law and the final amplitude, and waves.csv: hand-made numbers."""
 
+import csv
+import io
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,7 +18,7 @@ from analysis.trajectory import blocks
 from lammps_inputs.units import make_scale
 from workflow.engines.reference import engine
 from workflow.verdicts import analysis_report
-from workflow.verdicts.analysis_report import ChainSummary
+from workflow.verdicts.analysis_report import ChainSummary, waves_csv
 
 
 def test_a_train_is_told_in_the_scenes_units():
@@ -142,3 +144,34 @@ def test_a_train_ends_before_the_first_pulse_that_is_not_steady(amplitude, count
     )
     seen = analysis_report.train(found)
     assert (0 if seen is None else len(seen)) == count
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_each_wave_has_its_own_lag_and_energies(direction):
+    """Beads 2 and 3 from the end that was hit; chain 2 was hit, and chain 1 is later by 0.5 and by 0.25."""
+    what = problem(beads=10)
+    along = np.array([2, 3])
+    bead = along if direction > 0 else 11 - along[::-1]
+    passed = np.array([3.0, 4.0])[::direction]
+    arrival = np.concatenate([passed + np.array([0.5, 0.25])[::direction], passed])
+    waves = with_speeds(np.repeat([1, 2], 2), np.tile(bead, 2), arrival, np.full(4, 0.6), direction=direction)
+    found = SimpleNamespace(
+        problem=what,
+        waves=waves,
+        direction=direction,
+        shape=SimpleNamespace(width=np.full(4, 2.3), residual=np.zeros(4)),
+        shared=SimpleNamespace(bead=along, kicked=1, energy=0.5),
+        energies=SimpleNamespace(
+            place=np.array([0, 1]),
+            chain=np.array([[0.7, 0.3], [0.6, 0.4]]),  # [bead, chain]
+            wave=np.array([[0.65, 0.25], [0.55, 0.35]]),
+        ),
+    )
+    lines = {(int(one["chain"]), int(one["bead"])): one for one in csv.DictReader(io.StringIO(waves_csv(found)))}
+    for place, at in enumerate((2, 3) if direction > 0 else (9, 8)):
+        for chain, late in ((1, (0.5, 0.25)[place]), (2, 0.0)):
+            one = lines[chain, at]
+            assert float(one["lag"]) == pytest.approx(late)
+            assert float(one["speed"]) > 0.0
+            assert float(one["chain_energy"]) == pytest.approx(0.5 * found.energies.chain[place, chain - 1])
+            assert float(one["wave_energy"]) == pytest.approx(0.5 * found.energies.wave[place, chain - 1])

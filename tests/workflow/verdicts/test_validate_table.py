@@ -1,18 +1,22 @@
-"""A run against a user's own trajectory: columns, grids, other times, other units; what a bad table is said to be."""
+"""A run against a user's own trajectory, or traces: columns, grids, other times and units; refusals of bad tables."""
 
 import json
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import wrong_runs
 from refusals import refusal
+from small_problems import problem, written_down
 from stock_lammps import run as run_stock
 from stock_lammps import scene
 
-from lammps_inputs import Kick, Material
+from lammps_inputs import Kick, Material, library
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run
+from workflow.verdicts import validate_table
 from workflow.verdicts.validate import REPORT
 from workflow.verdicts.validate_table import validate_against
 
@@ -271,3 +275,90 @@ def test_a_text_dump_of_the_deck_by_stock_lammps_is_the_run(tmp_path):
     assert found.compared == 61
     assert found.deviations["velocity"].largest < 1e-10  # times differ in their last bit
     assert found.deviations["displacement"].largest < 1e-12
+
+
+# --- times of a table -------------------------------------------------------------------------------------------------
+
+OWN = written_down(problem(), lambda t: (0.0 * t, 0.0 * t))  # 101 frames 0.1 apart
+
+
+def at(*times):
+    return replace(OWN[: len(times)], time=np.array(times))
+
+
+@pytest.mark.parametrize(
+    ("times", "frames"),
+    [((0.0, 0.3, 10.0), True), ((0.0, 0.3 + 1e-11), True), ((0.0, 0.3001), False), ((10.1,), False)],
+)
+def test_times_are_those_of_frames_to_rounding(times, frames):
+    assert validate_table.are_frames(at(*times), OWN) is frames
+
+
+@pytest.mark.parametrize(("last", "said"), [(0.11, False), (0.09, True)])
+def test_a_table_that_ends_within_a_hundredth_of_the_run_is_asked_about(last, said):
+    found = list(validate_table.remarks(Path("t.csv"), at(0.0, last), OWN))
+    assert found == (["t.csv ends at 0.009 of the run: is it in other units? (see --units)"] if said else [])
+
+
+# --- traces -----------------------------------------------------------------------------------------------------------
+
+TRACED = {
+    "name": "traced",
+    "chains": 2,
+    "beads": 12,
+    "coupling": {"stiffness": 0.1},
+    "walls": {"right": "rigid"},
+    "kick": {"velocity": 1},
+    "duration": 25,
+    "output": {"forces": {"wall": True, "contacts": [5], "sensors": [8]}},
+}
+
+
+@pytest.fixture(scope="module")
+def directory(tmp_path_factory, request):
+    request.getfixturevalue("lammps_here")
+    path = tmp_path_factory.mktemp("traced") / "r"
+    run(library.from_plain(TRACED, "scene"), path, check=False)
+    assert main(["analyze", str(path), "--no-figures"]) == 0
+    return path
+
+
+def written(directory, names, factor=1.0, shift=0.0):
+    """A table of the run's own forces, changed, under other names."""
+    own = np.genfromtxt(directory / "forces.csv", delimiter=",", names=True)
+    columns = [own["time"] + shift, *(factor * own[name] for name in names.values())]
+    path = directory.parent / "given.csv"
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=",".join(("time", *names)), comments="")
+    return path
+
+
+def test_forces_csv_reads_back_as_the_run_that_it_is_of(directory):
+    assert main(["validate", str(directory), "--against", str(directory / "forces.csv")]) == 0
+    found = json.loads((directory / "validation.json").read_text())
+    assert len(found["quantities"]) == 6
+    assert all(entry["largest"] < 1e-12 for entry in found["quantities"].values())
+
+
+def test_a_trace_that_is_off_is_named_with_place_and_time(directory, capsys):
+    path = written(directory, {"force_sensor_8_chain_2": "sensor_8_chain_2"}, factor=1.05)
+    assert main(["validate", str(directory), "--against", str(path)]) == 1
+    found = json.loads((directory / "validation.json").read_text())["quantities"]["force_sensor_8_chain_2"]
+    own = np.genfromtxt(directory / "forces.csv", delimiter=",", names=True)["sensor_8_chain_2"]
+    assert found["largest"] == pytest.approx(0.05 * own.max(), rel=1e-6)
+    assert found["where"]["chain"] == 2
+    assert "first deviation: force_sensor_8_chain_2 of bead 8" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("name", "shift", "says"),
+    [
+        ("force_wall_left", 0.0, "the scene has no left wall"),
+        ("force_contact_12", 0.0, "beads 1 to 11 of the scene have such"),
+        ("force_contact_5_chain_3", 0.0, "the scene has chains 1 to 2"),
+        ("force_contact_5 (N)", 0.0, "names units"),
+        ("force_contact_5", 3.0, "reach beyond the run's"),
+    ],
+)
+def test_what_cannot_be_compared_is_one_line(name, shift, says, directory, capsys):
+    path = written(directory, {name: "contact_5_chain_1"}, shift=shift)
+    assert says in refusal(["validate", directory, "--against", path], capsys)
