@@ -34,16 +34,21 @@ class NoFrameError(InputError):
     """A dump without one whole frame."""
 
 
-def part_of_run(path: Path | str, *, last: bool) -> "BinaryDump":
-    """One of the dumps of a run that was continued: only the last of them may say that it ends within a frame.
+def dumps_of(paths: Sequence[Path | str]) -> Iterator["BinaryDump | NoFrameError"]:
+    """The dumps of a run that was continued, in order, or why one has no frame; only the last may warn that it is cut.
 
     Raises:
         InputError: as of `BinaryDump`.
     """
-    with warnings.catch_warnings():
-        if not last:
-            warnings.simplefilter("ignore", CutDumpWarning)
-        return BinaryDump(path)
+    for number, path in enumerate(paths, 1):
+        with warnings.catch_warnings():
+            if number < len(paths):
+                warnings.simplefilter("ignore", CutDumpWarning)
+            try:
+                found: BinaryDump | NoFrameError = BinaryDump(path)
+            except NoFrameError as error:
+                found = error
+        yield found
 
 
 class BinaryDump:
@@ -53,8 +58,7 @@ class BinaryDump:
         path: the file.
         steps: [frame], time step numbers, int64.
         times: [frame], as LAMMPS wrote them with ``dump_modify time yes``, else None.
-        box: [frame, axis, end], lower and upper bounds.
-        tilt: [frame, 3] (xy, xz, yz), or None for an orthogonal box.
+        box: [frame, axis, end or tilt]: xlo xhi xy, ylo yhi xz, zlo zhi yz; without tilt for an orthogonal box.
         columns: names of the columns, such as ``("id", "x", "vx")``.
         ids: [atom], ascending; the order of atoms in everything that is read.
         cut: whether the file ends within a frame, which is left out.
@@ -188,8 +192,7 @@ class BinaryDump:
         self.columns = self._layouts[0].columns
         self.steps: Integers = np.concatenate(steps)
         box: Floats = np.concatenate(boxes)
-        self.box: Floats = box[:, :6].reshape(-1, 3, 2)
-        self.tilt: Floats | None = box[:, 6:] if self._layouts[0].tilts else None
+        self.box: Floats = np.dstack([box[:, :6].reshape(-1, 3, 2), *([box[:, 6:]] if box.shape[1] > 6 else [])])
         timed = all(layout.time_at is not None for layout in self._layouts)
         self.times: Floats | None = np.concatenate(times) if timed else None
 
@@ -293,7 +296,7 @@ class Parts:
     Attributes:
         steps: [frame], time step numbers, ascending where each file's are.
         times: [frame], if LAMMPS wrote them into all the files, else None.
-        box: [frame, axis, end or tilt]: xlo xhi xy, ylo yhi xz, zlo zhi yz; without tilt for an orthogonal box.
+        box: as of a `BinaryDump`.
         columns: names of the columns but ``id``.
         n_atoms: how many atoms each frame has.
     """
@@ -308,7 +311,10 @@ class Parts:
         Warns:
             CutDumpWarning: the last file ends within a frame, which is left out.
         """
-        self._dumps = _opened(paths)
+        found = list(dumps_of(paths))
+        self._dumps = [dump for dump in found if isinstance(dump, BinaryDump)]
+        if not self._dumps and isinstance(found[-1], NoFrameError):
+            raise found[-1]
         first = self._dumps[0]
         kept, last = [], None
         for dump in self._dumps:
@@ -324,7 +330,7 @@ class Parts:
         self.steps: Integers = np.concatenate([dump.steps[frames] for dump, frames in pairs])
         times = [dump.times[frames] for dump, frames in pairs if dump.times is not None]
         self.times: Floats | None = np.concatenate(times) if len(times) == len(pairs) else None
-        self.box: Floats = np.concatenate([_box(dump)[frames] for dump, frames in pairs])
+        self.box: Floats = np.concatenate([dump.box[frames] for dump, frames in pairs])
 
     @property
     def n_frames(self) -> int:
@@ -337,19 +343,3 @@ class Parts:
         start = int(self._frame[frame])
         dump: BinaryDump = self._dumps[self._file[frame]]
         return dump.read(start, start + min(count, stop - frame), columns=self.columns)
-
-
-def _opened(paths: Sequence[Path | str]) -> list[BinaryDump]:
-    """The dumps that hold a frame."""
-    found: list[BinaryDump] = []
-    for number, path in enumerate(paths, 1):
-        try:
-            found.append(part_of_run(path, last=number == len(paths)))
-        except NoFrameError:
-            if number == len(paths) and not found:
-                raise
-    return found
-
-
-def _box(dump: BinaryDump) -> Floats:
-    return dump.box if dump.tilt is None else np.dstack([dump.box, dump.tilt])

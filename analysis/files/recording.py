@@ -11,7 +11,7 @@ from typing import Self
 
 import numpy as np
 
-from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError, part_of_run
+from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError, dumps_of
 from analysis.files.dump_layout import header
 from analysis.trajectory import Floats, Integers, Trajectory, frames_per_block, of_atoms
 from lammps_inputs import InputError, Problem, physics
@@ -61,12 +61,11 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
     size = frames_per_block(problem)
     last, seen = -1, 0
     empty: NoFrameError | None = None
-    for path in paths:
-        try:
-            dump = part_of_run(path, last=path == paths[-1])
-        except NoFrameError as error:
-            empty = error
+    for dump in dumps_of(paths):
+        if isinstance(dump, NoFrameError):
+            empty = dump
             continue
+        path = dump.path
         if not np.array_equal(dump.ids, ids):
             recorded = "all" if problem.recorded is None else f"{len(problem.recorded)} recorded"
             raise InputError(
@@ -75,7 +74,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
             )
         if not np.all(np.diff(dump.steps) > 0):
             raise InputError(f"{path}: its steps go back, so it is not one run")
-        _check_times(path, dump, problem)
+        _check_times(dump, problem)
         new = int(np.searchsorted(dump.steps, last, side="right"))
         missing = int(dump.steps[new]) - last - problem.steps_per_frame if last >= 0 and new < dump.n_frames else 0
         if missing > 0:
@@ -154,10 +153,10 @@ def _with_inner_atoms(problem: Problem, time: Floats, values: Floats) -> Traject
     return of_atoms(problem, time, displacement, velocity)
 
 
-def _check_times(path: Path, dump: BinaryDump, problem: Problem) -> None:
+def _check_times(dump: BinaryDump, problem: Problem) -> None:
     """Refuse frames at other times than the scene's: everything that is measured would be wrong."""
     advice = "was the deck run with -var timestep or every? Change the scene instead"
-    step = problem.timestep
+    path, step = dump.path, problem.timestep
     if dump.times is not None and dump.steps[-1] > 0:
         step = float(dump.times[-1] / dump.steps[-1])
         if abs(step / problem.timestep - 1.0) > 1e-9:

@@ -1,7 +1,7 @@
 """The pages of a directory, of a run, of a sweep or of a comparison: files of HTML that need no other."""
 
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -68,11 +68,6 @@ summary { cursor: pointer; }
 {{ foot }}
 {% endblock %}
 """
-
-
-def paragraphs(lines: Sequence[str]) -> str:
-    """Text as HTML."""
-    return "".join(f"<p>{escape(line)}</p>" for line in lines)
 
 
 def folded(heading: str, text: str) -> str:
@@ -159,7 +154,7 @@ def _run(path: Path) -> Path:
     made = render(
         f"{scene.name}: {problem.chains} x {problem.beads} beads",
         layout(problem, part, found, list(default_beads(problem)), readings=readings, radius=radii(scene)),
-        head=paragraphs([scene.description] * bool(scene.description) + lines),
+        head="".join(f"<p>{escape(line)}</p>" for line in (scene.description, *lines) if line),
         foot=foot + provenance.foot(_cited([scene]), _computed(directory.job)),
     )
     claim(path, (VIEW,))

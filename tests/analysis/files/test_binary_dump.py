@@ -81,7 +81,7 @@ def test_a_lammps_dump_has_the_frames_atoms_and_columns_of_the_deck(serial: Path
     assert dump.steps.tolist() == list(range(0, 401, 10))
     assert dump.columns == deck.COLUMNS
     assert dump.ids.tolist() == list(range(1, 25))
-    assert (dump.tilt, dump.cut) == (None, False)
+    assert not dump.cut
     np.testing.assert_allclose(dump.times, dump.steps * TWO.problem().timestep, rtol=1e-12)
     np.testing.assert_array_equal(dump.box[0, 1:], [[-8.0, 16.0], [-8.0, 8.0]])
 
@@ -125,9 +125,7 @@ def test_time_units_and_a_sheared_box_of_lammps_are_read(tmp_path: Path) -> None
     dump = BinaryDump(tmp_path / file_names.DUMP)
     assert dump.times is not None
     assert dump.times.tolist() == [0.0, 0.5, 1.0, 1.5]
-    assert dump.tilt is not None
-    assert dump.tilt[0].tolist() == [1.0, 0.0, 0.5]
-    assert dump.box[0].tolist() == [[0.0, 5.0], [0.0, 5.5], [0.0, 6.0]]  # bounds of the sheared box
+    assert dump.box[0].tolist() == [[0.0, 5.0, 1.0], [0.0, 5.5, 0.0], [0.0, 6.0, 0.5]]  # of the sheared box, and tilts
     assert dump.read(columns=("x",))[:, 0].tolist() == [[1.0, 3.0], [1.5, 3.5], [2.0, 4.0], [2.5, 4.5]]
 
 
