@@ -142,17 +142,18 @@ Results = Mapping[str, Runs]
 """All of an entry, by the names of its scenes."""
 
 
-def chain(beads: int, duration: float, *, timestep: float = 0.005, every: float = 0.1, **keys: Any) -> dict[str, Any]:
-    """A scene of one chain, whose first bead is kicked with V = 1 unless other keys say what acts on it.
+def chain(
+    beads: int, duration: float, *, timestep: float | None = 0.005, every: float = 0.1, **keys: Any
+) -> dict[str, Any]:
+    """A scene of one chain, unless other keys say how many, whose first bead is kicked with V = 1, unless they say how.
 
     Args:
         beads, duration, timestep: as in a scene.
         every: time between frames.
         keys: others of the scene.
     """
-    kick = {} if keys.keys() & {"kick", "striker"} else {"kick": {"velocity": 1.0}}
-    times = {"duration": duration, "timestep": timestep, "output": {"every": every}}
-    return {"beads": beads, **kick, **times, **keys}
+    kick = {} if "striker" in keys else {"kick": {"velocity": 1.0}}
+    return {"beads": beads, "duration": duration, "timestep": timestep, "output": {"every": every}, **kick, **keys}
 
 
 # --- statements -------------------------------------------------------------------------------------------------------

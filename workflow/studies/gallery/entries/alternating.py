@@ -20,7 +20,7 @@ AROUND = (0.98, 0.99, 1.01, 1.02)
 def _dimer(ratio: float, beads: int) -> dict[str, object]:
     """A chain of dimers whose light beads have this mass."""
     kinds = {"heavy": {"mass": 1}, "light": {"mass": float(f"{ratio:.6g}")}}
-    return chain(beads, 1.07 * beads, kinds=kinds, pattern=["heavy", "light"])
+    return chain(beads, 1.07 * beads, kinds=kinds, pattern=[*kinds])
 
 
 def _residuals(results: Results, ratio: float, factors: Iterable[float]) -> list[float]:
@@ -151,6 +151,11 @@ PLAIN = 0.68163
 """Velocity of the wave of a plain kicked chain, V."""
 
 
+def _decorated_chain(radius: float) -> dict[str, object]:
+    kinds = {"big": {"radius": 1}, "small": {"radius": radius}}
+    return chain(141, 140, timestep=0.002, kinds=kinds, pattern=[*kinds])
+
+
 def _cells(run: Ran) -> float:
     """Speed in cells per unit time."""
     return 0.5 * run.speed(61, 101)
@@ -200,16 +205,7 @@ DECORATED = Entry(
     title="Decorated chains",
     introduction="Small beads between large ones, all of the same material.",
     sources={"harbola2009decorated": "abstract read; the paper's own effective constants could not be read"},
-    scenes={
-        name: chain(
-            141,
-            140,
-            timestep=0.002,
-            kinds={"big": {"radius": 1}, "small": {"radius": radius}},
-            pattern=["big", "small"],
-        )
-        for name, radius in RADII.items()
-    },
+    scenes={name: _decorated_chain(radius) for name, radius in RADII.items()},
     statements=_decorated,
     axes=("radius of the small beads (share of that of the large ones)", "speed (cells / T)"),
     draw=_draw_decorated,

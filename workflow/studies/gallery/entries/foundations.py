@@ -8,12 +8,15 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, near, state
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, each
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each
 
 # --- beats ------------------------------------------------------------------------------------------------------------
 
 HALF_BEAT = math.pi / (math.sqrt(1.0 + 2.0 * 0.1) - math.sqrt(1.0))
 """Time in which two oscillators exchange their energy: foundations of stiffness 1, coupled by 0.1."""
+
+
+BEATING: dict[str, Any] = {"chains": 2, "coupling": {"stiffness": 0.1}, "foundation": {"stiffness": 1.0}}
 
 
 def _returned(run: Ran) -> float:
@@ -55,17 +58,7 @@ BEATS = Entry(
     introduction="Two chains in an elastic matrix (each bead on a spring of stiffness 1), coupled by springs of "
     "0.1; bead 1 of chain 1 is kicked with 0.1.",
     sources={"starosvetsky2012": "could not be read; the exchange time is that of two linear oscillators"},
-    scenes={
-        "beats": {
-            "chains": 2,
-            "beads": 40,
-            "coupling": {"stiffness": 0.1},
-            "foundation": {"stiffness": 1.0},
-            "kick": {"velocity": 0.1},
-            "duration": 80,
-            "output": {"every": 0.25},
-        }
-    },
+    scenes={"beats": chain(40, 80, timestep=None, every=0.25, kick={"velocity": 0.1}, **BEATING)},
     statements=_beats,
     axes=("time (reduced)", "share of the energy in chain 2"),
     draw=_draw_beats,
@@ -116,24 +109,14 @@ def _floquet(offset: float) -> float:
 def _modulated(offset: float) -> dict[str, Any]:
     """Two beads that are kicked alike, so that their contact is never loaded."""
     period = _period(offset)
-    return {
-        "beads": 2,
-        "foundation": {"stiffness": 1.0, "modulation": {"depth": DEPTH, "frequency": 1.0 / period}},
-        "kick": [{"bead": 1, "velocity": 1.0}, {"bead": 2, "velocity": 1.0}],
-        "duration": PERIODS * period,
-        "timestep": period / 1000.0,
-        "output": {"every": period / FRAMES},
-    }
+    ground = {"stiffness": 1.0, "modulation": {"depth": DEPTH, "frequency": 1.0 / period}}
+    kicks = [{"bead": bead, "velocity": 1.0} for bead in (1, 2)]
+    times = {"timestep": period / 1000.0, "every": period / FRAMES}
+    return chain(2, PERIODS * period, foundation=ground, kick=kicks, **times)
 
 
-CHAIN = {
-    "beads": 60,
-    "foundation": {"stiffness": 0.2, "modulation": {"depth": 0.5, "frequency": 0.2}},
-    "kick": {"velocity": 1.0},
-    "duration": 60.0,
-    "timestep": 0.001,
-    "output": {"every": 0.5},
-}
+GROUND = {"stiffness": 0.2, "modulation": {"depth": 0.5, "frequency": 0.2}}
+CHAIN = chain(60, 60.0, timestep=0.001, every=0.5, foundation=GROUND)
 CHAIN_ENERGY = 0.668106
 """Kinetic energy of this chain at its end, by scipy's DOP853."""
 
@@ -216,22 +199,14 @@ def _crossing(rate: float, *, mode: bool = True) -> dict[str, Any]:
     low, high = 1.0 - 0.5 * SWEEP, 1.0 + 0.5 * SWEEP
     duration = 2.0 * SWEEP / rate
     slower = np.linalg.eigh([[low + COUPLING, -COUPLING], [-COUPLING, high + COUPLING]])[1][:, 0]
-    kicks = [1.0, float(slower[1] / slower[0])] if mode else [1.0]
+    kicks = [
+        {"chain": number, "bead": bead, "velocity": velocity}
+        for number, velocity in enumerate((1.0, float(slower[1] / slower[0])) if mode else (1.0,), 1)
+        for bead in (1, 2, 3)
+    ]
     ramps = [{"from": start, "to": end, "times": [0.0, duration]} for start, end in ((low, high), (high, low))]
-    return {
-        "chains": 2,
-        "beads": 3,
-        "coupling": {"stiffness": COUPLING},
-        "foundation": {"stiffness": ramps},
-        "kick": [
-            {"chain": chain, "bead": bead, "velocity": velocity}
-            for chain, velocity in enumerate(kicks, 1)
-            for bead in (1, 2, 3)
-        ],
-        "duration": duration,
-        "timestep": 0.02,
-        "output": {"every": 2.0},
-    }
+    links = {"coupling": {"stiffness": COUPLING}, "foundation": {"stiffness": ramps}}
+    return chain(3, duration, timestep=0.02, every=2.0, chains=2, kick=kicks, **links)
 
 
 def _stays(run: Ran) -> float:

@@ -13,6 +13,12 @@ from analysis.trajectory import watch
 from workflow.studies.gallery.criteria import Measured, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, exponent
 
+
+def _weakly_kicked(beads: int, duration: float, **keys: object) -> dict[str, object]:
+    """A chain in which a small wave runs, unless other keys say what acts on it."""
+    return chain(beads, duration, timestep=0.01, every=0.25, **{"kick": {"velocity": 1e-3}, **keys})
+
+
 # --- solitary waves on top of a load ----------------------------------------------------------------------------------
 
 LOADS = {f"load-{load:g}": load for load in (0.1, 0.01, 0.003)}
@@ -101,6 +107,7 @@ def _draw_bands(axis: Axes, run: Ran, edges: Sequence[Edge], *, exact: bool) -> 
 
 
 LIGHT, LOAD = 0.5, 1.0
+KINDS = {"heavy": {"mass": 1}, "light": {"mass": LIGHT}}
 STIFFNESS = 1.5 * LOAD ** (1.0 / 3.0)
 OF_TWO_MASSES = [
     (
@@ -122,18 +129,7 @@ BAND_GAP = Entry(
         "brillouin1946": "band edges of a chain of two masses",
         "boechler2010": "abstract read: such a spectrum measured in a compressed diatomic chain",
     },
-    scenes={
-        "diatomic": chain(
-            160,
-            200,
-            timestep=0.01,
-            every=0.25,
-            kinds={"heavy": {"mass": 1}, "light": {"mass": LIGHT}},
-            pattern=["heavy", "light"],
-            precompression={"force": LOAD},
-            kick={"velocity": 1e-3},
-        )
-    },
+    scenes={"diatomic": _weakly_kicked(160, 200, kinds=KINDS, pattern=[*KINDS], precompression={"force": LOAD})},
     statements=lambda results: _edges(results, "diatomic", OF_TWO_MASSES, "brillouin1946"),
     axes=BANDS,
     draw=lambda axis, results: _draw_bands(axis, results["diatomic"]["lammps"], OF_TWO_MASSES, exact=False),
@@ -185,7 +181,7 @@ def _resonators(results: Results) -> Statements:
 
 def _with_resonators(beads: int, **keys: object) -> dict[str, object]:
     own = {"precompression": {"force": OVERLAP * math.sqrt(OVERLAP)}, "resonators": {"mass": MASS, "stiffness": SPRING}}
-    return chain(beads, 200, timestep=0.01, every=0.25, **keys, **own)
+    return _weakly_kicked(beads, 200, **keys, **own)
 
 
 RESONATORS = Entry(
@@ -197,7 +193,7 @@ RESONATORS = Entry(
         "vorotnikov2017": "abstract read: pulses in a chain with resonators inside the beads",
     },
     scenes={
-        "kicked": _with_resonators(160, kick={"velocity": 1e-3}),
+        "kicked": _with_resonators(160),
         "driven": _with_resonators(
             30, kick=None, drive={"displacement": 1e-4, "frequency": DRIVE / (2.0 * math.pi), "phase": -90}
         ),
@@ -252,11 +248,7 @@ GRAVITY = Entry(
         "hong1999": "abstract read",
         "hong1998": "abstract read",
     },
-    scenes={
-        "column": chain(
-            300, 230, timestep=0.01, every=0.25, gravity=0.01, walls={"right": "flat"}, kick={"velocity": 1e-3}
-        )
-    },
+    scenes={"column": _weakly_kicked(300, 230, gravity=0.01, walls={"right": "flat"})},
     statements=_gravity,
     axes=("depth (beads)", "velocity of the leading peak (V)"),
     draw=_draw_gravity,

@@ -177,6 +177,11 @@ HEAVY = {f"mass-{mass:g}": mass for mass in (2.0, 8.0)}
 PLACE = 40
 
 
+def _with_impurity(mass: float) -> dict[str, object]:
+    other = {"chain": 1, "bead": PLACE, "kind": "other"}
+    return chain(90, 100, timestep=0.002, every=0.05, kinds={"other": {"mass": mass}}, replace=other)
+
+
 def _frequency(run: Ran) -> float:
     """Of the first oscillation of the impurity, while the wave presses on it most."""
     first, second = run.passages(PLACE)[:2]
@@ -233,16 +238,7 @@ IMPURITY = Entry(
     title="An impurity",
     introduction="One bead of another mass in an otherwise uniform chain; its contacts are those of the other beads.",
     sources={"job2009": "abstract read; its intruders are smaller, not only lighter"},
-    scenes={
-        name: chain(
-            *(90, 100),
-            timestep=0.002,
-            every=0.05,
-            kinds={"other": {"mass": mass}},
-            replace={"chain": 1, "bead": PLACE, "kind": "other"},
-        )
-        for name, mass in (LIGHT | HEAVY).items()
-    },
+    scenes={name: _with_impurity(mass) for name, mass in (LIGHT | HEAVY).items()},
     statements=_impurity,
     axes=("time (T)", "velocity of the impurity (V)"),
     draw=_draw_impurity,
