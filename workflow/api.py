@@ -291,11 +291,9 @@ def design(what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs:
     """
     from workflow.studies.design import file as designs
     from workflow.studies.design import study
-    from workflow.workers.pool import Pool
 
     wanted = designs.from_plain(dict(what), Path("design")) if isinstance(what, Mapping) else designs.load(Path(what))
-    with count_bar("design") as progress, Pool(jobs, interrupt=True) as pool:
-        return study.carry_out(wanted, _path(directory), pool=pool, progress=progress)
+    return study.carry_out(wanted, _path(directory), jobs)
 
 
 def gallery(directory: Path | str, names: Sequence[str] = ()) -> "Sections":

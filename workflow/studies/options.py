@@ -6,25 +6,21 @@ import sys
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import yaml
 
 from lammps_inputs import InputError, file_names, library
 from lammps_inputs.slurm.job import render_command
 from lammps_inputs.slurm.site import JobOptions
-from workflow.engines.lammps.mpi import cores
 from workflow.runs.files import write_text
 from workflow.runs.own_files import claim, make_directory
-from workflow.screen import Answer, count_bar
+from workflow.screen import Answer
 from workflow.studies.study import floats
 from workflow.sweep import fields
-from workflow.workers.pool import Pool
 
 if TYPE_CHECKING:
     from analysis.figures.studies import Axis
-
-Found = TypeVar("Found")
 
 
 def add_output(parser: argparse.ArgumentParser) -> None:
@@ -81,20 +77,10 @@ def listed(kind: type[int] | type[float]) -> Callable[[str], tuple[float, ...]]:
     return read
 
 
-def on_cores(command: str, jobs: int | None, carry_out: Callable[..., Found]) -> Found | None:
-    """What a study finds with worker processes and a bar of its progress; None where it is interrupted.
-
-    Args:
-        command: of the study.
-        jobs: scenes at a time; None for all cores.
-        carry_out: takes ``pool`` and ``progress``.
-    """
-    try:
-        with count_bar(command) as progress, Pool(jobs or cores(), interrupt=True) as pool:
-            return carry_out(pool=pool, progress=progress)
-    except KeyboardInterrupt:
-        print("interrupted: computed scenes remain; the same command resumes")
-        return None
+def interrupted() -> Answer:
+    """What a command ends with after Ctrl-C, where the next start takes what was computed from a cache."""
+    print("interrupted: computed scenes remain; the same command resumes")
+    return Answer(130, {})
 
 
 def as_job(

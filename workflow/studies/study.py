@@ -4,15 +4,15 @@
 
     STUDY = Study("map", tables=("map.csv",), figures=("map",), cache="cases.jsonl", result="map.csv is the table")
 
-    def make_map(directory, couplings, chains, progress=None):
+    def make_map(directory, couplings, chains):
         cases = [case(f"{__name__}:computed", {...}, cost=...) for ...]               # plan
-        with STUDY.opened(directory) as cache:
-            points = [Point(**value) for value in values(cases, cache, progress=progress)]   # evaluate
+        with STUDY.evaluating(directory) as values:
+            points = [Point(**value) for value in values(cases)]   # evaluate
             STUDY.write(directory, {"map.csv": to_csv(Point, points)}, {"map": map_figure(points)})  # report
 
 - **Plan**: pure functions that return `workflow.workers.evaluate.Case`, which name a function and plain data.
-- **Evaluate**: `workflow.workers.evaluate` computes them in one pool of processes, with the cache that `opened`
-  supplies. A search evaluates as often as it plans, in one open directory.
+- **Evaluate**: `evaluating` computes them in one pool of processes, with the directory's cache and a bar of progress. A
+  search evaluates as often as it plans, in one open directory.
 - **Report**: a table is a list of records whose class declares its columns once (`analysis.quantity.result`): meaning,
   unit, and how they are printed. `to_csv` and `print_records` follow from it. `write` writes tables, pages and figures;
   `workflow.studies.page` makes a page of statements.
@@ -23,7 +23,7 @@
 
 import contextlib
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,6 +35,7 @@ from analysis.trajectory import Floats
 from lammps_inputs import InputError, Scene, file_names
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from lammps_inputs.units import DIMENSIONLESS, Scale
+from workflow.engines.lammps.mpi import cores
 from workflow.formats import figure_files
 from workflow.prepare.settings import Settings
 from workflow.runs import job
@@ -43,8 +44,9 @@ from workflow.runs.files import alone, write_figure, write_text
 from workflow.runs.own_files import claim, make_directory
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import print_table
-from workflow.workers.evaluate import Results
+from workflow.screen import count_bar, print_table
+from workflow.workers.evaluate import Case, Results, values
+from workflow.workers.pool import Pool
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -99,6 +101,35 @@ class Study:
             with Results(directory / self.cache if self.cache else None) as cache:
                 yield cache
             self.mark(directory, done=True)
+
+    @contextlib.contextmanager
+    def evaluating(self, directory: Path | None, jobs: int | None = None) -> Iterator[Callable[..., list[Any]]]:
+        """As `opened`, with worker processes and a bar of progress: a function from cases to their values.
+
+        It may be called as often as a search plans. Its options are ``of`` and ``words``, how many cases there may be
+        and what else the bar says, and ``failed`` (`workflow.workers.evaluate.values`).
+
+        Args:
+            directory: as of `opened`.
+            jobs: cases at a time; None for all cores.
+
+        Raises:
+            InputError: as `opened`.
+        """
+        done, pool = 0, Pool(jobs or cores(), interrupt=True)
+        with self.opened(directory) as cache, count_bar(self.command) as bar, pool:
+
+            def evaluated(cases: Sequence[Case], *, of: int = 0, words: str = "", **options: Any) -> list[Any]:
+                nonlocal done
+
+                def show(now: int, total: int, bad: int) -> None:
+                    bar(done + now, of or done + total, words or bad)
+
+                found = values(cases, cache, pool=pool, progress=show, **options)
+                done += len(found)
+                return found
+
+            yield evaluated
 
     def write(self, directory: Path, tables: Mapping[str, str], figures: "Mapping[str, Figure] | None" = None) -> None:
         """Write tables by name, and figures by name without suffix, whole or not at all."""

@@ -20,7 +20,7 @@ from workflow.studies.design.file import Variable
 from workflow.studies.design.found import Found, Sensitivity, Verified, sensitivity
 from workflow.studies.design.search import Record, computed, search, worth
 from workflow.sweep.collect import collect
-from workflow.workers.evaluate import Results
+from workflow.workers.evaluate import Results, values
 from workflow.workers.pool import Pool
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
@@ -48,7 +48,7 @@ SMALL = {
 
 def computing(design, cache=None):
     """Computes designs in this process."""
-    return partial(computed, design, cache=Results(None) if cache is None else cache, pool=Pool(1))
+    return partial(computed, design, evaluated=partial(values, cache=cache, pool=Pool(1)))
 
 
 def written(directory, **changes):

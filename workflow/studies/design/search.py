@@ -18,9 +18,7 @@ from analysis.trajectory import Floats
 from workflow.studies import measures
 from workflow.studies.design.file import Design, Variable, values_of
 from workflow.sweep import fields
-from workflow.workers import evaluate
-from workflow.workers.evaluate import Results, key_of
-from workflow.workers.pool import Pool
+from workflow.workers.evaluate import key_of
 
 # --- designs ----------------------------------------------------------------------------------------------------------
 
@@ -50,21 +48,19 @@ Compute = Callable[[Sequence[dict[str, Any]]], list[Record]]
 def computed(
     design: Design,
     designs: Sequence[dict[str, Any]],
-    cache: Results,
-    pool: Pool,
+    evaluated: Callable[..., list[Any]],
     *,
     limited: bool = True,
-    progress: evaluate.Progress | None = None,
+    **shown: Any,
 ) -> list[Record]:
     """Records of designs, each computed once.
 
     Args:
         design: the objective.
         designs: each field -> value.
-        cache: what is computed already.
-        pool: worker processes.
+        evaluated: cases -> their values (`workflow.studies.study.Study.evaluating`).
         limited: whether no more than the mass is computed of those that it rules out.
-        progress: called with the designs computed, and their number.
+        **shown: options of ``evaluated``.
 
     Raises:
         RunError: a process was killed.
@@ -73,7 +69,7 @@ def computed(
     masses = (limit.low, limit.high) if limit else measures.NO_LIMIT
     scenes = [fields.put_all(design.scene, values) for values in designs]
     cases = [measures.case(scene, design.names, design.source, masses) for scene in scenes]
-    found = evaluate.values(cases, cache, pool=pool, progress=progress)
+    found = evaluated(cases, **shown)
     return [
         Record(values, one.get("quantities", {}), one.get("refused", ""), one["seconds"])
         for values, one in zip(designs, found, strict=True)

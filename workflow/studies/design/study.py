@@ -28,28 +28,23 @@ from workflow.screen import Answer, one_line, print_table
 from workflow.studies.design import file
 from workflow.studies.design.file import Design
 from workflow.studies.design.found import Found, Verified, sensitivity
-from workflow.studies.design.search import RULED_OUT, Record, computed, search, worth
+from workflow.studies.design.search import RULED_OUT, Compute, Record, computed, search, worth
 from workflow.studies.measures import by_reference, of_frames, scene_to_run
-from workflow.studies.options import add_jobs, add_output, as_job, on_cores
+from workflow.studies.options import add_jobs, add_output, as_job, interrupted
 from workflow.studies.study import Study, csv_text, kept_run
 from workflow.sweep import fields
-from workflow.workers.pool import Pool
 
 REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "index.html", "beside"
 STUDY = Study("design", f"{PAGE} is the report", tables=(REPORT, TABLE, BEST, PAGE), cache="evaluations.jsonl")
 
-Progress = Callable[[int, int, str], None]
-"""Called with designs computed, how many there may be, and the best so far."""
 
-
-def carry_out(design: Design, directory: Path, *, pool: Pool, progress: Progress | None = None) -> Found:
+def carry_out(design: Design, directory: Path, jobs: int | None = None) -> Found:
     """Search, verify and write; what a directory holds of an earlier start is made use of.
 
     Args:
         design: the objective.
         directory: made if need be.
-        pool: worker processes.
-        progress: called with the state of the work.
+        jobs: designs at a time; None for all cores.
 
     Raises:
         InputError: the directory or a scene cannot be used, or nothing fits the limits.
@@ -57,9 +52,9 @@ def carry_out(design: Design, directory: Path, *, pool: Pool, progress: Progress
     """
     best_runs = [f"best-{place}" for place in range(1, design.asked.verify + 1)]
     study = replace(STUDY, others=(BESIDE, *best_runs))
-    with study.opened(directory) as cache:
-        compute = functools.partial(computed, design, cache=cache, pool=pool)
-        records = search(design, _shown(design, compute, progress))
+    with study.evaluating(directory, jobs) as evaluated:
+        compute = functools.partial(computed, design, evaluated=evaluated)
+        records = search(design, _shown(design, compute))
         good = sorted((r for r in records if worth(design, r) < RULED_OUT), key=lambda r: worth(design, r))
         study.write(directory, {TABLE: _table(design, records)})
         if not good:
@@ -84,21 +79,15 @@ def carry_out(design: Design, directory: Path, *, pool: Pool, progress: Progress
     return found
 
 
-def _shown(design: Design, compute: Callable[..., list[Record]], progress: Progress | None) -> Any:
-    """The same computation, with its progress and the best so far."""
-    done, best = 0, math.inf
+def _shown(design: Design, compute: Callable[..., list[Record]]) -> Compute:
+    """The same computation, with the number of designs there may be and the best so far in its bar."""
+    best = math.inf
+    total = design.count if design.exhaustive and design.count else design.asked.search.evaluations
 
     def shown(designs: Sequence[dict[str, Any]]) -> list[Record]:
-        nonlocal done, best
+        nonlocal best
         words = "" if best >= RULED_OUT else f"{design.objective} {design.sign * best:.4g}"
-        total = design.count if design.exhaustive and design.count else design.asked.search.evaluations
-
-        def show(now: int, *_: int) -> None:
-            if progress is not None:
-                progress(done + now, total, words)
-
-        records = compute(designs, progress=show)
-        done += len(designs)
+        records = compute(designs, of=total, words=words)
         best = min(best, *(worth(design, record) for record in records))
         return records
 
@@ -165,9 +154,10 @@ def execute(arguments: argparse.Namespace) -> Answer:
         count = arguments.jobs or options.cores_per_node or 1
         words = ["design", str(arguments.design.absolute()), "-o", ".", "--jobs", str(count)]
         return as_job(options, arguments.output, words, cores=count)
-    found = on_cores("design", arguments.jobs, functools.partial(carry_out, what, arguments.output))
-    if found is None:
-        return Answer(130, {})
+    try:
+        found = carry_out(what, arguments.output, arguments.jobs)
+    except KeyboardInterrupt:
+        return interrupted()
     _print(found, arguments)
     return Answer(0, found.plain())
 

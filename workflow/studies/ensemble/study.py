@@ -11,7 +11,6 @@ An ensemble study: a scene with each of many seeds, by the reference integrator,
 """
 
 import argparse
-import functools
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
@@ -28,8 +27,6 @@ from workflow.studies.measures import case, heading, refuse_unknown, scene_to_ru
 from workflow.studies.study import Study, csv_text, floats
 from workflow.sweep import fields
 from workflow.sweep.file import MAX_CASES
-from workflow.workers import evaluate
-from workflow.workers.pool import Pool
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -194,16 +191,13 @@ class Found:
 # --- carried out ------------------------------------------------------------------------------------------------------
 
 
-def carry_out(
-    question: Question, directory: Path, *, pool: Pool | None = None, progress: evaluate.Progress | None = None
-) -> Found:
+def carry_out(question: Question, directory: Path, jobs: int | None = None) -> Found:
     """Compute all scenes, on all cores; what a directory holds of an earlier start is not computed again.
 
     Args:
         question: what is asked.
         directory: made if need be.
-        pool: worker processes; by default as many as there are cores.
-        progress: called with the scenes computed, and their number.
+        jobs: scenes at a time; None for all cores.
 
     Raises:
         InputError: the directory cannot be used.
@@ -212,8 +206,8 @@ def carry_out(
     names, places = question.quantities, question.over.values
     scenes = [scene for over in places for scene in question.scenes(over)]
     cases = [case(scene, names, question.source) for scene in scenes]
-    with replace(STUDY, figures=tuple(question.files.values())).opened(directory) as cache:
-        answers = evaluate.values(cases, cache, pool=pool, progress=progress)
+    with replace(STUDY, figures=tuple(question.files.values())).evaluating(directory, jobs) as values:
+        answers = values(cases)
         plan = [(over, seed) for over in places for seed in question.seeds]
         seeds = [
             {"over": over, "seed": seed, **{name: answer.get("quantities", {}).get(name) for name in names}}
@@ -315,9 +309,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> Answer:
     """Print the statistics; exit code 1 without any value, 130 when interrupted, with all that was computed kept."""
     question = _question(arguments)
-    found = options.on_cores("ensemble", arguments.jobs, functools.partial(carry_out, question, arguments.output))
-    if found is None:
-        return Answer(130, {})
+    try:
+        found = carry_out(question, arguments.output, arguments.jobs)
+    except KeyboardInterrupt:
+        return options.interrupted()
     _print(found, arguments.output)
     return Answer(0 if found.defined else 1, found.plain())
 

@@ -28,7 +28,7 @@ from workflow.engines.reference.step_halving import StepHalving
 from workflow.errors import RunError
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import count_bar, one_line
+from workflow.screen import one_line
 from workflow.studies.extremes.cells import PARTS, Cell, grid, scaled
 from workflow.studies.options import add_parts, refuse_unknown_parts
 from workflow.studies.study import Study, print_records, to_csv
@@ -313,10 +313,8 @@ def execute(arguments: argparse.Namespace) -> int:
     """Run what is missing, print a table; exit code 1 if a cell is silently wrong."""
     refuse_unknown_parts("extremes", arguments.parts, PARTS)
     chosen = [cell for cell in grid(arguments.parts) if not arguments.quick or cost(cell) <= QUICK]
-    with STUDY.opened(arguments.output) as cache, count_bar("extremes") as progress:
-        found = evaluate.values(
-            plan(chosen), cache, progress=progress, failed=lambda one: bool(one.failed) or one.value["kind"] == "WRONG"
-        )
+    with STUDY.evaluating(arguments.output) as values:
+        found = values(plan(chosen), failed=lambda one: bool(one.failed) or one.value["kind"] == "WRONG")
         outcomes = [Outcome(**value) for value in found]
         if arguments.output is not None:
             STUDY.write(arguments.output, {TABLE: to_csv(Outcome, outcomes)})

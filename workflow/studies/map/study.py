@@ -18,7 +18,7 @@ from analysis.sharing.equipartition import sharing
 from analysis.tracking.leading_waves import Waves
 from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
 from workflow.engines.reference.engine import passages
-from workflow.screen import Answer, count_bar, one_line
+from workflow.screen import Answer, one_line
 from workflow.studies.options import add_output, listed, within
 from workflow.studies.study import Study, floats, print_records, to_csv
 from workflow.workers import evaluate
@@ -156,9 +156,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> Answer:
     """Run the cases that the directory does not hold yet, on all cores; write and print the table, draw the figure."""
     cases, directory = plan(arguments.couplings, arguments.chains, arguments.most_beads), arguments.output
-    with STUDY.opened(directory) as cache:
-        with count_bar("map") as progress:
-            found = [Case(**value) for value in evaluate.values(cases, cache, progress=progress)]
+    with STUDY.evaluating(directory) as values:
+        found = [Case(**value) for value in values(cases)]
         from analysis.figures.studies import map_figure  # matplotlib takes half a second to import
 
         columns = {field.name: floats([getattr(case, field.name) for case in found]) for field in fields(Case)}

@@ -11,7 +11,6 @@ A threshold study: scans of the field, brackets that are halved, and what is wri
 """
 
 import argparse
-import functools
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +25,6 @@ from workflow.studies.threshold.bracket import Axis, Crossing, crossings, wanted
 from workflow.sweep import fields
 from workflow.sweep.collect import UNCERTAINTIES
 from workflow.workers import evaluate
-from workflow.workers.pool import Pool
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -164,16 +162,13 @@ class Found:
 # --- carried out ------------------------------------------------------------------------------------------------------
 
 
-def carry_out(
-    question: Question, directory: Path, *, pool: Pool | None = None, progress: evaluate.Progress | None = None
-) -> Found:
+def carry_out(question: Question, directory: Path, jobs: int | None = None) -> Found:
     """Find all places, on all cores; what a directory holds of an earlier start is not computed again.
 
     Args:
         question: what is asked.
         directory: made if need be.
-        pool: worker processes; by default as many as there are cores.
-        progress: called with the scenes computed, how many are planned so far, and how many are undefined.
+        jobs: scenes at a time; None for all cores.
 
     Raises:
         InputError: the directory cannot be used.
@@ -183,15 +178,10 @@ def carry_out(
     known: dict[Any, dict[float, float | None]] = {over: {} for over in question.over.values}
     errors: dict[tuple[Any, float], float | None] = {}
     refused: list[str] = []
-    with STUDY.opened(directory) as cache:
+    with STUDY.evaluating(directory, jobs) as evaluated:
         while plan := [(over, x) for over, values in known.items() for x in wanted(values, axis, level)]:
-
-            def show(now: int, total: int, _: int, done: int = len(errors)) -> None:
-                if progress is not None:
-                    progress(done + now, done + total, 0)
-
-            cases = [question.case(over, x) for over, x in plan]
-            for (over, x), value in zip(plan, evaluate.values(cases, cache, pool=pool, progress=show), strict=True):
+            answers = evaluated([question.case(over, x) for over, x in plan])
+            for (over, x), value in zip(plan, answers, strict=True):
                 quantities = value.get("quantities", {})
                 known[over][x] = quantities.get(question.quantity)
                 errors[over, x] = quantities.get(question.uncertainty)
@@ -270,9 +260,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> Answer:
     """Print the thresholds; exit code 1 without any, 130 when interrupted, with all that was computed kept."""
     question = _question(arguments)
-    found = options.on_cores("threshold", arguments.jobs, functools.partial(carry_out, question, arguments.output))
-    if found is None:
-        return Answer(130, {})
+    try:
+        found = carry_out(question, arguments.output, arguments.jobs)
+    except KeyboardInterrupt:
+        return options.interrupted()
     _print(found, arguments.output)
     return Answer(0 if found.thresholds else 1, found.plain())
 
