@@ -1,4 +1,4 @@
-"""Options that commands of several studies have; how such a command carries out its study, here or as a Slurm job."""
+"""Options that commands of several studies have; such a command as a Slurm job, and its end where it is interrupted."""
 
 import argparse
 import contextlib

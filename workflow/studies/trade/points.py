@@ -11,8 +11,7 @@ import numpy as np
 from analysis.quantity import declare, result
 from lammps_inputs import Problem
 from workflow.errors import RunError
-from workflow.studies.trade.settings import LAMMPS, RANKS, REFERENCE, WINDOW, Setting
-from workflow.studies.trade.truth import Interval, Truth
+from workflow.studies.trade.settings import LAMMPS, RANKS, REFERENCE, WINDOW, Interval, Setting, Truth
 
 
 @dataclass

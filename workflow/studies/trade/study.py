@@ -34,8 +34,7 @@ from workflow.runs.run_directory import provenance
 from workflow.screen import count_bar, one_line
 from workflow.studies.study import Study, print_records, to_csv
 from workflow.studies.trade.points import Findings, Limits, Order, Points, measure, sentences
-from workflow.studies.trade.settings import WINDOW, run, settings
-from workflow.studies.trade.truth import QUANTITIES, Interval, Truth, intervals, make_truth
+from workflow.studies.trade.settings import QUANTITIES, WINDOW, Interval, Truth, intervals, make_truth, run, settings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -14,8 +14,7 @@ from workflow.engines.reference.step_halving import Uncertainty
 from workflow.errors import RunError
 from workflow.studies.trade import settings
 from workflow.studies.trade.points import Findings, Limits, Point, cheapest, measure, order, pareto, sentences
-from workflow.studies.trade.settings import RANKS, Setting
-from workflow.studies.trade.truth import Interval, Truth
+from workflow.studies.trade.settings import RANKS, Interval, Setting, Truth
 
 OWN = problem()
 

@@ -17,7 +17,7 @@ from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine
 from workflow.runs.engines import write_frames
 from workflow.studies.trade import settings as choices
-from workflow.studies.trade.truth import QUANTITIES, Truth, _interval, intervals, make_truth
+from workflow.studies.trade.settings import QUANTITIES, Truth, _interval, intervals, make_truth
 
 
 def of_method(settings, name):
