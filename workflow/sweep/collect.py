@@ -27,6 +27,9 @@ from workflow.verdicts.quantities import OWN, collect_columns
 from workflow.workers import evaluate
 from workflow.workers.pool import Pool
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 # --- table ------------------------------------------------------------------------------------------------------------
 
 QUANTITIES = collect_columns()
@@ -150,9 +153,6 @@ def _written(value: Any) -> str:
 
 
 # --- collect ----------------------------------------------------------------------------------------------------------
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def collect(directory: Path) -> Table:

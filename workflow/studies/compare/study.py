@@ -29,6 +29,9 @@ from workflow.screen import Answer, count_bar, one_line, print_table
 from workflow.studies.options import add_output
 from workflow.studies.study import Study, kept_run
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 # --- numbers ----------------------------------------------------------------------------------------------------------
 
 
@@ -215,9 +218,6 @@ def _rigid_against(rigid: Result, hertz: Result, last: int) -> list[str]:
 def _percent(share: float) -> str:
     return f"{100.0 * share:.3g} %" if share >= 1e-4 else "less than 0.01 %"
 
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # --- report -----------------------------------------------------------------------------------------------------------
 
