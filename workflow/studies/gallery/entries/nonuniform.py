@@ -42,16 +42,14 @@ def _tapered(results: Results) -> Statements:
             "beads.",
             correction="Hard spheres transmit too much: Hertzian beads share their energy with neighbours.",
         )
+    falls = {
+        f"share at {TAPERS[larger]:.0%} over that at {TAPERS[smaller]:.0%}": each(
+            lambda one, other: _arrives(other) / _arrives(one), results[smaller], results[larger]
+        )
+        for smaller, larger in pairwise(TAPERS)
+    }
     yield state(
-        *(
-            Measured(
-                f"share at {TAPERS[larger]:.0%} over that at {TAPERS[smaller]:.0%}",
-                each(lambda one, other: _arrives(other) / _arrives(one), results[smaller], results[larger]),
-                at_most(1.0),
-                "4",
-            )
-            for smaller, larger in pairwise(TAPERS)
-        ),
+        *(Measured(what, fall, at_most(1.0), "4") for what, fall in falls.items()),
         derived="The larger the taper, the smaller the share of the energy that arrives.",
     )
     for name, taper in TAPERS.items():

@@ -202,21 +202,14 @@ def _scan() -> Scan:
 
 
 def _partition_of_rigid_beads(rigid: Impulses) -> Statements:
-    found = _scan()
+    swept = _scan()
     sensitive = sensitivity(THETAS[:: len(THETAS) // 100])
-    at_25, keeping = found.keeping(25, 25), {"rigid beads": len(found.keeping(20, 30))}
-    median = dict(zip(found.bead, np.median(found.difference, axis=0), strict=True))
-    apart = relative_difference(rigid.first)
+    at_25, keeping = swept.keeping(25, 25), {"rigid beads": len(swept.keeping(20, 30))}
+    median = dict(zip(swept.bead, np.median(swept.difference, axis=0), strict=True))
+    what = "difference of the impulses at the gap of eq. 5"
+    apart = {row: {"rigid beads": float(relative_difference(rigid.first)[rigid.row(row)])} for row in ROWS}
     yield state(
-        *(
-            Measured(
-                f"difference of the impulses at the gap of eq. 5, row {row}",
-                {"rigid beads": float(apart[rigid.row(row)])},
-                at_most(0.01),
-                "3",
-            )
-            for row in ROWS
-        ),
+        *(Measured(f"{what}, row {row}", found, at_most(0.01), "3") for row, found in apart.items()),
         Measured("gaps at which rows 20 to 30 agree within 1%", keeping, at_least(1.0), "0"),
         published="Rigid beads: the pulse is partitioned equally among the chains.",
         source="starosvetsky2013, Figs 8 and 9, rows 5 and 25",

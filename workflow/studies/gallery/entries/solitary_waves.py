@@ -24,28 +24,17 @@ def _speed(run: Ran) -> float:
 
 def _kicked(results: Results) -> Statements:
     """Amplitude, last bead, first bead."""
-    for what, measure, value, published in (
-        (
-            f"velocity of the leading pulse at bead {BEAD}",
-            lambda run: run.peak(BEAD),
-            0.682,
-            "The leading solitary wave has the velocity 0.682 V.",
-        ),
-        (
-            "velocity of the last bead at the end",
-            lambda run: run.trajectory.velocity[-1, 0, -1],
-            0.986,
-            "The last ball leaves the chain with 0.986 V.",
-        ),
-        (
-            "velocity of bead 1 at the end",
-            lambda run: run.trajectory.velocity[-1, 0, 0],
-            -0.071,
-            "The impacting ball rebounds with 0.071 V.",
-        ),
+    runs, leading = results["kicked"], f"velocity of the leading pulse at bead {BEAD}"
+    peak = each(lambda run: run.peak(BEAD), runs)
+    last = each(lambda run: run.trajectory.velocity[-1, 0, -1], runs)
+    first = each(lambda run: run.trajectory.velocity[-1, 0, 0], runs)
+    for what, found, value, published in (
+        (leading, peak, 0.682, "The leading solitary wave has the velocity 0.682 V."),
+        ("velocity of the last bead at the end", last, 0.986, "The last ball leaves the chain with 0.986 V."),
+        ("velocity of bead 1 at the end", first, -0.071, "The impacting ball rebounds with 0.071 V."),
     ):
-        found = Measured(what, each(measure, results["kicked"]), near(value, 5e-4), "5 V")
-        yield state(found, published=published, source="hinch1999, as quoted")
+        measured = Measured(what, found, near(value, 5e-4), "5 V")
+        yield state(measured, published=published, source="hinch1999, as quoted")
 
 
 def _draw_kicked(axis: Axes, results: Results) -> None:
