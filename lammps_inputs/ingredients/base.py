@@ -1,25 +1,35 @@
 """What an ingredient of a scene is: keys that a user may write, and what becomes of them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, create_model
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model
 
+from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.links import Across, Link
 from lammps_inputs.loads import Load, Motion
+from lammps_inputs.units import PURE, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
     from lammps_inputs.system import System
 
 Positive = Annotated[float, Field(gt=0, le=1e30)]
+NotNegative = Annotated[float, Field(ge=0, le=1e30)]
+Stiffness = Annotated[NotNegative, Unit("N/m")]
+Cubic = Annotated[NotNegative, Unit("N/m3")]
+Coefficient = Annotated[NotNegative, Unit("kg/s")]
+Phase = Annotated[float, Field(ge=-360, le=360), Unit("degrees", always=True)]
+Seed = Annotated[int, Field(ge=0, le=2**63 - 1)]
+Spread = Annotated[float, Field(ge=0, le=0.9), PURE]
 Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
+Row = Annotated[int, Field(ge=1, le=10**8)]
+Rows = Annotated[tuple[Row, Row], BeforeValidator(strict_yaml.as_tuple)]
 
 
 class Part(BaseModel):
@@ -111,7 +121,7 @@ class Ingredient(Part):
 
     takes_away: ClassVar[frozenset[Fact]] = frozenset()
     """What no longer holds where any of its links exist."""
-    why: ClassVar[Mapping[Fact, str]] = MappingProxyType({})
+    why: ClassVar[dict[Fact, str]] = {}
     """Reasons for the facts that it removes, for users who ask for what needs them (`BaseScene.wanted`)."""
     several: ClassVar[bool] = False
     """Whether a scene may have a list of them."""

@@ -9,7 +9,6 @@ Yang, Phil. Trans. R. Soc. A 376, 20170136, 2018).
 """
 
 import math
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -18,8 +17,8 @@ from pydantic import Discriminator, Field, Tag, field_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import by_formula, plastic
-from lammps_inputs.ingredients.base import Part, Positive, ends, refuse_other_count, refuse_range, with_keys
+from lammps_inputs.ingredients import base, by_formula, plastic
+from lammps_inputs.ingredients.base import Part, Phase, Positive, Rows, Seed, Spread
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.laws.written import AlongChains, Force, Kind
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
     from lammps_inputs.system import System
 
 Floats = NDArray[np.float64]
-Count = Annotated[int, Field(ge=1, le=10**8)]
 Factor = Annotated[Positive, PURE]
 
 HERTZ = 1.5
@@ -42,8 +40,8 @@ LEAST_OF_PULSES = 1.05
 """Exponent below which a solitary wave, if there is one, is longer than forty beads."""
 
 
-@with_keys(
-    ends(
+@base.with_keys(
+    base.ends(
         Factor | None,
         "Strength up to the first contact of the ramp.",
         "Strength from the last contact of the ramp on.",
@@ -55,7 +53,7 @@ class Profile(Part):
 
     example: ClassVar[str] = "{from: 1, to: 4, contacts: [50, 150]}"
 
-    contacts: tuple[Count, Count] | None = None
+    contacts: Rows | None = None
     """First and last contact of the ramp; the strength is constant before and after."""
     mean: Factor | None = None
     """Mean of the cosine; 1 if omitted."""
@@ -63,14 +61,12 @@ class Profile(Part):
     """Amplitude of the cosine, smaller than its mean."""
     wavenumber: Annotated[float, Field(ge=-1e6, le=1e6), PURE] | None = None
     """Wavenumber q of the cosine, in cycles per contact."""
-    phase: Annotated[float, Field(ge=-360, le=360), Unit("degrees", always=True)] | None = None
+    phase: Phase | None = None
     """Phase of the cosine; 0 if omitted."""
-    spread: Annotated[float, Field(ge=0, le=0.9), PURE] | None = None
+    spread: Spread | None = None
     """Largest relative deviation of the random factors."""
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] | None = None
+    seed: Seed | None = None
     """Seed of the random factors, which are the same on any machine; 1 if omitted."""
-
-    _from_list = field_validator("contacts", mode="before")(strict_yaml.as_tuple)
 
     def refuse(self, key: str, contacts: int) -> None:
         """Refuse keys that miss others, and strengths that are not positive.
@@ -86,7 +82,7 @@ class Profile(Part):
             missing = [name for name in needed if getattr(self, name) is None]
             if given and missing:
                 raise ValueError(f"{key}.{missing[0]}: is missing beside {given[0]}")
-        refuse_range(f"{key}.contacts", self.contacts, contacts, of="contact", least=1)
+        base.refuse_range(f"{key}.contacts", self.contacts, contacts, of="contact", least=1)
         mean = 1.0 if self.mean is None else self.mean
         if self.amplitude is not None and not abs(self.amplitude) < mean:
             raise ValueError(f"{key}.amplitude: {self.amplitude:g} given; smaller than the mean, {mean:g}")
@@ -149,13 +145,13 @@ def _refuse_values(key: str, strength: Any, scene: "BaseScene") -> None:
         return
     rows = strength if isinstance(strength[0] if strength else None, tuple) else (strength,)
     if len(rows) != 1:
-        refuse_other_count(key, rows, scene.chains, what="lists")
+        base.refuse_other_count(key, rows, scene.chains, what="lists")
     for row in rows:
         if len(row) != contacts:
             raise ValueError(f"{key}: {len(row)} numbers for the {contacts} contacts of {scene.beads} beads")
 
 
-@with_keys(
+@base.with_keys(
     {
         "yield": (
             Annotated[plastic.Yield | None, Field(description="How contacts yield; they are elastic if omitted.")],
@@ -168,9 +164,9 @@ class Contact(by_formula.ByFormula):
 
     example: ClassVar[str] = "{exponent: 2}"
 
-    why = MappingProxyType(
-        {Fact.REVERSIBLE: "contacts of an exponent below 1.5 open and close so abruptly that suzuki4 gains nothing"}
-    )
+    why: ClassVar[dict[Fact, str]] = {
+        Fact.REVERSIBLE: "contacts of an exponent below 1.5 open and close so abruptly that suzuki4 gains nothing",
+    }
 
     exponent: Exponent = HERTZ
     """Exponent p, or a list with one for each contact; in reduced units and without `stiffness`."""

@@ -4,28 +4,24 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Discriminator, Field, Tag, field_validator
+from pydantic import Discriminator, Tag, field_validator
 
 from lammps_inputs import laws, physics, strict_yaml
 from lammps_inputs.ingredients import by_formula
-from lammps_inputs.ingredients.base import Part, ends, in_rows, refuse_range, with_keys
+from lammps_inputs.ingredients.base import Cubic, Part, Row, Rows, Stiffness, ends, in_rows, refuse_range, with_keys
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.laws.written import AcrossChains, Force
 from lammps_inputs.layout import Layout
 from lammps_inputs.links import Across
-from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
     from lammps_inputs.system import System
 
 Floats = NDArray[np.float64]
-Stiffness = Annotated[float, Field(ge=0, le=1e30), Unit("N/m")]
-Count = Annotated[int, Field(ge=1, le=10**8)]
-Rows = tuple[Count, Count]
-_Pair = tuple[Count, Count]
-_Own = tuple[Count, Count, Stiffness]
+_Pair = tuple[Row, Row]
+_Own = tuple[Row, Row, Stiffness]
 Edge = Annotated[
     Annotated[_Pair, Tag("<pair>")] | Annotated[_Own, Tag("<own>")],
     Discriminator(lambda value: "<pair>" if isinstance(value, tuple) and len(value) <= 2 else "<own>"),
@@ -45,18 +41,16 @@ class Ramp(Part):
     rows: Rows
     """First and last bead of the ramp; the stiffness is constant before and after."""
 
-    _from_list = field_validator("rows", mode="before")(strict_yaml.as_tuple)
-
 
 class Graph(Part):
     """Which chains are tied: one of the two."""
 
-    lattice: tuple[Count, Count] | None = None
+    lattice: Rows | None = None
     """Rows and columns of a lattice of chains, numbered row by row; each chain is coupled to its neighbours."""
     edges: tuple[Edge, ...] | None = None
     """Pairs of coupled chains; a third number is the stiffness of that pair."""
 
-    _from_list = field_validator("lattice", "edges", mode="before")(strict_yaml.as_tuple)
+    _from_list = field_validator("edges", mode="before")(strict_yaml.as_tuple)
 
 
 def _distinguished(model: type[Part]) -> Discriminator:
@@ -83,12 +77,10 @@ class Coupling(by_formula.ByFormula):
     """First and last row with springs; all rows if omitted."""
     topology: _Topology | None = None
     """Which chains are coupled, by the table below; `open` if omitted."""
-    cubic: Annotated[float, Field(ge=0, le=1e30), Unit("N/m3")] | None = None
+    cubic: Cubic | None = None
     """Cubic stiffness c; none if omitted."""
     force: str | None = None
     """Force as a formula of s, odd, with its parameters as keys beside it; in place of `stiffness` and `cubic`."""
-
-    _from_list = field_validator("rows", mode="before")(strict_yaml.as_tuple)
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what does not fit the chains, springs that are practically rigid, and rows that differ in a window."""

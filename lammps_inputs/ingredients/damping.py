@@ -6,16 +6,14 @@ Seitz (1982) for the restitution of beads in a row.
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from lammps_inputs import laws, physics
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.ingredients.base import Coefficient, Ingredient, NotNegative
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.dashpot import (
@@ -34,9 +32,6 @@ from lammps_inputs.units import Unit
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
     from lammps_inputs.system import System
-
-Number = Annotated[float, Field(ge=0, le=1e30)]
-Coefficient = Annotated[Number, Unit("kg/s")]
 
 MOST = 1e3
 """Dimensionless coefficient; beyond it beads stick where they are, and a step would take for ever."""
@@ -68,14 +63,12 @@ class Damping(Ingredient):
 
     example: ClassVar[str] = "{contact: 0.01}"
 
-    why = MappingProxyType(
-        {
-            Fact.FRONT: "a window restarts with forces from velocities other than those of half a step before",
-            Fact.REVERSIBLE: "suzuki4 has steps backwards in time, in which dashpots would give",
-        }
-    )
+    why: ClassVar[dict[Fact, str]] = {
+        Fact.FRONT: "a window restarts with forces from velocities other than those of half a step before",
+        Fact.REVERSIBLE: "suzuki4 has steps backwards in time, in which dashpots would give",
+    }
 
-    contact: Annotated[Number, Unit(_of_law)] | None = None
+    contact: Annotated[NotNegative, Unit(_of_law)] | None = None
     """Coefficient g of the contacts; of the law `restitution` the coefficient of restitution e, 0 to 1."""
     law: Literal["linear", "viscoelastic", "restitution"] | None = None
     """Law of the contacts' dashpots; `linear` if omitted."""

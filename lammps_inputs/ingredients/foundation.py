@@ -6,26 +6,17 @@ SIAM J. Appl. Math. 72 (2012); Hasan et al., Granular Matter 15 (2013).
 
 import math
 from collections.abc import Iterator
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Discriminator, Field, Tag, field_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator
 
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import by_formula
-from lammps_inputs.ingredients.base import (
-    Part,
-    Positive,
-    ends,
-    in_rows,
-    refuse_other_count,
-    refuse_range,
-    with_keys,
-)
+from lammps_inputs.ingredients import base, by_formula
+from lammps_inputs.ingredients.base import Cubic, Part, Phase, Positive, Rows, Stiffness
 from lammps_inputs.laws.spring import Duffing, Linear, Varying
 from lammps_inputs.laws.written import ToGround
 from lammps_inputs.links import Ground
@@ -36,29 +27,26 @@ if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
     from lammps_inputs.system import System
 
-Stiffness = Annotated[float, Field(ge=0, le=1e30), Unit("N/m")]
-Cubic = Annotated[float, Field(ge=0, le=1e30), Unit("N/m3")]
-Row = Annotated[int, Field(ge=1, le=10**8)]
 Time = Annotated[float, Field(ge=-1e30, le=1e30), Unit("s")]
 
 MOST = 1e12
 """Dimensionless stiffness; beyond it the beads do not move."""
 
 
-@with_keys(
-    ends(Stiffness, "Stiffness at the start of the ramp, and before.", "Stiffness at the end of the ramp, and after.")
+@base.with_keys(
+    base.ends(
+        Stiffness, "Stiffness at the start of the ramp, and before.", "Stiffness at the end of the ramp, and after."
+    )
 )
 class GroundRamp(Part):
     """Stiffness that changes evenly along the chains or in time, and is constant before and after."""
 
     example: ClassVar[str] = "{from: 0, to: 0.2, rows: [1, 60]}"
 
-    rows: tuple[Row, Row] | None = None
+    rows: Rows | None = None
     """First and last bead of a ramp along the chains; or give `times`."""
-    times: tuple[Time, Time] | None = None
+    times: Annotated[tuple[Time, Time], BeforeValidator(strict_yaml.as_tuple)] | None = None
     """Start and end of a ramp in time; or give `rows`."""
-
-    _from_list = field_validator("rows", "times", mode="before")(strict_yaml.as_tuple)
 
     def refuse(self, key: str, beads: int) -> None:
         """Refuse a ramp along nothing, along both, and one that does not fit the chains.
@@ -69,7 +57,7 @@ class GroundRamp(Part):
         if (self.rows is None) == (self.times is None):
             given = "neither is given" if self.rows is None else "both are given"
             raise ValueError(f"{key}: a ramp is along `rows` or over `times` ({given}); valid: `{self.example}`")
-        refuse_range(f"{key}.rows", self.rows, beads, least=1)
+        base.refuse_range(f"{key}.rows", self.rows, beads, least=1)
         if self.times is not None and not self.times[0] < self.times[1]:
             begin, end = self.times
             raise ValueError(f"{key}.times: {begin:g} to {end:g} given; the end must be later than the start")
@@ -84,7 +72,7 @@ class Modulation(Part):
     """Amplitude of the factor; at most 1, so that no stiffness is negative."""
     frequency: Annotated[Positive, Unit("Hz")]
     """Frequency f, in cycles per unit time."""
-    phase: Annotated[float, Field(ge=-360, le=360), Unit("degrees", always=True)] = 0.0
+    phase: Phase = 0.0
     """Phase; with 90 the factor is a cosine."""
 
 
@@ -110,12 +98,10 @@ class Foundation(by_formula.ByFormula):
     sources = ("starosvetsky2012",)
 
     takes_away = frozenset({Fact.MOMENTUM, Fact.PULSE, Fact.FRONT})
-    why = MappingProxyType(
-        {
-            Fact.FRONT: "beads behind a window keep oscillating",
-            Fact.REVERSIBLE: "its stiffness depends on time, and suzuki4 steps back in time within each cycle",
-        }
-    )
+    why: ClassVar[dict[Fact, str]] = {
+        Fact.FRONT: "beads behind a window keep oscillating",
+        Fact.REVERSIBLE: "its stiffness depends on time, and suzuki4 steps back in time within each cycle",
+    }
 
     stiffness: _Stiffness = 0.0
     """Linear stiffness k of all chains: a number or a ramp `{from, to, rows}` or `{from, to, times}`; or a list with
@@ -124,14 +110,14 @@ class Foundation(by_formula.ByFormula):
     """Factor on the linear stiffness that oscillates in time; none if omitted."""
     cubic: Cubic | tuple[Cubic, ...] = 0.0
     """Cubic stiffness c of all chains, or a list with one for each chain."""
-    rows: tuple[Row, Row] | None = None
+    rows: Rows | None = None
     """First and last bead with springs; all beads if omitted."""
     force: str | None = None
     """Force as a formula of s, the displacement, against which it acts; its parameters are keys beside it. In place of
     `stiffness` and `cubic`.
     """
 
-    _from_list = field_validator("stiffness", "cubic", "rows", mode="before")(strict_yaml.as_tuple)
+    _from_list = field_validator("stiffness", "cubic", mode="before")(strict_yaml.as_tuple)
 
     def cited(self) -> tuple[str, ...]:
         """Also of what depends on time."""
@@ -146,7 +132,7 @@ class Foundation(by_formula.ByFormula):
             by_formula.refuse_unrest("foundation", self.formula)
         for key in ("stiffness", "cubic"):
             given = getattr(self, key)
-            refuse_other_count(f"foundation.{key}", given, scene.chains)
+            base.refuse_other_count(f"foundation.{key}", given, scene.chains)
             if isinstance(given, tuple) and len(set(given)) > MOST_GROUPS:
                 raise ValueError(f"foundation.{key}: LAMMPS has {MOST_GROUPS} groups for different values")
         if self.modulation is not None and "stiffness" not in self.model_fields_set:
@@ -161,7 +147,7 @@ class Foundation(by_formula.ByFormula):
             largest = {"stiffness": laws.stiffest(link.law, 0.0), "cubic": np.max(getattr(link.law, "cubic", 0.0))}
             for key in (key for key, value in largest.items() if value > MOST):
                 raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
-        refuse_range("foundation.rows", self.rows, scene.beads)
+        base.refuse_range("foundation.rows", self.rows, scene.beads)
 
     @property
     def _of_chains(self) -> tuple[float | GroundRamp, ...]:
@@ -205,7 +191,7 @@ class Foundation(by_formula.ByFormula):
     def _in_space_and_time(self, scene: "BaseScene") -> Linear | Varying:
         """Linear springs that ramp or are modulated, in the scene's units."""
         of_chains = np.stack([_start_of_ramp(one, scene.beads) for one in self._of_chains], axis=1)
-        table = in_rows(of_chains, self.rows, (4, scene.chains, scene.beads))
+        table = base.in_rows(of_chains, self.rows, (4, scene.chains, scene.beads))
         spring, rate, begin, end = map(number_or_array, table)
         depth = self.modulation.depth if self.modulation is not None else 0.0
         if not np.any(rate) and not depth:
@@ -218,7 +204,7 @@ class Foundation(by_formula.ByFormula):
         """A number, or [chain, bead] where it differs, in the scene's units."""
         if self.rows is None and (not isinstance(given, tuple) or len(set(given)) == 1):
             return float(np.max(given))
-        return in_rows(np.reshape(given, (-1, 1)), self.rows, (scene.chains, scene.beads))
+        return base.in_rows(np.reshape(given, (-1, 1)), self.rows, (scene.chains, scene.beads))
 
 
 def _start_of_ramp(stiffness: float | GroundRamp, beads: int) -> NDArray[np.float64]:

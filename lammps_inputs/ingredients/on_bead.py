@@ -7,7 +7,6 @@ pulls it, without end: a shaker, a piezo actuator.
 import itertools
 import math
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -16,7 +15,7 @@ from pydantic import Field, field_validator, model_validator
 
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Count, Ingredient, Positive, refuse_outside
+from lammps_inputs.ingredients.base import Count, Ingredient, NotNegative, Phase, Positive, refuse_outside
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, TimeLaw, make_table
 from lammps_inputs.loads import Load, Motion
 from lammps_inputs.units import Unit
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
     from lammps_inputs.system import System
 
-Time = Annotated[float, Field(ge=0, le=1e30), Unit("s")]
+Time = Annotated[NotNegative, Unit("s")]
 Force = Annotated[float, Field(ge=-1e30, le=1e30), Unit("N")]
 Point = tuple[Time, Force]
 
@@ -43,12 +42,10 @@ class OnBead(Ingredient):
 
     key: ClassVar[str]
     several: ClassVar[bool] = True
-    why = MappingProxyType(
-        {
-            Fact.FRONT: "a window would take the bead that it acts on to its head",
-            Fact.REVERSIBLE: "suzuki4 steps back in time within each cycle",
-        }
-    )
+    why: ClassVar[dict[Fact, str]] = {
+        Fact.FRONT: "a window would take the bead that it acts on to its head",
+        Fact.REVERSIBLE: "suzuki4 steps back in time within each cycle",
+    }
 
     chain: Count = 1
     """Chain of the bead."""
@@ -164,7 +161,7 @@ class Drive(OnBead):
     """Amplitude of the force on the bead; or give `displacement`."""
     frequency: Annotated[Positive, Unit("Hz")]
     """Frequency f, in cycles per unit time."""
-    phase: Annotated[float, Field(ge=-360, le=360), Unit("degrees", always=True)] = 0.0
+    phase: Phase = 0.0
     """Phase; with -90 the bead starts at rest and moves towards higher bead numbers."""
 
     @model_validator(mode="after")

@@ -5,7 +5,6 @@ waves on top of the load (Nesterenko, Dynamics of Heterogeneous Materials, 2001;
 Phys. Rev. E 73, 026610, 2006).
 """
 
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
@@ -31,7 +30,7 @@ class _Load(Ingredient):
     """What presses beads together at rest."""
 
     key: ClassVar[str]
-    why = MappingProxyType({Fact.FRONT: "a window lets go of rows from which sound would come back"})
+    why: ClassVar[dict[Fact, str]] = {Fact.FRONT: "a window lets go of rows from which sound would come back"}
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse gaps, which no load leaves."""

@@ -5,16 +5,16 @@ Theocharis & Kevrekidis, arXiv 1709.08629.
 """
 
 import math
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, field_validator
+from pydantic import field_validator
 
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient, Inner, in_rows, refuse_other_count, refuse_range
+from lammps_inputs.ingredients import base
+from lammps_inputs.ingredients.base import Coefficient, Ingredient, Inner, NotNegative, Rows, Stiffness
 from lammps_inputs.ingredients.damping import MOST
 from lammps_inputs.laws.dashpot import Dashpot
 from lammps_inputs.laws.spring import Linear
@@ -27,11 +27,7 @@ if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
 
 Floats = NDArray[np.float64]
-Number = Annotated[float, Field(ge=0, le=1e30)]
-Mass = Annotated[Number, Unit("kg")]
-Stiffness = Annotated[Number, Unit("N/m")]
-Coefficient = Annotated[Number, Unit("kg/s")]
-Row = Annotated[int, Field(ge=1, le=10**8)]
+Mass = Annotated[NotNegative, Unit("kg")]
 
 KEY = "resonators"
 
@@ -48,12 +44,10 @@ class Resonators(Ingredient):
     example: ClassVar[str] = "{mass: 0.1, stiffness: 1}"
     several: ClassVar[bool] = True
     sources = ("kim2014", "vorotnikov2017")
-    why = MappingProxyType(
-        {
-            Fact.FRONT: "resonators behind a window keep oscillating",
-            Fact.REVERSIBLE: "suzuki4 has steps backwards in time, in which dashpots would give",
-        }
-    )
+    why: ClassVar[dict[Fact, str]] = {
+        Fact.FRONT: "resonators behind a window keep oscillating",
+        Fact.REVERSIBLE: "suzuki4 has steps backwards in time, in which dashpots would give",
+    }
 
     mass: Mass | tuple[Mass, ...]
     """Mass m2 of a resonator; or a list with one for each chain, 0 for none."""
@@ -61,16 +55,16 @@ class Resonators(Ingredient):
     """Stiffness k2 of its spring; or a list with one for each chain."""
     damping: Coefficient | tuple[Coefficient, ...] = 0.0
     """Coefficient c2 of the dashpot parallel to the spring; or a list with one for each chain."""
-    rows: tuple[Row, Row] | None = None
+    rows: Rows | None = None
     """First and last bead with resonators; all beads if omitted."""
 
-    _from_list = field_validator("mass", "stiffness", "damping", "rows", mode="before")(strict_yaml.as_tuple)
+    _from_list = field_validator("mass", "stiffness", "damping", mode="before")(strict_yaml.as_tuple)
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what does not fit the chains, and masses that are none."""
         for key in ("mass", "stiffness", "damping"):
-            refuse_other_count(f"{KEY}.{key}", getattr(self, key), scene.chains)
-        refuse_range(f"{KEY}.rows", self.rows, scene.beads)
+            base.refuse_other_count(f"{KEY}.{key}", getattr(self, key), scene.chains)
+        base.refuse_range(f"{KEY}.rows", self.rows, scene.beads)
         mass, stiffness, damping = self._of_chains(scene)
         if np.any((damping > 0.0) & (mass > 0.0) & (stiffness == 0.0)):
             raise ValueError(f"{KEY}.stiffness: is 0 beside a damping; give a stiffness, or leave the damping out")
@@ -132,4 +126,4 @@ class Resonators(Ingredient):
 
     def _in_rows(self, of_chain: Floats, scene: "BaseScene") -> Floats:
         """[chain, bead], 0 where no resonator is."""
-        return in_rows(of_chain[:, np.newaxis], self.rows, (scene.chains, scene.beads))
+        return base.in_rows(of_chain[:, np.newaxis], self.rows, (scene.chains, scene.beads))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from lammps_inputs import materials
-from lammps_inputs.ingredients.base import Count, Part, Positive, refuse_other_count, refuse_outside
+from lammps_inputs.ingredients.base import Count, Part, Positive, Seed, Spread, refuse_other_count, refuse_outside
 from lammps_inputs.numbers import number_or_array, random_shares
 from lammps_inputs.units import PURE, Unit, sphere_mass
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene, Material
 
 Floats = NDArray[np.float64]
-Spread = Annotated[float, Field(ge=0, le=0.9), PURE]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
 
 KEYS = ("kinds", "pattern", "replace", "taper", "disorder", "striker")
@@ -118,7 +117,7 @@ class Disorder(Part):
     """Largest relative deviation of the radius; the mass follows with its cube."""
     stiffness: Spread = 0.0
     """Largest relative deviation of the plane modulus."""
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 1
+    seed: Seed = 1
     """Seed of the random numbers; the same beads on any machine."""
 
     def factors(self, name: str, shape: tuple[int, int]) -> Floats:

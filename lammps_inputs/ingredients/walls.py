@@ -8,7 +8,6 @@ contacts of other laws only the held bead is known, or a stiffness for a power o
 
 import math
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -63,7 +62,7 @@ class Walls(Ingredient):
     sources = ("johnson1985",)
 
     takes_away = frozenset({Fact.MOMENTUM, Fact.FRONT})
-    why = MappingProxyType({Fact.FRONT: "a window lets go of the rows that pulses come back through"})
+    why: ClassVar[dict[Fact, str]] = {Fact.FRONT: "a window lets go of the rows that pulses come back through"}
 
     left: Kind | None = None
     """Wall before the first beads; none if omitted."""
