@@ -148,6 +148,7 @@ def test_an_energy_that_is_no_smooth_formula_of_the_strain_squared_is_refused_fo
     assert deck.refusal(scene(coupling=SATURATING).system) == ""
 
 
+@pytest.mark.slow
 def test_a_scene_keeps_its_formula_and_parameters_and_no_default_beside_them():
     plain = scene(coupling=SATURATING).plain()
     assert plain["coupling"] == SATURATING

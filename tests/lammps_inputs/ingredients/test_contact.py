@@ -82,8 +82,9 @@ def test_masses_may_differ():
     assert np.all(touching(2.0, **kinds).problem().system.mass == 0.5)
 
 
-def test_a_sweep_may_vary_the_exponent_and_the_strengths():
-    assert {"contact.exponent", "contact.strength", "contact.strength.to"} <= set(all_fields(Scene))
+def test_a_sweep_may_vary_exponents_strengths_and_frequencies():
+    keys = {"contact.exponent", "contact.strength", "contact.strength.to", "drive.frequency"}
+    assert keys <= set(all_fields(Scene))
 
 
 def graded(strength, **changes):

@@ -47,17 +47,6 @@ def test_an_edge_may_have_its_own_stiffness():
     np.testing.assert_array_equal(link.law.spring, np.repeat([[0.1], [0.4]], 8, axis=1))
 
 
-def test_a_ramp_rises_evenly_between_its_rows():
-    law = spring({"stiffness": {"from": 0.1, "to": 0.5, "rows": [3, 7]}}).law
-    assert law.spring[1] == pytest.approx([0.1, 0.1, 0.1, 0.2, 0.3, 0.4, 0.5, 0.5], rel=1e-15)
-
-
-def test_springs_are_in_their_rows_only():
-    np.testing.assert_array_equal(
-        spring({"stiffness": 0.1, "rows": [3, 4]}).law.spring, [[0, 0, 0.1, 0.1, 0, 0, 0, 0]] * 2
-    )
-
-
 def test_a_scene_is_written_as_it_was_read():
     coupling = {
         "model": "linear",
@@ -77,10 +66,6 @@ def test_a_bond_type_is_one_stiffness():
     assert "bond_coeff 1 0.05 0\nbond_coeff 2 0.1 0\n" in text
     assert "\n1 1 3 11\n2 2 4 12\n" in data
     assert "kappa" not in text.replace("coupling", "")
-
-
-def test_the_contacts_are_kept_whatever_the_graph():
-    assert "special_bonds lj/coul 1 1 1" in deck.render_deck(scene(graph(edges=[[1, 2], [1, 3]])).problem())
 
 
 @st.composite

@@ -44,7 +44,10 @@ def test_dashpots_between_chains_reach_as_far_as_their_springs_and_not_to_the_ne
     assert math.hypot(beside, reach) < cutoff < math.hypot(beside, problem.layout.spacing - reach)
 
 
-@pytest.mark.parametrize(("share", "exponent"), [(0.9, 1.5), (0.7, 1.5), (0.5, 1.5), (0.7, 1.0), (0.7, 2.0)])
+@pytest.mark.parametrize(
+    ("share", "exponent"),
+    [(0.7, 1.5), *(pytest.param(*one, marks=SLOW) for one in ((0.9, 1.5), (0.5, 1.5), (0.7, 1.0), (0.7, 2.0)))],
+)
 def test_two_beads_part_with_their_restitution(share: float, exponent: float, tmp_path: Path) -> None:
     losing = Damping(contact=share, law="restitution")
     contact = Contact(exponent=exponent)

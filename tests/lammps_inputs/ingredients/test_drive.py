@@ -8,12 +8,10 @@ from ingredient_scenes import FORCED as PUSHED
 from ingredient_scenes import MOVED, STEEL
 from plain_scene import scene
 
-from lammps_inputs import Scene, library
-from lammps_inputs.decks.continuation import render_continuation
+from lammps_inputs import library
 from lammps_inputs.facts import Fact
 from workflow.engines.reference import engine
 from workflow.runs.run import run
-from workflow.sweep.fields import all_fields
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.causes import causes
 
@@ -66,11 +64,6 @@ def test_impulse_of_a_force_alone_is_momentum(tmp_path):
     assert found.conservation.momentum_drift < 1e-12
 
 
-def test_the_continuation_moves_beads_once_time_is_that_of_the_step():
-    text = render_continuation(driven().problem())
-    assert text.index("reset_timestep ${before}") < text.index("fix drive1 drive1 move") < text.index("run 0 post no")
-
-
 @pytest.mark.slow
 def test_above_the_cut_off_of_a_linear_chain_amplitude_falls_by_what_theory_says(tmp_path):
     """Rows of beads that never touch, tied by springs of 1: a linear chain across the chains, cut off at omega = 2."""
@@ -104,7 +97,3 @@ def test_what_is_wrong_with_a_drive_is_named(wrong, said):
     (cause,) = causes(replace(other, problem=right.problem), right)
     assert cause.endswith(said)
     assert not any("drive" in cause for cause in causes(right, replace(other, problem=right.problem)))
-
-
-def test_a_sweep_may_vary_the_frequency():
-    assert "drive.frequency" in all_fields(Scene)
