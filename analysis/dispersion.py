@@ -10,10 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.mirror import direction_of
 from analysis.quantity import declare, result
 from analysis.shape.long_waves import repeats
-from analysis.trajectory import Floats, Integers, Trajectory
+from analysis.trajectory import Floats, Integers, Trajectory, direction_of
 from lammps_inputs import Problem, System, laws, physics
 
 MOST_BRANCHES = 60

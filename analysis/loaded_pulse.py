@@ -6,11 +6,10 @@ import numpy as np
 
 from analysis import hermite, motion
 from analysis.dispersion import NoDispersionError, cell_of
-from analysis.mirror import direction_of
 from analysis.quantity import declare, derived, result
 from analysis.shape.long_waves import cell_beads, sound_speed, speed_over_sound
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Floats, Trajectory, joined
+from analysis.trajectory import Floats, Trajectory, direction_of, joined
 from lammps_inputs import Problem, System, laws, physics
 from lammps_inputs.limits import rates
 

@@ -14,7 +14,7 @@ from stock_lammps import run as run_deck
 from wrong_runs import deck_run, substituted
 
 from analysis.conservation import Conservation
-from analysis.mirror import mirrored_problem
+from analysis.trajectory import mirrored_problem
 from lammps_inputs import InputError, laws, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from plain_scene import BEADS, scene
 
 from analysis import motion
-from analysis.mirror import mirrored_problem
+from analysis.trajectory import mirrored_problem
 from lammps_inputs import physics
 from lammps_inputs.decks import deck
 from lammps_inputs.limits import rates

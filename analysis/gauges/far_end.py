@@ -20,9 +20,8 @@ from analysis.gauges.gauge import (
     memory_at_frames,
     strain_at_frames,
 )
-from analysis.mirror import direction_of
 from analysis.quantity import declare, result
-from analysis.trajectory import Floats, Integers, Trajectory
+from analysis.trajectory import Floats, Integers, Trajectory, direction_of
 from lammps_inputs import Problem, System, physics
 
 PART = 10

@@ -9,7 +9,6 @@ import math
 import numpy as np
 
 from analysis import motion
-from analysis.mirror import along_the_way, direction_of
 from analysis.quantity import declare, result
 from analysis.shape.long_waves import repeats_between
 from analysis.shape.waveforms import reach
@@ -17,7 +16,7 @@ from analysis.sharing.equipartition import dissipates
 from analysis.sharing.survey import Survey
 from analysis.tracking.pulses import Pulse
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Floats, Integers, Trajectory
+from analysis.trajectory import Floats, Integers, Trajectory, along_the_way, direction_of
 from lammps_inputs import Problem, physics
 
 AT_REST = 0.01

@@ -4,14 +4,13 @@ import math
 
 import numpy as np
 
-from analysis.mirror import mirrored_bead
 from analysis.quantity import declare, derived, result
 from analysis.shape.exact_wave import has_wave, wave_of
 from analysis.shape.waveforms import REACH
 from analysis.sharing.equipartition import dissipates
 from analysis.tracking.pulses import CONSTANT_OVER, Pulse
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Flags
+from analysis.trajectory import Flags, mirrored_bead
 from lammps_inputs import Problem, laws, physics
 
 UNSEEN = "the passage is not recorded completely"

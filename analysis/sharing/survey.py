@@ -11,7 +11,6 @@ import numpy as np
 from analysis.against.common_times import near_the_front
 from analysis.columns import together
 from analysis.conservation import energy_input
-from analysis.mirror import direction_of, mirrored, mirrored_bead, mirrored_problem
 from analysis.shape.exact_wave import wave_of
 from analysis.shape.long_waves import make_speed
 from analysis.shape.waveforms import Passages, Shape, Waveforms, reach
@@ -33,7 +32,16 @@ from analysis.tracking.noise import distinct, left_by_smoothing, noise_at_start,
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks
 from analysis.tracking.pulses import SMALLEST, Pulse, ahead_of_sound, track_pulses
 from analysis.tracking.undisturbed import clear_of_ends, clear_of_others, once_each, returns
-from analysis.trajectory import Flags, Integers, Trajectory, Watcher
+from analysis.trajectory import (
+    Flags,
+    Integers,
+    Trajectory,
+    Watcher,
+    direction_of,
+    mirrored,
+    mirrored_bead,
+    mirrored_problem,
+)
 from lammps_inputs import Problem, physics
 
 MAX_PASSAGES = 4000

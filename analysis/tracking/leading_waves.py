@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.columns import Columns
-from analysis.mirror import direction_of, mirrored_bead
 from analysis.quantity import declare, declared, result, table
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, local_speed, track_pulses
-from analysis.trajectory import Floats, Integers
+from analysis.trajectory import Floats, Integers, direction_of, mirrored_bead
 from lammps_inputs import Problem, physics
 from lammps_inputs.units import Scale
 

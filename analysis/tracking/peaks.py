@@ -13,9 +13,18 @@ from numpy.typing import NDArray
 
 from analysis import hermite
 from analysis.columns import Columns, together
-from analysis.mirror import direction_of, mirrored_bead
 from analysis.tracking.brackets import NODES, Brackets, bracketed, highest, largest, no_maxima, on_a_grid
-from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined, of_atoms, watch
+from analysis.trajectory import (
+    Flags,
+    Floats,
+    Integers,
+    Trajectory,
+    direction_of,
+    joined,
+    mirrored_bead,
+    of_atoms,
+    watch,
+)
 from lammps_inputs import Problem
 
 THRESHOLD = 1e-3

@@ -3,7 +3,7 @@
 A maximum of a bead's velocity is a passage; it belongs to the pulse whose speed brings it there at that time. A maximum
 without contact pressure, such as that of a bead that oscillates on its spring, is no passage. Where beads differ by
 turns, a pulse is followed on those of one kind, whose maxima can be compared. Pulses that run towards lower
-numbers are found in the mirror (`analysis.mirror`).
+numbers are found in the mirror (`analysis.trajectory.mirrored`).
 
 Under a static load sound has crests, too, without number. A pulse is what runs ahead of sound, by as much as the
 solitary wave of its amplitude would (`ahead_of_sound`): sound of any wavelength is slower than that of long waves, and
@@ -18,12 +18,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.columns import Columns
-from analysis.mirror import mirrored_bead, mirrored_problem
 from analysis.quantity import declare, derived, result
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave, wave_of
 from analysis.shape.long_waves import LoadedSpeed, make_speed
 from analysis.tracking.peaks import Peaks, in_mirror
-from analysis.trajectory import Flags, Floats, Integers
+from analysis.trajectory import Flags, Floats, Integers, mirrored_bead, mirrored_problem
 from lammps_inputs import Problem, physics
 
 SMALLEST = 0.02

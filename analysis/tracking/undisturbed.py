@@ -10,12 +10,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from analysis.mirror import mirrored_bead
 from analysis.quantity import declare, derived, result
 from analysis.shape.exact_wave import SolitaryWave
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Flags, Floats, Integers, Trajectory
+from analysis.trajectory import Flags, Floats, Integers, Trajectory, mirrored_bead
 from lammps_inputs import Problem, physics
 
 CLEAR = 5

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from small_problems import problem, written_down
 from stock_lammps import scene
+from synthetic_waves import of_keys
 
 from analysis.conservation import STORED, Account, Budget, Conservation
 from analysis.figures.energy import budget_figure
 from analysis.quantity import plain
 from analysis.trajectory import watch
-from lammps_inputs import Kick, library, physics
+from lammps_inputs import Kick, physics
 from lammps_inputs.laws.in_time import Rectangular, Sine
 from lammps_inputs.loads import Load
 from lammps_inputs.units import make_scale
@@ -129,7 +130,6 @@ def test_with_a_drive_momentum_is_that_of_now_or_as_lammps_has_it():
 NONE = dict.fromkeys(STORED, np.zeros(2))
 
 PLAIN = {
-    "name": "test",
     "chains": 2,
     "beads": 8,
     "coupling": {"stiffness": 0.1},
@@ -156,7 +156,7 @@ def account_of(problem, motion, cuts=()):
 
 @pytest.mark.parametrize("cuts", [(), (1, 7, 30)])
 def test_what_is_lost_is_told_by_the_name_of_what_takes_it(cuts):
-    account = account_of(library.from_plain(PLAIN, "test").problem(), lambda t: (0.0 * t, 0.5 + 0.0 * t), cuts)
+    account = account_of(of_keys(**PLAIN), lambda t: (0.0 * t, 0.5 + 0.0 * t), cuts)
     assert sorted(account.lost) == ["bead_damping", "coupling_damping"]
     np.testing.assert_allclose(account.lost["coupling_damping"], 0.2 * account.time)
     np.testing.assert_allclose(account.lost["bead_damping"], 0.3 * account.time)
@@ -166,7 +166,7 @@ def test_what_is_lost_is_told_by_the_name_of_what_takes_it(cuts):
 
 def test_springs_between_chains_and_to_the_ground_are_told_apart():
     """Every bead of chain 1 is ahead by 0.3."""
-    problem = library.from_plain({**PLAIN, "foundation": {"stiffness": 0.5}}, "test").problem()
+    problem = of_keys(**{**PLAIN, "foundation": {"stiffness": 0.5}})
     ahead = np.array([[0.3], [0.0]])
     account = account_of(problem, lambda t: (ahead + 0.0 * t, 0.0 * t))
     held = {name: part[0] for name, part in account.stored.items()}
@@ -184,7 +184,7 @@ def test_springs_between_chains_and_to_the_ground_are_told_apart():
 
 
 def test_of_a_long_run_every_so_manieth_frame_counts_wherever_blocks_end():
-    problem = library.from_plain({**PLAIN, "duration": 120.0}, "test").problem()
+    problem = of_keys(**{**PLAIN, "duration": 120.0})
     account = account_of(problem, lambda t: (0.0 * t, 0.0 * t), (100, 101, 700))
     assert account.time.tolist() == (np.arange(0, 1201, 3) * problem.every).tolist()
 
@@ -215,13 +215,13 @@ def test_of_what_a_drive_took_back_no_shares_are_told(left, shares):
 
 def test_a_heavy_bead_is_kicked_with_its_own_energy():
     heavy = {"kinds": {"heavy": {"mass": 4.0}}, "replace": {"bead": 1, "kind": "heavy"}, "damping": {"beads": 0.2}}
-    account = account_of(library.from_plain({**PLAIN, **heavy}, "test").problem(), lambda t: (0.0 * t, 0.0 * t))
+    account = account_of(of_keys(**{**PLAIN, **heavy}), lambda t: (0.0 * t, 0.0 * t))
     assert account.energy_input[0] == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize("cuts", [(), (1, 30)])
 def test_the_drift_is_in_shares_of_the_most_that_was_put_in(cuts):
-    problem = library.from_plain(PLAIN, "test").problem()
+    problem = of_keys(**PLAIN)
     drift = seen(*exchanging(problem, lambda t: (0.0 * t, 0.5 + 0.0 * t), cuts)).energy_drift
     time = np.arange(problem.frames + 1) * problem.every
     missing = 2.0 + 0.5 * time - (0.5 + 0.7 * time)
@@ -229,7 +229,7 @@ def test_the_drift_is_in_shares_of_the_most_that_was_put_in(cuts):
 
 
 def test_the_last_frame_counts_though_it_is_none_of_these():
-    problem = library.from_plain({**PLAIN, "duration": 120.1}, "test").problem()
+    problem = of_keys(**{**PLAIN, "duration": 120.1})
     account = account_of(problem, lambda t: (0.0 * t, 0.0 * t), (100, 101, 1201))
     assert account.time.tolist() == (np.append(np.arange(0, 1201, 3), 1201) * problem.every).tolist()
     assert account.energy_input[-1] == pytest.approx(0.5 + 0.7 * problem.duration)

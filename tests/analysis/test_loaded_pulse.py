@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from synthetic_waves import of_keys
 
 from analysis import motion
 from analysis.dispersion import cell_of
 from analysis.loaded_pulse import LoadedPulse
 from analysis.trajectory import watch
-from lammps_inputs import laws, library
+from lammps_inputs import laws
 from workflow.engines.reference import engine
 
 KINDS = {"heavy": {"mass": 1.0}, "light": {"mass": 0.3}}
@@ -17,9 +18,9 @@ KINDS = {"heavy": {"mass": 1.0}, "light": {"mass": 0.3}}
 
 def found(bead, velocity):
     """Forty beads, one of them kicked."""
-    plain = {"name": "test", "beads": 40, "precompression": {"force": 0.3}, "duration": 36.0}
+    plain = {"beads": 40, "precompression": {"force": 0.3}, "duration": 36.0}
     kick = {"bead": bead, "velocity": velocity}
-    problem = library.from_plain({**plain, "kick": kick, "output": {"every": 0.05}}, "test").problem()
+    problem = of_keys(**{**plain, "kick": kick, "output": {"every": 0.05}})
     run = engine.run(problem)
     return watch(LoadedPulse(problem), (run[:100], run[100:])).result(), run
 
@@ -49,9 +50,8 @@ def test_in_the_mirror_it_is_the_same(bead):
 @pytest.mark.parametrize("pattern", [["heavy"], ["heavy", "light"], ["heavy", "light", "light"]], ids=len)
 def test_a_front_of_sound_runs_as_fast_as_its_dispersion_says(pattern):
     """Its maximum is Airy's, 1.0188 (a c0 t)**(1/3) behind c0 t where omega = c0 (q - a q**3 / 3)."""
-    plain = {"name": "sound", "beads": 150, "precompression": {"force": 1.0}, "kick": {"velocity": 1e-4}}
-    scene = library.from_plain({**plain, "duration": 150.0, "kinds": KINDS, "pattern": pattern}, "test")
-    problem = scene.problem()
+    plain = {"beads": 150, "precompression": {"force": 1.0}, "kick": {"velocity": 1e-4}}
+    problem = of_keys(**plain, duration=150.0, kinds=KINDS, pattern=pattern)
     wave = watch(LoadedPulse(problem), engine.blocks(problem)).result()
     short, long = cell_of(problem.system).branches(np.array([0.1, 0.01]))[:, 0] / [0.1, 0.01]
     bent = 3.0 * (1.0 - short / long) / (0.1**2 - 0.01**2)

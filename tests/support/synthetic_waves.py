@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from analysis.shape.exact_wave import solitary_wave
+from analysis.sharing.survey import Survey, survey
 from analysis.trajectory import Trajectory, blocks
-from lammps_inputs import Coupling, Kick, Output, Problem, Scene
+from lammps_inputs import Coupling, Kick, Output, Problem, Scene, library
 from workflow.engines.reference import engine
 
 
@@ -37,8 +38,13 @@ def reference(*arguments: Any, **options: Any) -> Trajectory:
     return engine.run(problem(*arguments, **options))
 
 
-def reader(trajectory: Trajectory) -> Any:
-    return lambda: blocks(trajectory)
+def surveyed(trajectory: Trajectory, **options: Any) -> Survey:
+    return survey(lambda: blocks(trajectory), trajectory.problem, **options)
+
+
+def of_keys(**keys: Any) -> Problem:
+    """The problem of a scene's keys."""
+    return library.from_plain({"name": "test", **keys}, "test").problem()
 
 
 def exact_waves(

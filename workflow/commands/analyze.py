@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from analysis.dispersion import NO_SOUND
-from analysis.mirror import along_the_way
 from analysis.quantity import cell, headings
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import ARRIVALS, Waves
 from analysis.tracking.pulses import of_one_kind
 from analysis.tracking.undisturbed import CLEAR
+from analysis.trajectory import along_the_way
 from lammps_inputs import InputError, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.worker import ENERGY_TOLERANCE

@@ -33,9 +33,8 @@ from typing import Any
 import numpy as np
 
 from analysis.files import recording
-from analysis.mirror import direction_of
 from analysis.tracking.leading_waves import Waves, from_csv
-from analysis.trajectory import Floats, Trajectory, joined
+from analysis.trajectory import Floats, Trajectory, direction_of, joined
 from lammps_inputs import InputError, Problem, Scene, file_names, load
 from workflow.runs.files import RECORD, parts
 from workflow.runs.job import Job, account, update

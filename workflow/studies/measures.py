@@ -10,7 +10,6 @@ import numpy as np
 from analysis import quantity
 from analysis.conservation import Conservation
 from analysis.gauges.far_end import FarEnd
-from analysis.mirror import direction_of
 from analysis.motion import bead_energy, participation
 from analysis.sharing.energies import EnergyFlow
 from analysis.sharing.equipartition import sharing
@@ -18,7 +17,7 @@ from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey
 from analysis.tracking.leading_waves import Waves, beyond_kicks, leading_waves, opposed, usual_arrival
 from analysis.tracking.peaks import PeakFinder
-from analysis.trajectory import Trajectory, blocks
+from analysis.trajectory import Trajectory, blocks, direction_of
 from lammps_inputs import InputError, Problem, Scene, library, physics
 from lammps_inputs.units import REDUCED, SI
 from workflow.engines.reference import engine

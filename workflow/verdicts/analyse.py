@@ -11,13 +11,12 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
-from analysis.mirror import along_the_way, direction_of
 from analysis.quantity import csv_of, headings, plain
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Trajectory
+from analysis.trajectory import Trajectory, along_the_way, direction_of
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from workflow.formats import figure_files, in_any_format

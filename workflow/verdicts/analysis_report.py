@@ -5,7 +5,6 @@ from itertools import accumulate
 import numpy as np
 
 from analysis.conservation import Conservation
-from analysis.mirror import along_the_way, mirrored_bead
 from analysis.quantity import Column, declare, derived, result, table, to_csv
 from analysis.shape.exact_wave import has_wave, wave_of
 from analysis.sharing.equipartition import AGREEMENTS, Estimate, dissipates, resolved
@@ -15,7 +14,7 @@ from analysis.sharing.verdict import DecayFit
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse, Train, train_of
 from analysis.tracking.undisturbed import CLEAR, clear_of_others
-from analysis.trajectory import Floats
+from analysis.trajectory import Floats, along_the_way, mirrored_bead
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 

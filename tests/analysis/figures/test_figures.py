@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_problems import problem as small
-from synthetic_waves import reader, reference
+from synthetic_waves import reference, surveyed
 
 from analysis.conservation import Account
 from analysis.figures.energy import budget_figure
@@ -13,6 +13,7 @@ from analysis.figures.spacetime import BeadHistory, SpaceTime, round_ticks, spac
 from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, axis_unit, shortened, shown_chains
 from analysis.figures.waves import distance_figure, pulses, response_figure, shape_figure
 from analysis.sharing.survey import survey
+from analysis.trajectory import blocks
 from lammps_inputs import Kick
 from lammps_inputs.units import make_scale
 from workflow.formats import written_as
@@ -21,8 +22,7 @@ from workflow.runs.files import write_figure
 
 @pytest.fixture(scope="module")
 def found():
-    trajectory = reference(2, 0.1, 60, 80.0)
-    return survey(reader(trajectory), trajectory.problem)
+    return surveyed(reference(2, 0.1, 60, 80.0))
 
 
 def curves(axis):
@@ -82,7 +82,7 @@ def test_any_scene_of_steel_beads_is_drawn_with_prefixed_units_and_a_curve_for_e
     trajectory = reference(chains, 0.1, 30, 40.0, recorded=recorded, kicks=[kick])
     steel = replace(trajectory.problem, scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True))
     trajectory = replace(trajectory, problem=steel)
-    result = survey(reader(trajectory), steel)
+    result = survey(lambda: blocks(trajectory), steel)
     distance = distance_figure(steel, result.shared, result.energies, result.direction)
     response = response_figure(history(trajectory, (4, 11, 20)))
     assert (response.axes[-2].get_xlabel(), response.axes[0].get_ylabel()) == (
@@ -100,8 +100,7 @@ def test_any_scene_of_steel_beads_is_drawn_with_prefixed_units_and_a_curve_for_e
 
 
 def test_no_legend_lies_over_data():
-    trajectory = reference(9, 0.2, 30, 40.0)
-    result = survey(reader(trajectory), trajectory.problem)
+    result = surveyed(reference(9, 0.2, 30, 40.0))
     figure = distance_figure(result.problem, result.shared, result.energies)
     figure.draw_without_rendering()
     boxes = [legend.get_window_extent() for legend in figure.legends]

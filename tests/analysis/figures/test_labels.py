@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from stock_lammps import scene
+from synthetic_waves import of_keys
 
 from analysis.against.difference import Deviation, ErrorMap
 from analysis.dispersion import Cell, Map
@@ -28,7 +29,7 @@ from analysis.shape.waveforms import Passages
 from analysis.sharing.energies import EnergyShares, Flow
 from analysis.sharing.equipartition import Sharing
 from analysis.trajectory import Trajectory
-from lammps_inputs import Kick, Material, library, physics
+from lammps_inputs import Kick, Material, physics
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
@@ -409,8 +410,8 @@ def test_the_title_tells_name_chains_coupling_and_gap():
 
 
 def coupled(chains, beads=20, **coupling):
-    plain = {"name": "test", "chains": chains, "beads": beads, "kick": {"velocity": 1.0}, "duration": 5.0}
-    return library.from_plain({**plain, "coupling": coupling}, "test").problem()
+    plain = {"chains": chains, "beads": beads, "kick": {"velocity": 1.0}, "duration": 5.0}
+    return of_keys(**{**plain, "coupling": coupling})
 
 
 @pytest.mark.parametrize(

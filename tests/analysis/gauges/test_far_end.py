@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_problems import problem, written_down
+from synthetic_waves import of_keys
 
 from analysis import motion
 from analysis.figures.studies import front
 from analysis.gauges.far_end import FarEnd
 from analysis.gauges.gauge import at_frames, far_wall
 from analysis.trajectory import watch
-from lammps_inputs import library
 from workflow.engines.reference import engine
 
 
@@ -24,12 +24,9 @@ def far_end(run):
 @pytest.mark.parametrize("exponent", [1.5, 2.0])
 def test_frames_far_apart_say_what_energy_passes_the_last_tenth_and_when(hit, velocity, end, exponent):
     """Frames 0.5 apart, four in the passage of a pulse, against frames 0.01 apart."""
-    plain = {"name": "test", "beads": 20, "contact": {"exponent": exponent}, "duration": 40.0, "timestep": 0.01}
+    plain = {"beads": 20, "contact": {"exponent": exponent}, "duration": 40.0, "timestep": 0.01}
     fine, coarse = (
-        library.from_plain(
-            {**plain, "kick": {"bead": hit, "velocity": velocity}, "output": {"every": every}}, "test"
-        ).problem()
-        for every in (0.01, 0.5)
+        of_keys(**plain, kick={"bead": hit, "velocity": velocity}, output={"every": every}) for every in (0.01, 0.5)
     )
     run = engine.run(fine)
     there = motion.bead_energy(fine.system, run.displacement[..., end], run.velocity[..., end], end.start + 1)
@@ -46,11 +43,8 @@ def test_frames_far_apart_say_what_energy_passes_the_last_tenth_and_when(hit, ve
 def test_the_far_wall_is_the_one_that_the_blow_goes_to_and_feels_all_chains(side, velocity, bead):
     """Two chains; frames 0.5 apart, five in a pulse, say what frames 0.01 apart show."""
     kicks = [{"chain": n, "bead": 7 - bead, "velocity": part * velocity} for n, part in ((1, 1.0), (2, 0.9))]
-    plain = {"name": "test", "chains": 2, "beads": 6, "walls": {side: "rigid"}, "kick": kicks, "duration": 10.0}
-    fine, coarse = (
-        library.from_plain({**plain, "timestep": 0.01, "output": {"every": every}}, "test").problem()
-        for every in (0.01, 0.5)
-    )
+    plain = {"chains": 2, "beads": 6, "walls": {side: "rigid"}, "kick": kicks, "duration": 10.0}
+    fine, coarse = (of_keys(**{**plain, "timestep": 0.01, "output": {"every": every}}) for every in (0.01, 0.5))
     run, found = engine.run(fine), far_end(engine.run(coarse))
     force = at_frames(run, (far_wall(fine.system),))[..., 0]
     assert found.wall_force == pytest.approx(force.sum(axis=1).max(), rel=1e-3)
@@ -67,8 +61,8 @@ def test_a_front_is_what_nothing_else_betters_in_both():
 @pytest.mark.parametrize("wall", [{}, {"walls": {"right": "bead"}}], ids=["free end", "wall"])
 @pytest.mark.parametrize("load", [{}, {"precompression": {"force": 0.5}}], ids=["no load", "static load"])
 def test_a_record_that_ends_before_or_inside_the_pulse_has_no_largest_value_of_it(wall, load):
-    plain = {"name": "test", "chains": 1, "beads": 20, "kick": {"velocity": 1.0}, "duration": 40.0}
-    small = library.from_plain({**plain, **wall, **load}, "test").problem()
+    plain = {"chains": 1, "beads": 20, "kick": {"velocity": 1.0}, "duration": 40.0}
+    small = of_keys(**plain, **wall, **load)
     run = engine.run(small)
 
     def of(frames):
@@ -91,8 +85,8 @@ def test_what_is_at_the_far_end_from_the_start_has_not_arrived_there():
 
 def test_the_force_of_a_wall_that_is_only_relieved_is_undefined():
     """The last bead of a loaded chain is pulled away from the wall and comes back to where it was."""
-    plain = {"name": "test", "chains": 1, "beads": 20, "walls": {"right": "bead"}, "precompression": {"force": 0.5}}
-    small = library.from_plain({**plain, "kick": {"velocity": 1.0}, "duration": 10.0}, "test").problem()
+    plain = {"chains": 1, "beads": 20, "walls": {"right": "bead"}, "precompression": {"force": 0.5}}
+    small = of_keys(**plain, kick={"velocity": 1.0}, duration=10.0)
 
     def motion(time):
         moved = np.zeros((time.shape[0], 1, 20))
@@ -113,8 +107,8 @@ MOVED = {"drive": {"displacement": 0.5, "frequency": 0.05, "phase": -90.0}}
 @pytest.mark.parametrize("acting", [PUSH, MOVED])
 def test_where_energy_is_input_none_is_transmitted(bead, acting):
     ((name, how),) = acting.items()
-    plain = {"name": "test", "beads": 4, "duration": 30.0, name: {**how, "bead": bead}}
-    found = far_end(engine.run(library.from_plain(plain, "test").problem()))
+    plain = {"beads": 4, "duration": 30.0, name: {**how, "bead": bead}}
+    found = far_end(engine.run(of_keys(**plain)))
     assert [math.isnan(value) for value in (found.delay, found.transmitted_energy)] == 2 * [bead == 4]
 
 
@@ -122,7 +116,7 @@ def test_where_energy_is_input_none_is_transmitted(bead, acting):
 @pytest.mark.parametrize("set_in_motion", [PUSH, FORCE, MOVED], ids=["push", "force", "displacement"])
 def test_transmitted_energy_is_a_share_of_the_work_done_until_then(set_in_motion):
     """Nothing is lost, so that the energy of all beads is that work."""
-    small = library.from_plain({"name": "test", "beads": 30, "duration": 70.0, **set_in_motion}, "test").problem()
+    small = of_keys(beads=30, duration=70.0, **set_in_motion)
     run = engine.run(small)
     there = motion.bead_energy(small.system, run.displacement, run.velocity)[:, 0, 27:].sum(axis=-1)
     work = motion.energy(small.system, run.displacement, run.velocity)

@@ -6,18 +6,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_problems import problem, written_down
+from synthetic_waves import of_keys
 
 from analysis.files.traces import Channel
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import beads_of, complaint, gauges, read, read_at
 from analysis.trajectory import watch
-from lammps_inputs import library, physics
+from lammps_inputs import physics
 from workflow.engines.reference import engine
 
 
 def walled(**changes):
     plain = {
-        "name": "test",
         "chains": 1,
         "beads": 20,
         "walls": {"right": "bead"},
@@ -25,7 +25,7 @@ def walled(**changes):
         "duration": 50.0,
     }
     given = {key: value for key, value in {**plain, **changes}.items() if value is not None}
-    return library.from_plain(given, "test").problem()
+    return of_keys(**given)
 
 
 def readings_of(trajectory, *blocks, **places):

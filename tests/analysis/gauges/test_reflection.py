@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_problems import problem
+from synthetic_waves import of_keys
 
 from analysis.gauges.reflection import UNCERTAIN, reflections
 from analysis.tracking.pulses import Pulse
-from lammps_inputs import library
 from lammps_inputs.facts import Fact
 
 BEADS = 60
@@ -56,7 +56,6 @@ def test_the_uncertainty_holds_the_error_of_the_velocities():
 
 
 LOADED = {
-    "name": "a",
     "chains": 2,
     "beads": BEADS,
     "precompression": {"force": 0.1},
@@ -70,7 +69,7 @@ LOADED = {
     [
         {"lacks": frozenset({Fact.PULSE})},
         {"mass": np.tile([1.0, 2.0], (2, BEADS // 2))},
-        {"links": library.from_plain(LOADED, "a").problem().system.links},
+        {"links": of_keys(**LOADED).system.links},
     ],
     ids=["no pulse keeps its shape", "beads that differ", "static load"],
 )

@@ -3,16 +3,16 @@
 import math
 
 import pytest
+from synthetic_waves import of_keys
 
 from analysis.shape.long_waves import length_of, period_of, repeats_between
-from lammps_inputs import library
 
 KINDS = {"kinds": {"a": {"mass": 1.0}, "b": {"mass": 0.3428}, "c": {"mass": 4.0}}}
 
 
 def problem(**more):
-    plain = {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 10.0}
-    return library.from_plain({**plain, **more}, "test").problem()
+    plain = {"beads": 40, "kick": {"velocity": 1.0}, "duration": 10.0}
+    return of_keys(**{**plain, **more})
 
 
 CASES = {

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from synthetic_waves import problem, reader, reference
+from synthetic_waves import of_keys, problem, reference, surveyed
 
 from analysis.sharing.equipartition import Sharing
-from analysis.sharing.survey import Survey, survey
+from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star, fit_decay, verdict_on
-from analysis.trajectory import blocks
-from lammps_inputs import Kick, library
+from lammps_inputs import Kick
 from workflow.engines.reference import engine
 
 RUNS = {
@@ -25,8 +24,7 @@ RUNS = {
 
 @functools.cache
 def run(chains: int, kappa: float) -> Survey:
-    trajectory = reference(chains, kappa, *RUNS[chains, kappa])
-    return survey(reader(trajectory), trajectory.problem)
+    return surveyed(reference(chains, kappa, *RUNS[chains, kappa]))
 
 
 def beating(level: float, beat: float, decay: float, last: int = 200, first: int = 2) -> Sharing:
@@ -182,16 +180,14 @@ def test_noise_makes_no_beats():
     ],
 )
 def test_verdict(chains, kappa, beads, duration, state):
-    trajectory = reference(chains, kappa, beads, duration)
-    verdict = survey(reader(trajectory), trajectory.problem).verdict
+    verdict = surveyed(reference(chains, kappa, beads, duration)).verdict
     assert verdict.state is state
     assert verdict.sentence.startswith(state.value)
 
 
 @pytest.mark.parametrize(("beads", "duration"), [(60, 85.0), (50, 75.0), (40, 62.0)])
 def test_a_run_that_ended_early_foretells_the_bead_of_agreement_within_its_uncertainty(beads, duration):
-    trajectory = reference(2, 0.1, beads, duration)
-    expected = survey(reader(trajectory), trajectory.problem).verdict.expected
+    expected = surveyed(reference(2, 0.1, beads, duration)).verdict.expected
     assert abs(expected.value - 62) <= expected.uncertainty
 
 
@@ -207,8 +203,7 @@ def test_verdict_without_any_place_gives_the_rule_of_thumb():
 
 
 def test_a_weakly_coupled_pulse_decays_by_the_law():
-    trajectory = reference(2, 0.002, 400, 560.0)
-    fit = survey(reader(trajectory), trajectory.problem).decay
+    fit = surveyed(reference(2, 0.002, 400, 560.0)).decay
     assert fit.n_star == pytest.approx(fit.n_star_expected, rel=0.01)
     assert fit.v0 == pytest.approx(SINGLE_CHAIN, rel=0.005)
     assert fit.deviation < 2e-3
@@ -216,8 +211,7 @@ def test_a_weakly_coupled_pulse_decays_by_the_law():
 
 @pytest.mark.slow
 def test_the_pulse_of_a_chain_between_two_decays_twice_as_fast():
-    trajectory = reference(3, 0.002, 400, 560.0, kicks=[Kick(chain=2, velocity=1.0)])
-    fit = survey(reader(trajectory), trajectory.problem).decay
+    fit = surveyed(reference(3, 0.002, 400, 560.0, kicks=[Kick(chain=2, velocity=1.0)])).decay
     assert fit.n_star == pytest.approx(expected_n_star(0.002, 2), rel=0.02)
 
 
@@ -250,7 +244,7 @@ def test_the_decay_law_is_not_fitted_where_chains_share():
 def test_a_mirrored_scene_is_found_the_same():
     trajectory = reference(2, 0.1, 80, 110.0, kicks=[Kick(bead=80, velocity=-1.0)])
     straight = reference(2, 0.1, 80, 110.0)
-    mirror, plain = (survey(reader(each), each.problem) for each in (trajectory, straight))
+    mirror, plain = (surveyed(each) for each in (trajectory, straight))
     assert (mirror.direction, plain.direction) == (-1, 1)
     assert mirror.shared.amplitude == pytest.approx(plain.shared.amplitude, rel=1e-9)
     assert np.array_equal(np.sort(81 - mirror.waves.bead[mirror.waves.chain == 1]), plain.waves.of_chain(1).bead)
@@ -313,7 +307,6 @@ CHANGING = [
     ("why", "keys"), [pytest.param(*case, marks=[pytest.mark.slow] * ("damping" in case[1])) for case in CHANGING]
 )
 def test_where_amplitudes_have_no_limit_the_reason_is_stated(why, keys):
-    plain = {"name": "a", "beads": 40, "kick": KICK, "duration": 60.0, "output": {"every": 0.2}}
-    trajectory = engine.run(library.from_plain({**plain, **keys}, "test").problem())
-    found = survey(lambda: blocks(trajectory), trajectory.problem).shared
+    plain = {"beads": 40, "kick": KICK, "duration": 60.0, "output": {"every": 0.2}}
+    found = surveyed(engine.run(of_keys(**{**plain, **keys}))).shared
     assert (found.changing, found.final) == (why, None)

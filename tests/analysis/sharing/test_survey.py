@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from synthetic_waves import exact_waves, problem, reader, reference
+from synthetic_waves import exact_waves, of_keys, problem, reference, surveyed
 
-from analysis.mirror import mirrored, mirrored_problem
 from analysis.quantity import csv_of
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.long_waves import sound_speed
@@ -19,8 +18,8 @@ from analysis.sharing.survey import survey
 from analysis.tracking.leading_waves import from_csv, leading_waves, usual_arrival
 from analysis.tracking.noise import noise_at_start, peak_error, smoothed, width_error
 from analysis.tracking.peaks import find_peaks
-from analysis.trajectory import Trajectory, blocks, joined, watch
-from lammps_inputs import Kick, library
+from analysis.trajectory import Trajectory, blocks, joined, mirrored, mirrored_problem, watch
+from lammps_inputs import Kick
 from workflow.engines.reference import engine
 
 EXACT = solitary_wave()
@@ -90,8 +89,7 @@ def test_a_passage_that_the_run_does_not_show_whole_has_no_shape_but_an_energy()
 
 
 def test_waves_are_solitary_once_equipartitioned():
-    trajectory = reference(2, 0.1)
-    found = survey(reader(trajectory), trajectory.problem)
+    found = surveyed(reference(2, 0.1))
     leading = [c for p, c in zip(found.pulses, found.characters, strict=True) if found.leads(p)]
     assert len(leading) == 2
     assert all(character.solitary for character in leading)
@@ -100,8 +98,7 @@ def test_waves_are_solitary_once_equipartitioned():
 
 
 def test_waves_that_still_beat_fail_by_shape_and_amplitude():
-    trajectory = reference(2, 0.1, 40, 50.0)
-    found = survey(reader(trajectory), trajectory.problem)
+    found = surveyed(reference(2, 0.1, 40, 50.0))
     for pulse, character in zip(found.pulses, found.characters, strict=True):
         if found.leads(pulse):
             assert {"shape", "amplitude"} <= set(character.fails)
@@ -109,14 +106,13 @@ def test_waves_that_still_beat_fail_by_shape_and_amplitude():
 
 def test_a_tolerance_decides_what_is_solitary():
     trajectory = reference(1, 0.0, 40, 50.0)
-    strict = survey(reader(trajectory), trajectory.problem, tolerances=Tolerances(shape=1e-12))
+    strict = surveyed(trajectory, tolerances=Tolerances(shape=1e-12))
     assert strict.characters[0].fails == ("shape",)
-    assert survey(reader(trajectory), trajectory.problem).characters[0].fails == ()
+    assert surveyed(trajectory).characters[0].fails == ()
 
 
 def test_a_pulse_that_could_not_be_measured_is_not_called_solitary():
-    trajectory = reference(1, 0.0, 40, 8.0)
-    found = survey(reader(trajectory), trajectory.problem)
+    found = surveyed(reference(1, 0.0, 40, 8.0))
     assert all(not character.solitary for character in found.characters)
 
 
@@ -132,7 +128,7 @@ def noisy(trajectory: Trajectory, noise: float) -> Trajectory:
 def test_a_noisy_run_gives_the_same_waves_within_the_noise(noise):
     clean = reference(2, 0.1, 80, 110.0)
     dirty = noisy(clean, noise)
-    found, exact = (survey(reader(each), each.problem) for each in (dirty, clean))
+    found, exact = (surveyed(each) for each in (dirty, clean))
     assert found.noise == pytest.approx(noise, rel=0.2)
     assert exact.noise == 0.0
     assert np.array_equal(found.shared.bead[8:], exact.shared.bead[8:])
@@ -197,19 +193,18 @@ def test_memory_does_not_grow_with_the_number_of_frames():
 @pytest.mark.parametrize("kicks", [[Kick(velocity=-1.0)], [Kick(velocity=1.0, bead=5)], [Kick(velocity=-1.0, bead=5)]])
 @pytest.mark.parametrize("frames", [1, 2, 3, 40])
 def test_any_run_however_short_is_surveyed_without_a_word(kicks, frames):
-    trajectory = reference(2, 0.1, 10, 4.0, kicks=kicks)[:frames]
-    survey(reader(trajectory), trajectory.problem)
+    surveyed(reference(2, 0.1, 10, 4.0, kicks=kicks)[:frames])
 
 
 @pytest.mark.parametrize("recorded", ["all", [2, 6, 11, 15]])
 @pytest.mark.parametrize("every", [0.25, 0.5])
 def test_a_pulse_differs_from_one_of_closer_frames_by_no_more_than_it_states(recorded, every):
-    plain = {"name": "test", "beads": 20, "kick": {"velocity": 1.0}, "duration": 30.0, "timestep": 0.01}
+    plain = {"beads": 20, "kick": {"velocity": 1.0}, "duration": 30.0, "timestep": 0.01}
     fine, coarse = (
-        engine.run(library.from_plain({**plain, "output": output}, "test").problem())
+        engine.run(of_keys(**{**plain, "output": output}))
         for output in ({"every": 0.02}, {"every": every, "beads": recorded})
     )
-    found = survey(reader(coarse), coarse.problem).characters[0]
+    found = surveyed(coarse).characters[0]
     true = find_peaks(blocks(fine))
     (k,) = np.flatnonzero((true.bead == found.bead) & (np.abs(true.time - found.arrival) < 0.5))
     assert abs(found.arrival - true.time[k]) <= found.arrival_error < 0.5
@@ -222,8 +217,7 @@ def test_a_run_without_frames_is_refused():
 
 
 def test_with_kicks_from_both_ends_the_leading_wave_is_a_pulse_and_not_what_the_other_left_behind():
-    trajectory = reference(1, 0.0, 100, 140.0, kicks=[Kick(velocity=1.0), Kick(bead=100, velocity=-0.7)])
-    found = survey(reader(trajectory), trajectory.problem)
+    found = surveyed(reference(1, 0.0, 100, 140.0, kicks=[Kick(velocity=1.0), Kick(bead=100, velocity=-0.7)]))
     assert np.all(np.diff(found.waves.arrival) > 0.0)
     assert {pulse.direction for pulse in found.pulses} == {1, -1}
 
@@ -235,20 +229,19 @@ def test_of_waves_found_on_the_way_those_have_a_shape_whose_maximum_is_known(gap
     scale = whole.problem.scale
     few = problem(1, 0.0, 20, 60.0, recorded=(10, 20), gap=gap)
     seen = Trajectory(few, whole.time, whole.displacement[..., [9, 19]], whole.velocity[..., [9, 19]])
-    found = survey(reader(seen), few, leading=from_csv(csv_of(waves, scale), scale))
+    found = surveyed(seen, leading=from_csv(csv_of(waves, scale), scale))
     shown = set(found.waves.bead[np.isfinite(found.shape.residual)].tolist())
     assert shown == ({10} if gap == 0.0 else set())  # bead 20 flies off at its largest velocity
 
 
 def under_load(force, **changes):
     keys = {
-        "name": "test",
         "beads": 60,
         "kick": {"velocity": 1.0},
         "duration": 55.0,
         "precompression": {"force": force},
     }
-    pressed = library.from_plain({**keys, **changes}, "test").problem()
+    pressed = of_keys(**{**keys, **changes})
     return survey(lambda: engine.blocks(pressed), pressed)
 
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly
-from synthetic_waves import problem, reference
+from synthetic_waves import of_keys, problem, reference
 
 from analysis.conservation import Conservation
 from analysis.quantity import csv_of
@@ -18,7 +18,7 @@ from analysis.tracking.brackets import DOUBT, MARGIN, unfollowed
 from analysis.tracking.leading_waves import from_csv, leading_waves
 from analysis.tracking.peaks import PeakFinder, Peaks, find_peaks, in_mirror, sharp
 from analysis.trajectory import Trajectory, blocks, watch
-from lammps_inputs import Kick, Problem, Scene, library
+from lammps_inputs import Kick, Problem
 from lammps_inputs.laws.in_time import HalfSine, Rectangular
 from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
@@ -202,10 +202,10 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_contact_has_closed_ju
 @pytest.mark.slow
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_force_jumps_before_the_largest_frame():
     """A contact with a linear dashpot opens: the bead is fastest then, and again a quarter of T later."""
-    plain = {"name": "test", "beads": 8, "contact": {"exponent": 3.0}, "duration": 16.0, "timestep": 0.01}
+    plain = {"beads": 8, "contact": {"exponent": 3.0}, "duration": 16.0, "timestep": 0.01}
     plain |= {"damping": {"contact": 0.20873, "law": "linear"}, "foundation": {"stiffness": 0.28136}}
     plain |= {"kick": {"bead": 7, "velocity": 1.0}, "output": {"every": 0.01}}
-    fine = engine.run(library.from_plain(plain, "test").problem())
+    fine = engine.run(of_keys(**plain))
 
     def at_bead_4(run):
         found = find_peaks([run])
@@ -220,10 +220,10 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_force_jumps_before_th
 @pytest.mark.slow
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_load_makes_motion_fast_between_two_frames():
     """Contacts so stiff under their load that the fastest motion turns by 2 rad from frame to frame."""
-    plain = {"name": "test", "beads": 9, "contact": {"exponent": 2.0}, "precompression": {"force": 5.0}}
+    plain = {"beads": 9, "contact": {"exponent": 2.0}, "precompression": {"force": 5.0}}
     plain |= {"walls": {"left": "bead", "right": "bead"}, "kick": {"bead": 3, "velocity": 1.0}}
     plain |= {"duration": 10.0, "timestep": 0.005, "output": {"every": 0.01}}
-    fine = engine.run(library.from_plain(plain, "test").problem())
+    fine = engine.run(of_keys(**plain))
     true = find_peaks([fine])
     for start in range(0, 33, 4):
         found = find_peaks([thinned(fine[start:], 33)])
@@ -310,8 +310,8 @@ def test_where_nothing_begins_nothing_is_missed():
 def test_maxima_are_as_sure_as_they_say_whatever_the_contacts(keys):
     worst = 0.0
     for beads, bead in ((3, 1), (5, 2), (6, 3), (8, 1), (11, 2)):
-        plain = {"name": "a", "beads": beads, "kick": {"bead": bead, "velocity": 1.0}, "duration": 24.0}
-        run = engine.run(Scene.model_validate({**plain, "output": {"every": FINE}, **keys}).problem())
+        plain = {"beads": beads, "kick": {"bead": bead, "velocity": 1.0}, "duration": 24.0}
+        run = engine.run(of_keys(**plain, output={"every": FINE}, **keys))
         for every, way in itertools.product((0.1, 0.2, 0.5), (1, -1)):
             right, found = (find_peaks([part], direction=way) for part in (run, run[:: round(every / FINE)]))
             worst = max([worst, *(_off(found, k, right, every) for k in range(len(found)))])
@@ -320,9 +320,9 @@ def test_maxima_are_as_sure_as_they_say_whatever_the_contacts(keys):
 
 @pytest.mark.slow
 def test_beads_that_are_kicked_between_damped_walls_are_fastest_at_the_start():
-    plain = {"name": "a", "beads": 3, "kick": {"velocity": 1.0}, "duration": 4.0, "output": {"every": 0.1}}
+    plain = {"beads": 3, "kick": {"velocity": 1.0}, "duration": 4.0, "output": {"every": 0.1}}
     plain |= {"damping": {"contact": 0.3}, "walls": {"right": "flat", "left": "bead"}}
-    first = find_peaks([engine.run(Scene.model_validate(plain).problem())]).first()
+    first = find_peaks([engine.run(of_keys(**plain))]).first()
     assert (first.bead[0], first.time[0], first.velocity[0]) == (1, 0.0, 1.0)
 
 

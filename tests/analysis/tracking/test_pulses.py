@@ -5,10 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_problems import problem as problem
-from synthetic_waves import arrivals, exact_waves, reference
+from synthetic_waves import arrivals, exact_waves, reference, surveyed
 
 from analysis.shape.exact_wave import solitary_wave
-from analysis.sharing.survey import survey
 from analysis.tracking.brackets import on_a_grid
 from analysis.tracking.noise import distinct, left_by_smoothing, peak_error, smoothed
 from analysis.tracking.peaks import PeakFinder, find_peaks
@@ -166,7 +165,7 @@ def test_beads_are_compared_with_those_of_their_mass_unless_all_differ(beads):
 def test_two_beads_launched_together_give_two_pulses_of_known_heights():
     one = problem(chains=1, beads=310, kicks=((1, 1, 1.0), (1, 2, 1.0)), timestep=0.25, steps_per_frame=1, frames=1700)
     run = engine.run(one)
-    found = survey(lambda: blocks(run), one)
+    found = surveyed(run)
     train = train_of(found.pulses, 1, 1, 300)
     assert train.peak_velocity == pytest.approx([0.8535, 0.4463], abs=1e-4)
     assert train.ratio[1] == pytest.approx(0.4463 / 0.8535, abs=2e-4)

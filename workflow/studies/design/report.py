@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from analysis.figures.spacetime import SpaceTime, spacetime_figure
 from analysis.figures.studies import Objective, front_figure, history_figure, members_figure, wall_figure
 from analysis.gauges.gauge import at_frames, gauges
-from analysis.mirror import direction_of
-from analysis.trajectory import Floats
+from analysis.trajectory import Floats, direction_of
 from lammps_inputs import references
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.design.found import SET_AGAINST, Found
