@@ -97,20 +97,14 @@ def sound_speed(system: System) -> Floats:
     return np.asarray(1.0 / np.sqrt(_smooth(mass, near) * _at_beads(_smooth(compliance, near))))
 
 
-def make_speed(system: System) -> "LoadedSpeed":
-    """How fast pulses of an amplitude run at a bead of a loaded chain."""
-    rest = np.broadcast_to(sum(laws.rest(link.law) for link in system.along), (system.chains, system.beads - 1))
-    rest = np.asarray(_at_beads(_smooth(rest, _near(system))))
-    return LoadedSpeed(sound_speed(system), rest, physics.exponent(system) or 1.5)
-
-
 class LoadedSpeed:
-    """Speed of pulses in a loaded chain by the long-wave theory, [chain, bead] as at the place."""
+    """Speed of pulses of an amplitude in a loaded chain by the long-wave theory, [chain, bead] as at the place."""
 
-    def __init__(self, sound: Floats, rest: Floats, exponent: float) -> None:
-        self.sound = sound
-        self.rest = rest
-        self._table = _table(exponent)
+    def __init__(self, system: System) -> None:
+        rest = np.broadcast_to(sum(laws.rest(link.law) for link in system.along), (system.chains, system.beads - 1))
+        self.sound = sound_speed(system)
+        self.rest = _at_beads(_smooth(rest, _near(system)))
+        self._table = _table(physics.exponent(system) or 1.5)
 
     def at(self, chain: int, bead: Integers, peak_velocity: Floats) -> Floats:
         """In beads / T, within some per cent; chain and beads count from 1."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from analysis.quantity import declare, result
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave, wave_of
-from analysis.shape.long_waves import LoadedSpeed, make_speed, period_of, repeats_between
+from analysis.shape.long_waves import LoadedSpeed, period_of, repeats_between
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import of_one_kind
 from analysis.tracking.undisturbed import CLEAR
@@ -303,7 +303,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         side_by_side(waves.arrival_error),
         side_by_side(waves.peak_velocity_error),
         wave_of(system),
-        make_speed(system) if physics.loaded(system) else None,
+        LoadedSpeed(system) if physics.loaded(system) else None,
     )
     return replace(found, changing=_changing(found, system))
 

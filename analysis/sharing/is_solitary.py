@@ -111,8 +111,9 @@ def characterise(
     """
     system = problem.system
     allowed = tolerances or Tolerances()
-    peak, speed = float(pulse.peak_velocity[at]), float(pulse.speed[at])
-    excess = speed / float(wave_of(system).speed_at(peak)) - 1.0
+    names = "arrival", "peak_velocity", "arrival_error", "peak_velocity_error", "speed"
+    measured = {name: float(getattr(pulse, name)[at]) for name in names}
+    excess = measured["speed"] / float(wave_of(system).speed_at(measured["peak_velocity"])) - 1.0
     near = pulse.recent(at)
     exact = _as_reference_beads(problem, pulse.chain - 1, int(pulse.bead[at]) - 1)
     if not exact:
@@ -127,11 +128,7 @@ def characterise(
         differences["amplitude"] = variation
     return Character(
         bead=int(pulse.bead[at]),
-        arrival=float(pulse.arrival[at]),
-        peak_velocity=peak,
-        arrival_error=float(pulse.arrival_error[at]),
-        peak_velocity_error=float(pulse.peak_velocity_error[at]),
-        speed=speed,
+        **measured,
         **shape,
         speed_excess=excess,
         variation=variation,

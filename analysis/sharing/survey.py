@@ -12,7 +12,7 @@ from analysis.against.common_times import near_the_front
 from analysis.columns import together
 from analysis.conservation import energy_input
 from analysis.shape.exact_wave import wave_of
-from analysis.shape.long_waves import make_speed
+from analysis.shape.long_waves import LoadedSpeed
 from analysis.shape.waveforms import Passages, Shape, Waveforms, reach
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing, sharing
@@ -110,7 +110,7 @@ def _distinct_from_sound(
     """Pulses, and the crests of sound that there are under a static load."""
     if not physics.loaded(problem.system):
         return tracks, ()
-    loaded = make_speed(problem.system)
+    loaded = LoadedSpeed(problem.system)
     keep = [_leads(track, waves, direction, problem) or ahead_of_sound(track, loaded) for track in tracks]
     pulses, crests = (
         tuple(track for track, kept in zip(tracks, keep, strict=True) if kept == wanted) for wanted in (True, False)

@@ -20,7 +20,7 @@ import numpy as np
 from analysis.columns import Columns
 from analysis.quantity import declare, derived, result
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave, wave_of
-from analysis.shape.long_waves import LoadedSpeed, make_speed
+from analysis.shape.long_waves import LoadedSpeed
 from analysis.tracking.peaks import Peaks, in_mirror
 from analysis.trajectory import Flags, Floats, Integers, mirrored_bead, mirrored_problem
 from lammps_inputs import Problem, physics
@@ -121,7 +121,7 @@ def track_pulses(
     least = max(2, min(LEAST_BEADS, len(recorded)))
     exact = wave_of(problem.system)
     ahead = problem if direction > 0 else mirrored_problem(problem)
-    loaded = make_speed(ahead.system) if physics.loaded(problem.system) else None
+    loaded = LoadedSpeed(ahead.system) if physics.loaded(problem.system) else None
     pressed = PRESSED * exact.overlap(0.5) * peaks.velocity ** (2.0 / (exact.exponent + 1.0))
     passages = peaks.where(
         (peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed) & np.isin(peaks.bead, recorded)

@@ -11,7 +11,7 @@ from small_problems import written_down
 from analysis import quantity
 from analysis.dispersion import Cell, Dispersion, Map, NoDispersionError, _ridge, cell_of
 from analysis.shape.exact_wave import nesterenko
-from analysis.shape.long_waves import make_speed, sound_speed, speed_over_sound
+from analysis.shape.long_waves import LoadedSpeed, sound_speed, speed_over_sound
 from analysis.trajectory import watch
 from lammps_inputs import library
 from lammps_inputs.units import make_scale
@@ -136,5 +136,5 @@ def test_the_long_wave_theory_has_its_limits_right():
     for exponent in (1.25, 1.5, 2.0, 3.0):
         assert speed_over_sound(1.0 + 1e-4, exponent) == pytest.approx(1.0, abs=1e-4)
         system = loaded(precompression={"force": 1e-9}, contact={"exponent": exponent}).system
-        speed = make_speed(system).at(1, np.array([30]), np.array([1.0]))
+        speed = LoadedSpeed(system).at(1, np.array([30]), np.array([1.0]))
         assert speed[0] == pytest.approx(nesterenko(exponent).speed, rel=0.02)
