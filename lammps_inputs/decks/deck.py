@@ -331,9 +331,9 @@ def _title(problem: Problem) -> list[str]:
 def _coupling(system: System) -> str:
     """Stiffness at rest of links across, least and largest where they differ, and what they tie if not neighbours."""
     stiffness = np.concatenate([np.ravel(laws.stiffness(link.law, 0.0)) for link in system.across])
-    least, largest = f"{np.min(stiffness):.6g}", f"{np.max(stiffness):.6g}"
+    least, largest = float(np.min(stiffness)), float(np.max(stiffness))
     shapes = [link.shape for link in system.across if link.shape]
-    return ", ".join([largest if least == largest else f"{least} to {largest}", *shapes])
+    return ", ".join([f"{largest:.6g}" if least == largest else f"{least:.6g} to {largest:.6g}", *shapes])
 
 
 def _scale_lines(scale: Scale) -> list[str]:
@@ -406,8 +406,7 @@ def render_data(problem: Problem) -> str:
     out.write(f"\n0 {text((beads + 1) * spacing)} xlo xhi\n")
     out.write(f"-{side} {text(apart * lines)} ylo yhi\n-{side} {side} zlo zhi\n")
     places = [text(x) for x in problem.layout.places[0, :beads]]
-    ones = np.ones(beads, dtype=int)
-    kind = ones.copy()
+    kind = np.ones(beads, dtype=int)
     if problem.recorded is not None:
         kind[problem.recorded_beads - 1] = 2
     diameter, unit = text(problem.layout.diameter), sphere_density(problem.layout.diameter)
