@@ -74,10 +74,6 @@ class Load:
         """All of its impulse; of one that never ends, that of half a period."""
         return self.law.total if self.endless else float(self.impulse(self.end))
 
-    def at(self, bead: int) -> "Load":
-        """The same on another bead."""
-        return replace(self, bead=bead)
-
     def mirrored(self, bead: int) -> "Load":
         """The opposite force on another bead."""
         return replace(self, bead=bead, law=in_time.opposite(self.law))
@@ -125,10 +121,6 @@ class Motion:
     def speed(self) -> float:
         """The largest, about the mean."""
         return abs(self.amplitude) * self.omega
-
-    def at(self, bead: int) -> "Motion":
-        """The same of another bead."""
-        return replace(self, bead=bead)
 
     def mirrored(self, bead: int) -> "Motion":
         """The opposite motion of another bead."""
