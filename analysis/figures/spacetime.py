@@ -41,7 +41,7 @@ STILL = 1e-3
 
 
 class BeadHistory:
-    """Velocity of some beads over time, in the chains that a figure shows; every so-manieth frame as a run is read.
+    """Velocity of some beads over time, in the chains that a figure shows, from every n-th frame (``stride``).
 
     Attributes:
         problem: what was run.

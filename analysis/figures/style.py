@@ -239,9 +239,9 @@ def draw_chains(axis: Axes, chains: Sequence[int], x: Floats | Integers, y: Floa
 def finish(
     figure: Figure, problem: Problem, axes: Iterable[Axes], *, until: float | None = None, note: str = ""
 ) -> None:
-    """Letters for the panels, a title with a note behind it, and the chains of the first panel in a row below all.
+    """Add letters to the panels, a title that ends in a note, and a legend of the chains of the first panel.
 
-    There no curve is; a single chain has no legend. Of ``until`` see `title`.
+    The legend is below the panels, where it hides no curve; a single chain has none. For ``until`` see `title`.
     """
     panels = list(axes)
     letter(panels)

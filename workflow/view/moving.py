@@ -106,8 +106,8 @@ def moving_beads(
     moved = ColumnDataSource(
         name="moved", data={"displacement": [(x / length).astype(np.float32) for x in part.displacement]}
     )
-    told = CustomJSTickFormatter(args={"time": part.time.tolist(), "unit": behind(units["time"])}, code=_TIME)
-    slider = Slider(start=0, end=max(1, len(part.time) - 1), value=0, step=1, title="time", name="time", format=told)
+    shown = CustomJSTickFormatter(args={"time": part.time.tolist(), "unit": behind(units["time"])}, code=_TIME)
+    slider = Slider(start=0, end=max(1, len(part.time) - 1), value=0, step=1, title="time", name="time", format=shown)
     slider.sizing_mode = "stretch_width"
     button = Toggle(label="", width=70, name="play", stylesheets=[_PLAY_LABEL])
     move = CustomJS(

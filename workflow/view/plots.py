@@ -163,8 +163,8 @@ def maps_of(
     kinds = {"velocity": ("velocity", "velocity")}
     if np.any(np.isfinite(part.overlap)):
         kinds |= {"overlap": ("overlap with the next", "length"), "force": ("force on the next", "force")}
-    told = {"$x": CustomJSHover(args=lists, code=_BEAD), "$y": CustomJSHover(args=when, code=_WHEN)}
-    told |= {f"@{name}": number(units[kind]) for name, (_, kind) in kinds.items()}
+    formatters = {"$x": CustomJSHover(args=lists, code=_BEAD), "$y": CustomJSHover(args=when, code=_WHEN)}
+    formatters |= {f"@{name}": number(units[kind]) for name, (_, kind) in kinds.items()}
     tips = [("bead", "$x{custom}"), ("time", "$y{custom}")]
     tips += [(said, f"@{name}{{custom}}") for name, (said, _) in kinds.items()]
     found: list[Any] = []
@@ -180,7 +180,7 @@ def maps_of(
             **shared,
         )
         drawn = plot.image("velocity", x="x", y="y", dw="dw", dh="dh", source=source, color_mapper=colours)
-        plot.add_tools(HoverTool(renderers=[drawn], tooltips=tips, formatters=told))
+        plot.add_tools(HoverTool(renderers=[drawn], tooltips=tips, formatters=formatters))
         plot.add_tools(CrosshairTool(line_alpha=0.4))
         plot.add_layout(now)
         plot.grid.visible = False

@@ -75,7 +75,7 @@ class Thinned:
 
 
 def thinned(problem: Problem, blocks: Iterable[Trajectory], chains: list[int], *, most: int = MOST_NUMBERS) -> Thinned:
-    """Every so-manieth bead and frame of some chains.
+    """Every n-th bead and m-th frame of some chains.
 
     Args:
         problem: what was run.

@@ -48,15 +48,11 @@ def spacetime(trajectory, frames=None):
     return data
 
 
-def test_distance_figure_shows_amplitudes_energies_and_lags(found):
-    amplitude, waves, chains, lag = distance_figure(found.problem, found.shared, found.energies).axes
+def test_the_distance_figure_shows_the_energies_of_waves_and_chains(found):
+    _, waves, chains, _ = distance_figure(found.problem, found.shared, found.energies).axes
     for k, name in enumerate(("chain 1", "chain 2")):
-        assert np.array_equal(curves(amplitude)[name].get_ydata(), found.shared.amplitude[:, k])
         assert np.array_equal(curves(waves)[name].get_ydata(), found.energies.wave[:, k], equal_nan=True)
         assert np.array_equal(curves(chains)[name].get_ydata(), found.energies.chain[:, k])
-        assert np.array_equal(curves(lag)[name].get_ydata(), found.shared.lag[:, k])
-    assert lag.get_ylabel() == r"lag behind chain 1, $\Delta t$ (reduced)"
-    assert lag.get_xlabel() == "bead"
 
 
 def test_chains_differ_by_dash_in_every_panel_so_that_grey_tells_them(found):
