@@ -6,7 +6,7 @@ import pytest
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from workflow.runs.run import run
-from workflow.studies.bench import engines, reader, runs
+from workflow.studies.bench import engines, runs
 from workflow.studies.bench.runs import scene
 from workflow.studies.bench.study import ratio_of
 
@@ -14,13 +14,13 @@ from workflow.studies.bench.study import ratio_of
 @pytest.mark.slow
 def test_the_textbook_way_finds_the_same_waves(tmp_path):
     one = scene(2, 120, 30.0)
-    reader.textbook(tmp_path / "plain", one.problem())
+    runs.textbook(tmp_path / "plain", one.problem())
     table = np.genfromtxt(tmp_path / "plain" / "waves.csv", delimiter=",", names=True)
     waves = leading_waves(find_peaks([run(one, tmp_path / "ours", check=False).trajectory]))
     np.testing.assert_array_equal(table["bead"], waves.bead)
     # the neighbour lists differ, so sums are taken in other orders
     np.testing.assert_allclose(table["peak_velocity"], waves.peak_velocity, atol=1e-11)
-    reader.ours(tmp_path / "read", one)
+    runs.ours(tmp_path / "read", one)
     read = np.genfromtxt(tmp_path / "read" / "waves.csv", delimiter=",", names=True)
     np.testing.assert_allclose(read["peak_velocity"], waves.peak_velocity, rtol=1e-15)
 

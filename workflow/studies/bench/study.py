@@ -18,7 +18,7 @@ from workflow.studies.study import print_records
 
 PARTS = {
     "window": "runs:window_ratios",
-    "reader": "reader:reader_ratios",
+    "reader": "runs:reader_ratios",
     "check": "runs:check_ratios",
     "sweep": "runs:sweep_ratios",
     "reference": "engines:reference_ratios",
