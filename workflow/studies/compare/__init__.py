@@ -1,1 +1,1 @@
-"""One scene with several engines: `study` runs it and takes the numbers, `answer` says what they mean."""
+"""One scene with several engines: runs, what each finds, and what the differences mean."""

@@ -1,1 +1,1 @@
-"""Stability at the extremes: `cells` are run and compared by `measure`, gathered by `study`."""
+"""Stability at the extremes: `cells` are run, compared and gathered by `study`."""
