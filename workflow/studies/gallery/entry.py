@@ -64,10 +64,6 @@ class Ran(RunDirectory):
         return find_peaks(self.blocks(), direction=1)
 
     @cached_property
-    def _backwards(self) -> Peaks:
-        return find_peaks(self.blocks(), direction=-1)
-
-    @cached_property
     def waves(self) -> Waves:
         """Leading pulse at every bead."""
         return leading_waves(self._forwards)
@@ -95,7 +91,8 @@ class Ran(RunDirectory):
 
     def pulses(self, direction: int = 1, smallest: float = 0.01) -> tuple[Pulse, ...]:
         """Every pulse that runs one way and reaches a velocity."""
-        return track_pulses(self._forwards if direction > 0 else self._backwards, self.problem, smallest=smallest)
+        peaks = self._forwards if direction > 0 else find_peaks(self.blocks(), direction=-1)
+        return track_pulses(peaks, self.problem, smallest=smallest)
 
     def train(self, bead: int, smallest: float = 0.01) -> Train:
         """Pulses that pass a bead of chain 1 in succession."""
@@ -260,15 +257,14 @@ AMPLIFIED = (
 def _own_errors(results: Results) -> str:
     """The measured error of the runs that both engines made, in words."""
     both = [runs for runs in results.values() if set(runs) == set(ENGINES)]
-    worst = {  # two beads have no leading pulse, and so no error of one
-        engine: [float(np.fmax.reduce([runs[engine].errors[place] for runs in both])) for place in (0, 1)]
-        for engine in ENGINES
-    }
+    # two beads have no leading pulse, and so no error of one
+    lammps, reference = (np.fmax.reduce([runs[engine].errors for runs in both]) for engine in ENGINES)
     if not any(runs["lammps"].problem.system.holds(Fact.PULSE) for runs in both):
-        return f"Measured error of these runs: any velocity of the reference is within {worst['reference'][0]:.1e} V."
+        return f"Measured error of these runs: any velocity of the reference is within {reference[0]:.1e} V."
     return (
         "Measured error of these runs: the peaks of LAMMPS's leading pulse are off by at most "
-        f"{worst['lammps'][0]:.1e} V at any bead, its arrivals by {worst['lammps'][1]:.1e} T; any velocity of the "
-        f"reference, also behind the pulse, is within {worst['reference'][0]:.1e} V, its arrivals within "
-        f"{worst['reference'][1]:.1e} T." + AMPLIFIED * (worst["reference"][0] > LARGE)
+        f"{lammps[0]:.1e} V at any bead, its arrivals by {lammps[1]:.1e} T; any velocity of the reference, also behind "
+        f"the pulse, is within {reference[0]:.1e} V, its arrivals within {reference[1]:.1e} T."
+        + AMPLIFIED
+        * bool(reference[0] > LARGE)
     )
