@@ -13,11 +13,12 @@ from analysis.quantity import csv_of
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.long_waves import sound_speed
 from analysis.shape.waveforms import Passages, Waveforms
-from analysis.sharing.is_solitary import Tolerances
+from analysis.sharing.is_solitary import Tolerances, characterise
 from analysis.sharing.survey import survey
 from analysis.tracking.leading_waves import from_csv, leading_waves, usual_arrival
 from analysis.tracking.noise import noise_at_start, peak_error, smoothed, width_error
 from analysis.tracking.peaks import find_peaks
+from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Trajectory, blocks, joined, mirrored, mirrored_problem, watch
 from lammps_inputs import Kick
 from workflow.engines.reference import engine
@@ -109,6 +110,19 @@ def test_a_tolerance_decides_what_is_solitary():
     strict = surveyed(trajectory, tolerances=Tolerances(shape=1e-12))
     assert strict.characters[0].fails == ("shape",)
     assert surveyed(trajectory).characters[0].fails == ()
+
+
+@pytest.mark.parametrize(("count", "variation"), [(40, 0.1 / 0.55), (6, np.nan)], ids=["ten beads", "five beads"])
+def test_speed_is_compared_with_the_exact_wave_and_the_amplitude_with_itself_over_ten_beads(count, variation):
+    """The peak velocity rises by 0.01 a bead, to 0.6 at the last."""
+    bead = np.arange(1, count + 1)
+    peak = 0.6 - 0.01 * (count - bead)
+    pulse = Pulse(1, 1, bead, bead / 0.8, peak, 1.002 * EXACT.speed_at(peak), *np.zeros((2, count)))
+    shape = {"width": 1.6, "momentum": 1.0, "energy": 1.0, "residual": 0.005}
+    found = characterise(pulse, count - 1, shape, problem=problem(1, 0.0))
+    assert found.speed_excess == pytest.approx(0.002, rel=1e-9)
+    assert found.variation == pytest.approx(variation, nan_ok=True)
+    assert found.fails == (() if np.isnan(variation) else ("amplitude",))
 
 
 def test_a_pulse_that_could_not_be_measured_is_not_called_solitary():
