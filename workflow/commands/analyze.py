@@ -20,8 +20,8 @@ from lammps_inputs.facts import Fact
 from workflow.engines.lammps.worker import ENERGY_TOLERANCE
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Answer, one_line, print_table
-from workflow.verdicts.analyse import Analysis, analyse, last_clear_bead
-from workflow.verdicts.analysis_report import REPORT, train
+from workflow.verdicts.analyse import Analysis, analyse
+from workflow.verdicts.analysis_report import REPORT, last_clear_bead, train
 from workflow.verdicts.findings.finding import MOST_CHAINS
 
 FEW = 4

@@ -24,14 +24,12 @@ from workflow.runs.check import accountant
 from workflow.runs.files import write_figure, write_json, write_text
 from workflow.runs.own_files import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
-from workflow.verdicts.analysis_report import REPORT, WAVES, last_clear_bead, report, waves_csv
+from workflow.verdicts.analysis_report import REPORT, WAVES, report, waves_csv
 from workflow.verdicts.findings import FINDINGS, energy
 from workflow.verdicts.findings.finding import Finding
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
 
 FIGURES = ("spacetime", "response", "distance", "shape", *(one.figure for one in FINDINGS if one.figure))
 """All that an analysis may draw."""
