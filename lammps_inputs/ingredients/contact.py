@@ -19,6 +19,7 @@ from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, by_formula, plastic
 from lammps_inputs.ingredients.base import Part, Phase, Positive, Rows, Seed, Spread
+from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.laws.written import AlongChains, Force, Kind
@@ -274,8 +275,6 @@ class Contact(by_formula.ByFormula):
 
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:
         """Refuse what is known of spheres only, and formulas where they have no value."""
-        from lammps_inputs.ingredients.unequal import sizes_and_moduli
-
         for link in system.along:
             if isinstance(link.law, AlongChains):
                 by_formula.refuse_reach("contact", link.law, system, scene.scale.length, pressed=True)

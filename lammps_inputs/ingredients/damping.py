@@ -15,6 +15,7 @@ from lammps_inputs import laws, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Coefficient, Ingredient, NotNegative
 from lammps_inputs.ingredients.contact import HERTZ
+from lammps_inputs.ingredients.unequal import masses_and_strengths
 from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.dashpot import (
     NO_LIMIT,
@@ -178,8 +179,6 @@ class Damping(Ingredient):
         """Dimensionless law of the contacts; None where they lose nothing."""
         if not self.contact or (self.law == "restitution" and self.contact >= 1.0):
             return None
-        from lammps_inputs.ingredients.unequal import masses_and_strengths
-
         mass, strength = masses_and_strengths(scene)
         scale = scene.scale
         if self.law == "restitution":
@@ -200,8 +199,6 @@ class Damping(Ingredient):
 
         The dashpot of a viscoelastic contact is in proportion to its stiffness (Brilliantov et al. 1996).
         """
-        from lammps_inputs.ingredients.unequal import masses_and_strengths
-
         assert self.contact is not None
         mass, _ = masses_and_strengths(scene)
         strength: NDArray[np.float64] = np.asarray(laws.strength(wall.law))

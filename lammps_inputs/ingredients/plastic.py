@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from lammps_inputs.ingredients.base import Part, Positive
+from lammps_inputs.ingredients.unequal import sizes_and_moduli, yield_strengths
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.plastic import YIELD_PRESSURE, Thornton, WaltonBraun
 from lammps_inputs.numbers import number_or_array
@@ -154,8 +155,6 @@ def overlap_at_yield(ball: "Material | None") -> float | None:
 
 def between(scene: "BaseScene", strength: Parameter) -> Law | None:
     """Law of the contacts between beads; None where they do not yield."""
-    from lammps_inputs.ingredients.unequal import sizes_and_moduli, yield_strengths
-
     if not key(scene):
         return None
     soft = yield_strengths(scene)

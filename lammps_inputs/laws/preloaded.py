@@ -136,10 +136,8 @@ def rest_under(law: Contact, load: Parameter) -> Parameter:
     bare = np.where(there, np.asarray(load) / np.where(there, law.strength, 1.0), 0.0)
     if isinstance(law, Thornton):
         beyond = (bare / np.sqrt(law.onset) + 0.5 * law.onset) / 1.5
-        found = np.where(bare > law.onset**1.5, beyond, np.cbrt(bare) ** 2)
-        return found if np.ndim(found) else float(found)
-    rest = bare ** (1.0 / law.exponent) if isinstance(law, Power) else np.cbrt(bare) ** 2
-    return rest if np.ndim(rest) else float(rest)
+        return _plain(np.where(bare > law.onset**1.5, beyond, np.cbrt(bare) ** 2))
+    return _plain(bare ** (1.0 / law.exponent) if isinstance(law, Power) else np.cbrt(bare) ** 2)
 
 
 def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPower | Thornton:
@@ -150,13 +148,13 @@ def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPo
         load: at rest, a number or an array of the law's shape; 0 where there is none.
         grid: what LAMMPS can distinguish; overlaps at rest are multiples of it, and loads follow from them.
     """
-    rest = _rounded(rest_under(law, load), grid)
+    rest = _plain(np.round(rest_under(law, load) / grid) * grid)
     if isinstance(law, Thornton):
         alone = law._replace(memory=rest, rest=rest)
         return alone._replace(load=alone.force(0.0, *alone))
     if isinstance(law, Power):
         return PreloadedPower(law.strength, law.exponent, *_power_at(law, rest))
-    return Preloaded(law.strength, rest, _held(law.strength, rest))
+    return Preloaded(law.strength, rest, _plain(law.strength * (rest * np.sqrt(rest))))  # as the law computes it
 
 
 def pressed(law: Any, factor: float) -> Any:
@@ -171,15 +169,9 @@ def _power_at(law: Any, rest: Parameter) -> tuple[Parameter, Parameter]:
     return rest, law.strength * rest**law.exponent
 
 
-def _rounded(rest: Parameter, grid: float) -> Parameter:
-    rounded = np.round(rest / grid) * grid
-    return rounded if np.ndim(rounded) else float(rounded)
-
-
-def _held(strength: Parameter, rest: Parameter) -> Parameter:
-    """The force of spheres at an overlap, as the law computes it."""
-    held = strength * (rest * np.sqrt(rest))
-    return held if np.ndim(held) else float(held)
+def _plain(value: Any) -> Parameter:
+    """An array, or a number of Python's."""
+    return np.asarray(value) if np.ndim(value) else float(value)
 
 
 def _strain(energy: Any, law: Preloaded | PreloadedPower, alone: Any) -> Any:
