@@ -75,24 +75,7 @@ def test_springs_that_end_leave_each_chain_its_own_wave(tmp_path):
     assert (late[1] - late[0])[0] == pytest.approx(30 * (1 / speeds[1] - 1 / speeds[0]), rel=0.01)
 
 
-# --- symmetries -------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_a_ring_does_not_know_where_it_begins():
-    ring = {"chains": 5, "coupling": {"stiffness": 0.4, "topology": "ring"}}
-    first = trajectory(scene(**ring).problem()).velocity
-    third = trajectory(scene(**ring, kick={"chain": 3, "velocity": 1.0}).problem()).velocity
-    np.testing.assert_allclose(np.roll(first, 2, axis=1), third, rtol=0, atol=1e-13)
-
-
-@pytest.mark.slow
-def test_the_two_neighbours_in_a_ring_are_mirror_images():
-    found = trajectory(scene("ring").problem()).velocity
-    np.testing.assert_allclose(found[:, 1], found[:, 3], rtol=0, atol=1e-13)
-
-
-# --- what the house says of them --------------------------------------------------------------------------------------
+# --- what is said of them ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
