@@ -1,27 +1,191 @@
-"""Carry out a sweep on this machine: what is missing or failed, on all cores."""
+"""Carry out a sweep on this machine: what is missing or failed, on all cores, each case in a run directory.
+
+The ``run.json`` of a case also holds what was asked for, under ``request``:
+
+| key      | what                                                        |
+|----------|-------------------------------------------------------------|
+| swept    | field -> value                                              |
+| scene    | the scene as asked: its ending at a bead, say, is not found yet |
+| engine   | what computes                                               |
+"""
 
 import contextlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from pydantic_core import from_json
 
 from analysis.files.recording import FARTHEST
-from lammps_inputs import InputError, Scene, file_names
+from lammps_inputs import InputError, Scene, file_names, library, strict_yaml
+from workflow import formats
+from workflow.engines.lammps import hosted
 from workflow.engines.lammps.mpi import cores
 from workflow.errors import RunError
-from workflow.formats import asked
-from workflow.prepare.settings import refuse_unstable
+from workflow.prepare.settings import found_beforehand, refuse_unstable
+from workflow.runs import job
 from workflow.runs.engines import ENGINES
-from workflow.runs.files import alone
-from workflow.runs.own_files import make_directory
+from workflow.runs.files import RECORD, alone, write_json, write_text
+from workflow.runs.own_files import claim, make_directory, others, remove_leftovers
+from workflow.runs.resume import resume
+from workflow.runs.run import Run, run
+from workflow.runs.run_directory import RunDirectory
 from workflow.runs.size import refuse_beforehand
 from workflow.runs.status import Queue, slurm_queue, status
 from workflow.screen import count_bar
-from workflow.sweep import directory as directories
-from workflow.sweep.directory import Asked, task
 from workflow.sweep.file import Case, Sweep, all_cases, scene_of
+from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_report import REPORT
 from workflow.workers import evaluate
-from workflow.workers.pool import Answer, Pool
+from workflow.workers.pool import Answer, Pool, Task
+
+# --- directory --------------------------------------------------------------------------------------------------------
+
+EARLIER = "case.json"
+"""Where the request stood before ``run.json`` held it."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a case was asked to be.
+
+    Attributes:
+        swept: field -> value.
+        scene: plain data of the scene.
+        engine: what computes.
+    """
+
+    swept: dict[str, Any]
+    scene: dict[str, Any]
+    engine: str
+
+    def plain(self) -> dict[str, Any]:
+        """For ``run.json``."""
+        return {"swept": self.swept, "scene": self.scene, "engine": self.engine}
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """A JSON object from a file; empty if there is none or it is not one."""
+    try:
+        data = from_json(path.read_bytes(), allow_inf_nan=False)
+    except (OSError, ValueError):
+        return {}
+    return data if isinstance(data, dict) else {}
+
+
+def asked(path: Path) -> Asked | None:
+    """What the case in a directory was asked to be; None if it is no case's directory."""
+    data = job.account(path).request or read_json(path / EARLIER)
+    swept, scene, engine = data.get("swept"), data.get("scene"), data.get("engine")
+    if isinstance(swept, dict) and isinstance(scene, dict) and isinstance(engine, str):
+        return Asked(swept, scene, engine)
+    return None
+
+
+def begin(path: Path, wanted: Asked, scene: Scene) -> None:
+    """Make a case's directory; from then on it is a run directory that may be overwritten."""
+    path.mkdir(parents=True, exist_ok=True)
+    remove_leftovers(path)  # of a sweep that was killed
+    claim(path, (file_names.SCENE,))
+    job.update(path, request=wanted.plain())
+    write_text(path / file_names.SCENE, strict_yaml.dump(scene.resolved().plain()))
+
+
+def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
+    """See that a directory is not there, or this case's.
+
+    Raises:
+        InputError: it holds something else, or the same case of another scene or engine.
+    """
+    found = asked(path)
+    if found is None:
+        if path.is_dir() and (not (rest := others(path)) or (rest == {RECORD} and RECORD in job.account(path).files)):
+            return  # interrupted before anything was written
+        if path.exists() or path.is_symlink():
+            raise InputError(f"{path}: exists and is not a case of a sweep; choose another -o")
+        return
+    advice = "choose another -o, or remove this directory"
+    if found.engine != wanted.engine:
+        raise InputError(f"{path}: is the same case computed by {found.engine}, not {wanted.engine}; {advice}")
+    key = _first_difference(found.scene, wanted.scene)
+    if key is None and (path / file_names.SCENE).is_file():
+        try:
+            written = library.load(path / file_names.SCENE).plain()
+        except InputError:  # damaged: it is rewritten
+            return
+        resolved = scene.resolved().plain()
+        key = _first_difference(written, resolved, found_beforehand(scene))
+    if key is not None:
+        raise InputError(f"{path}: holds this case of another scene ({key} differs); {advice}")
+
+
+def _first_difference(one: dict[str, Any], other: dict[str, Any], ignored: Iterable[str] = ()) -> str | None:
+    keys = [key for key in {**one, **other} if key not in ("limits", *ignored) and one.get(key) != other.get(key)]
+    return keys[0] if keys else None
+
+
+def is_analysed(path: Path, *, figures: bool = False) -> bool:
+    """Whether a run that is done was analysed when it was, and drawn where that is asked for."""
+    drawn = not figures or all((path / file).is_file() for file in formats.figure_files("spacetime"))
+    return drawn and read_json(path / REPORT).get("complete") is True
+
+
+def note_failure(path: Path, reason: str) -> None:
+    """Let ``run.json`` say why a case failed, where the run could not do so itself."""
+    record = job.account(path)
+    if path.is_dir() and record.outcome not in ("done", "failed"):
+        write_json(path / RECORD, {**record.plain(), "outcome": "failed", "reason": reason})
+
+
+# --- computation ------------------------------------------------------------------------------------------------------
+
+
+def task(directory: Path, case: Asked | None, *, check: bool, figures: tuple[str, ...] = ()) -> Task:
+    """For the worker pool.
+
+    Args:
+        directory: of the case, an absolute path.
+        case: what to run first; None to analyse only what is there.
+        check: whether to measure the error of a LAMMPS run.
+        figures: formats of the figures to draw; none without any.
+    """
+    plain = None if case is None else case.plain()
+    return Task(
+        f"{__name__}:compute", {"directory": str(directory), "case": plain, "check": check, "figures": list(figures)}
+    )
+
+
+def compute(directory: str, case: dict[str, Any] | None, check: bool, figures: list[str]) -> str:
+    """Run and analyse a case; "done" or "stopped"."""
+    path = Path(directory)
+    if case is not None:
+        done = _run(path, Asked(**case), check=check)
+        if done.outcome != "done":
+            return "stopped"
+        analysed = done.directory  # with the frames that were read for the check
+    else:
+        if check and (path / RECORD).is_file():
+            resume(path)  # it is done, but perhaps its error was not measured any more
+        analysed = RunDirectory(path)
+    with formats.written_as(tuple(figures)):
+        analyse(analysed, figures=bool(figures))
+    return "done"
+
+
+def _run(directory: Path, case: Asked, *, check: bool) -> Run:
+    """From the last restart if there is one; most cases take less time than passes until one is written."""
+    if (directory / file_names.RESTART).is_file():
+        with contextlib.suppress(InputError):  # not one to resume from
+            resumed = resume(directory, check=check, lammps=hosted.run)
+            if resumed is not None:
+                return resumed
+    scene = library.from_plain(case.scene, str(directory))
+    begin(directory, case, scene)
+    return run(scene, directory, engine=case.engine, overwrite=True, check=check, lammps=hosted.run)
+
+
+# --- sweep ------------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -71,7 +235,7 @@ def sweep(
         if answer.value != "done":
             failed.append((name, " ".join(answer.failed.split()) or "was stopped"))
             with contextlib.suppress(RunError):  # the disk may be full; reported at the end
-                directories.note_failure(directory / name, failed[-1][1])
+                note_failure(directory / name, failed[-1][1])
 
     with planned(what, directory) as cases:
         others = len(_others(directory, cases))
@@ -79,12 +243,12 @@ def sweep(
             refuse_if_queued(directory, [case.name for case in cases], slurm_queue(), "wait for it, or end it first")
         missing = _missing(cases, directory, figures=figures)
         before = len(cases) - len(missing)
-        formats = asked() if figures else ()
+        drawn = formats.asked() if figures else ()
         tasks = []
         for case, unfinished in missing:
             scene = scene_of(what, case)
             wanted = request(what, case, scene) if unfinished else None
-            own = task((directory / case.name).absolute(), wanted, check=check, figures=formats)
+            own = task((directory / case.name).absolute(), wanted, check=check, figures=drawn)
             tasks.append(evaluate.Case(case.name, own, cost=_work(scene)))
 
         try:
@@ -135,7 +299,7 @@ def plan(what: Sweep, directory: Path) -> list[Case]:
     for case in cases:
         scene = scene_of(what, case)
         _refuse_what_cannot_run(f"{what.source}: case {case.name}", what.engine, scene)
-        directories.refuse_another(directory / case.name, request(what, case, scene), scene)
+        refuse_another(directory / case.name, request(what, case, scene), scene)
     for case in _others(directory, cases):
         _refuse_of_another_sweep(what, directory, case)
     return cases
@@ -145,7 +309,7 @@ def _others(directory: Path, cases: list[Case]) -> list[Case]:
     """Cases in a directory that are none of these: of an earlier version of the sweep's file."""
     names = {case.name for case in cases}
     paths = sorted(path for path in directory.iterdir() if path.name not in names) if directory.is_dir() else []
-    found = ((path.name, directories.asked(path)) for path in paths)
+    found = ((path.name, asked(path)) for path in paths)
     return [Case(name, asked.swept) for name, asked in found if asked is not None]
 
 
@@ -161,7 +325,7 @@ def _refuse_of_another_sweep(what: Sweep, directory: Path, case: Case) -> None:
             "choose another -o"
         )
     scene = scene_of(what, case)
-    directories.refuse_another(directory / case.name, request(what, case, scene), scene)
+    refuse_another(directory / case.name, request(what, case, scene), scene)
 
 
 def request(what: Sweep, case: Case, scene: Scene) -> Asked:
@@ -178,7 +342,7 @@ def _refuse_what_is_not_a_sweep(directory: Path, cases: list[Case]) -> None:
         found = {entry.name for entry in directory.iterdir()}
     except OSError as error:
         raise InputError(f"{directory}: cannot be read ({error.strerror})") from None
-    own = any(case.name in found for case in cases) or any(directories.asked(directory / name) for name in found)
+    own = any(case.name in found for case in cases) or any(asked(directory / name) for name in found)
     if found and not own:
         raise InputError(f"{directory}: exists and is not the directory of a sweep; choose another -o")
 
@@ -215,7 +379,7 @@ def _missing(cases: list[Case], directory: Path, *, figures: bool) -> list[tuple
     for case in cases:
         path = directory / case.name
         unfinished = status(path).state != "done"
-        if unfinished or not directories.is_analysed(path, figures=figures):
+        if unfinished or not is_analysed(path, figures=figures):
             found.append((case, unfinished))
     return found
 

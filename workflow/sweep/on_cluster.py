@@ -19,8 +19,7 @@ from workflow.runs.job import Job
 from workflow.runs.own_files import claim, listed, retire
 from workflow.runs.status import slurm_queue, status
 from workflow.screen import count_bar
-from workflow.sweep.carry_out import planned, refuse_if_queued, request
-from workflow.sweep.directory import Asked, begin
+from workflow.sweep.carry_out import Asked, begin, planned, refuse_if_queued, request
 from workflow.sweep.file import Case, Sweep, scene_of
 from workflow.workers import evaluate
 from workflow.workers.pool import Answer, Pool, Task
