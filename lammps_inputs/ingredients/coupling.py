@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Discriminator, Tag, field_validator
 
-from lammps_inputs import laws, physics, strict_yaml
+from lammps_inputs import laws, strict_yaml
 from lammps_inputs.ingredients import by_formula
 from lammps_inputs.ingredients.base import Cubic, Part, Row, Rows, Stiffness, ends, in_rows, refuse_range, with_keys
 from lammps_inputs.laws import Law
@@ -124,7 +124,7 @@ class Coupling(by_formula.ByFormula):
                 by_formula.refuse_reach("coupling", link.law, system, scene.scale.length)
         edges = self._edges(scene.chains)
         farthest = max((higher - lower for lower, higher, _ in edges), default=0)
-        lateral = 2.0 * (Layout(system).diameter + physics.gap(system)) * farthest
+        lateral = Layout(system).apart((0, farthest))
         if np.max(self._cubic(edges, scene), initial=0.0) * lateral**2 * np.finfo(float).eps > _ROUNDED:
             raise ValueError(
                 f"coupling.cubic: tied chains are so far from each other ({farthest} chains, {lateral:.3g} L) that "
