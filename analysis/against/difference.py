@@ -47,7 +47,7 @@ def waves_apart(own: Waves, other: Waves) -> tuple[float, float]:
     for name in ("peak_velocity", "arrival"):
         size = np.abs(getattr(own, name) - getattr(other, name))[clear]
         size = size[np.isfinite(size)]
-        found.append(float(size.max()) if len(size) else float("nan"))
+        found.append(float(size.max()) if len(size) else math.nan)
     return found[0], found[1]
 
 
@@ -186,13 +186,10 @@ class Difference:
             result["amplitude"] = self._of_peaks("amplitude", own.velocity - other.velocity, other)
         if np.any(timed):
             result["arrival"] = self._of_peaks("arrival", (own.time - other.time)[timed], other.where(timed))
-        kept = {
-            "energy": system.holds(Fact.ENERGY) or bool(system.dampers),
-            "momentum": system.holds(Fact.MOMENTUM),
-        }
-        for name, drift in (("energy", self.conservation.energy_drift), ("momentum", self.conservation.momentum_drift)):
-            if problem.whole and kept[name]:
-                result[name] = Deviation(drift, float("nan"))
+        if problem.whole and (system.holds(Fact.ENERGY) or system.dampers):
+            result["energy"] = Deviation(self.conservation.energy_drift, math.nan)
+        if problem.whole and system.holds(Fact.MOMENTUM):
+            result["momentum"] = Deviation(self.conservation.momentum_drift, math.nan)
         return result
 
     def _of_peaks(self, name: str, difference: Floats, peaks: Peaks) -> Deviation:

@@ -256,15 +256,15 @@ def map_figure(columns: dict[str, Floats]) -> Figure:
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(numbers)))
     markers = "osD^v<>"
     for k, number in enumerate(numbers):
-        here = columns["chains"] == number
-        order = np.argsort(columns["kappa"][here])
-        kappa = columns["kappa"][here][order]
+        here = np.flatnonzero(columns["chains"] == number)
+        here = here[np.argsort(columns["kappa"][here])]
+        kappa, ten, one, final = (columns[name][here] for name in ("kappa", "ten", "one", "amplitude"))
         look = {"color": colours[k], "marker": markers[k % len(markers)], "markersize": 4}
-        distance.plot(kappa, columns["one"][here][order], label=f"$N$ = {int(number)}", **look)
-        distance.plot(kappa, columns["ten"][here][order], **{**look, "marker": "", "linestyle": ":"})
-        reached = ~np.isnan(columns["ten"][here][order])
-        amplitude.plot(kappa, columns["amplitude"][here][order], label=f"$N$ = {int(number)}", **look)
-        amplitude.plot(kappa[~reached], columns["amplitude"][here][order][~reached], "x", color="black", markersize=6)
+        distance.plot(kappa, one, label=f"$N$ = {int(number)}", **look)
+        distance.plot(kappa, ten, **{**look, "marker": "", "linestyle": ":"})
+        amplitude.plot(kappa, final, label=f"$N$ = {int(number)}", **look)
+        missed = np.isnan(ten)
+        amplitude.plot(kappa[missed], final[missed], "x", color="black", markersize=6)
     kappa = np.geomspace(columns["kappa"].min(), columns["kappa"].max(), 50)
     distance.plot(kappa, DECAY_LENGTH / kappa, color="black", linewidth=1.0, linestyle=(0, (5, 2)))
     distance.text(kappa[34], DECAY_LENGTH / kappa[34], "decay law:\n$n^* = 2.709/\\kappa$  ", ha="right", va="top")

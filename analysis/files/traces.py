@@ -218,9 +218,7 @@ def _of_beads(path: Path) -> Traces:
         grid = getattr(given, kind)
         if grid is None:
             continue
-        for j, chain in enumerate(given.chains.tolist()):
-            for k, bead in enumerate(given.beads.tolist()):
-                if np.isfinite(grid[:, j, k]).any():
-                    channels.append(Channel(kind, chain, bead))
-                    values.append(grid[:, j, k])
+        for j, k in np.argwhere(np.isfinite(grid).any(axis=0)).tolist():
+            channels.append(Channel(kind, int(given.chains[j]), int(given.beads[k])))
+            values.append(grid[:, j, k])
     return Traces(given.time, tuple(channels), np.stack(values, axis=1), units=False)
