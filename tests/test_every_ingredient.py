@@ -47,6 +47,7 @@ BY_BOND = {"ramp", "lattice", "cubic ring", "formulas of springs"}
 """Ranks may add up the springs of a row on their border in another order."""
 RANKS = [*sorted(BY_BOND), "foundation by chain", "dimer", "disorder", "exponent 1.25", "walls", "walls of exponent 2"]
 RANKS += [
+    "gap",
     "foundation rising, modulated, damped",
     "foundations over time",
     "random contacts",
@@ -61,7 +62,7 @@ RANKS += [
     "resonators of two kinds, in some rows",
     "resonators, damped in some rows, pushed, with all other dashpots",
 ]
-OLD = ["ramp", "lattice", "cubic ring", "foundation by chain", "dimer", "dimer of sizes", "exponent 1"]
+OLD = ["gap", "ramp", "lattice", "cubic ring", "foundation by chain", "dimer", "dimer of sizes", "exponent 1"]
 OLD += [
     "foundation rising, modulated, damped",
     "foundations over time",
