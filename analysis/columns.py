@@ -19,7 +19,7 @@ class Columns:
         return {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
 
     def __len__(self) -> int:
-        return int(next(iter(self.arrays().values())).shape[-1])
+        return int(next(value.shape[-1] for value in vars(self).values() if isinstance(value, np.ndarray)))
 
     def where(self, chosen: Flags | Integers | slice | list[int]) -> Self:
         """The entries that a mask, positions or a slice choose."""

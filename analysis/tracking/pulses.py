@@ -130,8 +130,8 @@ def track_pulses(
     for chain in np.unique(passages.chain):
         own = passages.where(passages.chain == chain)
         for track in _linked(own, recorded, noise, exact, loaded):
-            one = own.where(track)
-            if len(one) >= least and np.max(one.velocity) >= smallest:
+            if len(track) >= least and np.max(own.velocity[track]) >= smallest:
+                one = own.where(track)
                 bead = one.bead if direction > 0 else mirrored_bead(problem, one.bead)
                 speed, errors = local_speed(one.bead, one.time), (one.time_error, one.velocity_error)
                 found.append(Pulse(int(chain), direction, bead, one.time, one.velocity, speed, *errors))
