@@ -94,10 +94,13 @@ def blocks(
     recorded = _recorded(problem, state, 0.0)
     start = x[recorded, :lines].T[np.newaxis].copy(), v[recorded, :lines].T[np.newaxis].copy()
     counts = scheme is not VERLET and physics.exchanges(problem.system)
-    none = np.zeros((1, len(EXCHANGES))) if counts else None
     past = state.memory[np.newaxis].copy()
-    remembered = past if past.size else None
-    yield of_atoms(problem, np.zeros(1), *start, _first(problem, recorded), none, remembered)
+
+    def block(time: Floats, x: Floats, v: Floats, exchange: Floats, memory: Floats) -> Trajectory:
+        first = 1 if problem.window is None else int(recorded[0])
+        return of_atoms(problem, time, x, v, first, exchange if counts else None, memory if past.size else None)
+
+    yield block(np.zeros(1), *start, np.zeros((1, len(EXCHANGES))), past)
     size = frames_per_block(problem)
     if problem.window is not None:
         size = max(1, min(size, math.floor(_ADVANCE / (rates.front_speed(problem.system) * problem.every))))
@@ -111,15 +114,7 @@ def blocks(
         time = np.asarray(frame * problem.every, dtype=np.float64)
         state.advance(scheme, step, (first - 1) * steps, steps, recorded, frames)
         exchange[:, -1] += brought_up(problem, time)
-        yield of_atoms(
-            problem,
-            time,
-            frames.x,
-            frames.v,
-            _first(problem, recorded),
-            exchange if counts else None,
-            None if remembered is None else memory,
-        )
+        yield block(time, frames.x, frames.v, exchange, memory)
 
 
 def brought_up(problem: Problem, time: Floats) -> Floats:
@@ -148,10 +143,6 @@ def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int6
     return np.arange(
         first, min(problem.beads, front + math.ceil(rates.front_speed(problem.system) * ahead) + problem.window) + 1
     )
-
-
-def _first(problem: Problem, recorded: NDArray[np.int64]) -> int:
-    return 1 if problem.window is None else int(recorded[0])
 
 
 @dataclass(frozen=True)
