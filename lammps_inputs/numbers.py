@@ -27,7 +27,8 @@ def random_shares(seed: int | list[int], count: int) -> NDArray[np.float64]:
 
 def number_or_array(values: Any) -> float | NDArray[np.float64]:
     """The number that all values are, or an array where they differ."""
-    return float(np.max(values)) if np.ptp(values) == 0.0 else np.asarray(values)
+    array = np.asarray(values)
+    return float(array.flat[0]) if np.ptp(array) == 0.0 else array
 
 
 def known(value: float) -> float | None:

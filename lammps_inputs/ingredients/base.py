@@ -96,9 +96,9 @@ def refuse_outside(key: str, place: Any, scene: "BaseScene") -> None:
 
 def in_rows(values: Any, rows: tuple[int, int] | None, shape: tuple[int, ...]) -> NDArray[np.float64]:
     """Values, broadcast to [..., bead], from the first to the last of some rows, all if omitted; 0 in others."""
-    table = np.zeros(shape)
-    first, last = rows or (1, shape[-1])
-    table[..., first - 1 : last] = np.broadcast_to(values, shape)[..., first - 1 : last]
+    table = np.array(np.broadcast_to(values, shape), dtype=np.float64)
+    if rows is not None:
+        table[..., : rows[0] - 1] = table[..., rows[1] :] = 0.0
     return table
 
 
