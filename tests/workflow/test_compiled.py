@@ -1,5 +1,6 @@
 """Machine code is kept between processes, and never that of other sources."""
 
+import gc
 import importlib
 import os
 import shutil
@@ -174,9 +175,14 @@ def test_with_no_place_at_all_functions_are_compiled_all_the_same(place, tmp_pat
 def start(module=f"{compiled._WRITTEN}0123"):
     """What numba says when it compiles a function."""
     function = SimpleNamespace(py_func=SimpleNamespace(__module__=module))
-    hint = compiled._Hint()
+    what = SimpleNamespace(data={"dispatcher": function})
+    compilation = compiled._Compilation()
     for _ in range(2):
-        hint.on_start(SimpleNamespace(data={"dispatcher": function}))
+        compilation.on_start(what)
+    assert not gc.isenabled()
+    for _ in range(2):
+        compilation.on_end(what)
+    assert gc.isenabled()
 
 
 def test_commands_say_once_that_and_what_is_compiled(capsys):
