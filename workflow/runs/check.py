@@ -13,7 +13,7 @@ import numpy as np
 
 from analysis.against.difference import Deviation, Place, errors_of, waves_apart
 from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages, leading_waves, usual_arrival
-from analysis.trajectory import Trajectory
+from analysis.trajectory import Trajectory, watch
 from lammps_inputs import Problem, html, physics
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
@@ -130,7 +130,7 @@ class Check:
 
 
 def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
-    """Compare a run with the accurate_reference reference.
+    """Compare a run with an accurate reference.
 
     Args:
         directory: the run.
@@ -190,7 +190,5 @@ def _references(problem: Problem, settings: Settings | None) -> Iterable[StepHal
 def _leading(problem: Problem, settings: Settings | None) -> tuple[Waves, Uncertainty]:
     """The reference's own leading waves, found at the same times as LAMMPS's, and its uncertainty."""
     for halving in references_of(problem, settings):
-        finder = leading_finder(problem)
-        for block in halving.blocks():
-            finder.add(block)
+        finder = watch(leading_finder(problem), halving.blocks())
     return leading_waves(leading_passages(finder.result(), problem), usual_arrival(problem)), halving.uncertainty

@@ -7,6 +7,7 @@ import numpy as np
 
 from analysis.contacts import LargestOverlap, shown_by_frames
 from analysis.quantity import declare, result
+from analysis.trajectory import watch
 from lammps_inputs import Scene, laws, physics
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.laws.plastic import YIELD_PRESSURE
@@ -91,11 +92,8 @@ def measure(directory: RunDirectory) -> Contacts | None:
     """
     if not has_contacts(directory):
         return None
-    largest = LargestOverlap()
-    if shown_by_frames(directory.problem):
-        for block in directory.blocks():
-            largest.add(block)
-    return of_overlap(directory.scene, largest)
+    blocks = directory.blocks() if shown_by_frames(directory.problem) else ()
+    return of_overlap(directory.scene, watch(LargestOverlap(), blocks))
 
 
 def has_contacts(directory: RunDirectory) -> bool:

@@ -35,7 +35,6 @@ from analysis.trajectory import Floats
 from lammps_inputs import InputError, Scene, file_names
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from lammps_inputs.units import DIMENSIONLESS, Scale
-from workflow.engines.lammps.mpi import cores
 from workflow.formats import figure_files
 from workflow.prepare.settings import Settings
 from workflow.runs import job
@@ -116,7 +115,7 @@ class Study:
         Raises:
             InputError: as `opened`.
         """
-        done, pool = 0, Pool(jobs or cores(), interrupt=True)
+        done, pool = 0, Pool(jobs, interrupt=True)
         with self.opened(directory) as cache, count_bar(self.command) as bar, pool:
 
             def evaluated(cases: Sequence[Case], *, of: int = 0, words: str = "", **options: Any) -> list[Any]:

@@ -21,7 +21,6 @@ from analysis.files.recording import FARTHEST
 from lammps_inputs import InputError, Scene, file_names, library, strict_yaml
 from workflow import formats
 from workflow.engines.lammps import hosted
-from workflow.engines.lammps.mpi import cores
 from workflow.errors import RunError
 from workflow.prepare.settings import found_beforehand, refuse_unstable
 from workflow.runs import job
@@ -252,7 +251,7 @@ def sweep(
             tasks.append(evaluate.Case(case.name, own, cost=_work(scene)))
 
         try:
-            with count_bar("sweep") as progress, Pool(min(processes or cores(), len(missing))) as pool:
+            with count_bar("sweep") as progress, Pool(processes) as pool:
                 evaluate.evaluate(
                     tasks,
                     pool=pool,

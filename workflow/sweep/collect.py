@@ -15,7 +15,6 @@ from analysis.trajectory import Floats
 from lammps_inputs import InputError, file_names, html, library, strict_yaml
 from lammps_inputs.numbers import text
 from lammps_inputs.units import REDUCED
-from workflow.engines.lammps.mpi import cores
 from workflow.runs.files import RECORD, write_figure
 from workflow.runs.job import account
 from workflow.runs.status import slurm_queue, status
@@ -236,7 +235,7 @@ def _analyse(directories: list[Path]) -> dict[str, str]:
     if not directories:
         return {}
     cases = [evaluate.Case(path.name, task(path.absolute(), None, check=False)) for path in directories]
-    with count_bar("analyse") as progress, Pool(min(cores(), len(cases))) as pool:
+    with count_bar("analyse") as progress, Pool() as pool:
         found = evaluate.evaluate(cases, pool=pool, progress=progress)
     return {name: " ".join(answer.failed.split()) for name, answer in found.items() if answer.failed}
 

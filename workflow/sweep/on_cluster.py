@@ -10,7 +10,6 @@ from lammps_inputs.laws import plastic_lines
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster import with_ranks
-from workflow.engines.lammps.mpi import cores
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
 from workflow.runs.engines import LAMMPS
@@ -114,7 +113,7 @@ def _write_cases(what: Sweep, todo: list[Case], directory: Path) -> list[Problem
         wanted, source = request(what, case, scene_of(what, case)), f"{what.source}: case {case.name}"
         arguments = {"directory": str(directory / case.name), "case": wanted.plain(), "source": source}
         cases.append(evaluate.Case(case.name, Task(f"{__name__}:write_case", arguments)))
-    with count_bar("decks") as progress, Pool(min(cores(), len(cases))) as pool:
+    with count_bar("decks") as progress, Pool() as pool:
         sizes = evaluate.evaluate(cases, pool=pool, progress=progress, tell=ready)
     fewest = [min(sizes, key=lambda name: sizes[name].value[of]) for of in ("beads", "rows")]
     return [load(directory / name / file_names.SCENE).problem() for name in fewest]

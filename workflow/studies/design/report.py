@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from analysis.figures.spacetime import SpaceTime, spacetime_figure
 from analysis.figures.studies import Objective, front_figure, history_figure, members_figure, wall_figure
 from analysis.gauges.gauge import at_frames, gauges
-from analysis.trajectory import Floats, direction_of
+from analysis.trajectory import Floats, direction_of, watch
 from lammps_inputs import references
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.design.found import SET_AGAINST, Found
@@ -92,10 +92,8 @@ def _of_search(found: Found) -> list[Picture]:
 
 def _of_best(found: Found) -> list[Picture]:
     best = found.verified[0].directory
-    spacetime = SpaceTime(best.problem)
-    for block in best.blocks():
-        spacetime.add(block)
-    pictures = [drawn("spacetime", spacetime_figure(spacetime), "The best in space and time, by LAMMPS.")]
+    spacetime = spacetime_figure(watch(SpaceTime(best.problem), best.blocks()))
+    pictures = [drawn("spacetime", spacetime, "The best in space and time, by LAMMPS.")]
     against = [] if found.beside is None else [(SET_AGAINST, found.beside.directory)]
     curves = [
         (name, *curve) for name, directory in [("the best", best), *against] if (curve := _wall(directory)) is not None
