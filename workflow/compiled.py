@@ -149,24 +149,14 @@ def digest(functions: Iterable[Any]) -> str:
     return fingerprint(sorted(found.items()))
 
 
-class _Compilation(event.Listener):
-    """Says once for each engine that it is compiled, not merely found compiled; holds the garbage collector meanwhile.
-
-    A compilation makes a million objects of which none is garbage: searching them takes a sixth of its time. One may
-    be part of another; numba lets no other thread compile.
-    """
+class _Hint(event.Listener):
+    """Says once for each engine that it is compiled, not merely found compiled."""
 
     def __init__(self) -> None:
         self._said: set[str] = set()
-        self._under_way = 0
-        self._collects = False
 
     def on_start(self, event: Any) -> None:
         """Say which engine, and how often that will happen."""
-        if self._under_way == 0:
-            self._collects = gc.isenabled()
-            gc.disable()
-        self._under_way += 1
         module = str(event.data["dispatcher"].py_func.__module__)
         name = next((name for folder, name in _ENGINES.items() if module.startswith(folder)), None)
         if name is None or name in self._said:
@@ -175,8 +165,29 @@ class _Compilation(event.Listener):
         often = "once for this kind of scene" if cache_directory() else "each time: no cache directory is writable"
         screen.hint(f"compiling {name}; takes a few seconds, {often}")
 
+    def on_end(self, event: Any) -> None:
+        """Say nothing."""
+
+
+class _NoCollection(event.Listener):
+    """Holds the garbage collector, as a compilation makes a million objects, none of which is garbage.
+
+    Searching them takes a sixth of its time. A compilation may be part of another; numba lets no other thread compile.
+    """
+
+    def __init__(self) -> None:
+        self._under_way = 0
+        self._collects = False
+
+    def on_start(self, event: Any) -> None:  # noqa: ARG002
+        """Hold it."""
+        if self._under_way == 0:
+            self._collects = gc.isenabled()
+            gc.disable()
+        self._under_way += 1
+
     def on_end(self, event: Any) -> None:  # noqa: ARG002
-        """Leave the garbage collector as it was."""
+        """Leave it as it was."""
         self._under_way -= 1
         if self._under_way == 0 and self._collects:
             gc.enable()
@@ -188,7 +199,8 @@ _WRITTEN = "granchain_program_"
 _ENGINES = {_WRITTEN: "the reference", "workflow.engines.collisions": "the engine of rigid beads"}
 
 _events: Any = event
-_events.register("numba:compile", _Compilation())
+for _listener in (_Hint(), _NoCollection()):
+    _events.register("numba:compile", _listener)
 
 
 @functools.cache

@@ -175,14 +175,25 @@ def test_with_no_place_at_all_functions_are_compiled_all_the_same(place, tmp_pat
 def start(module=f"{compiled._WRITTEN}0123"):
     """What numba says when it compiles a function."""
     function = SimpleNamespace(py_func=SimpleNamespace(__module__=module))
-    what = SimpleNamespace(data={"dispatcher": function})
-    compilation = compiled._Compilation()
+    hint = compiled._Hint()
     for _ in range(2):
-        compilation.on_start(what)
-    assert not gc.isenabled()
-    for _ in range(2):
-        compilation.on_end(what)
-    assert gc.isenabled()
+        hint.on_start(SimpleNamespace(data={"dispatcher": function}))
+
+
+@pytest.mark.parametrize("collects", [True, False])
+def test_the_garbage_collector_is_held_while_functions_are_compiled_and_is_then_as_it_was(collects):
+    compilation = compiled._NoCollection()
+    try:
+        (gc.enable if collects else gc.disable)()
+        for _ in range(2):
+            compilation.on_start(None)
+        assert not gc.isenabled()
+        compilation.on_end(None)
+        assert not gc.isenabled()
+        compilation.on_end(None)
+        assert gc.isenabled() == collects
+    finally:
+        gc.enable()
 
 
 def test_commands_say_once_that_and_what_is_compiled(capsys):
