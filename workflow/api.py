@@ -169,7 +169,7 @@ def validate(
     units: Literal["scene", "dimensionless"] = "scene",
     tolerances: Mapping[str, float] | None = None,
 ) -> Validation:
-    """Compare a run with the accurate_reference reference, or with a table of your own.
+    """Compare a run with an accurate reference, or with a table of your own.
 
     Args:
         run: what to validate.

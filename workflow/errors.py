@@ -16,7 +16,7 @@ class EndedError(RunError):
     """A run that was ended from outside, by a signal or a full disk, and may be resumed."""
 
 
-def cause_of_death(code: int) -> str:
+def how_it_ended(code: int) -> str:
     """How a process ended, by its exit code."""
     return f"was killed by signal {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
 

@@ -84,7 +84,7 @@ KEPT_BYTES = 1 << 27
 
 @dataclass(frozen=True)
 class Kept:
-    """A accurate_reference reference run in memory."""
+    """An accurate run of the reference, in memory."""
 
     frames: tuple[Trajectory, ...]
     uncertainty: Uncertainty

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 from lammps_inputs.ingredients import environment_of_children
 from workflow import screen
 from workflow.engines.lammps.mpi import cores
-from workflow.errors import cause_of_death, complaint
+from workflow.errors import complaint, how_it_ended
 
 _STOP_SECONDS = 60.0
 """For a segment of LAMMPS and a restart, however busy the machine is; a second Ctrl-C waits no longer."""
@@ -178,7 +178,7 @@ class _Process:
     def _ended(self) -> dict[str, Any]:
         """The answer of a process that gives none."""
         self.hang_up()
-        how = cause_of_death(self._process.wait())
+        how = how_it_ended(self._process.wait())
         self._errors.seek(self._said)
         said = complaint(self._errors.read(100_000).splitlines())
         return {"failed": f"the process that computed it {how}. {said}".strip()}

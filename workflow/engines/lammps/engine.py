@@ -17,7 +17,7 @@ from typing import Any
 from lammps_inputs import Problem
 from lammps_inputs.ingredients import environment_of_children
 from workflow.engines.lammps import files_on_disk, mpi
-from workflow.errors import EndedError, RunError, cause_of_death, complaint
+from workflow.errors import EndedError, RunError, complaint, how_it_ended
 
 RESTART_EVERY = files_on_disk.EVERY
 
@@ -117,7 +117,7 @@ def run(
         return Outcome("stopped", int(last.get("step", 0)), last.get("seconds", 0.0), last.get("lammps", 0))
     if last.get("end") == "failed":
         raise RunError(last["reason"])
-    raise EndedError(f"LAMMPS {cause_of_death(process.returncode)} after step {last.get('step', 0)}. {said}")
+    raise EndedError(f"LAMMPS {how_it_ended(process.returncode)} after step {last.get('step', 0)}. {said}")
 
 
 @contextlib.contextmanager

