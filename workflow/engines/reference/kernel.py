@@ -375,7 +375,7 @@ class _Writer:
         if self._terms.dashpots != "drift":
             return [brake]
         impulses = self._drag("impulses", "x", "Impulse", "impulse", rate=False)
-        return [template.OVER_THE_WAY.strip("\n") + "\n", brake, impulses]
+        return [brake, impulses]
 
     def _drag(self, name: str, arguments: str, what: str, function: str, *, rate: bool) -> str:
         _, contact = self._sum(self._terms.dampers[0], function, rate=rate)

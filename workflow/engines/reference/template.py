@@ -22,18 +22,10 @@ HEAD = '''
 from numpy import isnan, uint64
 
 from workflow.compiled import compiled, inlined, inner
+from workflow.engines.reference.common import displaced, maximum, over_the_way
 {imports}
 
 {laws}
-
-
-@inner
-def displaced(x, first, last):
-    """Whether any bead from one place in memory to before another has left its own."""
-    for k in range(first, last):
-        if x[k] != 0.0:
-            return True
-    return False
 '''
 
 PRESS = """
@@ -184,23 +176,6 @@ kicks, drifts, h = scheme
 """
 
 FOLLOW = '''
-@inner
-def maximum(early, late, rise, fall):
-    """The maximum within a step of the cubic polynomial with these values, and slopes above and below 0, at its ends.
-
-    As part of the step, and its value.
-    """
-    square, cube = 3.0 * (late - early) - 2.0 * rise - fall, 2.0 * (early - late) + rise + fall
-    low, high = 0.0, 1.0
-    for _ in range(50):
-        part = 0.5 * (low + high)
-        if rise + part * (2.0 * square + part * 3.0 * cube) > 0.0:
-            low = part
-        else:
-            high = part
-    return part, early + part * (rise + part * (square + part * cube))
-
-
 @compiled
 def follow(state, p, scheme, first_step, steps, threshold, passing):
     """Take some steps and note the first maximum of every bead; the largest |velocity| of a row that was let go."""
@@ -362,15 +337,3 @@ impulses(x, p, squeeze, drag, low, high)
 for k in range(low, high):
     actual[k] = v[k] + drag[k]{per_mass}
 """
-
-OVER_THE_WAY = '''
-@inner
-def over_the_way(early, middle, late, first, second):
-    """Integral of a velocity over an impulse: ``first`` in one half of a time, ``second`` in the other.
-
-    By the trapezoidal rule for the halves and for the whole, extrapolated to fourth order. Summed over all impulses on
-    a bead, each rule has the change of its kinetic energy exactly, however the impulses came about.
-    """
-    halves = 0.5 * (early + middle) * first + 0.5 * (middle + late) * second
-    return (4.0 * halves - 0.5 * (early + late) * (first + second)) / 3.0
-'''
