@@ -187,7 +187,9 @@ def test_a_run_in_pieces_of_any_size_gives_the_same():
 
 
 @pytest.mark.slow
-def test_memory_does_not_grow_with_the_number_of_frames():
+def test_memory_does_not_grow_with_the_number_of_frames(monkeypatch):
+    monkeypatch.setattr("analysis.trajectory.BLOCK_BYTES", 1 << 20)
+
     def peak_memory(every: float) -> int:
         what = problem(2, 0.1, 60, 80.0, every)
 
