@@ -13,6 +13,7 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.runs.status import parsed_queue, statuses
 
 pytest_plugins = ("slurm",)
+pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
 
 
 def test_a_written_sweep_has_a_deck_per_case_and_one_array(tmp_path, capsys):
@@ -51,16 +52,15 @@ def test_tasks_of_several_cases_are_lines_of_the_list(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["scene.yaml", "in.chains", "data.chains"])
-def test_a_damaged_file_of_a_case_is_written_anew(name, tmp_path):
+def test_damaged_files_of_a_case_are_written_anew(tmp_path):
     path, directory = sweep_file(tmp_path, UNTIL, beads=[12]), tmp_path / "s"
-    file = directory / "beads=12" / name
     assert main(["sweep", str(path), "-o", str(directory), "--slurm"]) == 0
-    whole = file.read_bytes()
-    for damage in (b"\xff\xfe junk", b"", whole[: len(whole) // 2]):
-        file.write_bytes(damage)
+    whole = {name: (directory / "beads=12" / name).read_bytes() for name in ("scene.yaml", "in.chains", "data.chains")}
+    for damage in (lambda _: b"\xff\xfe junk", lambda _: b"", lambda content: content[: len(content) // 2]):
+        for name, content in whole.items():
+            (directory / "beads=12" / name).write_bytes(damage(content))
         assert main(["sweep", str(path), "-o", str(directory), "--slurm"]) == 0
-        assert file.read_bytes() == whole
+        assert {name: (directory / "beads=12" / name).read_bytes() for name in whole} == whole
 
 
 def test_more_ranks_than_a_case_has_rows_are_one_line(tmp_path, capsys):

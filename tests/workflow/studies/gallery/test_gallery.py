@@ -20,6 +20,8 @@ from workflow.studies.gallery.entries import ENTRIES, PAPER
 from workflow.studies.gallery.entry import Entry
 from workflow.studies.page import FAILS, kept
 
+pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
+
 KNOWN = {
     "paper-touching": (4, 3, 0), "paper-gapped": (1, 1, 2),
     "band-gap": (3, 0, 0), "beats": (1, 1, 0), "collision": (4, 0, 0), "decorated": (5, 1, 0),
@@ -32,7 +34,7 @@ KNOWN = {
 """Statements that hold, do with a correction and do not, by entry; hard spheres are not elastic beads."""
 
 CHEAP = ("kicked-chain", "tapered")
-OWN = sorted({*CHEAP, *[name for name in ENTRIES if name not in PAPER][::3]})  # `granchain gallery` runs them all
+OWN = (*CHEAP, "collision", "wall", "landau-zener", "precompressed", "gravity")  # `granchain gallery` runs them all
 
 
 def only(names):

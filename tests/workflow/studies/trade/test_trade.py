@@ -32,6 +32,7 @@ SCENE = {
     "output": {"every": 0.1},
 }
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
 
 ERRORS = ("velocity_error", "amplitude_error", "arrival_error")
 
