@@ -33,7 +33,6 @@ LOSSY = {
 
 SCENES = {
     "some": (scene(name="some", chains=1, beads=80, duration=4000.0, every=0.1, recorded=(3, 40)), 1),
-    "ranks": (scene(name="ranks", chains=3, beads=16, kappa=1e-3, gap=1.5, duration=2000.0, every=0.5), 2),
     "lossy": (library.from_plain(LOSSY, "lossy"), 2),
 }
 """Scene and ranks; each runs for two to three seconds."""

@@ -25,24 +25,19 @@ pytest_plugins = ("slurm",)
 
 SHORT = scene(chains=3, beads=31, kappa=0.1, duration=60.0, every=0.5)
 
-_UNEQUAL = {
+DIVERSE = {
+    "name": "test",
+    "chains": 3,
+    "beads": 20,
+    "duration": 8000.0,
+    "timestep": 0.005,
+    "output": {"every": 10.0},
     "kinds": {"heavy": {"mass": 1}, "light": {"mass": 0.5, "stiffness": 2.0}},  # LAMMPS's style `granular`
     "pattern": ["heavy", "light"],
     "coupling": {"stiffness": 0.1, "cubic": 0.02, "topology": "ring"},
+    "damping": {"contact": 0.002, "beads": 1e-4},
     "kick": {"velocity": 1.0},
 }
-_DAMPED = {
-    "chains": 2,
-    "coupling": {"stiffness": 0.1},
-    "damping": {"contact": 0.002, "tension": "cut", "beads": 1e-4, "coupling": 0.01},
-    "kick": {"velocity": 1.0},
-}
-
-
-def made_of(ingredients, **changes):
-    """A small scene of three chains."""
-    plain = {"name": "test", "chains": 3, "beads": 20, "duration": 60.0, "timestep": 0.005, "output": {"every": 0.1}}
-    return library.from_plain({**plain, **ingredients, **changes}, "test")
 
 
 ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
@@ -101,9 +96,8 @@ def test_a_job_of_two_ranks_ends_bit_for_bit_as_a_run_on_this_machine(cluster, t
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["50%j of a b %x", "50%j of a\\b %x"])
-def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(name, cluster, tmp_path):
-    directory = written(SHORT, tmp_path / name, ranks_per_node=1)
+def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, tmp_path):
+    directory = written(SHORT, tmp_path / "50%j of a\\b %x", ranks_per_node=1)
     cluster.submit(directory)
     cluster.wait()
     assert told(directory).state == "done", list(tmp_path.rglob("job.out"))
@@ -111,16 +105,9 @@ def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(name, clu
     assert_same(directory, run_stock(SHORT, tmp_path / "local"))
 
 
-CUT = {
-    "unequal": made_of(_UNEQUAL, duration=8000.0, output={"every": 10.0}),
-    "damped": made_of(_DAMPED, duration=2000.0, output={"every": 5.0}),
-}
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("name", CUT)
-def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(name, cluster, tmp_path):
-    case = CUT[name]
+def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(cluster, tmp_path):
+    case = library.from_plain(DIVERSE, "test")
     directory = written(case, tmp_path / "job", ranks_per_node=1, time="00:30:00", margin=54)
     # a clock that stands still, a second before the limit of the first job and an hour before that of the next
     clock = tmp_path / "clock" / "date"

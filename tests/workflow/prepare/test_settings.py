@@ -31,7 +31,7 @@ from workflow.verdicts.analyse import analyse
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 PAPER = ("two-chains", "two-chains-strong", "three-chains")
-SUZUKI = ("two-chains", "one chain", "kappa = 10", "window of 64")
+SUZUKI = {"two-chains": 1e-3, "window of 64": 1e-3, "one chain": 1e-6, "kappa = 10": 1e-6}
 
 
 def scene(kappa=0.1, **changes):
@@ -87,9 +87,8 @@ def error(problem, accuracy):
     ("name", "accuracy", "scheme"),
     [
         *((name, (1e-3, 1e-5)[number % 2], "verlet") for number, name in enumerate(GRID)),
-        *((name, 1e-6, "verlet") for name in PAPER),
-        *((name, 1e-3, "suzuki4") for name in SUZUKI),
-        *((name, 1e-6, "suzuki4") for name in SUZUKI),
+        ("two-chains", 1e-6, "verlet"),
+        *((name, accuracy, "suzuki4") for name, accuracy in SUZUKI.items()),
     ],
 )
 def test_the_error_ends_below_what_was_asked_with_at_most_five_times_the_steps_that_would_just_do(
@@ -111,8 +110,6 @@ def test_the_error_ends_below_what_was_asked_with_at_most_five_times_the_steps_t
     [
         {},
         {"chains": 1, "kappa": 0.0},
-        {"chains": 3},
-        {"kappa": 1.0},
         {"kappa": 1e-3},
         {"kick": (Kick(velocity=1.0), Kick(bead=120, velocity=-1.0))},
     ],
@@ -128,7 +125,7 @@ def test_so_it_does_where_less_than_the_run_can_be_measured(changes, work):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["verlet", "suzuki4"])
-@pytest.mark.parametrize("name", ["one-chain", "two-chains", "three-chains", "kappa = 10", "head-on", "kappa = 0.001"])
+@pytest.mark.parametrize("name", ["one-chain", "two-chains", "kappa = 10", "head-on"])
 def test_the_rule_alone_errs_on_the_safe_side_by_a_factor_of_five_in_the_step_at_most(name, scheme):
     problem, accuracy = replace((GRID.get(name) or find(name)).problem(), scheme=scheme), 1e-5
     step = timestep_for(accuracy, problem.duration, problem.system, scheme)
@@ -158,20 +155,9 @@ def test_a_run_of_the_reference_is_certified_to_what_was_asked(tmp_path, accurac
     assert result.directory.job.uncertainty.velocity <= accuracy
 
 
-@pytest.mark.parametrize(
-    "asked",
-    [
-        scene(kappa=0.0, chains=1, beads=250, duration=320.0),
-        pytest.param(
-            scene(kappa=0.0, chains=1, beads=330, duration=520.0, kick=[Kick(bead=b, velocity=1.0) for b in (1, 2, 3)]),
-            marks=pytest.mark.slow,
-        ),
-    ],
-    ids=["250 beads", "330 beads, three kicked"],
-)
-def test_a_scene_that_names_neither_step_nor_accuracy_gets_the_default_accuracy(asked):
-    """A bead that leaves the free end takes the largest error; these had 7.9e-4 and 4.9e-3 of V at a step of 0.01."""
-    settled, settings = settle(asked)
+def test_a_scene_that_names_neither_step_nor_accuracy_gets_the_default_accuracy():
+    """A bead that leaves the free end takes the largest error: 7.9e-4 of V at a step of 0.01."""
+    settled, settings = settle(scene(kappa=0.0, chains=1, beads=250, duration=320.0))
     assert (settings.accuracy, settings.asked) == (DEFAULT_ACCURACY, False)
     assert error(settled.problem(), DEFAULT_ACCURACY) <= DEFAULT_ACCURACY
     assert "0.0002 V (default): timestep" in settings.sentence(settled.problem())
@@ -285,7 +271,7 @@ def test_rounding_leaves_no_more_than_is_reckoned_with(tmp_path):
     """Bead 1000 is near 4000 in LAMMPS."""
     far = tuple(range(960, 1001))
     kick = (Kick(bead=960, velocity=1.0),)
-    fine = scene(beads=1000, kick=kick, duration=20.0, timestep=1e-3, output=Output(beads=far))
+    fine = scene(beads=1000, kick=kick, duration=10.0, timestep=1e-3, output=Output(beads=far))
     made = run(fine, tmp_path / "run", check=False)
     own, problem = made.trajectory, made.directory.problem
     right = engine.run(problem, scheme=pilot.TABLES["verlet"], steps_per_frame=problem.steps_per_frame)

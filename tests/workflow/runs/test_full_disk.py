@@ -74,9 +74,14 @@ def complaint(words, capsys):
     return line
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    return run(DENSE, tmp_path_factory.mktemp("dense") / "whole", check=False).directory
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("ranks", RANKS)
-def test_frames_that_fill_the_disk_are_kept_and_gone_on_with(ranks, disk, tmp_path, capsys):
+def test_frames_that_fill_the_disk_are_kept_and_gone_on_with(ranks, disk, whole, tmp_path, capsys):
     (tmp_path / "scene.yaml").write_text(strict_yaml.dump(DENSE.plain()))
     directory = disk.path / "run"
     words = ["run", tmp_path / "scene.yaml", "-o", directory, "--ranks", ranks, "--restart-every", "0", "--no-check"]
@@ -84,7 +89,6 @@ def test_frames_that_fill_the_disk_are_kept_and_gone_on_with(ranks, disk, tmp_pa
     assert "No space left on device" in line or "is the disk full?" in line
     assert line.endswith(f"; `granchain run --resume {directory}` resumes it from there")
     assert not list(directory.glob(".*"))
-    whole = run(DENSE, tmp_path / "whole", check=False).directory
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CutDumpWarning)  # the last frame may be cut
         kept = frames(directory)
@@ -97,14 +101,8 @@ def test_frames_that_fill_the_disk_are_kept_and_gone_on_with(ranks, disk, tmp_pa
     assert result.directory.job.results == whole.job.results
 
 
-@pytest.fixture(scope="module")
-def whole_sparse(tmp_path_factory):
-    return run(SPARSE, tmp_path_factory.mktemp("sparse") / "whole", check=False).directory
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("ranks", RANKS)
-def test_a_restart_that_does_not_fit_leaves_the_one_before(ranks, disk, whole_sparse):
+def test_a_restart_that_does_not_fit_leaves_the_one_before(disk, tmp_path):
     directory = disk.path / "run"
 
     def fill(*_):
@@ -115,15 +113,15 @@ def test_a_restart_that_does_not_fit_leaves_the_one_before(ranks, disk, whole_sp
 
     seen = []
     with pytest.raises(RunError, match=r"at step \d+, chains\.restart cannot be written.*--resume") as caught:
-        run(SPARSE, directory, ranks=ranks, check=False, restart_every=0.0, progress=fill)
+        run(SPARSE, directory, check=False, restart_every=0.0, progress=fill)
     assert len(str(caught.value).splitlines()) == 1
     assert files_on_disk.step_of(directory / file_names.RESTART) >= seen[0] > 0
     assert not (directory / file_names.UNFINISHED).exists()
     (disk.path / "filler").unlink()
-    result = resume(directory, check=False, ranks=1)
+    result = resume(directory, check=False)
     assert result.directory.job.resumed[0].from_step >= seen[0]
     assert result.directory.job.reason is None
-    assert result.directory.job.results == whole_sparse.job.results
+    assert result.directory.job.results == run(SPARSE, tmp_path / "whole", check=False).directory.job.results
 
 
 @pytest.mark.parametrize("begun", [0, 7, 10])
@@ -169,26 +167,28 @@ def test_other_engines_say_so_too(engine, disk):
 @pytest.mark.slow
 def test_an_analysis_that_does_not_fit_leaves_the_earlier_one(disk, capsys):
     directory = run(scene(chains=2, beads=20, kappa=0.1, duration=30.0), disk.path / "run", check=False).directory.path
-    assert main(["analyze", str(directory), "--no-figures"]) == 0
+    words = ["analyze", str(directory), "--no-figures"]
+    assert main(words) == 0
     capsys.readouterr()
     before = {path.name: path.read_bytes() for path in directory.iterdir()}
     disk.fill(but=0)
-    line = complaint(["analyze", directory], capsys)
+    line = complaint(words, capsys)
     assert line.startswith(f"granchain: {directory}/")
     assert line.endswith("cannot be written (No space left on device); what was there is left as it was")
     assert {path.name: path.read_bytes() for path in directory.iterdir()} == before
     (disk.path / "filler").unlink()
-    assert main(["analyze", str(directory)]) == 0
+    assert main(words) == 0
 
 
 @pytest.mark.slow
-def test_a_run_that_does_not_even_begin_can_be_begun_later(disk, capsys):
+def test_a_run_that_does_not_even_begin_can_be_begun_later(disk, tmp_path, capsys):
     disk.fill(but=4096)
-    line = complaint(["run", "two-chains", "-o", disk.path / "run", "--no-check", "--quiet"], capsys)
+    (tmp_path / "scene.yaml").write_text(strict_yaml.dump(scene(chains=2, beads=120, kappa=0.1).plain()))
+    words = ["run", str(tmp_path / "scene.yaml"), "-o", str(disk.path / "run"), "--no-check"]
+    line = complaint([*words, "--quiet"], capsys)
     assert "cannot be written (No space left on device)" in line
     (disk.path / "filler").unlink()
     disk.grow()
-    words = ["run", "two-chains", "-o", str(disk.path / "run"), "--no-check"]
     assert main([*words, *(["--overwrite"] if (disk.path / "run" / file_names.SCENE).exists() else [])]) == 0
 
 

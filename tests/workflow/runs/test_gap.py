@@ -26,7 +26,7 @@ def gapped(gap, **changes):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("gap", "kappa"), [(1e-6, 0.1), (2.874, 0.1), (0.909, 1.0), (1000.0, 5e-7), (1000.0, None)])
+@pytest.mark.parametrize(("gap", "kappa"), [(1e-6, 0.1), (2.874, 0.1), (100.0, None)])
 def test_lammps_tends_to_the_reference_at_a_gap_as_the_step_squared(gap, kappa, tmp_path):
     every, duration = max(0.1, gap / 1000.0), 20.0 + 20.0 * gap
     errors = []

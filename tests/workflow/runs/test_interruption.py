@@ -97,10 +97,9 @@ def frames_of_incomplete_analysis(directory, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("size", "ranks"), [(2_000_000, 1), pytest.param(100_000, 2, marks=TWO)])
-def test_what_a_killed_run_had_dumped_reads_and_analyses_as_incomplete(size, ranks, start, whole, capsys):
-    command = start(ranks)
-    command.reach("chains.dump.bin", size)
+def test_what_a_killed_run_had_dumped_reads_and_analyses_as_incomplete(start, whole, capsys):
+    command = start()
+    command.reach("chains.dump.bin", 200_000)
     assert command.end(signal.SIGKILL)[0] == -signal.SIGKILL
     assert command.nothing_is_left()
     assert_frames_are_those_of(whole, command.run)
@@ -138,8 +137,7 @@ def test_a_frame_cut_in_two_is_left_out(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("size", "ranks", "number"),
     [
-        (1, 1, signal.SIGINT),
-        pytest.param(50_000, 1, signal.SIGTERM, marks=pytest.mark.slow),
+        (1, 1, signal.SIGTERM),
         pytest.param(100_000, 2, signal.SIGINT, marks=[TWO, pytest.mark.slow]),
     ],
 )

@@ -103,7 +103,8 @@ def test_snapshots_are_the_frames_of_the_whole_run_at_their_times(both):
 
 
 @pytest.mark.slow
-def test_energy_and_momentum_are_told_from_the_snapshots(both):
+def test_energy_and_momentum_are_told_from_the_snapshots(both, draw_only):
+    draw_only("spacetime")
     analyse(both[1])
     told = json.loads((both[1].path / "analysis.json").read_text())
     assert told["energy_drift"] < 1e-4

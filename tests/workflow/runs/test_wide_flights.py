@@ -51,12 +51,8 @@ def drawn(seed: int) -> Scene:
     return found
 
 
-def some(*seeds):
-    return pytest.mark.parametrize("seed", seeds)
-
-
 @pytest.mark.slow
-@some(2, 12, 15, 28, 39, 45)  # gaps, suzuki4, springs, peaks; a window, a push, walls, a foundation
+@pytest.mark.parametrize("seed", [12, 15, 28, 39])  # gaps, suzuki4, peaks; a window, a push, springs and walls
 def test_random_scenes_are_not_silently_wrong(seed, tmp_path):
     if seed % 2:
         done = run(drawn(seed), tmp_path / "run", lammps=lammps_here.run)
@@ -68,9 +64,8 @@ def test_random_scenes_are_not_silently_wrong(seed, tmp_path):
 
 @pytest.mark.slow
 @TWO
-@some(8, 36)  # walls, gaps, springs, either scheme (ranks wait by computing)
-def test_what_one_rank_can_do_two_can_also_when_they_go_on_from_it(seed, tmp_path):
-    case = drawn(seed)
+def test_what_one_rank_can_do_two_can_also_when_they_go_on_from_it(tmp_path):
+    case = drawn(8)  # walls, springs, suzuki4
     one = run(case, tmp_path / "one", lammps=lammps_here.run, check=False).trajectory
     two = run(case, tmp_path / "two", ranks=2, check=False).trajectory
     assert run(case, tmp_path / "on", lammps=lammps_here.interrupted_after(0), check=False).outcome == "interrupted"

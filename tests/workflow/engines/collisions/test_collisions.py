@@ -186,10 +186,8 @@ def brute_force(problem, events, step=2e-3):
 @pytest.mark.parametrize(
     ("chains", "kappa", "gap", "kicks"),
     [
-        (2, 0.1, 2.874, [(1, 1, 1.0)]),
         (2, 1.0, 0.4, [(1, 1, 1.0), (2, 3, -0.7)]),
         (2, 0.5, 5.0, [(1, 1, 1.0), (2, 2, -0.4), (1, 6, -0.9)]),
-        (3, 0.7, 0.9, [(2, 1, 1.0)]),
         (4, 2.0, 0.6, [(1, 1, 1.0), (4, 2, 0.3), (2, 6, -0.8)]),
     ],
 )
@@ -210,11 +208,11 @@ def test_the_first_events_agree_with_fine_steps_and_bisection(chains, kappa, gap
 
 
 @pytest.mark.slow
-def test_a_million_collisions_keep_energy_and_momentum():
+def test_many_collisions_keep_energy_and_momentum():
     beads = 2000
     problem = rigid_problem(2, beads, random_kicks(2, beads, 1), gap=1.0, duration=4000.0)
-    found = run(problem, max_events=1_000_000)
-    assert len(found) == 1_000_000
+    found = run(problem, max_events=200_000)
+    assert len(found) == 200_000
     t = sample(found, np.linspace(0.0, found.until, 5))
     np.testing.assert_allclose(energies(t), physics.energy(problem.system), rtol=1e-12)
     rounding = np.finfo(float).eps * np.abs(t.velocity[0]).sum()
@@ -288,7 +286,7 @@ def test_a_run_that_was_stopped_is_known_up_to_its_last_collision():
 # --- the queue --------------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.integers(1, 40), st.integers(0, 2**31))
 def test_the_first_member_is_always_the_earliest(members, seed):
     random = np.random.default_rng(seed)

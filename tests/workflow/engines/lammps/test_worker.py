@@ -50,7 +50,7 @@ def failure_of(old, new, directory, ranks=1):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("step", [1.2, 3.0, 1e3, 1e20])
+@pytest.mark.parametrize("step", [1.2, 1e20])
 def test_an_unstable_time_step_fails_in_the_first_segment_with_step_bound_and_remedy(step, tmp_path):
     unstable = scene(beads=20, timestep=step, every=step, duration=2000 * step)
     with pytest.raises(RunError, match=rf"^by step 200, .* smaller timestep \(it is {_text(step)}, .* 0\.798\)$"):
@@ -75,17 +75,9 @@ def test_the_remedy_is_in_the_units_of_the_scene(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ranks", RANKS)
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        ("pair_style gran", "pair_style grin", "Unrecognized pair style 'grin/hertz/history'"),
-        ("read_data data", "read_data no", "Cannot open file no.chains"),
-        ("fix motion all nve", "fix motion all nev", "Unrecognized fix style 'nev'"),
-        ("timestep ${timestep}", "timestep soon", "Expected floating point parameter instead of 'soon'"),
-    ],
-)
-def test_an_error_of_lammps_is_one_line_in_its_own_words(old, new, says, ranks, tmp_path):
-    assert failure_of(old, new, tmp_path, ranks).startswith(f"LAMMPS: ERROR: {says}")
+def test_an_error_of_lammps_is_one_line_in_its_own_words(ranks, tmp_path):
+    message = failure_of("pair_style gran", "pair_style grin", tmp_path, ranks)
+    assert message.startswith("LAMMPS: ERROR: Unrecognized pair style 'grin/hertz/history'")
 
 
 @pytest.mark.slow
@@ -97,11 +89,10 @@ def test_an_error_that_one_rank_alone_sees_is_told(ranks, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ranks", RANKS)
-def test_a_missing_deck_is_told(ranks, tmp_path):
+def test_a_missing_deck_is_told(tmp_path):
     deck.write(SCENE, tmp_path)
     (tmp_path / file_names.DECK).unlink()
-    assert f"Cannot open input script {file_names.DECK}" in failure(tmp_path, ranks)
+    assert f"Cannot open input script {file_names.DECK}" in failure(tmp_path)
 
 
 def test_a_missing_scene_is_told(tmp_path):
@@ -188,10 +179,9 @@ def test_a_killed_run_is_recorded_as_failed_and_its_frames_are_kept(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ranks", RANKS)
-def test_frames_that_cannot_be_written_fail_the_run(ranks, tmp_path):
+def test_frames_that_cannot_be_written_fail_the_run(tmp_path):
     deck.write(LONG, tmp_path)
-    message = failure(tmp_path, ranks, progress=to_workers(tmp_path, limit_files))
+    message = failure(tmp_path, progress=to_workers(tmp_path, limit_files))
     assert message.startswith("LAMMPS: ERROR on proc 0: Error writing dump frames: File too large")
 
 

@@ -9,7 +9,7 @@ from small_problems import problem
 from truth import Truth
 
 from analysis.conservation import Conservation
-from lammps_inputs.laws.in_time import HalfSine, Rectangular, make_table
+from lammps_inputs.laws.in_time import HalfSine, Rectangular
 from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
@@ -81,8 +81,7 @@ def test_nothing_moves_that_the_push_has_not_reached():
 @pytest.mark.slow
 def test_no_load_leaves_the_bits_of_a_kicked_run():
     one = problem()
-    later = Load(2, 5, make_table(np.array([90.0, 91.0, 92.0]), np.array([0.0, 1.0, 0.0])))
-    never = replace(one, system=replace(one.system, loads=(later,)))
+    never = replace(one, system=replace(one.system, loads=(Load(2, 5, Rectangular(0.0, 2.0)),)))
     np.testing.assert_array_equal(
         engine.run(one, steps_per_frame=4).velocity, engine.run(never, steps_per_frame=4).velocity
     )
