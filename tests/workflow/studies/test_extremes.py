@@ -19,7 +19,7 @@ from workflow.prepare.pilot import stride
 from workflow.runs import check as checking
 from workflow.runs.run import run
 from workflow.studies.extremes import study
-from workflow.studies.extremes.cells import BASE, Cell, changed, grid, scaled, springs
+from workflow.studies.extremes.cells import BASE, Cell, changed, grid, scaled
 from workflow.studies.extremes.study import Error, classify, true_error
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -161,7 +161,7 @@ def test_a_run_that_is_not_the_scaled_copy_is_found(tmp_path):
     [
         *(("RIGHT", named("V", value)) for value in ("1e-12", "1", "1e+12")),
         *(("RIGHT", named("kappa", value)) for value in ("0", "1e-08", "1")),
-        ("RIGHT", Cell("kappa", "1e4", changed(SHORT, coupling=springs(1e4), duration=0.1))),
+        ("RIGHT", Cell("kappa", "1e4", changed(SHORT, coupling={"stiffness": 1e4}, duration=0.1))),
         ("STOPPED", named("step / bound", "0.99")),
         ("REFUSED", named("step / bound", "1.01")),
         ("STOPPED", named("step / bound", "1.5 forced")),
@@ -187,7 +187,7 @@ def test_two_ranks_are_right():
 
 def test_stiff_springs_are_checked_in_every_phase_of_their_swing():
     # 0.4 T are nine swings to a percent, so frames 0.4 apart show no error
-    stiff = changed(SHORT, coupling=springs(1e4), timestep=2e-4, output={"every": 0.1}, duration=0.5)
+    stiff = changed(SHORT, coupling={"stiffness": 1e4}, timestep=2e-4, output={"every": 0.1}, duration=0.5)
     found = study.measure(Cell("kappa", "1e4", stiff))
     assert found.kind == "REPORTED"
     assert found.reported == pytest.approx(found.error, rel=0.01)
