@@ -1,4 +1,4 @@
-"""The cells of the report, of ``cells.yaml``: one number at its extremes in each, and all that chains may be made of."""
+"""The cells of the report, of ``cells.yaml``: a number at its extremes in each, and all that chains may be made of."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
