@@ -140,8 +140,13 @@ def document(title: str, summary: str, body: str, cited: Iterable[str]) -> str:
         body: HTML.
         cited: keys of the bibliography, for its last section (`workflow.provenance.foot`).
     """
-    return _PAGE.format(
-        title=html.escape(title), summary=html.escape(summary).replace("\n", "</p><p>"), body=body, foot=foot(cited)
+    return (
+        Path(__file__)
+        .with_name("page.html")
+        .read_text(encoding="utf-8")
+        .format(
+            title=html.escape(title), summary=html.escape(summary).replace("\n", "</p><p>"), body=body, foot=foot(cited)
+        )
     )
 
 
@@ -211,47 +216,3 @@ def shown(picture: Picture) -> str:
     return (
         f'<figure><img alt="{caption}" src="data:image/png;base64,{data}"><figcaption>{caption}</figcaption></figure>'
     )
-
-
-_PAGE = """<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<link rel="icon" href="data:,">
-<title>{title}</title>
-<style>
-body {{ font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }}
-h1, h2 {{ line-height: 1.2; }}
-table {{ border-collapse: collapse; width: 100%; margin: 1rem 0; }}
-th, td {{ text-align: left; vertical-align: top; padding: .5rem .7rem; border-bottom: 1px solid #ccc; }}
-.statements {{ table-layout: fixed; }}
-.statements th:nth-child(1), .statements th:nth-child(2) {{ width: 20%; }}
-.statements th:nth-child(3) {{ width: 38%; }}
-.statements p {{ margin: 0 0 .3rem; }}
-.yes strong {{ color: #005a32; }}
-.partly strong {{ color: #8a4b00; }}
-.no strong {{ color: #a50f15; }}
-figure {{ margin: 1.5rem 0; }}
-img {{ max-width: 100%; height: auto; }}
-figcaption {{ color: #555; font-size: .9rem; }}
-:root {{ color-scheme: light dark; }}
-@media (prefers-color-scheme: dark) {{
-  body {{ background: #1b1d21; color: #ddd; }}
-  a {{ color: #8ab4f8; }}
-  figcaption {{ color: #aaa; }}
-  th, td {{ border-color: #555; }}
-  .yes strong {{ color: #7fd1a0; }}
-  .partly strong {{ color: #e8b06a; }}
-  .no strong {{ color: #f28b82; }}
-}}
-</style>
-</head>
-<body>
-<h1>{title}</h1>
-<p>{summary}</p>
-{body}
-{foot}
-</body>
-</html>
-"""

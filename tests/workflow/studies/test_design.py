@@ -211,7 +211,6 @@ def test_manufacture_is_off_to_both_sides_by_the_spread_at_most(tmp_path):
         return [Record(values, {"wall_force": values["coupling.stiffness"]}, "", 0.0) for values in designs]
 
     found = sensitivity(design, linear, {"coupling.stiffness": 0.5})
-    assert found.alone == {"coupling.stiffness": (pytest.approx(0.45), pytest.approx(0.55))}  # smaller, larger
     assert len(found.members) == 50
     assert 0.45 <= min(found.members) < 0.47
     assert 0.53 < max(found.members) <= 0.55

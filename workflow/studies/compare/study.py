@@ -44,8 +44,6 @@ class Result:
         impulses: of the contacts of every row.
         peak: largest velocity of each shown row, [chain, shown row].
         time, velocity: of the shown rows, [frame] and [frame, chain, shown row].
-        momentum_share: share of each chain at the end, [chain]. Contacts conserve it within a chain, so this oscillates
-            by the modes of one row whatever the contacts: a check of a run, not a result.
         energy_share: share of each chain's motion and contacts at the end, then of the springs, [chain + 1].
         seconds: wall time of the computation alone.
     """
@@ -55,7 +53,6 @@ class Result:
     peak: Floats
     time: Floats
     velocity: Floats
-    momentum_share: Floats
     energy_share: Floats
     seconds: float
 
@@ -64,7 +61,6 @@ class Result:
         impulses = self.impulses
         return {
             "seconds": self.seconds,
-            "momentum_share": self.momentum_share.tolist(),
             "energy_share": self.energy_share.tolist(),
             "peak": self.peak.tolist(),
             "first_impulse": impulses.first.tolist(),
@@ -101,20 +97,15 @@ def measure(directory: RunDirectory, rows: Sequence[int]) -> Result:
     peak = velocity.max(axis=0)
     for k, row in enumerate(rows):
         np.maximum.at(peak[:, k], chain[bead == row] - 1, peaks[bead == row])
-    shares = partition(last)
-    return Result(directory.engine, impulses, peak, time, velocity, *shares, job.engine_seconds)
+    return Result(directory.engine, impulses, peak, time, velocity, energy_shares(last), job.engine_seconds)
 
 
-def partition(state: Trajectory) -> tuple[Floats, Floats]:
-    """Shares of one frame: of the momentum by chain, and of the energy by chain and, last, in the springs."""
-    problem, x, v = state.problem, state.displacement[-1], state.velocity[-1]
-    system = state.system_at(-1)
+def energy_shares(state: Trajectory) -> Floats:
+    """Of a frame: of each chain's motion and contacts, and, last, of the springs."""
+    system, x, v = state.system_at(-1), state.displacement[-1], state.velocity[-1]
     of_chain = np.sum(motion.kinetic_energy(system, v), axis=-1) + np.sum(motion.contact_energy(system, x), axis=-1)
     whole = float(motion.energy(system, x, v))
-    momentum = np.sum(v * system.mass, axis=1)
-    total = float(momentum.sum())
-    share = momentum / total if total != 0.0 else np.full(problem.chains, math.nan)
-    return share, np.append(of_chain, whole - of_chain.sum()) / whole
+    return np.append(of_chain, whole - of_chain.sum()) / whole
 
 
 def last_row(results: Sequence[Result]) -> int:
@@ -255,7 +246,7 @@ class Comparison:
         | last_bead | up to which every engine passed an impulse on                                      |
         | beads     | receiving bead of each row of the arrays below                                      |
         | engines   | per engine: first_impulse, impulse, contacts, first_time [chain][row]; imbalance;  |
-        |           | peak [chain][shown]; momentum_share, energy_share (last: springs); seconds         |
+        |           | peak [chain][shown]; energy_share (last: springs); seconds                         |
         """
         problem, scale = self.problem, self.problem.scale
         kappa, gap = physics.kappa(problem.system), physics.gap(problem.system)

@@ -36,7 +36,6 @@ class Sensitivity:
         reason: of the first of these.
         undefined: how many are, but the objective is undefined.
         broken: quantity -> how many do not keep its limit.
-        alone: field -> objective where this one is smaller, and larger, by the spread; None where it has none.
     """
 
     spread: float
@@ -46,7 +45,6 @@ class Sensitivity:
     reason: str
     undefined: int
     broken: dict[str, int]
-    alone: dict[str, tuple[float | None, float | None]]
 
     @property
     def enough(self) -> bool:
@@ -64,12 +62,10 @@ def sensitivity(design: Design, compute: Compute, best: dict[str, Any]) -> Sensi
         off = {v.field: _off(v, best[v.field], spread * (2.0 * chance.random(v.coordinates) - 1.0)) for v in numbers}
         beads = {"disorder.radius": spread, "disorder.stiffness": spread, "disorder.seed": member + 1}
         made.append({**best, **off, **beads})
-    for v in numbers:
-        made += [{**best, v.field: _off(v, best[v.field], np.full(v.coordinates, s * spread))} for s in (-1.0, 1.0)]
     found = compute(made)
     values = [None if record.refused else record.quantities.get(design.objective) for record in found]
-    refused = [record.refused for record in found[:members] if record.refused]
-    known = tuple(value for value in values[:members] if value is not None)
+    refused = [record.refused for record in found if record.refused]
+    known = tuple(value for value in values if value is not None)
     return Sensitivity(
         spread=spread,
         asked=members,
@@ -77,8 +73,7 @@ def sensitivity(design: Design, compute: Compute, best: dict[str, Any]) -> Sensi
         refused=len(refused),
         reason=refused[0] if refused else "",
         undefined=members - len(refused) - len(known),
-        broken=dict(Counter(name for record in found[:members] for name in design.broken(record.quantities))),
-        alone={v.field: (values[members + 2 * k], values[members + 2 * k + 1]) for k, v in enumerate(numbers)},
+        broken=dict(Counter(name for record in found for name in design.broken(record.quantities))),
     )
 
 

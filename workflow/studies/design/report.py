@@ -120,20 +120,13 @@ def _wall(directory: RunDirectory) -> tuple[Floats, Floats] | None:
 
 
 def _made(found: Found) -> str:
-    small, name = found.sensitivity, found.design.objective
-    best = found.best.quantities[name] or 0.0
+    small = found.sensitivity
+    best = found.best.quantities[found.design.objective] or 0.0
     words = (
         f"<p>{small.asked} designs whose beads differ in size and stiffness, and whose numbers are off, all uniformly "
         f"distributed within {small.spread:.2%}; {html.escape(found.tolerance)}; as designed {best:.5g}.</p>"
     )
-    head = [f"relative change of {name} where this is off by", f"-{small.spread:.2%}", f"+{small.spread:.2%}"]
-    rows = [[field, *(_change(value, best) for value in pair)] for field, pair in small.alone.items()]
-    alone = table(head, rows) if rows else ""
     if not small.enough:
-        return words + alone
+        return words
     figure: Figure = members_figure(_objective(found), best, small.members)
-    return words + _shown([drawn("members", figure, "The ensemble.")]) + alone
-
-
-def _change(value: float | None, best: float) -> str:
-    return "-" if value is None or best == 0.0 else f"{value / best - 1.0:+.2%}"
+    return words + _shown([drawn("members", figure, "The ensemble.")])

@@ -275,14 +275,10 @@ def _of_misfit(model: Model, found: Estimate, size: Floats, test: Goodness, fixe
     if order:
         said = [f"{fixed[k]} by {test.change[k]:+.2%} +- {test.change_error[k]:.2%}" for k in order[:3]]
         return [f"a change of one fixed field would fit better, to first order: {', or '.join(said)}"]
-    filtered = int(np.max(test.filtered))
-    said = []
-    if filtered > 1:
-        said.append(
-            "residuals are autocorrelated before the first arrival, too: where the noise is filtered, fit to one row "
-            f"in {filtered} of the table"
-        )
-    return [*said, "the scene lacks something that acts on the chain, or a fixed field is wrong: see the figure"]
+    return [
+        "the scene lacks something that acts on the chain, a fixed field is wrong, or the noise is filtered (where "
+        "residuals are autocorrelated before the first arrival, too: fit to fewer rows): see the figure"
+    ]
 
 
 def _weak(names: list[str], found: Estimate) -> list[str]:

@@ -33,9 +33,6 @@ LAGS = 3
 FEWEST = 20
 """Rows that a test takes."""
 
-QUIET = 0.1
-"""Part of the noise that residuals before the first arrival have at least, where they show what the noise is like."""
-
 SAME = 3
 """Consecutive samples at its largest or its smallest value that a clipped trace has at least."""
 
@@ -49,8 +46,6 @@ class Goodness:
         autocorrelation: of lag 1.
         runs: number of runs over the number expected.
         p: [test, channel] in the order of `TESTS`.
-        filtered: rows from one to the next that are uncorrelated before the first arrival, where adjacent rows are
-            correlated there; else 1.
         change: [fixed field] of its logarithm, that fits best, to first order, with the free fields following.
         change_error: standard error; infinite where these compensate any change, NaN where the model does not depend on
             the field.
@@ -60,7 +55,6 @@ class Goodness:
     autocorrelation: Floats
     runs: Floats
     p: Floats
-    filtered: NDArray[np.int64]
     change: Floats
     change_error: Floats
 
@@ -110,15 +104,12 @@ def goodness(residuals: Floats, before: NDArray[np.bool_], noise: Floats, free: 
             p_size = f.sf(chi_square, len(moved), len(quiet))
         r, p_alike = _ljung_box(values)
         runs, p_runs = _runs(values)
-        p_quiet = _ljung_box(quiet)[1]
-        shown = p_quiet < LEVEL and np.mean(quiet**2) > QUIET**2 * np.mean(values**2)
-        apart = _uncorrelated(quiet) if shown else 1
-        found.append((chi_square, r, runs, p_size, p_alike, p_runs, apart))
+        found.append((chi_square, r, runs, p_size, p_alike, p_runs))
     columns = np.array(found).T
     known = np.isfinite(residuals)
     weighed = [(slopes / noise[:, np.newaxis])[known] for slopes in (free, fixed)]
     scores = _scores((residuals / noise)[known], *weighed)
-    return Goodness(columns[0], columns[1], columns[2], columns[3:6], columns[6].astype(np.int64), *scores)
+    return Goodness(columns[0], columns[1], columns[2], columns[3:6], *scores)
 
 
 def _scores(residuals: Floats, free: Floats, fixed: Floats) -> tuple[Floats, Floats]:
@@ -132,17 +123,12 @@ def _scores(residuals: Floats, free: Floats, fixed: Floats) -> tuple[Floats, Flo
     return change, error
 
 
-def _correlations(values: Floats, lags: int) -> Floats:
-    """Of lags 1, 2, ...; the mean of white residuals is 0 and is not subtracted."""
-    return np.array([values[lag:] @ values[:-lag] for lag in range(1, lags + 1)]) / (values @ values)
-
-
 def _ljung_box(values: Floats) -> tuple[float, float]:
-    """Correlation of lag 1, and p."""
+    """Correlation of lag 1, and p; the mean of white residuals is 0 and is not subtracted."""
     count = len(values)
     if count < FEWEST or not np.any(values):
         return np.nan, np.nan
-    r = _correlations(values, LAGS)
+    r = np.array([values[lag:] @ values[:-lag] for lag in range(1, LAGS + 1)]) / (values @ values)
     q = count * (count + 2) * np.sum(r**2 / (count - np.arange(1, LAGS + 1)))
     return float(r[0]), float(chi2.sf(q, LAGS))
 
@@ -157,12 +143,6 @@ def _runs(values: Floats) -> tuple[float, float]:
     expected = 1.0 + 2.0 * above * below / (above + below)
     variance = (expected - 1.0) * (expected - 2.0) / (above + below - 1.0)
     return count / expected, float(norm.cdf((count + 0.5 - expected) / np.sqrt(variance)))
-
-
-def _uncorrelated(values: Floats) -> int:
-    """The first lag whose correlation is within two standard errors of 0."""
-    r = np.abs(_correlations(values, len(values) // 2))
-    return 1 + int(np.argmax(r < 2.0 / np.sqrt(len(values))))
 
 
 def resolution(values: Floats) -> float:
