@@ -191,7 +191,7 @@ def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, 
     late = [r for r in records if r.values["beads"] > 16]
     assert all(r.quantities[design.objective] is None and worth(design, r) == np.inf for r in late)
     assert min(records, key=lambda one: worth(design, one)).values["beads"] <= 16
-    assert Found(design, records, [], None, Sensitivity(0.0, 0, (), 0, "", 0, {}, {}), 0.0).undefined == len(late)
+    assert Found(design, records, [], None, Sensitivity(0.0, 0, (), 0, "", 0, {}), 0.0).undefined == len(late)
 
 
 def test_a_design_that_ends_at_a_bead_waits_for_what_is_wanted_at_the_wall():
