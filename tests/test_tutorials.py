@@ -2,6 +2,7 @@
 
 import os
 import re
+import runpy
 import sys
 from pathlib import Path
 
@@ -22,6 +23,7 @@ PAGES = sorted(path.stem for path in FOLDER.glob("*.md"))
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("lammps_here", "pool_here")
 @pytest.mark.parametrize("name", PAGES)
 def test_the_commands_of_a_tutorial_print_what_it_quotes(name, tmp_path, request):
     page = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
@@ -33,13 +35,15 @@ def test_the_commands_of_a_tutorial_print_what_it_quotes(name, tmp_path, request
 
 
 @pytest.mark.slow
-def test_the_python_examples_of_the_readme_pages_run_one_after_the_other(tmp_path):
+@pytest.mark.usefixtures("lammps_here", "pool_here")
+def test_the_python_examples_of_the_readme_pages_run_one_after_the_other(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     pages = [(ROOT / name / "README.md").read_text(encoding="utf-8") for name in (".", "analysis")]
     programs = [program for page in pages for program in re.findall(r"```python\n(.*?)```", page, re.S)]
     assert len(programs) == 2
     for number, program in enumerate(programs):
         (tmp_path / f"example{number}.py").write_text(program, encoding="utf-8")
-        tutorial.typed(f"{sys.executable} example{number}.py", tmp_path, os.environ)
+        runpy.run_path(f"example{number}.py")
 
 
 @pytest.mark.parametrize("page", MANUAL, ids=lambda page: str(page.relative_to(ROOT)))

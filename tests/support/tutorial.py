@@ -1,22 +1,29 @@
 """Follows a page of the manual as its reader does: saves its files, types its commands, compares their output.
 
-A block whose first line is ``# NAME.EXTENSION`` is a file. A block of ``sh`` is typed. What is indented below is its
-output, line by line in this order; ``...`` stands for anything, and numbers may differ by two per cent.
+A block whose first line is ``# NAME.EXTENSION`` is a file. A block of ``sh`` is typed; lines of nothing but granchain
+are done in this process, which saves starting others, unless the page exports variables. What is indented below is
+the output, line by line in this order; ``...`` stands for anything, and numbers may differ by two per cent.
 """
 
+import contextlib
+import io
 import math
 import re
+import shlex
 import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 
 from processes import HANGS
 
+from workflow.cli import main
+
 TOLERANCE = 0.02
 """Of quoted numbers, relative: other releases of LAMMPS and other processors round differently."""
 
 _BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$|^((?: {4}[^\n]*\n)+)", re.M | re.S)
 _NAME = re.compile(r"# ([\w.-]+\.\w+)\n")
+_OURS = re.compile(r"granchain [^&|<>;$]*(&& granchain [^&|<>;$]*)*")
 _NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
 
@@ -31,9 +38,22 @@ def follow(page: str, folder: Path, environment: Mapping[str, str]) -> None:
         if quoted:
             compare(quoted, output)
         elif kind == "sh":
-            output = typed(content, folder, environment)
+            output = ""
+            for line in content.splitlines():
+                ours = _OURS.fullmatch(line) and "\nexport " not in page
+                output += called(line, folder) if ours else typed(line, folder, environment)
         elif name := _NAME.match(content):
             (folder / name[1]).write_text(content, encoding="utf-8")
+
+
+def called(line: str, folder: Path) -> str:
+    """Output of a line of commands of granchain."""
+    output = io.StringIO()
+    with contextlib.chdir(folder), contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
+        for command in line.split("&&"):
+            words, _, code = command.partition("# exit code ")
+            assert main(shlex.split(words)[1:]) == int(code or 0), output.getvalue()
+    return output.getvalue()
 
 
 def typed(commands: str, folder: Path, environment: Mapping[str, str]) -> str:
