@@ -105,7 +105,6 @@ COMMAND_LINES = [
     ("map -o out --couplings x", "--couplings"),
     ("map -o out --couplings -1", "couplings are positive, and chains are 2 or more"),
     ("map -o out --chains 1", "couplings are positive, and chains are 2 or more"),
-    ("map -o out --most-beads 3", "--most-beads"),
     ("gallery -o out --only dimer", "did you mean `dimers`?"),
     ("extremes exponent -o out", "extremes: 'exponent' given (did you mean `exponents`?)"),
 ]

@@ -19,7 +19,7 @@ from analysis.tracking.leading_waves import Waves
 from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
 from workflow.engines.reference.engine import passages
 from workflow.screen import Answer, one_line
-from workflow.studies.options import add_output, listed, within
+from workflow.studies.options import add_output, listed
 from workflow.studies.study import Study, floats, print_records, to_csv
 from workflow.workers import evaluate
 
@@ -104,13 +104,12 @@ def _difference(first: Waves, second: Waves) -> float:
     return float(np.max(np.abs(first.peak_velocity - second.peak_velocity), initial=0.0))
 
 
-def plan(couplings: Sequence[float], chains: Sequence[int], most_beads: int) -> list[evaluate.Case]:
+def plan(couplings: Sequence[float], chains: Sequence[int]) -> list[evaluate.Case]:
     """A case for each number of chains and coupling; the weaker the coupling, the longer the chains.
 
     Args:
         couplings: kappa, dimensionless.
         chains: their numbers, 2 or more.
-        most_beads: chains are not made longer than this.
 
     Raises:
         InputError: a coupling or number of chains that makes no case.
@@ -120,7 +119,7 @@ def plan(couplings: Sequence[float], chains: Sequence[int], most_beads: int) -> 
     return [
         evaluate.case(
             f"{__name__}:computed",
-            {"chains": number, "kappa": float(kappa), "most_beads": most_beads},
+            {"chains": number, "kappa": float(kappa)},
             cost=-float(kappa) / number,
         )
         for number in chains
@@ -145,17 +144,15 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What to map, and where to."""
-    words = ("dimensionless couplings (default 1e-3 to 2)", "numbers of chains (default 2 to 8)", "longest chains")
-    most = within(int, 60, 1e9)
+    words = ("dimensionless couplings (default 1e-3 to 2)", "numbers of chains (default 2 to 8)")
     parser.add_argument("--couplings", metavar="K,...", type=listed(float), default=COUPLINGS, help=words[0])
     parser.add_argument("--chains", metavar="N,...", type=listed(int), default=CHAINS, help=words[1])
-    parser.add_argument("--most-beads", metavar="N", type=most, default=MOST_BEADS, help=words[2])
     add_output(parser)
 
 
 def execute(arguments: argparse.Namespace) -> Answer:
     """Run the cases that the directory does not hold yet, on all cores; write and print the table, draw the figure."""
-    cases, directory = plan(arguments.couplings, arguments.chains, arguments.most_beads), arguments.output
+    cases, directory = plan(arguments.couplings, arguments.chains), arguments.output
     with STUDY.evaluating(directory) as values:
         found = [Case(**value) for value in values(cases)]
         from analysis.figures.studies import map_figure  # matplotlib takes half a second to import

@@ -11,7 +11,7 @@ import numpy as np
 from analysis.quantity import declare, result
 from lammps_inputs import Problem
 from workflow.errors import RunError
-from workflow.studies.trade.settings import LAMMPS, RANKS, REFERENCE, WINDOW, Interval, Setting, Truth
+from workflow.studies.trade.settings import LAMMPS, REFERENCE, WINDOW, Interval, Setting, Truth
 
 
 @dataclass
@@ -235,7 +235,7 @@ def sentences(study: Findings) -> list[str]:
     found = [uncertainty(study.truth)]
     found += left_out(study)
     found += [advice(study, study.truth, accuracy) for accuracy in ACCURACIES]
-    return found + suzuki(study) + beside(study) + frames(study) + study.notes
+    return found + suzuki(study) + study.notes
 
 
 def uncertainty(truth: Truth) -> str:
@@ -317,37 +317,3 @@ def suzuki(study: Findings) -> list[str]:
         least = common[-1].errors["velocity"]
         found = f"does not beat Verlet down to an error of {least:.1e} V, the least that both reach here"
     return [f"In LAMMPS suzuki4 {found}, for the {study.problem.chains * study.problem.beads} beads of this scene."]
-
-
-def beside(study: Findings) -> list[str]:
-    """What more ranks and windows gain, and lose."""
-    own = [one for one in study.comparable if one.setting.method == f"{LAMMPS}verlet"]
-    scene = next((one for one in own if one.setting.problem == study.problem), None)
-    said = []
-    for method, where in ((RANKS, ""), (WINDOW, " near the front")):
-        points = [one for one in study.by_method().get(method, []) if one.measured]
-        if not points or scene is None:
-            continue
-        best = min(points, key=lambda point: point.seconds)
-        worse = [name for name, error in best.errors.items() if error > 1.01 * scene.errors[name]]
-        errors = "different errors" if best.errors != scene.errors else "the same errors"
-        errors = f"larger errors of {', '.join(worse)}" if worse else "no larger errors" if where else errors
-        share = best.seconds / scene.seconds
-        said.append(f"{best.setting.label} take {share:.2g} of the time of the scene as it is, with {errors}{where}.")
-    return said
-
-
-def frames(study: Findings) -> list[str]:
-    """What seldom frames lose."""
-    said = []
-    for accuracy in (1e-2, 1e-4) if study.frames else ():
-        good = [one for one in study.frames if max(one.amplitude_error, one.arrival_error) <= accuracy]
-        if good:
-            widest = max(good, key=lambda one: one.every)
-            said.append(
-                f"Frames {widest.every * study.problem.scale.time:.4g} apart show amplitudes and arrivals to "
-                f"{accuracy:.0e} ({widest.megabytes:.2g} MB)."
-            )
-        else:
-            said.append(f"No frames measured show amplitudes and arrivals of all beads to {accuracy:.0e}.")
-    return said

@@ -13,7 +13,6 @@ Error against cost of everything that can be chosen for a scene, written as it c
 import argparse
 import math
 import os
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -28,7 +27,6 @@ from analysis.quantity import declare, plain, result
 from lammps_inputs import InputError, Problem, Scene, file_names, library
 from workflow.engines.lammps import mpi
 from workflow.prepare.settings import settle
-from workflow.runs.engines import REFERENCE
 from workflow.runs.files import as_json
 from workflow.runs.run_directory import provenance
 from workflow.screen import count_bar, one_line
@@ -237,13 +235,6 @@ def execute(arguments: argparse.Namespace) -> int:
     if not (math.isfinite(arguments.budget) and arguments.budget > 0.0):
         raise InputError(f"--budget: {arguments.budget:g} given; a number of seconds above 0")
     problem = plain_problem(library.find(arguments.scene))
-    seconds = REFERENCE.seconds(problem, 1) or 0.0
-    if seconds > arguments.budget:
-        print(
-            f"granchain: a large scene: the reference alone takes some {seconds:.0f} s; a shorter duration or fewer "
-            "beads show the same trade",
-            file=sys.stderr,
-        )
     found = study(problem, arguments.output, budget=arguments.budget)
     _print(found)
     names = [name for name in STUDY.files if (arguments.output / name).exists()]

@@ -14,7 +14,7 @@ from workflow.engines.reference.step_halving import Uncertainty
 from workflow.errors import RunError
 from workflow.studies.trade import settings
 from workflow.studies.trade.points import Findings, Limits, Point, cheapest, measure, order, pareto, sentences
-from workflow.studies.trade.settings import RANKS, Interval, Setting, Truth
+from workflow.studies.trade.settings import RANKS, Setting, Truth
 
 OWN = problem()
 
@@ -237,30 +237,11 @@ def test_one_sentence_says_from_which_error_on_suzuki4_is_faster(times, says):
         assert 1e-6 < error <= 1e-5  # the next step of suzuki4
 
 
-def test_windows_are_in_no_advice_for_all_beads_but_have_a_sentence_of_their_own():
+def test_windows_are_in_no_advice_for_all_beads():
     own = problem(beads=100)
     window = by_law("LAMMPS window", 1e-9, 0.0, 0.5e-5, own)
     words = said([*by_law("LAMMPS verlet", 1.6, 2.0, 1e-5, own), *window], own=own)
     assert "nothing measured reaches it" in about(1e-8, words)
-    assert "64 rows take 0.5 of the time of the scene as it is, with no larger errors near the front." in words
-
-
-@pytest.mark.parametrize(
-    ("factor", "errors"), [(1.0, "the same errors"), (0.999, "different errors"), (2.0, "larger errors of velocity")]
-)
-def test_ranks_have_a_sentence_that_says_whether_they_change_an_error(factor, errors):
-    (one,) = [each for each in VERLET if each.setting.problem == problem()]
-    two = Setting(settings.RANKS, 2.0, problem(), ranks=2)
-    more = found(two, one.errors["velocity"], 0.5 * one.seconds)
-    more.errors["velocity"] *= factor
-    assert f"2 ranks take 0.5 of the time of the scene as it is, with {errors}." in said([one, more])
-
-
-def test_the_widest_frames_that_show_the_pulse_to_an_accuracy_are_advised():
-    frames = [Interval(0.8, 1e-3, 5e-3, 2.0), Interval(0.4, 1e-5, 2e-4, 4.0), Interval(1.6, 1e-5, math.inf, 1.0)]
-    words = said(VERLET, frames=frames)
-    assert "Frames 0.8 apart show amplitudes and arrivals to 1e-02 (2 MB)." in words
-    assert "No frames measured show amplitudes and arrivals of all beads to 1e-04." in words
 
 
 def test_what_was_left_out_has_one_sentence_a_method():
