@@ -13,11 +13,7 @@ from analysis.gauges.gauge import at_frames, far_wall
 from lammps_inputs import InputError, Output, Problem, Scene, physics, window
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import lowest_modal_frequency
-from lammps_inputs.numbers import time_text
-from workflow import screen
-from workflow.cluster import REFERENCE_FORCE
 from workflow.engines.reference import engine
-from workflow.prepare import pilot
 
 _RISEN = 1e-3
 """Velocity in units of V, and force in its unit at V = 1, from which a pulse has arrived."""
@@ -28,12 +24,6 @@ _AFTER = 6.0
 _SLOWEST = 10.0
 """Give up when the pulse takes this many times as long as one that keeps the kick's full speed."""
 
-
-_USUAL = 2.5
-"""Time in units of T in which a pulse passes a bead, about, where chains share it."""
-
-_LONG = 3.0
-"""Seconds from which on a search is announced."""
 
 _WINDOW = 512
 """Rows that are integrated for a scene whose window is still to be found."""
@@ -77,7 +67,6 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     share = 1.0 if scene.until_bead == scene.beads else 0.5
     largest, largest_force = np.zeros(problem.chains), np.zeros(problem.chains)
     rows = None if scene.window is None else min(scene.beads, _WINDOW if scene.window == "auto" else 2 * scene.window)
-    _say_what_it_takes(problem, rows, last * (1.0 + gap), f"until_bead: {scene.until_bead}")
     for block in engine.blocks(problem, window=rows):
         speed = np.abs(block.velocity[:, :, int(np.searchsorted(problem.recorded_beads, scene.until_bead))])
         force = np.zeros_like(speed) if far is None else at_frames(block, (far,))[..., 0] - far.static
@@ -104,13 +93,10 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
 def _not_ended(scene: Scene, limit: float, wall: str | None) -> InputError:
     """Says that a bead is not passed in time, or that the pulse at a wall has not ended."""
     until = f"in every chain by t = {scene.scale.written(limit / scene.scale.time, 'time', '.4g')}"
-    if wall is None:
-        return InputError(
-            f"until_bead: bead {scene.until_bead} is not passed {until} (weakly coupled pulses decay); give a duration"
-        )
-    return InputError(
-        f"until_bead: the pulse at the {wall}, whose force is read, has not ended {until}; give a duration"
-    )
+    what = f"bead {scene.until_bead} is not passed {until} (weakly coupled pulses decay)"
+    if wall is not None:
+        what = f"the pulse at the {wall}, whose force is read, has not ended {until}"
+    return InputError(f"until_bead: {what}; give a duration")
 
 
 def _trial(scene: Scene, duration: float, cadence: float, beads: tuple[int, ...]) -> Scene:
@@ -125,22 +111,6 @@ def _trial(scene: Scene, duration: float, cadence: float, beads: tuple[int, ...]
             "output": Output(every=cadence * scene.scale.time, beads=beads),
         }
     )
-
-
-def _say_what_it_takes(problem: Problem, rows: int | None, way: float, key: str) -> None:
-    """Say to whoever waits how long the search for the duration takes, where that is long.
-
-    Args:
-        problem: what is integrated at most.
-        rows: its window.
-        way: that the pulse goes, in beads and gaps.
-        key: of the scene, with its value.
-    """
-    frames = min(problem.frames, math.ceil(_USUAL * way / problem.every))
-    expected = replace(problem, frames=frames, window=rows)
-    seconds = REFERENCE_FORCE * pilot.work(expected, 0, engine.default_steps_per_frame(problem)) / pilot.RUNS
-    if seconds > _LONG:
-        screen.hint(f"{key}: a reference run to that bead, which finds the duration, takes about {time_text(seconds)}")
 
 
 SAME = 1e-9

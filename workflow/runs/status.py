@@ -243,14 +243,9 @@ def _of_files(directory: Path, queued: Queued | None) -> Status:
         return Status(directory, "running", step, steps)
     if not _fresh(directory):
         return Status(directory, "incomplete", step, steps, f"cut; {onwards}")
-    here = _written_here(directory)
-    if here:
-        return Status(directory, "running", step, steps)
-    age = f"its last frame is {time.time() - max(path.stat().st_mtime for path in parts(directory)):.0f} s old"
-    if here is None:
-        return Status(directory, "running", step, steps, f"{age}; if no lmp runs any more, {onwards}")
-    why = f"{age}, and no process on this machine writes it; unless one on another machine does, {onwards}"
-    return Status(directory, "incomplete", step, steps, why)
+    age = time.time() - max(path.stat().st_mtime for path in parts(directory))
+    why = f"its last frame is {age:.0f} s old; if no lmp runs any more, {onwards}"
+    return Status(directory, "running", step, steps, why)
 
 
 def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queued | None) -> Status:
@@ -345,19 +340,6 @@ def _fresh(directory: Path, *account: Path) -> bool:
     """Whether frames or the account of a run were written in the last minutes."""
     files = (*parts(directory), *account)
     return any(time.time() - path.stat().st_mtime < GRACE for path in files if path.exists())
-
-
-def _written_here(directory: Path) -> bool | None:
-    """Whether a process on this machine has frames open; None where the system does not say."""
-    frames = {path.resolve() for path in parts(directory)}
-    processes = list(Path("/proc").glob("[0-9]*/fd"))
-    for opened in processes:
-        with suppress(OSError):  # it has ended, or is another user's
-            for link in opened.iterdir():
-                with suppress(OSError):  # it was closed
-                    if link.readlink() in frames:
-                        return True
-    return False if processes else None
 
 
 def _clean(reason: Any) -> str:

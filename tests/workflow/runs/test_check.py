@@ -90,14 +90,6 @@ def test_its_velocity_error_is_the_largest_of_the_frames_that_it_compares(sample
     assert sampled.check.velocity == pytest.approx(error, abs=sampled.check.reference.velocity + 1e-9)
 
 
-def test_its_velocity_error_is_the_full_ones_within_sampling(sampled, full):
-    sure = sampled.check.reference.velocity + 1e-9
-    largest = full["velocity"].largest
-    # the error goes as acceleration times delay; between instants 0.4 apart, at most 0.2 from the largest, a pulse that
-    # passes at half height within 1.74 changes by less than (2 pi 0.2 / 3.5)^2 / 2 of itself
-    assert largest * (1.0 - 0.065) - sure <= sampled.check.velocity <= largest + sure
-
-
 @pytest.mark.parametrize("quantity", ["arrival", "amplitude"])
 def test_its_wave_errors_are_the_full_ones(quantity, sampled, full):
     # peaks are found to 1e-5 between frames 0.4 apart, in both runs with nearly the same error
@@ -119,7 +111,7 @@ def test_frames_are_taken_0_4_apart_or_four_in_a_swing_or_as_near_to_it_as_there
     assert stride(problem(**{"frames": 600, **changes})) == frames
 
 
-@pytest.mark.parametrize("duration", [0.05, 0.1, 0.35, 0.5])
+@pytest.mark.parametrize("duration", [0.05, 0.35])
 def test_a_run_shorter_than_the_spacing_is_checked(duration, tmp_path):
     assert 0.0 <= run(scene(beads=4, duration=duration), tmp_path / "run").check.velocity < 1e-4
 

@@ -6,9 +6,7 @@ from refusals import refusal
 
 from lammps_inputs import file_names, library
 from lammps_inputs.slurm import site
-from workflow import screen
 from workflow.cli import main
-from workflow.prepare import extent
 from workflow.runs.run import run
 from workflow.runs.size import size_of
 
@@ -87,15 +85,6 @@ def test_what_ends_at_a_bead_is_refused_before_its_duration_is_searched_for(writ
     scene = written(chains="1000", beads="100000", until_bead="99000", duration=None)
     err = refusal(["run", scene, "-o", tmp_path / "out"], capsys)
     assert "until_bead: at least 989,991 frames (2376 TB)" in err
-
-
-def test_a_long_search_for_a_duration_is_announced(monkeypatch):
-    monkeypatch.setattr(extent, "_LONG", 0.0)
-    said = []
-    plain = {"name": "a", "beads": 20, "kick": {"velocity": 1.0}, "until_bead": 10}
-    with screen.with_hints(said.append):
-        extent.with_duration(library.from_plain(plain, "a"))
-    assert any(text.startswith("until_bead: 10: a reference run to that bead") for text in said)
 
 
 def test_frames_farther_apart_than_the_run_is_long_are_warned_of(written, capsys):

@@ -10,9 +10,6 @@ modes of the discrete cosine transform (Strang, SIAM Review 41, 1999, "DCT-2"):
 | 1 / abs(e_m)^2 | ``weight``         |                                           | [mode]            |
 
 Mode 0 is the free motion of the centre of mass. Without springs no mode oscillates and the three are empty.
-
-`motion` is the first row before its first collision in closed form, for any number of chains (eqs 3-5 of the paper,
-N = 2). It is written apart from the engine, with the normalised modes of the row, so that each checks the other.
 """
 
 import math
@@ -89,28 +86,6 @@ def advance(x: Floats, v: Floats, row: int, elapsed: float, modes: Modes, later:
         for j in range(chains):
             later[0, side, j] += shape[m, j] * q_later
             later[1, side, j] += shape[m, j] * p_later
-
-
-def motion(problem: Problem, times: Floats) -> tuple[Floats, Floats]:
-    """Displacement and velocity [time, chain] of row 1 as if nothing were in front of it.
-
-    With ``c_m(j)`` the normalised cosine modes and ``w = sum over j of c_m(j) v_j(0)``, eq. 3 has the solution ::
-
-        x_j = sum over m of c_m(j) w_m sin(omega_m t) / omega_m,    omega_m = 2 sqrt(kappa) sin(pi m / 2N)
-
-    of which ``V/2 (t +- sin(omega t) / omega)``, eq. 4, is the case N = 2.
-    """
-    chains = problem.chains
-    mode = np.arange(chains)
-    shape = np.cos(math.pi / chains * np.outer(mode, np.arange(chains) + 0.5))
-    shape /= np.linalg.norm(shape, axis=1, keepdims=True)
-    omega = 2.0 * math.sqrt(physics.kappa(problem.system)) * np.sin(math.pi / (2.0 * chains) * mode)
-    weight = shape @ physics.initial_velocity(problem.system)[:, 0]
-    t = np.asarray(times, dtype=np.float64)[:, None]
-    # np.sinc(z) = sin(pi z) / (pi z), so that the mode at rest needs no case of its own
-    displacement = (weight * t * np.sinc(omega * t / math.pi)) @ shape
-    velocity = (weight * np.cos(omega * t)) @ shape
-    return displacement, velocity
 
 
 def theta(problem: Problem) -> float:

@@ -226,10 +226,9 @@ def fault(
         return None
     energy = float(motion.energy(system, displacement, velocity, first)) + elsewhere
     change = energy / physics.energy(system) - 1.0
-    if system.loads and change > ENERGY_TOLERANCE:
-        return f"the energy is {100.0 * change:.3g}% above the largest possible work of the pushes; {_remedy(problem)}"
-    if (system.dampers or physics.remembering(system)) and change > ENERGY_TOLERANCE:
-        return f"the energy is {100.0 * change:.3g}% above the energy input; {_remedy(problem)}"
+    if change > ENERGY_TOLERANCE and (system.loads or system.dampers or physics.remembering(system)):
+        most = "the largest possible work of the pushes" if system.loads else "the energy input"
+        return f"the energy is {100.0 * change:.3g}% above {most}; {_remedy(problem)}"
     if system.holds(Fact.ENERGY) and not system.loads and abs(change) > ENERGY_TOLERANCE:
         return f"the energy has changed by {100.0 * change:.3g}%; {_remedy(problem)}"
     return None

@@ -23,11 +23,6 @@ class Scheme:
     """Order for smooth forces; contacts that open and close limit every scheme to 2.5 at small steps."""
     kicks: tuple[float, ...]
     drifts: tuple[float, ...]
-    source: str
-
-    def __post_init__(self) -> None:
-        if len(self.kicks) != len(self.drifts) + 1:
-            raise ValueError(f"{self.name}: a scheme has one kick more than drifts")
 
     @property
     def forces_per_step(self) -> int:
@@ -35,13 +30,8 @@ class Scheme:
         return len(self.drifts) if self.kicks[0] else len(self.drifts) - 1
 
 
-VERLET = Scheme(
-    name="verlet",
-    order=2,
-    kicks=(0.5, 0.5),
-    drifts=(1.0,),
-    source="Swope, Andersen, Berens & Wilson, J. Chem. Phys. 76 (1982) 637",
-)
+VERLET = Scheme(name="verlet", order=2, kicks=(0.5, 0.5), drifts=(1.0,))
+"""Swope, Andersen, Berens & Wilson, J. Chem. Phys. 76 (1982) 637."""
 
 
 _STEPS = WEIGHTS["suzuki4"]
@@ -55,8 +45,8 @@ SUZUKI4 = Scheme(
         0.5 * _STEPS[-1],
     ),
     drifts=_STEPS,
-    source="Suzuki, Phys. Lett. A 146 (1990) 319, eq. 15",
 )
+"""Suzuki, Phys. Lett. A 146 (1990) 319, eq. 15."""
 
 
 _A1, _A2, _A3 = 0.0792036964311957, 0.353172906049774, -0.0420650803577195
@@ -69,5 +59,5 @@ BLANES_MOAN = Scheme(
     order=4,
     kicks=(0.0, _B1, _B2, _B3, _B3, _B2, _B1, 0.0),
     drifts=(_A1, _A2, _A3, _A4, _A3, _A2, _A1),
-    source="Blanes & Moan, J. Comput. Appl. Math. 142 (2002) 313, Table 2, S6 of order 4",
 )
+"""Blanes & Moan, J. Comput. Appl. Math. 142 (2002) 313, Table 2, S6 of order 4."""

@@ -45,39 +45,38 @@ def first_row(chains=2, kicks=((1, 1, 1.0),), kappa=0.1, gap=100.0):
 TIMES = np.linspace(0.0, 80.0, 1001)
 
 
+def eq_3(problem):
+    """Matrix of the rate of displacements and velocities [x and v of each chain] of a row."""
+    chains = problem.chains
+    lateral = np.diag(np.full(chains - 1, 1.0), 1) + np.diag(np.full(chains - 1, 1.0), -1)
+    springs = physics.kappa(problem.system) * (lateral - np.diag(lateral.sum(axis=0)))
+    return np.block([[np.zeros((chains, chains)), np.eye(chains)], [springs, np.zeros((chains, chains))]])
+
+
+def at_start(problem):
+    """[x and v of each chain, row]."""
+    return np.vstack([np.zeros((problem.chains, problem.beads)), physics.initial_velocity(problem.system)])
+
+
 @pytest.mark.parametrize("kappa", [0.01, 0.1, 1.0])
 def test_two_chains_move_by_eq_4(kappa):
     omega = math.sqrt(2.0 * kappa)
-    problem = first_row(kappa=kappa)
-    x, v = modes.motion(problem, TIMES)
-    swing = np.sin(omega * TIMES) / omega
-    np.testing.assert_allclose(x, 0.5 * np.stack([TIMES + swing, TIMES - swing], axis=1), rtol=0, atol=5e-14)
-    cos = np.cos(omega * TIMES)
-    np.testing.assert_allclose(v, 0.5 * np.stack([1.0 + cos, 1.0 - cos], axis=1), rtol=0, atol=5e-14)
-    row = sample(run(problem), TIMES)
-    np.testing.assert_allclose(row.displacement[:, :, 0], x, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(row.velocity[:, :, 0], v, rtol=0, atol=1e-12)
+    row = sample(run(first_row(kappa=kappa)), TIMES)
+    swing, cos = np.sin(omega * TIMES) / omega, np.cos(omega * TIMES)
+    x, v = np.stack([TIMES + swing, TIMES - swing], axis=1), np.stack([1.0 + cos, 1.0 - cos], axis=1)
+    np.testing.assert_allclose(row.displacement[:, :, 0], 0.5 * x, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(row.velocity[:, :, 0], 0.5 * v, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("chains", [1, 3, 4, 7, 20])
 @pytest.mark.parametrize("kappa", [0.0, 0.3])
 def test_any_number_of_chains_moves_by_its_modes(chains, kappa):
     problem = first_row(chains, ((1, 1, 1.0), (chains, 1, 0.3))[: min(chains, 2)], kappa)
-    x, v = modes.motion(problem, TIMES)
-    row = sample(run(problem), TIMES)
-    np.testing.assert_allclose(row.displacement[:, :, 0], x, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(row.velocity[:, :, 0], v, rtol=0, atol=1e-12)
-
-
-def test_the_modes_solve_eq_3():
-    problem = first_row(5)
-    h = 1e-3
-    t = np.arange(0.0, 20.0, h)
-    x, v = modes.motion(problem, t)
-    springs = np.diff(x, axis=1, prepend=x[:, :1], append=x[:, -1:])
-    force = physics.kappa(problem.system) * np.diff(springs, axis=1)
-    np.testing.assert_allclose(np.diff(x, axis=0) / h, 0.5 * (v[1:] + v[:-1]), rtol=0, atol=1e-7)
-    np.testing.assert_allclose(np.diff(v, axis=0) / h, 0.5 * (force[1:] + force[:-1]), rtol=0, atol=1e-7)
+    row = sample(run(problem), TIMES[::50])
+    for time, x, v in zip(row.time, row.displacement, row.velocity, strict=True):
+        exact = expm(time * eq_3(problem)) @ at_start(problem)
+        # of displacements to 80, rounded by eps times the norm of the matrix, which is below 100
+        np.testing.assert_allclose(np.concatenate([x, v]), exact, rtol=0, atol=2e-12)
 
 
 @pytest.mark.parametrize("kappa", [0.1, 1.0])
@@ -87,7 +86,7 @@ def test_the_gap_of_eq_5_closes_in_a_quarter_period(kappa):
     omega = math.sqrt(2.0 * kappa)
     assert modes.theta(problem) == pytest.approx(1.2854, abs=5e-5)
     assert modes.theta(problem) == pytest.approx(modes.THETA_OF_EQ_5, rel=1e-15)
-    (x,), (v,) = modes.motion(problem, np.array([math.pi / 2.0 / omega]))
+    x, v = np.split((expm(math.pi / 2.0 / omega * eq_3(problem)) @ at_start(problem))[:, 0], 2)
     assert x[0] == pytest.approx(gap, rel=1e-14)
     # the sentence after eq. 5 asks for equal displacements too: chain 2 has gone (pi - 2) / (pi + 2) of the gap
     assert x[1] / gap == pytest.approx((math.pi - 2.0) / (math.pi + 2.0), rel=1e-14)
@@ -153,12 +152,8 @@ def at_once(event):
 
 def brute_force(problem, events, step=2e-3):
     """Fine steps of the whole row's matrix exponential, with bisection of the first overlap of closing beads."""
-    chains = problem.chains
-    lateral = np.diag(np.full(chains - 1, 1.0), 1) + np.diag(np.full(chains - 1, 1.0), -1)
-    springs = physics.kappa(problem.system) * (lateral - np.diag(lateral.sum(axis=0)))
-    matrix = np.block([[np.zeros((chains, chains)), np.eye(chains)], [springs, np.zeros((chains, chains))]])
+    chains, matrix, state = problem.chains, eq_3(problem), at_start(problem)
     whole = expm(step * matrix)
-    state = np.vstack([np.zeros((chains, problem.beads)), physics.initial_velocity(problem.system)])
 
     def meeting(state):
         closing = -np.diff(state, axis=1)

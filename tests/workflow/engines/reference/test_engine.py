@@ -14,7 +14,7 @@ from analysis.trajectory import EXCHANGES
 from lammps_inputs import Kick, Output, find, physics
 from workflow.engines.reference.engine import blocks, make_state, passages, run
 from workflow.engines.reference.kernel import Frames
-from workflow.engines.reference.schemes import BLANES_MOAN, VERLET, Scheme
+from workflow.engines.reference.schemes import BLANES_MOAN, VERLET
 
 SCHEMES = [VERLET, BLANES_MOAN]
 
@@ -104,11 +104,6 @@ def test_a_contact_of_two_beads_has_the_exact_overlap_and_ends_at_the_exact_time
     assert overlap.max() == pytest.approx((5 / 8) ** 0.4, abs=1e-6)  # sampled within 0.0005, curvature 1.25
     assert two.time[overlap > 0][-1] == pytest.approx(CONTACT_TIME, abs=0.0011)
     assert pytest.approx(2.438838, abs=5e-7) == CONTACT_TIME
-
-
-def test_two_beads_exchange_their_velocities():
-    velocity = run(problem(chains=1, kappa=None, beads=2, duration=4.0)).velocity[-1, 0]
-    np.testing.assert_allclose(velocity, [0.0, 1.0], rtol=0, atol=1e-6)
 
 
 # --- measured orders --------------------------------------------------------------------------------------------------
@@ -201,14 +196,10 @@ def energies(trajectory):
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
 def test_the_coefficients_of_a_scheme_are_symmetric_and_add_up_to_one_step(scheme):
+    assert len(scheme.kicks) == len(scheme.drifts) + 1
     for row in (scheme.kicks, scheme.drifts):
         assert row == row[::-1]
         assert sum(row) == pytest.approx(1.0, abs=4 * EPS)
-
-
-def test_a_scheme_of_unequal_rows_is_refused():
-    with pytest.raises(ValueError, match="one kick more than drifts"):
-        Scheme("bad", 1, (1.0,), (1.0,), "nowhere")
 
 
 # --- what the equations conserve, and their symmetries ----------------------------------------------------------------
@@ -262,7 +253,7 @@ def test_a_scheme_retraces_its_way_when_velocities_are_turned():
     np.testing.assert_allclose(v, -physics.initial_velocity(like.system), rtol=0, atol=bound)
 
 
-@pytest.mark.parametrize("speed", [1e-12, 1e-6, 1e6, 1e12])
+@pytest.mark.parametrize("speed", [1e-12, 1e12])
 def test_a_run_at_any_v_is_a_scaled_copy_of_the_run_at_1(speed):
     one, other = (
         run(problem(kick=(Kick(velocity=v),), kappa=0.1 * v**0.4, duration=10 * v**-0.2, every=0.1 * v**-0.2))
@@ -286,12 +277,6 @@ def test_integrating_the_rows_that_can_move_is_bit_for_bit_integrating_all(chain
     x, v = integrated(all_rows(like), like, BLANES_MOAN, like.every / 4, 4 * like.frames)
     np.testing.assert_array_equal(found.displacement[-1], x)
     np.testing.assert_array_equal(found.velocity[-1], v)
-
-
-def test_rows_that_nothing_reached_are_exactly_at_rest():
-    found = run(problem(beads=200))
-    assert np.all(found.velocity[:, :, 100:] == 0.0)
-    assert np.all(found.displacement[:, :, 100:] == 0.0)
 
 
 def test_one_moving_row_ahead_is_the_most_that_the_span_holds():
@@ -330,10 +315,6 @@ def test_a_window_narrower_than_the_pulse_is_refused():
 def test_recording_some_beads_records_them_of_the_same_run():
     every, some = run(problem()), run(problem(recorded=(2, 7)))
     np.testing.assert_array_equal(some.velocity, every.velocity[:, :, [1, 6]])
-
-
-def test_frames_do_not_depend_on_how_long_the_run_is():
-    np.testing.assert_array_equal(run(problem(duration=3.0)).velocity, run(problem()).velocity[:31])
 
 
 # --- what is independent of it ----------------------------------------------------------------------------------------
@@ -403,8 +384,3 @@ def test_a_window_behind_the_front_changes_no_bit_of_the_leading_pulse(chains, k
 def test_what_is_let_go_is_slower_than_what_leads():
     found = passages(long(2, 400, 0.1, 2000.0), until_bead=390, window=40)
     assert 0.0 < found.let_go < found.waves.at(390).peak_velocity.min()
-
-
-def test_the_published_beads_of_agreement_come_out_of_a_window():
-    found = passages(long(2, 120, 0.1, 500.0), until_bead=110, window=60).waves.at(55)
-    np.testing.assert_allclose(found.peak_velocity, (0.36892, 0.36157), atol=1e-5)
