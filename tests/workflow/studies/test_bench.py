@@ -5,10 +5,13 @@ import pytest
 
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
+from workflow.cli import main
 from workflow.runs.run import run
 from workflow.studies.bench import engines, runs
 from workflow.studies.bench.runs import scene
 from workflow.studies.bench.study import ratio_of
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
 
 
 @pytest.mark.slow
@@ -39,7 +42,13 @@ def test_a_ratio_says_whether_it_reached_its_goal(value, below, verdict):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("pool_here")
 def test_the_sweeps_have_all_cases(tmp_path, monkeypatch):
+    def swept(command, *, cwd, **_):
+        monkeypatch.chdir(cwd)
+        assert main(command[3:]) == 0  # without the start of Python
+
+    monkeypatch.setattr(runs.subprocess, "run", swept)
     monkeypatch.setattr(runs, "CASES", 2)
     (ratio,) = runs.sweep_ratios(tmp_path)
     assert ratio.value > 0.0

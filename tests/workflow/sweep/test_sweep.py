@@ -221,10 +221,10 @@ def test_whoever_waits_for_a_sweep_is_told_once_what_is_compiled_for_it(tmp_path
 def slow(tmp_path):
     """A sweep of four short cases and a long one, as a command in a session of its own, with two cases done."""
     path = sweep_file(tmp_path, {**SMALL, "timestep": 0.01}, duration=[10, 20, 30, 40, 4000])
-    command = [GRANCHAIN, "sweep", path, "-o", tmp_path / "s", "--no-check"]
-    with started(command) as process:
+    words = ["sweep", str(path), "-o", str(tmp_path / "s"), "--no-check"]
+    with started([GRANCHAIN, *words]) as process:
         assert wait_until(lambda: finished(tmp_path / "s") >= 2, process)
-        yield process, command, tmp_path / "s"
+        yield process, words, tmp_path / "s"
 
 
 def finished(directory):
@@ -250,9 +250,12 @@ def at_work(directory):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGKILL], ids=lambda end: end.name)
-def test_a_sweep_that_was_ended_leaves_no_process_and_keeps_what_is_done_and_the_same_command_does_the_rest(slow, end):
-    process, command, directory = slow
+def test_a_sweep_that_was_ended_leaves_no_process_and_keeps_what_is_done_and_the_same_command_does_the_rest(
+    slow, end, capsys
+):
+    process, words, directory = slow
     os.kill(process.pid, end)
     out, err = process.communicate(timeout=HANGS)
     assert wait_until(lambda: at_work(directory) == [])
@@ -264,8 +267,8 @@ def test_a_sweep_that_was_ended_leaves_no_process_and_keeps_what_is_done_and_the
         assert f"{kept} of 5 cases done" in out
         assert outcomes(directory)["done"] >= kept
         assert outcomes(directory).get("running", 0) == 0
-    again = subprocess.run(command, capture_output=True, text=True, timeout=HANGS, check=True)
-    assert f"5 of 5 cases done ({kept} of them before)" in again.stdout
+    assert main(words) == 0
+    assert f"5 of 5 cases done ({kept} of them before)" in capsys.readouterr().out
     assert outcomes(directory) == {"done": 5}
     reports = [json.loads(path.read_text()) for path in directory.glob("*/analysis.json")]
     assert [report["complete"] for report in reports] == [True] * 5
