@@ -17,23 +17,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-try:
-    from lammps_inputs import InputError
-    from workflow import formats, screen
-    from workflow.errors import RunError
-    from workflow.runs.files import as_json
-    from workflow.screen import Answer, Output
-except (ImportError, SyntaxError):
-    from importlib.metadata import distributions
-
-    others = {found.name for found in distributions()} & {"workflow", "analysis"}
-    if not others:
-        raise
-    names = " ".join(sorted(others))
-    sys.exit(
-        f"granchain: other packages of the same name lie over its own: {names}; "
-        f"`pip uninstall {names}`, then `pip install --force-reinstall --no-deps granchain`"
-    )
+from lammps_inputs import InputError
+from workflow import formats, screen
+from workflow.errors import RunError
+from workflow.runs.files import as_json
+from workflow.screen import Answer, Output
 
 _HERE = Path(__file__).parent
 
@@ -49,7 +37,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         *sorted(_STUDIES),
         "reproduce",
     ),
-    "Setting up": ("schema", "completion"),
+    "Setting up": ("schema",),
 }
 """Commands by job: those of `workflow.commands`, and the folders of `workflow.studies`."""
 
@@ -60,7 +48,7 @@ FIRST = ("show", "run", "analyze", "view", "sweep")
 
 ALIASES = {"analyse": "analyze"}
 
-PRINTED = ("scenes", "show", "cite", "help", "status", "bench", "schema", "completion")
+PRINTED = ("scenes", "show", "cite", "help", "status", "bench", "schema")
 """Commands that make nothing but what they print."""
 
 

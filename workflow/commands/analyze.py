@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.dispersion import NO_SOUND
 from analysis.quantity import cell, headings
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
@@ -61,11 +60,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a wave arrives when the bead is fastest, or at the centre of the impulse that made it so; by default "
         "the latter where beads have gaps",
     )
-    parser.add_argument(
-        "--dispersion",
-        action="store_true",
-        help="map frequency against wavenumber, which chains under a static load get anyway; says why if there is none",
-    )
     parser.add_argument("--no-figures", action="store_true", help="write the tables only")
 
 
@@ -79,8 +73,6 @@ def execute(arguments: argparse.Namespace) -> Answer:
     )
     print(f"{found.problem.name}: {RunDirectory(arguments.directory).scene.units}")
     _print(found)
-    if arguments.dispersion and not physics.loaded(found.problem.system):
-        print(f"no dispersion map: {NO_SOUND}")
     names = [*found.tables, REPORT, *(path.name for path in found.figures)]
     print(f"{one_line(arguments.directory)}: {', '.join(names)}")
     return Answer(0, json.loads((arguments.directory / REPORT).read_text(encoding="utf-8")))

@@ -14,7 +14,7 @@ from analysis.against import symptoms
 from analysis.files.recording import rest_positions
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import laws, physics
-from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, TimeLaw
+from lammps_inputs.laws.in_time import Sine
 from lammps_inputs.limits import rates
 from lammps_inputs.loads import Load, Motion
 from lammps_inputs.units import Scale
@@ -123,14 +123,6 @@ def pushes(own: Trajectory, reference: Trajectory) -> list[str]:
 
 def _other_push(load: Load, time: Floats, felt: Floats, scale: Scale) -> str:
     """What is wrong with a push that gave another impulse over time than it should."""
-
-    def fit(law: TimeLaw) -> tuple[float, float]:
-        """Factor on the law that explains most, and what is left, as a share."""
-        shape = np.asarray(law.impulse(time, *law))
-        power, total = float(np.sum(shape * shape)), float(np.sum(felt * felt))
-        factor = float(np.sum(felt * shape)) / power if power > 0.0 else 0.0
-        return factor, float(np.sum((felt - factor * shape) ** 2)) / total if total > 0.0 else 1.0
-
     law = load.law
     if np.max(np.abs(felt)) < _PUSH_DOUBT * load.law.total:
         return "is missing"
@@ -140,23 +132,10 @@ def _other_push(load: Load, time: Floats, felt: Floats, scale: Scale) -> str:
         here = omega * math.hypot(along, across) * scale.force, omega, math.atan2(along, -across)
         if said := _other_sine("force", here, there, scale, _PUSH_DOUBT):
             return f"has {said}"
-    factor, left = fit(law)
-    if left < _PUSH_DOUBT**2:
+    shape = np.asarray(law.impulse(time, *law))
+    factor = float(np.sum(felt * shape) / np.sum(shape * shape))
+    if np.sum((felt - factor * shape) ** 2) < _PUSH_DOUBT**2 * np.sum(felt * felt):
         return f"is {factor:.4g} times as strong as the scene says"
-    if isinstance(law, HalfSine | Rectangular):
-        durations, best = law.duration * np.geomspace(0.1, 10.0, 101), 0.0
-        for _ in range(4):  # ever closer around the best
-            lefts = [fit(law._replace(duration=duration))[1] for duration in durations.tolist()]
-            best = float(durations[int(np.argmin(lefts))])
-            durations = best * (durations / durations[50]) ** 0.05
-        factor, left = fit(law._replace(duration=best))
-        if left < _PUSH_DOUBT**2:
-            lasts, given = (scale.written(time, "time", ".4g") for time in (best, law.duration))
-            said = f"lasts {lasts} instead of {given}"
-            if abs(factor - 1.0) < _PUSH_DOUBT:
-                return said
-            found, peak = (scale.written(force, "force", ".4g") for force in (factor * law.peak, law.peak))
-            return f"{said}, and its peak is {found} instead of {peak}"
     return "has another course over time than the scene says"
 
 

@@ -221,9 +221,8 @@ def test_analyze_says_what_the_sound_is_and_why_there_is_no_map(tmp_path, capsys
     for name, keys, words in (
         ("free", FREE, ("sound: c0 = ", "dispersion.csv")),
         ("column", COLUMN, ("sound: c0 = ", "no dispersion map: beads and their loads do not repeat")),
-        ("none", {}, ("no dispersion map: no static load", "waves.csv")),
     ):
         run(loaded(**keys, beads=30, duration=30.0), tmp_path / name, check=False)
-        assert main(["analyze", str(tmp_path / name), "--no-figures", "--dispersion"]) == 0
+        assert main(["analyze", str(tmp_path / name), "--no-figures"]) == 0
         said = capsys.readouterr().out
         assert all(word in said for word in words), said
