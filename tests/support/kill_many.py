@@ -41,10 +41,10 @@ AIMS = ("all", "command", "worker")
 """Who is killed: everything, as by a loss of power; the command alone; one of the processes that compute."""
 
 
-def command(*words: object) -> "subprocess.Popen[str]":
+def command(*words: object, restart_every: float = 0.0) -> "subprocess.Popen[str]":
     """``granchain run`` in a session of its own."""
     return subprocess.Popen(
-        [GRANCHAIN, "run", *(str(word) for word in words), "--no-check", "--restart-every", "0"],
+        [GRANCHAIN, "run", *(str(word) for word in words), "--no-check", "--restart-every", str(restart_every)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -46,7 +46,7 @@ CALLS = {
     "fit": lambda path, _: api.fit(
         measured.scene(), measured.table(path / "t.csv"), ["kick.velocity"], path / "new", lammps=False, offset=0.0
     ),
-    "design": lambda path, _: api.design(DESIGN, path / "new", jobs=2),
+    "design": lambda path, _: api.design(DESIGN, path / "new", jobs=1),
     "gallery": lambda path, _: api.gallery(path / "new", ["tapered"]),
     "main, done": lambda path, _: main(["run", "one-chain", "-o", str(path / "new"), "--engine", "reference"]),
     "main, refused": lambda path, _: main(["analyze", str(path)]),

@@ -133,17 +133,23 @@ def test_a_frame_cut_in_two_is_left_out(tmp_path, capsys):
 
 # --- Ctrl-C -----------------------------------------------------------------------------------------------------------
 
+FURTHER = (signal.SIGQUIT, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
+
 
 @pytest.mark.parametrize(
-    ("size", "ranks", "number"),
+    ("size", "ranks", "number", "before"),
     [
-        (1, 1, signal.SIGTERM),
-        pytest.param(100_000, 2, signal.SIGINT, marks=[TWO, pytest.mark.slow]),
+        (1, 1, signal.SIGTERM, ()),
+        pytest.param(100_000, 2, signal.SIGINT, (signal.SIGINT, *FURTHER * 5), marks=[TWO, pytest.mark.slow]),
     ],
 )
-def test_ctrl_c_or_sigterm_ends_a_run_with_one_line_and_its_frames(size, ranks, number, start, whole, capsys):
+def test_ctrl_c_or_sigterm_ends_a_run_with_one_line_and_its_frames_and_further_signals_change_nothing(
+    size, ranks, number, before, start, whole, capsys
+):
     command = start(ranks)
     command.reach("chains.dump.bin", size)
+    for other in before:
+        os.killpg(command.process.pid, other)
     code, out, err = command.end(number)
     record = RunDirectory(command.run).job.plain()
     assert (code, err) == (130, "")
@@ -158,19 +164,6 @@ def test_ctrl_c_or_sigterm_ends_a_run_with_one_line_and_its_frames(size, ranks, 
     assert record["outcome"] == "interrupted"
     assert_frames_are_those_of(whole, command.run)
     assert frames_of_incomplete_analysis(command.run, capsys) == record["steps_done"] // 100 + 1
-
-
-@pytest.mark.slow
-def test_further_signals_while_it_stops_change_nothing(start):
-    command = start()
-    command.reach("chains.dump.bin", 100_000)
-    for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGTERM, signal.SIGHUP) * 5:
-        os.killpg(command.process.pid, number)
-    code, out, err = command.end(signal.SIGINT)
-    assert (code, err) == (130, "")
-    assert f"{command.run}: interrupted at step" in out
-    assert RunDirectory(command.run).job.outcome == "interrupted"
-    assert command.nothing_is_left()
 
 
 def test_ctrl_c_before_anything_is_written_is_one_line(tmp_path):

@@ -9,7 +9,6 @@ from stock_lammps import scene
 
 from lammps_inputs import InputError
 from workflow.cli import main
-from workflow.engines.lammps import mpi
 from workflow.runs.rerun import original, rerun
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory, results
@@ -43,12 +42,10 @@ def said(words, capsys):
     ("changes", "options"),
     [
         ({}, {}),
-        ({"recorded": (3, 7)}, {}),
         ({"chains": 2, "beads": 100, "duration": 100.0, "window": 64}, {}),
         ({"chains": 2, "scheme": "suzuki4"}, {}),
         ({"gap": 1.0}, {"engine": "collisions"}),
         ({}, {"engine": "reference"}),
-        pytest.param({}, {"ranks": 2}, marks=pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")),
     ],
 )
 def test_a_run_json_alone_is_enough_to_come_to_the_same(changes, options, tmp_path, capsys):

@@ -6,18 +6,16 @@ import os
 import random
 import shutil
 import signal
-import subprocess
 import time
 
 import lammps_here
 import numpy as np
 import pytest
-from kill_many import AIMS, SCENES, end, frames, next_words, until_done
+from kill_many import AIMS, SCENES, command, end, frames, next_words, until_done
 from plain_scene import goes_on_bit_for_bit
 from processes import HANGS, wait_until, working_in
 from refusals import refusal
 from stock_lammps import scene
-from sweeps import GRANCHAIN
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import InputError, file_names, strict_yaml
@@ -116,21 +114,16 @@ def with_snapshots():
 def test_snapshots_of_all_beads_go_on_too(tmp_path):
     one = with_snapshots()
     run(one, tmp_path / "whole", check=False)
-    interrupted_after(5000, one, tmp_path / "cut")
-    resume(tmp_path / "cut", check=False)
-    assert_same(tmp_path / "cut", tmp_path / "whole")
-    assert len(list((tmp_path / "cut").glob("chains.snapshots*.bin"))) == 2
-    left, right = (frames(tmp_path / name, "chains.snapshots*.bin") for name in ("cut", "whole"))
-    assert left.shape == (11, 3, 36)
-    np.testing.assert_array_equal(left, right)
-
-
-def test_without_all_snapshots_until_the_restart_it_starts_again(tmp_path):
-    interrupted_after(5000, with_snapshots(), tmp_path)
-    (tmp_path / file_names.SNAPSHOTS).unlink()
-    again = resume(tmp_path, check=False)
-    assert [part.from_step for part in again.directory.job.resumed] == [0]
-    assert len(frames(tmp_path, "chains.snapshots*.bin")) == 11
+    shutil.copytree(interrupted_after(5000, one, tmp_path / "cut").path, tmp_path / "lost")
+    (tmp_path / "lost" / file_names.SNAPSHOTS).unlink()  # without all of them it starts again
+    for name, parts_of_snapshots in (("cut", 2), ("lost", 1)):
+        again = resume(tmp_path / name, check=False).directory
+        assert (again.job.resumed[-1].from_step == 0) == (name == "lost")
+        assert_same(again.path, tmp_path / "whole")
+        assert len(parts(again.path, "snapshots")) == parts_of_snapshots
+        left, right = (frames(path, "chains.snapshots*.bin") for path in (again.path, tmp_path / "whole"))
+        assert left.shape == (11, 3, 36)
+        np.testing.assert_array_equal(left, right)
 
 
 @pytest.mark.slow
@@ -220,7 +213,7 @@ def test_a_run_that_ends_in_seconds_writes_no_restart(tmp_path):
 def test_whoever_is_killed_of_a_run_on_two_ranks_nobody_is_left(which, tmp_path):
     scene_file = tmp_path / "long.yaml"
     scene_file.write_text(strict_yaml.dump(a_scene(duration=6e5).plain()))
-    process = start(scene_file, "-o", tmp_path / "run", "--ranks", 2)
+    process = command(scene_file, "-o", tmp_path / "run", "--ranks", 2)
     try:
         assert wait_until(lambda: (tmp_path / "run" / file_names.DUMP).exists(), process)
         everybody = sorted(working_in(tmp_path / "run"))  # mpiexec, its proxy and two ranks
@@ -326,21 +319,11 @@ def test_a_record_that_a_loss_of_power_left_empty_is_told(content, tmp_path, cap
 # --- one at a time ----------------------------------------------------------------------------------------------------
 
 
-def start(*words):
-    return subprocess.Popen(
-        [GRANCHAIN, "run", *map(str, words), "--no-check"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-
-
 @pytest.mark.slow
 def test_two_resumes_at_once_do_not_meet(tmp_path, monkeypatch):
     monkeypatch.setattr("workflow.runs.files._LOCK_SECONDS", 0.2)
     interrupted_after(1000, a_scene(duration=6e5), tmp_path)
-    process = start("--resume", tmp_path)
+    process = command("--resume", tmp_path)
     try:
         assert wait_until(lambda: len(parts(tmp_path)) == 2, process)
         before = json.loads((tmp_path / "run.json").read_text())
@@ -370,7 +353,7 @@ def test_a_worker_that_loses_its_parent_leaves_a_restart(tmp_path):
     scene_file = tmp_path / "long.yaml"
     scene_file.write_text(strict_yaml.dump(a_scene(duration=6e5).plain()))
     path = tmp_path / "run"
-    process = start(scene_file, "-o", path)
+    process = command(scene_file, "-o", path, restart_every=30.0)
     assert wait_until(lambda: path.is_dir() and (path / file_names.DUMP).exists(), process)
     process.kill()
     process.communicate()
