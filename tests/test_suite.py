@@ -31,11 +31,10 @@ def test_a_suite_started_with_ctrl_c_ignored_tests_ctrl_c_all_the_same():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("workers", ["0", "1"])
-def test_a_test_that_hangs_fails_by_its_name_and_the_others_run(workers, tmp_path):
+def test_a_test_that_hangs_fails_by_its_name_and_the_others_run(tmp_path):
     file = tmp_path / "test_hanging.py"
     file.write_text("import threading\ndef test_hangs(): threading.Event().wait()\ndef test_more(): pass\n")
-    words = ["-q", "-p", "no:cacheprovider", "-c", HERE.parents[1] / "pyproject.toml", "-n", workers, "-o", "timeout=1"]
+    words = ["-q", "-p", "no:cacheprovider", "-c", HERE.parents[1] / "pyproject.toml", "-n", "1", "-o", "timeout=1"]
     command = [sys.executable, "-m", "pytest", *map(str, words), str(file)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=HANGS)
     assert "::test_hangs - Failed: Timeout (>1.0s)" in done.stdout

@@ -269,7 +269,7 @@ def test_a_command_that_only_prints_fails_where_it_cannot(words, why, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("streams", [">&-", "<&- >&- 2>&-", ">/dev/full 2>/dev/full"])
+@pytest.mark.parametrize("streams", ["<&- >&- 2>&-", ">/dev/full"])
 def test_a_program_without_standard_streams_ends_with_its_own_code_and_no_traceback(streams, tmp_path):
     words = ["sh", "-c", f'"$@" {streams}', "sh", sys.executable, "-m", "workflow", "new", tmp_path / "scene.yaml"]
     done = subprocess.run(words, capture_output=True, text=True, timeout=HANGS, check=False)
@@ -289,7 +289,7 @@ def test_scenes_lists_a_line_for_each_installed_scene(capsys):
 
 
 TEXTS = {
-    **{name: strict_yaml.dump(library.load_plain(path)) for name, path in [*shipped.installed().items()][::3]},
+    **{name: strict_yaml.dump(library.load_plain(path)) for name, path in [*shipped.installed().items()][::9]},
     "least": scene_text(),
     "until a bead": scene_text(duration=None, until_bead="7"),
     "several kicks": scene_text(kick="[{bead: 1, velocity: 1.0}, {bead: 9, velocity: -0.3}]"),
@@ -332,7 +332,7 @@ def test_show_fills_in_every_default(tmp_path, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("arguments", [["show", "two-chains"], ["scenes"], ["--help"], ["show", "nothing"]])
+@pytest.mark.parametrize("arguments", [["scenes"], ["show", "nothing"]])
 def test_a_reader_that_has_gone_away_leaves_no_traceback(arguments):
     reading, writing = os.pipe()
     os.close(reading)

@@ -24,7 +24,6 @@ def test_figures_are_those_asked_for_and_none_of_ours_is_left_that_is_older(ran)
         ([], {"response.png"}),
         (["--formats", "svg,pdf"], {"response.svg", "response.pdf"}),
         (["--no-figures"], {"response.svg", "response.pdf"}),
-        ([], {"response.png"}),
     ):
         assert main(["analyze", str(ran), "--quiet", *words]) == 0
         assert drawn(ran) == files

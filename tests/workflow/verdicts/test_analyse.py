@@ -157,13 +157,6 @@ def test_quantities_in_the_files_are_in_the_units_of_the_scene(found, tmp_path):
     assert pulse["momentum"] == pytest.approx(1.669971 * pulse["peak_velocity"], rel=1e-3)
 
 
-def test_a_run_of_few_recorded_beads_is_analysed(tmp_path):
-    beads = tuple(range(5, 116, 5))
-    few = analyse(run(scene(output=Output(every=0.1, beads=beads)), tmp_path / "few").directory, figures=False)
-    assert few.survey.verdict.state.value == "equipartitioned and synchronised"
-    assert few.survey.shared.final.value == pytest.approx(0.36524, abs=2e-4)
-
-
 def test_analyze_prints_the_verdict_and_draws_four_figures(finished, capsys):
     assert main(["analyze", str(finished.path)]) == 0
     lines = capsys.readouterr().out.splitlines()
