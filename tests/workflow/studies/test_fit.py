@@ -129,7 +129,6 @@ def clipped(traces):
         (one_reversed, {}, 0.02, False, "reverse the sign of force_contact_10_chain_1 in"),
         (clipped, {}, 0.02, False, "force_wall_right_chain_1 is clipped: "),
         (np.copy, {"kick": 1.05}, 0.02, False, "fit better, to first order: kick.velocity by -"),
-        (np.copy, {"coupling": 1.05}, 0.02, False, "fit better, to first order: coupling.stiffness by -"),
         (np.copy, {"kick": 1.05}, 0.0, False, "fit better, to first order: kick.velocity by -4.76%"),
         (np.copy, {}, 0.0, None, "the data show no noise"),
     ],

@@ -33,6 +33,7 @@ def test_a_chain_too_short_to_level_out_says_so() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("pool_here")
 def test_the_command_prints_a_table_and_writes_the_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["map", "-o", str(tmp_path / "m"), "--couplings", "0.5,1", "--chains", "2,3"]) == 0
     assert "1% from" in capsys.readouterr().out
