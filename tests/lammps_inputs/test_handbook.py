@@ -3,10 +3,11 @@
 import re
 from pathlib import Path
 
+import key_tables
 import pytest
 
 import lammps_inputs
-from lammps_inputs import handbook, key_tables, library, references, shipped
+from lammps_inputs import handbook, library, references, shipped
 from lammps_inputs.ingredients import INGREDIENTS
 from lammps_inputs.scene import BaseScene, Scene
 
@@ -18,7 +19,7 @@ def test_every_key_of_a_scene_has_a_section():
 @pytest.mark.parametrize("name", key_tables.PAGES)
 def test_tables_of_keys_are_those_of_the_types_and_references_those_of_the_bibliography(name):
     page = (Path(lammps_inputs.__file__).parent / name).read_text(encoding="utf-8")
-    assert key_tables.renewed(page) == page, "run `python -m lammps_inputs.key_tables`"
+    assert key_tables.renewed(page) == page, "run `python tests/support/key_tables.py`"
 
 
 @pytest.mark.parametrize("name", shipped.installed())

@@ -27,6 +27,7 @@ CLOSED = [
     (1, None, [Kick(bead=4, velocity=-1.0)]),
     (1, None, [Kick(bead=3, velocity=1.0), Kick(bead=4, velocity=0.5)]),
     (2, 0.1, [Kick(chain=2, bead=1, velocity=1.0)]),
+    (2, 1e-320, [Kick(bead=1, velocity=-0.6), Kick(bead=1, chain=2, velocity=0.1)]),
     (2, 0.1, [Kick(bead=2, chain=chain, velocity=sign) for chain, sign in ((1, 1.0), (2, -1.0))]),
 ]
 
@@ -59,20 +60,3 @@ def test_beads_of_a_refused_scene_never_meet():
             apart = problem(chains=chains, beads=3, kicks=listed, kappa=kappa, gap=gap, **times)
             assert len(collisions.run(apart, max_events=1)) == 0
     assert 50 < refused < 400
-
-
-@pytest.mark.parametrize("kappa", [5e-324, 1e-20, 121.0, 1e308])
-@pytest.mark.parametrize("gap", [5e-324, 1e-300])
-def test_a_gap_of_next_to_nothing_is_accepted(gap, kappa):
-    assert not never_closes(2, kappa, gap, [(1, 1, -0.63), (2, 1, 0.1)], 3)
-
-
-def test_what_would_take_too_long_to_prove_is_accepted():
-    # 5000 chains: modes of no use, and the cheap bounds leave it open
-    assert not never_closes(5000, 1e-6, 1e-3, [(1, 1, -1.0)], 3)
-
-
-def test_many_kicks_are_decided_at_once():
-    random = np.random.default_rng(1)
-    kicks = [(1 + k % 2, 1 + k // 2, float(v)) for k, v in enumerate(random.uniform(-1.0, 1.0, 20_000))]
-    assert not never_closes(2, 0.1, 1.0, kicks, 10_000)

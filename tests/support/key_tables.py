@@ -1,4 +1,4 @@
-"""Tables of keys in the scene reference, made from the types; ``python -m lammps_inputs.key_tables`` renews them."""
+"""Tables of keys in the scene reference, made from the types; ``python tests/support/key_tables.py`` renews them."""
 
 import ast
 import importlib.resources
