@@ -71,7 +71,8 @@ def main() -> None:
         energy.replace(sympy.log, lambda x: sympy.log(sympy.Abs(x))),
     ):  # some have logs below 0
         whole = form - form.subs(s, 0)
-        found(energy=whole, even=whole.subs(s, sympy.sqrt(q)))
+        if not whole.has(sympy.I):
+            found(energy=whole, even=whole.subs(s, sympy.sqrt(q)))
 
 
 if __name__ == "__main__":

@@ -55,7 +55,7 @@ TABLES = {"verlet": VERLET, "suzuki4": SUZUKI4}
 """By the name of the scheme in LAMMPS."""
 
 UNCERTAINTY_PART = 0.25
-"""Part of the accuracy to which the reference is accurate_reference."""
+"""Part of the requested accuracy that the uncertainty of the reference may have."""
 
 CADENCE = 0.05
 """Time between the instants that are compared, if frames are not farther apart."""

@@ -8,8 +8,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-import numpy as np
-
 from analysis.files.events import Events
 from analysis.files.recording import Writer
 from analysis.quantity import csv_of
@@ -20,7 +18,6 @@ from lammps_inputs.laws import plastic_lines
 from lammps_inputs.system import System
 from workflow import cluster as model
 from workflow.engines.lammps import engine as lammps_engine
-from workflow.errors import RunError
 from workflow.prepare.settings import Settings
 from workflow.runs.check import closing, references_of
 from workflow.runs.files import EVENTS, LAMMPS_FILES, RECORD, write_text
@@ -257,8 +254,6 @@ def write_frames(
     with Writer(dump, problem) as writer:
         try:
             for block in blocks:
-                if not np.all(np.isfinite(block.velocity)):
-                    raise RunError(_unbounded(block))
                 for state in block.states():
                     writer.append(step, *state)
                     step += problem.steps_per_frame
@@ -267,12 +262,6 @@ def write_frames(
         except KeyboardInterrupt:
             return {"outcome": "interrupted", "steps_done": max(0, step - problem.steps_per_frame)}
     return {"outcome": "done", "steps_done": problem.steps}
-
-
-def _unbounded(block: Trajectory) -> str:
-    first = int(np.argmax(~np.all(np.isfinite(block.velocity), axis=(1, 2))))
-    until = block.problem.scale.written(block.time[first], "time")
-    return f"by t = {until} velocities are no longer finite numbers: the oscillations grow; take a shorter duration"
 
 
 def _front(block: Trajectory) -> int:

@@ -58,6 +58,7 @@ UNSTABLE = [
     ("coupling", {"force": "k*s^2", "k": 1.0}, "it should be odd"),
     ("coupling", {"force": "-k*s", "k": 1.0}, "drives beads away from rest"),
     ("coupling", {"force": "k*s/sqrt(1-(s/s0)^2)", "k": 0.1, "s0": 0.1}, "no real value from s = 0.1 on"),
+    ("coupling", {"force": "k*s/(1-b*s^2)", "k": 0.5, "b": 5.0}, "its energy falls below that at rest near s = 0.447"),
     ("coupling", {"force": "k*s - c*s^3", "k": 0.1, "c": 0.1}, "falls below that at rest near s = 1.41"),
     ("contact", {"force": "A*s^0.5", "A": 1.0}, "infinitely stiff"),
     ("contact", {"force": "A*tanh(s)/(1+s^4)", "A": 0.1}, "pass through each other"),

@@ -43,7 +43,7 @@ def finished(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def full(finished):
-    """Deviations of all its frames from a reference that is accurate_reference to 1e-9."""
+    """Deviations of all its frames from a reference with an uncertainty of 1e-9."""
     problem = finished.directory.problem
     difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
     for pair in paired(finished.directory.blocks(), accurate_reference(problem, 1e-9).blocks()):

@@ -1,5 +1,6 @@
 """Uncertainty of the reference: the same problem at half the number of steps."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -65,7 +66,11 @@ class StepHalving:
         self._conservation = Conservation()
 
     def blocks(self) -> Iterator[Trajectory]:
-        """The finer run's frames from the start; the uncertainty is about those that were taken."""
+        """The finer run's frames from the start; the uncertainty is about those that were taken.
+
+        Raises:
+            RunError: velocities of one of the runs are not finite.
+        """
         self._begin()
         window = compared_rows(self.problem)
         runs = (
@@ -74,7 +79,11 @@ class StepHalving:
         )
         for blocks in zip(*runs, strict=True):
             fine, coarse = on_common_rows(*blocks)
-            self._velocity = max(self._velocity, float(np.max(np.abs(fine.velocity - coarse.velocity))))
+            with np.errstate(invalid="ignore"):
+                difference = float(np.max(np.abs(fine.velocity - coarse.velocity)))
+            if not math.isfinite(difference):
+                raise RunError(_not_finite(fine, coarse))
+            self._velocity = max(self._velocity, difference)
             for finder, block in zip(self._finders, (fine, coarse), strict=True):
                 finder.add(block)
             self._conservation.add(fine)
@@ -99,6 +108,15 @@ class StepHalving:
             energy=self._conservation.energy_drift,
             momentum=self._conservation.momentum_drift,
         )
+
+
+def _not_finite(*runs: Trajectory) -> str:
+    bad = ~np.all([np.isfinite(run.velocity) for run in runs], axis=(0, 2, 3))
+    until = runs[0].problem.scale.written(runs[0].time[int(np.argmax(bad))], "time")
+    return (
+        f"by t = {until} velocities of the reference are no longer finite numbers: oscillations grow, or a force does "
+        "that the beads reach; take a shorter duration, or see to the law of that force"
+    )
 
 
 def compared_rows(problem: Problem) -> int | None:

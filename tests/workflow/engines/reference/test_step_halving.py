@@ -26,7 +26,7 @@ PAPER = find("two-chains").problem()
 
 @pytest.fixture(scope="module")
 def to_1e_9():
-    """Two chains of 120 beads to t = 192, kappa = 0.1, accurate_reference to 1e-9: trajectory and uncertainty."""
+    """Two chains of 120 beads to t = 192, kappa = 0.1, with an uncertainty of 1e-9: trajectory and uncertainty."""
     halving = accurate_reference(PAPER, 1e-9)
     return engine.run(PAPER, steps_per_frame=halving.steps_per_frame), halving.uncertainty
 
@@ -121,3 +121,8 @@ def test_beads_that_fly_freely_have_no_error():
 def test_what_rounding_forbids_is_not_certified():
     with pytest.raises(RunError, match=r"does not reach an error of 1\.0e-20"):
         accurate_reference(replace(problem(beads=4), frames=5), 1e-20)
+
+
+def test_a_reference_that_diverges_has_no_uncertainty_but_an_error():
+    with pytest.raises(RunError, match=r"by t = \S+ velocities of the reference are no longer finite"):
+        StepHalving(problem(kappa=1e6), steps_per_frame=2).run()
