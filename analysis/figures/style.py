@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from analysis.quantity import declare, declared, result
 from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, laws, physics
+from lammps_inputs.laws import spring
 from lammps_inputs.units import SI, prefix, thousands
 
 CHAIN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255", "#7F7F7F")
@@ -207,12 +208,13 @@ def _coupling(problem: Problem) -> str:
         )
         for strain in (0.0, 1.0)
     )
-    rows = np.flatnonzero(np.any(pulled > 0.0, axis=0)) + 1
+    rows = np.flatnonzero(np.any((still != 0.0) | (pulled != 0.0), axis=0)) + 1
     there = still[:, rows - 1]
     least, largest = float(np.min(there)), float(np.max(there))
     symbol = "\\kappa" if problem.scale.time == 1.0 else "\\kappa = k T^2 / m"
     said = f"${symbol}$ = {largest:.4g}" if least == largest else f"${symbol}$ = {least:.3g} to {largest:.3g}"
-    said += " and cubic" if np.any(pulled != still) else ""
+    known = all(isinstance(link.law, spring.Linear | spring.Duffing) for link in problem.system.across)
+    said += (" and cubic" if known else ", nonlinear") if np.any(pulled != still) else ""
     said += f" in rows {rows[0]} to {rows[-1]}" if len(rows) < problem.beads else ""
     return ", ".join([said, *(link.shape for link in problem.system.across if link.shape)])
 

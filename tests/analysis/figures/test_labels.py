@@ -421,6 +421,7 @@ def coupled(chains, beads=20, **coupling):
         ({"stiffness": {"from": 0.1, "to": 0.2, "rows": [1, 20]}}, "= 0.1 to 0.2"),
         ({"stiffness": 0.1, "topology": "ring"}, "= 0.1, ring"),
         ({"cubic": 0.1}, "= 0 and cubic"),
+        ({"force": "k*s/sqrt(1+(s/s0)^2)", "k": 0.1, "s0": 0.5}, "= 0.1, nonlinear"),
     ],
 )
 def test_the_title_tells_where_springs_are_and_of_which_kind(coupling, words):
