@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from lammps_inputs import Problem
 from workflow.engines.lammps import engine, hosted
 
 _in_its_own_process = engine.run
@@ -39,7 +40,7 @@ def run(directory: Path, *, ranks: int = 1, **options: Any) -> engine.Outcome:
 def interrupted_after(step: int) -> Callable[..., engine.Outcome]:
     """A run that is told to end at its first report after a step, as by Ctrl-C, and so ends at the next."""
 
-    def start(directory: Path, **_: Any) -> engine.Outcome:
+    def start(directory: Path, *, problem: Problem, **_: Any) -> engine.Outcome:
         where = Path.cwd()
         with standard_input() as pipe:
 
@@ -48,7 +49,7 @@ def interrupted_after(step: int) -> Callable[..., engine.Outcome]:
                     pipe.close()
 
             try:
-                return hosted.run(directory.absolute(), progress=progress)
+                return hosted.run(directory.absolute(), problem=problem, progress=progress)
             finally:
                 os.chdir(where)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from analysis.gauges.forces import PULSE
 from analysis.gauges.gauge import at_frames, far_wall
+from analysis.tracking.leading_waves import Waves
 from lammps_inputs import InputError, Output, Problem, Scene, physics, window
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import lowest_modal_frequency
@@ -145,15 +146,15 @@ def with_window(scene: Scene) -> Scene:
     return scene.model_copy(update={"window": rows})
 
 
-def _leading(problem: Problem, rows: int) -> engine.Passages:
+def _leading(problem: Problem, rows: int) -> Waves:
     whole = replace(problem, window=None)
     return engine.passages(whole, window=window.behind(rows))
 
 
-def _difference(first: engine.Passages, second: engine.Passages) -> float:
+def _difference(first: Waves, second: Waves) -> float:
     """Of the peaks that both have; a bead that only one has reached differs by its peak."""
     a, b = (
         {(c, n): v for c, n, v in zip(w.chain.tolist(), w.bead.tolist(), w.peak_velocity.tolist(), strict=True)}
-        for w in (first.waves, second.waves)
+        for w in (first, second)
     )
     return max((abs(a.get(place, 0.0) - b.get(place, 0.0)) for place in {*a, *b}), default=0.0)

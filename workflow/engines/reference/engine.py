@@ -222,21 +222,6 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
 # --- the leading pulse without frames, for chains too long to record --------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Passages:
-    """What `passages` found.
-
-    Attributes:
-        waves: the leading pulse at every bead that it reached.
-        let_go: largest |velocity| of a row when it left the window, in units of V; 0 without a window.
-        time: at which the integration ended.
-    """
-
-    waves: Waves
-    let_go: float
-    time: float
-
-
 def usual_timestep(problem: Problem) -> float:
     """0.1, or less where the springs are stiff, in units of T: peaks are then right to below 1e-5 of V."""
     system = problem.system
@@ -251,8 +236,8 @@ def passages(
     timestep: float | None = None,
     until_bead: int | None = None,
     threshold: float = THRESHOLD,
-) -> Passages:
-    """Integrate until a bead is passed in every chain, or to the problem's end, noting the leading pulse at each bead.
+) -> Waves:
+    """The leading pulse at each bead, of a run until a bead is passed in every chain, or to the problem's end.
 
     That is the first maximum of its velocity, from the cubic polynomial through velocity and acceleration at the two
     steps around it (error below 1e-5 of V at the default step).
@@ -275,13 +260,11 @@ def passages(
     passing = Passing(arrival.reshape(-1), peak.reshape(-1), *np.zeros((3, state.x.size)))
     steps = make_steps(BLANES_MOAN, timestep)
     last = problem.beads if until_bead is None else until_bead
-    total, chunk, done, let_go = int(np.ceil(problem.duration / timestep)), 1000, 0, 0.0
+    total, chunk, done = int(np.ceil(problem.duration / timestep)), 1000, 0
     while done < total and np.any(np.isnan(arrival[last, : problem.chains])):
         count = min(chunk, total - done)
-        fastest = state.program.follow(state.compiled, state.parameters, steps, done, count, threshold, passing)
-        let_go = max(let_go, fastest)
+        state.program.follow(state.compiled, state.parameters, steps, done, count, threshold, passing)
         done += count
     arrival, peak = (values[1:-1, : problem.chains].T for values in (arrival, peak))
     chain, row = np.nonzero(~np.isnan(arrival))
-    waves = with_speeds(chain + 1, row + 1, arrival[chain, row], peak[chain, row])
-    return Passages(waves, let_go, done * timestep)
+    return with_speeds(chain + 1, row + 1, arrival[chain, row], peak[chain, row])

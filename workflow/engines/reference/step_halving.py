@@ -133,7 +133,7 @@ def compared_rows(problem: Problem) -> int | None:
         window=engine.WIDER * problem.window,
         until_bead=before_last,
     )
-    arrival = float(np.min(found.waves.at(before_last).arrival, initial=problem.duration))
+    arrival = float(np.min(found.at(before_last).arrival, initial=problem.duration))
     # what it lacks would have to come from behind the tail
     return (
         problem.beads

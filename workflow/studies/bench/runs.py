@@ -93,7 +93,7 @@ def _long(beads: int, **keys: Any) -> Scene:
 
 def _run(case: Scene, directory: Path) -> float:
     written(case, directory)
-    return engine.run(directory).seconds
+    return engine.run(directory, problem=case.problem()).seconds
 
 
 # --- runs -------------------------------------------------------------------------------------------------------------

@@ -94,7 +94,7 @@ def _waves(problem: Problem, window: int) -> Waves:
     """Leading waves; the last rows are left out, which the free end disturbs."""
     window = min(window, problem.beads + 30)
     until = problem.beads - 5
-    waves = passages(problem, window=window, until_bead=until, threshold=_THRESHOLD).waves
+    waves = passages(problem, window=window, until_bead=until, threshold=_THRESHOLD)
     return waves.where(waves.bead <= until - 5)
 
 

@@ -25,10 +25,10 @@ SCENE = scene(chains=2, beads=24, kappa=0.1, duration=20.0)
 LONG = scene(chains=2, beads=120, kappa=0.1, duration=1e5, every=1.0)
 
 
-def failure(directory, ranks=1, **options):
+def failure(directory, ranks=1, case=SCENE, **options):
     """The one line that a run of the deck in a directory ends with."""
     with pytest.raises(RunError) as caught:
-        engine.run(directory, ranks=ranks, **options)
+        engine.run(directory, problem=case.problem(), ranks=ranks, **options)
     message = str(caught.value)
     assert len(message.splitlines()) == 1
     assert "Traceback" not in message
@@ -95,12 +95,6 @@ def test_a_missing_deck_is_told(tmp_path):
     assert f"Cannot open input script {file_names.DECK}" in failure(tmp_path)
 
 
-def test_a_missing_scene_is_told(tmp_path):
-    deck.write(SCENE, tmp_path)
-    (tmp_path / file_names.SCENE).unlink()
-    assert failure(tmp_path) == f"LAMMPS: {file_names.SCENE}: no such file"
-
-
 def test_a_deck_that_leaves_the_interpreter_is_told_with_its_exit_code(tmp_path):
     assert failure_of("run ${steps}", "quit 3", tmp_path) == "LAMMPS ended with exit code 3 after step 0."
 
@@ -148,7 +142,7 @@ def limit_files(pid):
 
 def test_a_killed_process_is_told_with_its_signal_and_the_last_step(tmp_path):
     deck.write(LONG, tmp_path)
-    message = failure(tmp_path, progress=to_workers(tmp_path, kill))
+    message = failure(tmp_path, case=LONG, progress=to_workers(tmp_path, kill))
     assert re.fullmatch(r"LAMMPS was killed by signal SIGKILL after step \d+\.", message)
 
 
@@ -164,7 +158,7 @@ def test_a_killed_rank_ends_the_other_and_is_told(which, tmp_path):
         if len(ranks) == 2:
             kill(which(ranks))
 
-    message = failure(tmp_path, ranks=2, progress=to_workers(tmp_path, kill_one))
+    message = failure(tmp_path, ranks=2, case=LONG, progress=to_workers(tmp_path, kill_one))
     assert re.match(r"LAMMPS ended with exit code 9 after step \d+\.", message)
 
 
@@ -181,7 +175,7 @@ def test_a_killed_run_is_recorded_as_failed_and_its_frames_are_kept(tmp_path):
 @pytest.mark.slow
 def test_frames_that_cannot_be_written_fail_the_run(tmp_path):
     deck.write(LONG, tmp_path)
-    message = failure(tmp_path, progress=to_workers(tmp_path, limit_files))
+    message = failure(tmp_path, case=LONG, progress=to_workers(tmp_path, limit_files))
     assert message.startswith("LAMMPS: ERROR on proc 0: Error writing dump frames: File too large")
 
 
