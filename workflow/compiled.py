@@ -18,7 +18,7 @@ import stat
 import sys
 import tempfile
 from collections.abc import Callable, Iterable
-from importlib.abc import SourceLoader
+from importlib.abc import InspectLoader
 from importlib.util import module_from_spec, spec_from_file_location, spec_from_loader
 from pathlib import Path
 from types import FunctionType, ModuleType
@@ -111,19 +111,15 @@ def _written(path: Path, text: str) -> Path:
     return path
 
 
-class _Text(SourceLoader):
+class _Text(InspectLoader):
     """Loads a module from a text that is in no file."""
 
     def __init__(self, text: str) -> None:
         self._text = text
 
-    def get_filename(self, fullname: str) -> str:
-        """Of nothing on the disk."""
-        return f"<{fullname}>"
-
-    def get_data(self, path: str | bytes) -> bytes:  # noqa: ARG002
+    def get_source(self, fullname: str) -> str:  # noqa: ARG002
         """The text."""
-        return self._text.encode()
+        return self._text
 
 
 def digest(functions: Iterable[Any]) -> str:
