@@ -17,11 +17,23 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from lammps_inputs import InputError
-from workflow import formats, screen
-from workflow.errors import RunError
-from workflow.runs.files import as_json
-from workflow.screen import Answer, Output
+try:
+    from lammps_inputs import InputError
+    from workflow import formats, screen
+    from workflow.errors import RunError
+    from workflow.runs.files import as_json
+    from workflow.screen import Answer, Output
+except (ImportError, SyntaxError):
+    from importlib.metadata import distributions
+
+    others = {found.name for found in distributions()} & {"workflow", "analysis"}
+    if not others:
+        raise
+    names = " ".join(sorted(others))
+    sys.exit(
+        f"granchain: other packages of the same name lie over its own: {names}; "
+        f"`pip uninstall {names}`, then `pip install --force-reinstall --no-deps granchain`"
+    )
 
 _HERE = Path(__file__).parent
 
@@ -37,7 +49,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         *sorted(_STUDIES),
         "reproduce",
     ),
-    "Setting up": ("schema",),
+    "Setting up": ("schema", "completion"),
 }
 """Commands by job: those of `workflow.commands`, and the folders of `workflow.studies`."""
 
@@ -48,7 +60,7 @@ FIRST = ("show", "run", "analyze", "view", "sweep")
 
 ALIASES = {"analyse": "analyze"}
 
-PRINTED = ("scenes", "show", "cite", "help", "status", "bench", "schema")
+PRINTED = ("scenes", "show", "cite", "help", "status", "bench", "schema", "completion")
 """Commands that make nothing but what they print."""
 
 

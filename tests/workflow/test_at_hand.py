@@ -125,6 +125,13 @@ def test_new_writes_a_scene_and_never_over_a_file(tmp_path, capsys):
     assert path.read_text() == before
 
 
+def test_bash_takes_the_completion_and_offers_commands(capsys):
+    script = said(capsys, "completion", "bash")
+    ask = "\nCOMP_WORDS=(granchain va); COMP_CWORD=1; _shtab_granchain; echo ${COMPREPLY[@]}"
+    done = subprocess.run(["bash", "-c", script + ask], capture_output=True, text=True, timeout=HANGS, check=True)
+    assert done.stdout.split() == ["validate"]
+
+
 @pytest.mark.slow
 def test_folders_called_as_the_packages_are_do_not_hide_them(tmp_path):
     for name in ("analysis", "workflow", "lammps_inputs"):
@@ -133,3 +140,16 @@ def test_folders_called_as_the_packages_are_do_not_hide_them(tmp_path):
     words = [sys.executable, "-m", "workflow", "show", "two-chains"]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=HANGS, check=True)
     assert done.stdout.startswith("name: two-chains")
+
+
+def test_packages_of_others_over_ours_are_named_in_one_line(tmp_path):
+    theirs = tmp_path / "workflow-2.1.6.dist-info"
+    theirs.mkdir()
+    (theirs / "METADATA").write_text("Metadata-Version: 2.1\nName: workflow\nVersion: 2.1.6\n")
+    code = f"import sys; sys.path.append({str(tmp_path)!r}); sys.modules['workflow.errors'] = None; import workflow.cli"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=HANGS, check=False)
+    assert done.returncode == 1
+    assert done.stderr.splitlines() == [
+        "granchain: other packages of the same name lie over its own: workflow; "
+        "`pip uninstall workflow`, then `pip install --force-reinstall --no-deps granchain`"
+    ]

@@ -1,5 +1,6 @@
 """The page of a run: its plots, and where they stand."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -7,12 +8,15 @@ from bokeh.layouts import column, gridplot, row
 from bokeh.models import HoverTool, Span
 
 from analysis.figures.spacetime import STILL, largest_afar, moving_part
+from analysis.gauges.forces import Readings
 from analysis.sharing.survey import Survey
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 from workflow.view.moving import moving_beads
 from workflow.view.plots import (
+    BEAD_DASHES,
+    CHAIN_COLOURS,
     PLOTS_A_ROW,
     graph,
     image_source,
@@ -75,12 +79,55 @@ _BAR = 70
 """Width of the bar of colours."""
 
 
+_MOST_INSTANTS = 4000
+"""Of a force over time."""
+
+
+def forces(problem: Problem, part: Thinned, readings: Readings | None, time_range: Any, units: Units) -> list[Any]:
+    """Forces that gauges read, a line for each and each chain that is shown, and those that push and drive beads."""
+    graphs, time = [], part.time / units["time"].worth
+    if readings is not None:
+        total = "total force" if readings.loaded else "force"
+        stride = slice(None, None, -(-len(readings.time) // _MOST_INSTANTS))
+        lines = [
+            (f"{gauge.name}, chain {chain}", readings.force[stride, chain - 1, place], k, place)
+            for place, gauge in enumerate(readings.gauges[: len(BEAD_DASHES)])
+            for k, chain in enumerate(part.chains)
+        ]
+        graphs.append((f"{total} at gauges", readings.time[stride], lines))
+    pushed = [(f"bead {one.bead}, chain {one.chain}", one, k, 0) for k, one in enumerate(problem.system.loads[:8])]
+    if pushed:
+        lines = [(name, np.array([one.force(t) for t in time]), k, dash) for name, one, k, dash in pushed]
+        graphs.append(("external force on beads", time, lines))
+    return [_forces(heading, at, lines, time_range, units) for heading, at, lines in graphs]
+
+
+def _forces(
+    heading: str, time: Floats, lines: Sequence[tuple[str, Floats, int, int]], time_range: Any, units: Units
+) -> Any:
+    """A plot of forces; name, values, colour and dash of each."""
+    force = units["force"]
+    plot = graph(heading, units, "force", time_range)
+    one_chain = len({colour for _, _, colour, _ in lines}) == 1
+    drawn = []
+    for name, values, colour, dash in lines:
+        look = {"line_color": CHAIN_COLOURS[dash if one_chain else colour], "line_dash": BEAD_DASHES[dash]}
+        source = {"time": time * units["time"].worth, "force": values * force.worth}
+        drawn.append(plot.line("time", "force", source=source, legend_label=name, line_width=1.5, **look))
+    tips = [("time", "@time{custom}"), ("force", "@force{custom}")]
+    said = {"@time": number(units["time"]), "@force": number(force)}
+    plot.add_tools(HoverTool(renderers=drawn, tooltips=tips, formatters=said))
+    put_legend_aside(plot)
+    return plot
+
+
 def layout(
     problem: Problem,
     part: Thinned,
     found: Survey | None,
     shown: list[int],
     *,
+    readings: Readings | None = None,
     radius: Floats | None = None,
 ) -> Any:
     """The plots of a page.
@@ -90,6 +137,7 @@ def layout(
         part: of its frames, dimensionless.
         found: the waves in it; None where there are none.
         shown: beads whose velocity over time is drawn first.
+        readings: of the gauges that the scene asks for.
         radius: of every bead, [chain, bead]; all are alike without it.
     """
     units = units_of(problem, part)
@@ -112,7 +160,7 @@ def layout(
     sizes = every[np.ix_(np.array(part.chains) - 1, part.beads - 1)]
     moving, controls = moving_beads(problem, part, images, now, colours, units, sizes)
     on_click(maps, part, images, trace_source)
-    below = [traces]
+    below = [traces, *forces(problem, part, readings, traces.x_range, units)]
     if found is not None and problem.system.holds(Fact.PULSE):
         bead_range = place_range if part.even else (float(part.beads[0]) - 1.0, float(part.beads[-1]) + 1.0)
         below += distances(problem, part, found, bead_range, units)

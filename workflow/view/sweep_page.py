@@ -6,25 +6,31 @@ from typing import Any
 from bokeh.layouts import column, row
 from bokeh.models import (
     BooleanFilter,
+    CategoricalColorMapper,
     CDSView,
+    ColorBar,
     ColumnDataSource,
     CustomJS,
     CustomJSTicker,
     CustomJSTickFormatter,
     DataTable,
     Div,
+    FixedTicker,
     HoverTool,
     HTMLTemplateFormatter,
+    LinearColorMapper,
+    LogColorMapper,
     OpenURL,
     Select,
     TableColumn,
     TapTool,
 )
+from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
 from analysis.figures.studies import logarithmic
 from workflow.sweep.collect import Table
-from workflow.view.plots import TICK, TOOLS
+from workflow.view.plots import CHAIN_COLOURS, TICK, TOOLS
 
 _LINK = '<a href="<%= link %>"><%- value %></a>'
 
@@ -70,12 +76,15 @@ return found.filter(tick => low <= tick && tick <= high);
 """
 """On a logarithmic axis: 1, 2 and 5 of each decade where few are shown, evenly spaced ones within one."""
 
+_FEW = 8
+"""Values of a field that are ticks themselves."""
+
 _WIDEST, _LETTER = 600, 8
 """Pixels of a column, and of a letter in it."""
 
 
 def layout(table: Table, pages: dict[str, str]) -> Any:
-    """A table and a plot; a choice for each varied field filters both.
+    """A table and a plot, with points coloured by the second field; a choice for each varied field filters both.
 
     Args:
         table: of the sweep.
@@ -93,9 +102,9 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     kinds = {name: "log" if logarithmic(_drawn(data[name])) else "linear" for name in numbers}
     texts = {name: [_shown(value) for value in data[name]] for name in table.fields}
     kept = BooleanFilter(name="filter", booleans=[True] * len(table.rows))
-    view = CDSView(filter=kept)
+    view, colour = CDSView(filter=kept), _colour(table, data, headings)
     labels = headings[over], headings[what]
-    plots = {kind: _plot(source, view, kind, labels) for kind in sorted(set(kinds.values()))}
+    plots = {kind: _plot(source, view, kind, labels, colour) for kind in sorted(set(kinds.values()))}
     if unknown:
         plots[kinds[over]].title.text = f"{unknown} of {len(table.rows)} cases have no number here"
     choose_x = _select("over", over, numbers, "over")
@@ -134,9 +143,29 @@ def _select(title: str, value: str, options: list[str], name: str) -> Select:
     return Select(title=title, value=value, options=options, name=name, stylesheets=[_DARK_CHOICE])
 
 
-def _plot(source: ColumnDataSource, view: CDSView, kind: str, labels: tuple[str, str]) -> Any:
+def _colour(table: Table, data: dict[str, list[Any]], headings: dict[str, str]) -> tuple[Any, Any]:
+    """Of the points, by the second varied field, and its bar; one colour and no bar where there is no such field."""
+    name = table.fields[1] if len(table.fields) > 1 else ""
+    texts = list(dict.fromkeys(map(str, data[name]))) if name else []
+    if len(texts) < 2:
+        return "#0072B2", None
+    bar = ColorBar(title=headings[name], width=12)
+    values = _drawn(data[name])
+    if any(map(math.isnan, values)):
+        colours = [CHAIN_COLOURS[k % len(CHAIN_COLOURS)] for k in range(len(texts))]
+        bar.color_mapper = CategoricalColorMapper(factors=texts, palette=colours)
+    else:
+        kind = LogColorMapper if logarithmic(values) else LinearColorMapper
+        bar.color_mapper = kind(palette=Viridis256[:230], low=min(values), high=max(values))
+        bar.formatter = CustomJSTickFormatter(code=TICK)
+        if len(texts) <= _FEW:
+            bar.ticker = FixedTicker(ticks=sorted(set(values)))
+    return {"field": name, "transform": bar.color_mapper}, bar
+
+
+def _plot(source: ColumnDataSource, view: CDSView, kind: str, labels: tuple[str, str], colour: tuple[Any, Any]) -> Any:
     """The column that is chosen over another, on a linear or a logarithmic axis; a click opens the case."""
-    over, what = labels
+    (over, what), (fill, bar) = labels, colour
     plot = figure(
         tools=TOOLS,
         height=380,
@@ -153,8 +182,10 @@ def _plot(source: ColumnDataSource, view: CDSView, kind: str, labels: tuple[str,
         plot.xaxis.formatter = CustomJSTickFormatter(code=TICK)
         plot.xgrid.ticker = plot.xaxis[0].ticker
     drawn = plot.scatter(
-        "x", "y", size=10, source=source, view=view, fill_color="#0072B2", line_color="white", name="points"
+        "x", "y", size=10, source=source, view=view, fill_color=fill, line_color="white", name="points"
     )
+    if bar is not None:
+        plot.add_layout(bar.clone(), "right")
     plot.add_tools(HoverTool(renderers=[drawn], tooltips=[("case", "@case"), ("x", "@x"), ("y", "@y")]))
     plot.add_tools(TapTool(renderers=[drawn], callback=OpenURL(url="@link")))
     return plot

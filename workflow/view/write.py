@@ -22,6 +22,7 @@ from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.collect import collect
 from workflow.verdicts.analyse import analyse, default_beads
+from workflow.verdicts.findings.gauges import Forces
 from workflow.view.run_page import layout
 from workflow.view.sweep_page import layout as sweep_layout
 from workflow.view.thin import Thinned, thinned
@@ -128,10 +129,11 @@ def write(directory: Path) -> list[Path]:
 def _run(path: Path) -> Path:
     directory = RunDirectory(path)
     problem, scene = directory.problem, directory.scene
-    lines, found = [], None
+    lines, found, readings = [], None, None
     try:
         analysis = analyse(directory, figures=False)
         found = analysis.survey
+        readings = next((one.readings for one in analysis.findings.values() if isinstance(one, Forces)), None)
         if problem.chains > 1:
             lines.append(f"Equipartition: {found.verdict.sentence}.")
         if not analysis.complete:
@@ -151,7 +153,7 @@ def _run(path: Path) -> Path:
     foot = "".join(folded(heading, text) for heading, text in texts.items())
     made = render(
         f"{scene.name}: {problem.chains} x {problem.beads} beads",
-        layout(problem, part, found, list(default_beads(problem)), radius=radii(scene)),
+        layout(problem, part, found, list(default_beads(problem)), readings=readings, radius=radii(scene)),
         head="".join(f"<p>{escape(line)}</p>" for line in (scene.description, *lines) if line),
         foot=foot + provenance.foot(_cited([scene]), _computed(directory.job)),
     )

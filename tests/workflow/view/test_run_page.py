@@ -15,6 +15,8 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, Output
 from lammps_inputs.ingredients.foundation import Foundation
 from lammps_inputs.ingredients.unequal import Kind, radii
+from lammps_inputs.laws.in_time import HalfSine
+from lammps_inputs.loads import Load
 from workflow.view import moving, plots, run_page
 from workflow.view.thin import thinned, units_of
 from workflow.view.write import _left_out
@@ -201,6 +203,27 @@ def test_no_peaks_are_drawn_where_no_pulse_leads():
         root = run_page.layout(problem, thinned(problem, [made(problem)], [0]), SimpleNamespace(waves=waves), [1, 3])
         assert ("peak velocity of the leading pulse" in headings(root)) == drawn
         assert "energy of each chain, without coupling" in headings(root)
+
+
+def test_forces_of_gauges_and_pushes_are_drawn_over_time_in_the_units_of_the_page(held):
+    problem, run, part, units = held
+    half = np.zeros((3, 3, 2))
+    half[1, 2] = 0.5, 0.25
+    places = [SimpleNamespace(name="right wall"), SimpleNamespace(name="contact 2")]
+    readings = SimpleNamespace(loaded=True, gauges=places, time=np.array([0.0, 1.0, 2.0]), force=half)
+    push = Load(2, 4, HalfSine(0.5, 3.0))
+    pushed = replace(problem, system=replace(problem.system, loads=(push,)))
+    gauged, external = run_page.forces(pushed, part, readings, (0, 1), units)
+    assert (gauged.title.text, external.title.text) == ("total force at gauges", "external force on beads")
+    lines = dict(zip((item.label.value for item in gauged.legend[0].items), gauged.renderers, strict=True))
+    assert list(lines) == ["right wall, chain 1", "right wall, chain 3", "contact 2, chain 1", "contact 2, chain 3"]
+    data = lines["contact 2, chain 3"].data_source.data
+    np.testing.assert_allclose(data["force"], np.array([0.0, 0.25, 0.0]) * units["force"].worth)
+    np.testing.assert_allclose(data["time"], readings.time * units["time"].worth)
+    (line,) = external.renderers
+    assert external.legend[0].items[0].label.value == "bead 4, chain 2"
+    expected = [push.force(time) * units["force"].worth for time in run.time]
+    np.testing.assert_allclose(line.data_source.data["force"], expected)
 
 
 def test_beads_are_drawn_at_their_sizes():

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from bokeh.document import Document
-from bokeh.models import DataTable
+from bokeh.models import ColorBar, DataTable
 
 from workflow.sweep.collect import QUANTITIES, Table
 from workflow.view.sweep_page import layout
@@ -48,7 +48,14 @@ def test_columns_are_as_wide_as_their_longest_text(page):
     assert widths["outcome"] < 100
 
 
-@pytest.mark.parametrize("values", [(1, 2.5), ("low", "high")])
-def test_values_of_a_field_can_be_chosen(values):
+@pytest.mark.parametrize(("values", "ends"), [((1, 2.5), (1, 2.5)), (("low", "high"), None)])
+def test_points_have_the_colour_of_the_second_field_whose_values_can_be_chosen(page, values, ends):
     two = shown([row(stiffness, value) for stiffness in (0.1, 0.2) for value in values])
+    colour = next(iter(two.select({"name": "points"}))).glyph.fill_color
+    (bar,) = two.select({"type": ColorBar})
+    assert (colour.field, bar.title) == ("kick.velocity", "kick.velocity (m/s)")
+    assert bar.color_mapper is colour.transform
+    found = (bar.color_mapper.low, bar.color_mapper.high) if ends else tuple(bar.color_mapper.factors)
+    assert found == (ends or values)
     assert two.get_model_by_name("only kick.velocity").options == ["all", *map(str, values)]
+    assert list(page.select({"type": ColorBar})) == []  # all have one velocity

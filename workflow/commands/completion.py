@@ -1,0 +1,23 @@
+"""Print a shell script that completes commands, options and names of scenes."""
+
+import argparse
+
+import shtab
+
+from workflow import cli
+
+EXAMPLES = (
+    "completion bash > ~/.local/share/bash-completion/completions/granchain",
+    "completion zsh > ~/.zfunc/_granchain",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The shell."""
+    parser.add_argument("shell", choices=shtab.SUPPORTED_SHELLS)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Print the script."""
+    print(shtab.complete(cli.parser(cli.COMMANDS), arguments.shell))
+    return 0
