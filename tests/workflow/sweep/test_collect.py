@@ -329,6 +329,7 @@ SHAKEN = {
     "precompression": {"force": 20},
     "drive": {"displacement": 1e-9, "frequency": 1000, "phase": -90},
     "duration": 8e-4,
+    "timestep": 1e-7,
     "output": {"every": 1e-5, "spectra": {"beads": [1, 5], "after": 4e-4}},
 }
 

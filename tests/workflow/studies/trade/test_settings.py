@@ -19,6 +19,8 @@ from workflow.runs.engines import write_frames
 from workflow.studies.trade import settings as choices
 from workflow.studies.trade.settings import QUANTITIES, Truth, _interval, intervals, make_truth
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 
 def of_method(settings, name):
     return [setting for setting in settings if setting.method == name]
