@@ -23,8 +23,7 @@ from workflow.runs.run import run
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 _FOUND = (Phase.explicit, Phase.generate)  # no search for a simpler example, which takes minutes
-FEW = settings(max_examples=3, derandomize=True, database=None, phases=_FOUND)
-MANY = settings(max_examples=6, derandomize=True, database=None, phases=_FOUND)
+MIXED = settings(max_examples=6, derandomize=True, database=None, phases=_FOUND)
 
 NAMES = st.lists(st.sampled_from(["a", "b"]), min_size=2, max_size=4)
 
@@ -83,14 +82,8 @@ def closes_its_budget(changes):
     assert np.ptp(energy[after]) < 1e-5 * energy[after].max()
 
 
-@FEW
-@given(unequal())
-def test_lammps_keeps_the_error_it_states(changes):
-    keeps_the_error_it_states(changes)
-
-
 @pytest.mark.slow
-@MANY
+@MIXED
 @given(unequal() | walled_and_pushed())
 def test_mixtures_keep_their_stated_error_have_symmetries_and_conserve_energy_once_a_push_is_over(changes):
     keeps_the_error_it_states(changes)
@@ -124,23 +117,12 @@ NEUTRAL = {
 }
 
 
-def is_plain(*names):
+@pytest.mark.parametrize("names", [*([name] for name in NEUTRAL), list(NEUTRAL)], ids=" ".join)
+def test_neutral_values_leave_the_deck_and_the_problem_of_a_plain_scene(names):
     changes = {key: value for name in names for key, value in NEUTRAL[name].items()}
     like, plain = scene(**changes).problem(), scene().problem()
     assert like == plain
     assert (deck.render_deck(like), deck.render_data(like)) == (deck.render_deck(plain), deck.render_data(plain))
-
-
-@pytest.mark.parametrize("name", NEUTRAL)
-def test_a_neutral_value_leaves_the_deck_and_the_problem_of_a_plain_scene(name):
-    is_plain(name)
-
-
-@pytest.mark.slow
-@settings(max_examples=20)
-@given(st.lists(st.sampled_from(sorted(NEUTRAL)), min_size=1, unique=True))
-def test_neutral_values_leave_the_deck_and_the_problem_of_a_plain_scene(names):
-    is_plain(*names)
 
 
 def test_a_plain_scene_has_no_trace_of_ingredients():
