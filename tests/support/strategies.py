@@ -10,7 +10,6 @@ from lammps_inputs.limits.solids import impossible
 
 NAMES = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", fullmatch=True)
 
-POSITIVE = st.floats(1e-6, 1e6)
 
 MATERIALS = st.builds(
     Material,

@@ -143,7 +143,7 @@ def test_the_step_is_shorter_where_contacts_are_harder_or_damped_or_beads_differ
 
 @pytest.mark.slow
 @pytest.mark.parametrize("table", [VERLET, SUZUKI4], ids=lambda table: table.name)
-@pytest.mark.parametrize("kappa", [1.01, 3.0, 10.0, 100.0])
+@pytest.mark.parametrize("kappa", [1.01, 100.0])
 @pytest.mark.parametrize("chains", [2, 3])
 def test_the_rule_keeps_the_default_accuracy_where_springs_are_stiff(kappa, chains, table):
     stiff = scene(chains=chains, coupling={"stiffness": kappa}, duration=200.0, scheme=table.name)
