@@ -123,6 +123,7 @@ def test_what_holds_many_numbers_says_how_many_in_a_line(ran):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("pool_here")
 def test_a_sweep_is_a_table_as_array_and_as_pandas_if_that_is_there(tmp_path):
     what = {"scene": SCENE, "vary": {"kick.velocity": [1.0, 2.0]}, "engine": "reference"}
     found = api.sweep(what, tmp_path / "swept", jobs=1)
@@ -142,6 +143,7 @@ def test_what_a_name_holds_is_text_not_markup():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("lammps_here", "pool_here")
 def test_the_notebook_runs_and_its_saved_outputs_differ_by_numbers_only(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names = {}

@@ -227,6 +227,7 @@ def test_each_run_of_a_comparison_has_a_page_that_is_readable_in_dark_mode(ran, 
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("pool_here")
 def test_the_page_of_a_sweep_draws_any_column_over_any_other(tmp_path, look):
     what = {"scene": SCENE, "vary": {"coupling.stiffness": [0.01, 0.1, 1.0]}, "engine": "reference"}
     table = api.sweep(what, tmp_path / "swept", jobs=1, check=False)
