@@ -102,7 +102,8 @@ class _Running:
         if not (size.flat[worst] <= self.largest or np.isnan(self.largest)):  # NaN counts as largest
             self.largest = float(size.flat[worst])
             self.where = _place(block, worst)
-        self.squares += float(np.sum(difference * difference))
+        for square in np.sum(difference * difference, axis=(1, 2)).tolist():  # the order does not depend on blocks
+            self.squares += square
         self.count += difference.size
         if self.first is None and not self.largest <= self.tolerance:
             exceeding = ~(size <= self.tolerance)

@@ -263,16 +263,16 @@ class ForceMeter:
         forces = np.tile(static, (len(border), 1))
         forces[:, moving] = 0.0
         pressing = forces.copy() if gauge.damped else forces
+        impulse = np.zeros(len(chain))
         for curve in curves:
             single = curve.of(moving)
             at_borders = [np.full(len(moving), s) for s in border]
             forces[:, moving] += np.stack([single(s) for s in at_borders]) / len(curves)
             if gauge.damped:
                 pressing[:, moving] += np.stack([single.elastic(s) for s in at_borders]) / len(curves)
-            impulse = np.zeros(len(chain))
-            impulse[moving] = (single.integral(border) - curve.probe.static[chain[moving]]) * spacing / len(curves)
-            # term by term: the order must not depend on how many there are at once
-            np.add.at(self._impulse[:, place], chain, impulse)
+            impulse[moving] += (single.integral(border) - curve.probe.static[chain[moving]]) * spacing / len(curves)
+        # term by term: the order must not depend on how many there are at once
+        np.add.at(self._impulse[:, place], chain, impulse)
 
         def mean(entry: Integers, s: Floats) -> Floats:
             return np.asarray(sum(curve.of(entry)(s) for curve in curves)) / len(curves)

@@ -50,6 +50,12 @@ def test_a_run_does_not_differ_from_itself(run):
         assert (found[name].largest, found[name].rms, found[name].first) == (0.0, 0.0, None)
 
 
+def test_what_is_found_does_not_depend_on_where_blocks_begin(run):
+    other = engine.run(run.problem, scheme=VERLET, steps_per_frame=2)
+    whole, parts = (compared(other, run, sizes).deviations() for sizes in (None, [1, 64, 236]))
+    assert whole == parts
+
+
 @pytest.mark.slow
 @given(st.integers(0, 300), st.integers(1, 2), st.integers(1, 40), st.floats(2e-3, 1e3), st.sampled_from([-1.0, 1.0]))
 def test_one_wrong_number_is_found_where_it_is(run, frame, chain, bead, size, sign):
