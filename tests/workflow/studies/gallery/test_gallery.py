@@ -34,7 +34,8 @@ KNOWN = {
 """Statements that hold, do with a correction and do not, by entry; hard spheres are not elastic beads."""
 
 CHEAP = ("kicked-chain", "tapered")
-OWN = (*CHEAP, "collision", "wall", "landau-zener", "precompressed", "gravity")  # `granchain gallery` runs them all
+OWN = (*CHEAP, "collision", "dimer-resonance", "wall", "landau-zener", "precompressed", "gravity")
+"""`granchain gallery` runs all."""
 
 
 def only(names):
