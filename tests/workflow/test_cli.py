@@ -197,7 +197,6 @@ def test_a_spoiled_run_is_one_line_and_nothing_is_written(kind, a_run, capsys):
     ("place", "says"),
     [
         ("nowhere", "no such directory"),
-        ("", "not a run directory (it has no scene.yaml)"),
         ("run/scene.yaml", "no such directory"),
         ("x" * 300, "File name too long"),
     ],

@@ -8,9 +8,9 @@ from lammps_inputs import file_names
 from workflow.verdicts.validate import validate
 
 FRAMES = {"output": {"every": 0.1}, "duration": 16.0}
-DIMER = {"kinds": {"heavy": {}, "light": {"mass": 0.3428}}, "pattern": ["heavy", "light"], **FRAMES}
 SIZES = {"kinds": {"big": {}, "small": {"radius": 0.7}}, "pattern": ["big", "big", "small"], **FRAMES}
-PUSHED = {"push": {"peak": 0.8, "duration": 2.0, "shape": "half-sine", "bead": 2}, "kick": None, **FRAMES}
+PUSH = {"peak": 0.8, "duration": 2.0, "shape": "half-sine", "bead": 2}
+PUSHED = {"push": PUSH, "kick": None, "walls": {"right": "flat"}, **SIZES}
 
 
 def heavier(atoms, factor):
@@ -27,8 +27,8 @@ def heavier(atoms, factor):
 
 
 WRONG = {
-    "a kind of bead": (DIMER, heavier(range(2, 25, 2), 1.1), "beads of mass 0.3428 are 1.1 times as heavy as"),
-    "one bead": (DIMER, heavier([18], 1.3), "bead 6 of chain 2 is 1.3 times as heavy as"),
+    "a kind of bead": (SIZES, heavier(range(3, 25, 3), 1.1), "beads of mass 0.343 are 1.1 times as heavy as"),
+    "one bead": (SIZES, heavier([18], 1.3), "bead 6 of chain 2 is 1.3 times as heavy as"),
     "one bead of a plain scene": (
         FRAMES,
         substituted(r"(set group all mass 1.0.*\n)", r"\1set atom 6 mass 1.2\n"),
@@ -40,7 +40,7 @@ WRONG = {
         "contacts of strength 0.9075 are 1.102 times as strong as",
     ),
     "the push's peak": (
-        {**PUSHED, **DIMER, "walls": {"right": "flat"}},
+        PUSHED,
         substituted(r"(push1peak index) (\S+)", r"\1 0.9"),
         "the push is 1.15 times as strong as",
     ),
