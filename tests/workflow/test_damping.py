@@ -114,7 +114,7 @@ def test_peaks_of_a_damped_run_with_an_error_of_first_order_are_let_pass(tmp_pat
 
 @pytest.mark.slow
 def test_what_a_time_step_leaves_of_overdamped_beads_is_not_taken_for_their_masses(tmp_path: Path) -> None:
-    sticky = damped(damping=Damping(contact=20.0, law="viscoelastic"), beads=10, duration=12.0, timestep=1e-3)
+    sticky = damped(damping=Damping(contact=20.0, law="viscoelastic"), beads=10, duration=12.0, timestep=2e-3)
     found = validate(run(sticky, tmp_path / "run", check=False).directory)
     assert found.exceeded("velocity")
     assert found.causes == ()

@@ -13,6 +13,7 @@ from typing import TypedDict, Unpack
 
 from analysis.trajectory import Measured, Trajectory
 from lammps_inputs import InputError, Scene, file_names, html
+from workflow.cluster import MEMORY
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
@@ -24,9 +25,6 @@ from workflow.runs.files import write_text
 from workflow.runs.own_files import prepared, refuse_links, refuse_unusable, replacing
 from workflow.runs.run_directory import RunDirectory, fingerprint, provenance, results
 from workflow.runs.size import refuse_beforehand, refuse_too_long
-
-LAMMPS_BYTES = 1000
-"""Of memory, a bead; measured."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +112,7 @@ def run(
     refuse(scene, path, engine=engine, ranks=ranks, overwrite=overwrite)
     refuse_beforehand(scene, scene.name, what, ranks)
     if what is LAMMPS:
-        refuse_too_large(scene, scene.name, LAMMPS_BYTES, "LAMMPS")
+        refuse_too_large(scene, scene.name, MEMORY, "LAMMPS")
     scene, found_settings = settle(scene, source=scene.name, force=force, own_step=what.own_step)
     settings = found_settings or settings
     if settings is not None and not what.own_step and not settings.asked:
