@@ -183,10 +183,14 @@ def test_springs_between_chains_and_to_the_ground_are_told_apart():
     )
 
 
-def test_of_a_long_run_every_so_manieth_frame_counts_wherever_blocks_end():
-    problem = of_keys(**{**PLAIN, "duration": 120.0})
+@pytest.mark.parametrize("duration", [120.0, 120.1])
+def test_of_a_long_run_every_so_manieth_frame_and_the_last_count_wherever_blocks_end(duration):
+    problem = of_keys(**{**PLAIN, "duration": duration})
     account = account_of(problem, lambda t: (0.0 * t, 0.0 * t), (100, 101, 700))
-    assert account.time.tolist() == (np.arange(0, 1201, 3) * problem.every).tolist()
+    counted = sorted({*range(0, 1201, 3), problem.frames})
+    assert account.time.tolist() == (np.array(counted) * problem.every).tolist()
+    assert account.energy_input[-1] == pytest.approx(0.5 + 0.7 * duration)
+    assert "cut short" not in budget_figure(problem, account).get_suptitle()
 
 
 @pytest.mark.parametrize("si", [False, True])
@@ -226,11 +230,3 @@ def test_the_drift_is_in_shares_of_the_most_that_was_put_in(cuts):
     time = np.arange(problem.frames + 1) * problem.every
     missing = 2.0 + 0.5 * time - (0.5 + 0.7 * time)
     assert drift == pytest.approx(np.max(missing) / (0.5 + 0.7 * 5.0))
-
-
-def test_the_last_frame_counts_though_it_is_none_of_these():
-    problem = of_keys(**{**PLAIN, "duration": 120.1})
-    account = account_of(problem, lambda t: (0.0 * t, 0.0 * t), (100, 101, 1201))
-    assert account.time.tolist() == (np.append(np.arange(0, 1201, 3), 1201) * problem.every).tolist()
-    assert account.energy_input[-1] == pytest.approx(0.5 + 0.7 * problem.duration)
-    assert "cut short" not in budget_figure(problem, account).get_suptitle()

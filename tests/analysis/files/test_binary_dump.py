@@ -92,15 +92,6 @@ def test_displacements_are_exactly_zero_and_velocities_the_kicks_at_the_start(se
     np.testing.assert_array_equal(first.velocity[0], physics.initial_velocity(TWO.problem().system))
 
 
-def test_times_are_multiples_of_the_cadence_to_the_last_bit(serial: Path) -> None:
-    problem = TWO.problem()
-    np.testing.assert_array_equal(whole(problem, serial).time, np.arange(41) * problem.every)
-
-
-def test_momentum_of_what_is_read_is_that_of_the_kick(serial: Path) -> None:
-    np.testing.assert_allclose(whole(TWO.problem(), serial).velocity.sum(axis=(1, 2)), 1.0, rtol=1e-13)
-
-
 def test_two_ranks_write_two_chunks_and_read_like_one(serial: Path, parallel: Path) -> None:
     raw = parallel.read_bytes()
     chunks = struct.unpack_from("<i", raw, raw.index(b"id x vx") + 7)

@@ -12,7 +12,6 @@ from stock_lammps import lammps, run, scene
 import analysis.mda.formats as formats
 import lammps_inputs
 from analysis import trajectory
-from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import atom_ids, blocks, rest_positions
 from lammps_inputs import Output, Scene, file_names
 from lammps_inputs.decks import deck
@@ -200,14 +199,6 @@ def test_the_reader_is_a_context_manager_and_knows_its_atoms(directory: Path) ->
 
 
 # damage
-
-
-def test_a_cut_dump_opens_with_a_warning_and_its_whole_frames(directory: Path, tmp_path: Path) -> None:
-    path = tmp_path / "cut.bin"
-    path.write_bytes((directory / file_names.DUMP).read_bytes()[:-1])
-    with pytest.warns(CutDumpWarning, match=r"cut\.bin: ends within a frame; the 60 complete frames"):
-        universe = mda.Universe(directory / file_names.DATA, path)
-    assert len(universe.trajectory) == 60
 
 
 @pytest.mark.filterwarnings(r"ignore:Exception ignored in. <function ReaderBase.__del__")  # of MDAnalysis's ChainReader

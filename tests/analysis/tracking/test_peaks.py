@@ -11,9 +11,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 from synthetic_waves import of_keys, problem, reference
 
-from analysis.conservation import Conservation
 from analysis.quantity import csv_of
-from analysis.sharing.impulses import measure
 from analysis.tracking.brackets import DOUBT, MARGIN, unfollowed
 from analysis.tracking.leading_waves import from_csv, leading_waves
 from analysis.tracking.peaks import PeakFinder, Peaks, find_peaks, in_mirror, sharp
@@ -56,25 +54,6 @@ def test_maxima_are_the_same_bit_for_bit_wherever_the_blocks_are_cut(fine, place
     found = [watch(PeakFinder(first_only=first_only), pieces).result() for pieces in ([run], cut(run, places))]
     for field in fields(Peaks):
         assert np.array_equal(getattr(found[0], field.name), getattr(found[1], field.name), equal_nan=True), field.name
-
-
-@settings(max_examples=25, deadline=None)
-@given(st.lists(st.integers(1, 400), max_size=12))
-def test_energy_is_the_same_bit_for_bit_wherever_the_blocks_are_cut(fine, places):
-    run = thinned(fine, 20)
-    whole, parts = (watch(Conservation(), pieces) for pieces in ([run], cut(run, places)))
-    for name in ("energy_drift", "momentum_drift", "front"):
-        assert getattr(whole, name) == getattr(parts, name), name
-
-
-@settings(max_examples=15, deadline=None)
-@given(st.lists(st.integers(1, 400), max_size=12))
-@pytest.mark.slow
-def test_impulses_are_the_same_bit_for_bit_wherever_the_blocks_are_cut(fine, places):
-    run = thinned(fine, 20)
-    whole, pieces = (measure(run.problem, parts) for parts in ([run], cut(run, places)))
-    for name in ("first", "whole", "time"):
-        assert np.array_equal(getattr(whole, name), getattr(pieces, name), equal_nan=True), name
 
 
 def test_maxima_do_not_depend_on_how_times_were_rounded(fine):
