@@ -186,7 +186,7 @@ def test_springs_between_chains_and_to_the_ground_are_told_apart():
 @pytest.mark.parametrize("duration", [120.0, 120.1])
 def test_of_a_long_run_every_so_manieth_frame_and_the_last_count_wherever_blocks_end(duration):
     problem = of_keys(**{**PLAIN, "duration": duration})
-    account = account_of(problem, lambda t: (0.0 * t, 0.0 * t), (100, 101, 700))
+    account = account_of(problem, lambda t: (0.0 * t, 0.0 * t), (100, 101, 1200))
     counted = sorted({*range(0, 1201, 3), problem.frames})
     assert account.time.tolist() == (np.array(counted) * problem.every).tolist()
     assert account.energy_input[-1] == pytest.approx(0.5 + 0.7 * duration)
