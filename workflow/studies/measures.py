@@ -1,5 +1,6 @@
 """What is known of a scene once it has run, by the names of a sweep's table; from the reference, or from any frames."""
 
+import dataclasses
 import json
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -25,7 +26,7 @@ from workflow.engines.reference.energy_exchange import Accountant
 from workflow.prepare.extent import with_duration
 from workflow.sweep import fields
 from workflow.sweep.collect import QUANTITIES, quantities
-from workflow.verdicts.analysis_report import REPORT, ChainSummary, report
+from workflow.verdicts.analysis_report import REPORT, ChainSummary, Report, report
 from workflow.workers import evaluate
 
 MASS = "mass"
@@ -37,13 +38,16 @@ _METERS: dict[str, type[FarEnd | EnergyFlow]] = {"far_end": FarEnd, "energy": En
 _METERED = {name: q.path[0] for name, q in QUANTITIES.items() if q.path[0] in _METERS}
 _AT_THE_END = tuple(name for name, part in _METERED.items() if part == "far_end")
 
+_MEASURED = {*_METERS, "kicked", *(field.name for field in dataclasses.fields(Report))}
+"""Parts of a report that `of_frames` finds; the others need a run directory."""
+
 KNOWN = (
     MASS,
     *_AT_THE_END,
     *(
         name
         for name, q in QUANTITIES.items()
-        if q.file == REPORT and q.label and name not in _AT_THE_END and q.path[0] != "spectra"
+        if q.file == REPORT and q.label and name not in _AT_THE_END and q.path[0] in _MEASURED
     ),
 )
 """Quantities that a design may be about."""

@@ -5,8 +5,9 @@ import math
 
 import pytest
 
-from lammps_inputs import strict_yaml
+from lammps_inputs import InputError, strict_yaml
 from workflow.cli import main
+from workflow.studies import measures
 from workflow.studies.threshold.bracket import Axis, crossings, wanted
 
 pytestmark = pytest.mark.usefixtures("pool_here")
@@ -135,3 +136,9 @@ def test_a_mass_is_found_exactly_and_a_second_field_makes_a_curve_with_a_figure(
 def test_no_threshold_is_one_line_and_exit_code_1(where, says, tmp_path, capsys):
     assert asked(tmp_path, *BY_MASS, "--where", where, scene=STRUCK) == (1, [])
     assert says in capsys.readouterr().out.splitlines()
+
+
+@pytest.mark.parametrize("name", ["in_resonators", "permanent", "residual_energy"])
+def test_a_quantity_that_only_the_analysis_of_a_run_directory_finds_is_refused(name):
+    with pytest.raises(InputError, match=f"'{name}' is no quantity; known are mass, wall_force"):
+        measures.refuse_unknown(name, "--quantity", "quantity")
