@@ -178,23 +178,20 @@ kicks, drifts, h = scheme
 FOLLOW = '''
 @compiled
 def follow(state, p, scheme, first_step, steps, threshold, passing):
-    """Take some steps and note the first maximum of every bead; the largest |velocity| of a row that was let go."""
+    """Take some steps and note the first maximum of every bead."""
     {parameters}
     {unpacked}
     arrival, peak, a, a_before, v_before = passing
-    let_go = 0.0
     {velocities}
     {before}
     for number in range(first_step, first_step + steps):
-        tail, time = span[0], number * h
-        for k in range(uint64(tail * chains), uint64((span[1] + 1) * chains)):
+        time = number * h
+        for k in range(uint64(span[0] * chains), uint64((span[1] + 1) * chains)):
             v_before[k] = {actual}[k]
             a_before[k] = a[k]
         span[3] = 1
         {step}
         {velocities}
-        for k in range(tail * chains, span[0] * chains):
-            let_go = max(let_go, abs({actual}[k]))
         time = (number + 1) * h
         low, high = uint64(span[0] * chains), uint64((span[1] + 1) * chains)
         {press}
@@ -211,7 +208,6 @@ def follow(state, p, scheme, first_step, steps, threshold, passing):
                 if top > threshold:
                     arrival[k] = time - h + part * h
                     peak[k] = top
-    return let_go
 '''
 
 DRIFT = """
