@@ -232,6 +232,38 @@ class Sharing:
         amplitude = self.of_tied(self.amplitude)[half:]
         return int(self.bead[half]), float(np.min(amplitude)), float(np.max(amplitude))
 
+    def expected_agreement(self, tolerance: float) -> Estimate | None:
+        """Bead from which on the amplitudes may be expected to agree, by the decay of the last few beats' mismatch.
+
+        The uncertainty is the difference to what the last two half beats alone say, or, if only two were seen, half the
+        distance still to go; at least half a beat and 5% of that distance, and what follows from a top that lies up to
+        half a bead beside a recorded one. None without two whole half beats, or if the beats do not decay.
+        """
+        tops = self._tops()
+        if len(tops) < 2:
+            return None
+        estimates = [_extrapolated(tops[-count:], tolerance) for count in (2, 3)]
+        if estimates[0] is None or estimates[1] is None:
+            return None
+        value = max(estimates[1], float(tops[-1, 0]))
+        other = abs(estimates[0] - value) if len(tops) > 2 else 0.5 * abs(value - float(tops[-1, 0]))
+        ahead, span = value - float(tops[-1, 0]), float(np.ptp(tops[-3:, 0]))
+        half = float(self.half_beat or 0.0)
+        missed = 1.0 - math.cos(0.5 * math.pi / max(1.0, half))
+        decay = span / max(math.log(tops[-3:, 1].max() / tops[-1, 1]), 1e-9)
+        beside = missed * min(decay, value) * (1.0 + ahead / span)
+        return Estimate(value, max(other, 0.05 * ahead + half + beside))
+
+    def _tops(self) -> Floats:
+        """[half beat, (bead, mismatch)] where the mismatch is largest between two changes of sign."""
+        rows = []
+        for low, high in zip(self.beats[:-1], self.beats[1:], strict=True):
+            inside = np.flatnonzero((self.bead >= low) & (self.bead <= high))
+            if len(inside):
+                top = inside[np.argmax(self.mismatch[inside])]
+                rows.append((float(self.bead[top]), float(self.mismatch[top])))
+        return np.array(rows).reshape(-1, 2)
+
 
 def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
     """The leading waves of a run side by side; those that run towards higher numbers, ahead of the kicked bead.
@@ -332,3 +364,9 @@ def dissipates(system: System) -> bool:
     """Whether contacts or beads lose energy, or contacts yield, so that every pulse decays as long as it runs."""
     along, _, ground, _ = physics.dashpot_names(system)
     return along is not None or ground is not None or bool(physics.remembering(system))
+
+
+def _extrapolated(tops: Floats, tolerance: float) -> float | None:
+    """Bead at which an exponential through (bead, mismatch) rows reaches a tolerance; None if it does not fall."""
+    slope, intercept = np.polyfit(tops[:, 0], np.log(tops[:, 1]), 1)
+    return float((np.log(tolerance) - intercept) / slope) if slope < 0.0 else None

@@ -210,7 +210,7 @@ class Equipartition:
     since: int | None = declare("bead from which on amplitudes and arrivals agree to 1 %", undefined="they do not")
     expected: Estimate | None = declare(
         "bead from which on amplitudes are expected to agree to 1 %",
-        undefined="the run is long enough to show agreement or beats, or no rule is known for such a scene",
+        undefined="they agree already, or no rule is known for such a scene",
     )
     amplitudes: dict[str, int | None] = declare(
         "bead from which on the difference of the chains' amplitudes, (largest - smallest) / mean, stays below 0.1, "

@@ -137,6 +137,14 @@ def test_a_known_beat_is_measured_within_its_scatter(beat, level, decay):
     assert found.uncertainty < 0.01 * beat
 
 
+@settings(max_examples=50)
+@given(st.floats(12.0, 40.0), st.floats(20.0, 50.0))
+def test_agreement_is_foretold_within_its_uncertainty(beat, decay):
+    whole, cut = (beating(0.36, beat, decay, last) for last in (400, 100))
+    agreed, expected = whole.agrees_from(0.01), cut.expected_agreement(0.01)
+    assert abs(expected.value - agreed) <= expected.uncertainty
+
+
 def test_agreement_needs_half_a_beat_to_count():
     shared = beating(0.36, 40.0, 1e9, 70)
     near_zero = shared.mismatch < 0.1
@@ -175,6 +183,12 @@ def test_verdict(chains, kappa, beads, duration, state):
     verdict = surveyed(reference(chains, kappa, beads, duration)).verdict
     assert verdict.state is state
     assert verdict.sentence.startswith(state.value)
+
+
+@pytest.mark.parametrize(("beads", "duration"), [(60, 85.0), (50, 75.0), (40, 62.0)])
+def test_a_run_that_ended_early_foretells_the_bead_of_agreement_within_its_uncertainty(beads, duration):
+    expected = surveyed(reference(2, 0.1, beads, duration)).verdict.expected
+    assert abs(expected.value - 62) <= expected.uncertainty
 
 
 def test_verdict_knows_since_when_amplitudes_and_arrivals_agree():
