@@ -8,9 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import yaml
-
-from lammps_inputs import InputError, file_names, library
+from lammps_inputs import InputError, file_names, library, strict_yaml
 from lammps_inputs.slurm.job import render_command
 from lammps_inputs.slurm.site import JobOptions
 from workflow.runs.files import write_text
@@ -182,9 +180,14 @@ def second_field(text: str | None) -> SecondField:
         return NO_SECOND_FIELD
     field, places = split(text, "--over", "chains=2,3,4")
     try:
-        values = tuple(yaml.safe_load(f"[{places}]"))
-    except yaml.YAMLError:
-        values = ()
-    if not values or len(set(map(str, values))) < len(values):
+        values = tuple(map(_hashable, strict_yaml.parse(f"values: [{places}]", "--over")["values"]))
+        count = len(set(values))
+    except (InputError, TypeError):  # a mapping, too, is no value
+        values, count = (), 0
+    if not count or count < len(values):
         raise InputError(f"--over: {places!r} given; different values with commas between, such as chains=2,3,4")
     return SecondField(field, values)
+
+
+def _hashable(value: Any) -> Any:
+    return tuple(map(_hashable, value)) if isinstance(value, list) else value

@@ -126,6 +126,23 @@ def test_a_mass_is_found_exactly_and_a_second_field_makes_a_curve_with_a_figure(
     assert (tmp_path / "found" / "threshold.png").is_file()
 
 
+def test_values_of_a_second_field_are_read_as_those_of_a_scene_lists_too(tmp_path):
+    kinds = {**STRUCK, "kinds": {"a": {"mass": 1.0}, "b": {"mass": 2.0}}, "pattern": ["a", "b"]}
+    words = ["--where", "mass=36", "--vary", "striker.mass=0.5:20", "--points", "3"]
+    _, found = asked(tmp_path, *words, "--over", "pattern=[b, a],[a, a, b]", scene=kinds)
+    for one, mass in zip(found, (36.0 - 12.0 - 2.0 * 11.0, 36.0 - 15.0 - 2.0 * 8.0), strict=True):
+        assert float(one["low"]) <= mass <= float(one["high"])
+    _, found = asked(tmp_path, *words, "--over", "kinds.b.mass=2,1e0", scene=kinds)
+    assert [one["over"] for one in found] == ["2", "1.0"]
+
+
+def test_the_reason_for_no_threshold_is_that_of_the_same_value_of_the_second_field(tmp_path, capsys):
+    asked(tmp_path, *BY_MASS, "--where", "agree_1=3", "--over", "beads=24.5,24", scene=STRUCK)
+    refused, undefined = capsys.readouterr().out.splitlines()[:2]
+    assert refused.endswith("chain.yaml: beads: should be a whole number, 24.5 given)")
+    assert undefined.endswith("at beads = 24")
+
+
 @pytest.mark.parametrize(
     ("where", "says"),
     [

@@ -91,8 +91,8 @@ def statistics(values: Sequence[float | None], precision: float) -> Statistics:
         error = deviation / math.sqrt(count)
         interval = NORMAL * error
         if mean != 0.0:
-            one = (NORMAL * deviation / (precision * mean)) ** 2
-            needed = max(1, math.ceil(one * len(values) / count))
+            one = max(2.0, (NORMAL * deviation / (precision * mean)) ** 2)
+            needed = math.ceil(one * len(values) / count)
     q2_5, q16, q50, q84, q97_5 = np.quantile(found, (0.025, 0.16, 0.5, 0.84, 0.975)).tolist()
     return Statistics(count, undefined, mean, error, interval, deviation, q2_5, q16, q50, q84, q97_5, needed)
 

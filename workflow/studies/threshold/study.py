@@ -118,13 +118,13 @@ class Found:
         question: what was asked.
         thresholds: all places, by the second field and the field.
         points: all computed scenes, in that order.
-        refused: why the first scene that could not be computed is none; empty if all could.
+        refused: value of the second field -> why its first scene that could not be computed is none.
     """
 
     question: Question
     thresholds: list[Threshold]
     points: list[Point]
-    refused: str
+    refused: dict[Any, str]
 
     def plain(self) -> dict[str, Any]:
         """For scripts."""
@@ -141,12 +141,12 @@ class Found:
     def missing(self, over: Any) -> str:
         """Why there is no threshold at a value of the second field, in one line."""
         asked = self.question
-        at = f" at {asked.over.name} = {over}" if asked.over.name else ""
+        at = f" at {asked.over.name} = {cell(over)}" if asked.over.name else ""
         values = [point.quantity for point in self.points if point.over == over]
         found = [value for value in values if value is not None]
         where = f"at {len(values)} values of {asked.field} from {asked.axis.low:g} to {asked.axis.high:g}{at}"
         if not found:
-            refused = f" ({self.refused})" if self.refused else ""
+            refused = f" ({self.refused[over]})" if over in self.refused else ""
             return f"no threshold: {asked.quantity} is undefined {where}{refused}"
         undefined = f", undefined at {len(values) - len(found)}" if len(found) < len(values) else ""
         return (
@@ -177,7 +177,7 @@ def carry_out(question: Question, directory: Path, jobs: int | None = None) -> F
     axis, level = question.axis, question.level
     known: dict[Any, dict[float, float | None]] = {over: {} for over in question.over.values}
     errors: dict[tuple[Any, float], float | None] = {}
-    refused: list[str] = []
+    refused: dict[Any, str] = {}
     with STUDY.evaluating(directory, jobs) as evaluated:
         while plan := [(over, x) for over, values in known.items() for x in wanted(values, axis, level)]:
             answers = evaluated([question.case(over, x) for over, x in plan])
@@ -185,7 +185,8 @@ def carry_out(question: Question, directory: Path, jobs: int | None = None) -> F
                 quantities = value.get("quantities", {})
                 known[over][x] = quantities.get(question.quantity)
                 errors[over, x] = quantities.get(question.uncertainty)
-                refused += [value["refused"]] if "refused" in value else []
+                if "refused" in value:
+                    refused.setdefault(over, value["refused"])
         found = Found(
             question,
             [
@@ -194,7 +195,7 @@ def carry_out(question: Question, directory: Path, jobs: int | None = None) -> F
                 for one in crossings(values, axis, level)
             ],
             [Point(over, x, quantity) for over, values in known.items() for x, quantity in sorted(values.items())],
-            "".join(refused[:1]),
+            refused,
         )
         tables = {TABLE: to_csv(Threshold, found.thresholds), POINTS: to_csv(Point, found.points)}
         STUDY.write(directory, tables, {FIGURE: _figure(found)})
