@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from lammps_inputs import strict_yaml
@@ -165,7 +166,7 @@ def _path(detail: ErrorDetails, model: type[BaseModel]) -> list[int | str]:
     at: type[BaseModel] | None = model
     by_name = False  # whether what follows is a name of the user's
     for position, part in enumerate(detail["loc"]):
-        named = {field.alias or name: field for name, field in at.model_fields.items()} if at else {}
+        named = _keys(at)
         unknown = detail["type"] == "extra_forbidden" and position == len(detail["loc"]) - 1
         own = at is not None and at.model_config.get("extra") == "allow"
         if isinstance(part, int) or by_name or part in named or unknown or own:
@@ -186,7 +187,8 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     context = detail.get("ctx", {})
     if kind == "extra_forbidden":
         known = _known_beside(model, path)
-        return f"{key}: unknown key{suggestion(str(path[-1]), known) or f'; known here: {_listed(known)}'}"
+        meant = suggestion(str(path[-1]), known) or _elsewhere(path, model)
+        return f"{key}: unknown key{meant or f'; known here: {_listed(known)}'}"
     if kind == "missing":
         return f"{key}: is missing"
     if key == "window":
@@ -202,13 +204,26 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     if kind in ("int_type", "int_from_float") and isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
         return f"{key}: {given} given; write it as a whole number without a point or exponent, {int(value)}"
     message = _PLAIN.get(kind, detail["msg"].removeprefix("Input "))
-    if kind == "literal_error" and isinstance(value, str):
-        message += suggestion(value, re.findall(r"'([^']*)'", context["expected"]))
+    if kind == "literal_error":
+        message = message.replace("True", "true") + _or_pairs(path, model)
+        message += suggestion(str(value), re.findall(r"'([^']*)'", context["expected"]))
     example = _example(path, model) if message == _PAIRS else ""
     if example:
         return f"{key}: {message}, such as `{example}`, {given} given"
     return f"{key}: {message}, {given} given"
 
+
+def _elsewhere(path: list[int | str], model: type[BaseModel]) -> str:
+    """Of an unknown key the parts that have it, in brackets, if these are few; empty if there are none."""
+    word, first = str(path[-1]), _keys(model)
+    parts = [name for name, field in first.items() if "dict[" not in str(field.annotation)]
+    found = [f"{name}.{word}" for name in parts if word in _keys(model_in(first[name].annotation))]
+    found = ([word] if word in first and len(path) > 1 else []) + found
+    return f" (did you mean {' or '.join(f'`{one}`' for one in found)}?)" if 0 < len(found) <= _FEW else ""
+
+
+_FEW = 6
+"""Parts among which a user can choose."""
 
 _PAIRS = "should hold `key: value` pairs"
 
@@ -229,6 +244,13 @@ def _example(path: list[int | str], model: type[BaseModel]) -> str:
     example = getattr(_model_at(model, path), "example", "")
     words = [part for part in path if isinstance(part, str)]
     return f"{words[-1]}: {example}" if example and words else ""
+
+
+def _or_pairs(path: list[int | str], model: type[BaseModel]) -> str:
+    """The keys of the pairs that may stand in place of a word; empty if none may."""
+    field = _keys(_model_at(model, path[:-1])).get(str(path[-1]))
+    known = _keys(model_in(field.annotation)) if field else {}
+    return f", or hold pairs, `{{{', '.join(known)}}}`" if known else ""
 
 
 def _key(path: list[int | str]) -> str:
@@ -253,6 +275,8 @@ _ROOM = 120
 
 
 def _short(value: Any) -> str:
+    if value is None or isinstance(value, bool):
+        return {None: "nothing", True: "true", False: "false"}[value]
     try:
         text = repr(value)
     except ValueError:  # an integer too long to print
@@ -270,7 +294,12 @@ def _model_at(model: type[BaseModel], path: list[int | str]) -> type[BaseModel]:
 
 def _known_beside(model: type[BaseModel], path: list[int | str]) -> list[str]:
     """The keys that may stand where the last one of a path does."""
-    return [field.alias or name for name, field in _model_at(model, path[:-1]).model_fields.items()]
+    return list(_keys(_model_at(model, path[:-1])))
+
+
+def _keys(model: type[BaseModel] | None) -> dict[str, FieldInfo]:
+    """The fields of a model by their keys in a file; none without a model."""
+    return {field.alias or name: field for name, field in model.model_fields.items()} if model else {}
 
 
 def model_in(annotation: Any) -> type[BaseModel] | None:

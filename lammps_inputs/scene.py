@@ -320,8 +320,11 @@ class BaseScene(Part):
             )
         if self.duration is not None and every > self.duration * (1.0 + 1e-9):
             found.append(
-                f"output.every: {every:g} is longer than the duration of {self.duration:g}, and the run as long"
+                f"output.every: {every:g} is longer than the duration of {self.duration:g}; "
+                f"the run lasts {every:g} and records its start and its end only"
             )
+        if self.in_units_of_time:
+            found.append(f"duration in s? {self.in_units_of_time}")
         return found
 
     @property

@@ -94,6 +94,9 @@ for _tag, _pattern, _first in (
         _class.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"^(?:{_pattern})$"), list(_first))
 
 
+_KINDS = {str: "text", list: "a list", int: "a number", float: "a number"}
+
+
 def parse(text: str, source: str, needed: str = "") -> dict[str, Any]:
     """The mapping that a YAML text holds.
 
@@ -110,9 +113,7 @@ def parse(text: str, source: str, needed: str = "") -> dict[str, Any]:
     try:
         data = yaml.load(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
-        line = "" if error.problem_mark is None else f"line {error.problem_mark.line + 1}: "
-        what = ", ".join(part for part in (error.context, error.problem) if part)
-        raise InputError(f"{source}: {line}{what}") from None
+        raise InputError(f"{source}: {_misread(error)}") from None
     except yaml.YAMLError as error:
         raise InputError(f"{source}: {error}") from None
     except RecursionError:
@@ -122,8 +123,31 @@ def parse(text: str, source: str, needed: str = "") -> dict[str, Any]:
     if data is None:
         raise InputError(f"{source}: is empty{'; ' * bool(needed)}{needed}")
     if not isinstance(data, dict):
-        raise InputError(f"{source}: holds a {type(data).__name__}, not `key: value` lines")
+        raise InputError(f"{source}: holds {_KINDS.get(type(data), 'a value')}, not `key: value` lines")
     return data
+
+
+_LEVEL = "keys of one part have the same indentation"
+
+_ADVICE = {
+    "expected ':'": "write `key: value`, with a space after the colon",
+    "expected ',' or": "close the bracket of line {line}, and separate entries by commas",
+    "'\\t' that cannot start": "indent with spaces",
+    "mapping values are not allowed": _LEVEL,
+    "expected <block end>": _LEVEL,
+}
+"""What to do, by what PyYAML says, and the line where that began."""
+
+
+def _misread(error: yaml.MarkedYAMLError) -> str:
+    """The line, what cannot be read, and what to do."""
+    what = ", ".join(part for part in (error.context, error.problem) if part)
+    advice = [advice for part, advice in _ADVICE.items() if part in what][:1]
+    began, mark = error.context_mark, error.problem_mark
+    if "expected ':'" in what:
+        mark = began  # what follows is the next line
+    line = "" if mark is None else f"line {mark.line + 1}: "
+    return line + "; ".join([what, *(text.format(line=began.line + 1 if began else "") for text in advice)])
 
 
 def load(path: Path, needed: str = "") -> dict[str, Any]:

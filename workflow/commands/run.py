@@ -166,10 +166,6 @@ def _seconds(text: str) -> float:
     return value
 
 
-def _size(error: float) -> str:
-    return "-" if math.isnan(error) else f"{error:.1e}"
-
-
 def _checked(check: Check, problem: Problem) -> str:
     """The run's error in one line, in the dimensionless units that it does not depend on the scene for."""
     near = " in the front half of the window" if problem.window is not None else ""
@@ -177,8 +173,10 @@ def _checked(check: Check, problem: Problem) -> str:
     if check.where is not None and check.where.time is not None:
         time = problem.scale.written(check.where.time, "time", ".5g")
         where = f" (bead {check.where.bead} of chain {check.where.chain}, t = {time})"
-    return (
-        f"error{near}: velocities {check.velocity:.1e} V{where}, peaks {_size(check.amplitude)} V, "
-        f"arrivals {_size(check.arrival)} T; "
-        f"uncertainty of the reference {check.reference.velocity:.1e} V, {check.reference.arrival:.1e} T"
-    )
+    found = [f"velocities {check.velocity:.1e} V{where}"]
+    found += [f"peaks {check.amplitude:.1e} V"] if math.isfinite(check.amplitude) else []
+    uncertainty = f"{check.reference.velocity:.1e} V"
+    if math.isfinite(check.arrival):
+        found.append(f"arrivals {check.arrival:.1e} T")
+        uncertainty += f", {check.reference.arrival:.1e} T"
+    return f"error{near}: {', '.join(found)}; uncertainty of the reference {uncertainty}"

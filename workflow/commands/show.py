@@ -3,7 +3,7 @@
 import argparse
 
 from lammps_inputs import library, physics, strict_yaml
-from workflow.prepare.settings import settle
+from workflow.prepare.settings import settle, unstable
 from workflow.runs.size import size_of, too_large
 from workflow.screen import Answer
 
@@ -30,7 +30,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     print(f"# {problem.chains * problem.beads} beads; {size.sentence()} in LAMMPS on one core")
     if above := too_large(scene, size):
         print(f"# warning: `granchain run` refuses {above}")
-    for why in scene.unlikely:
+    for why in filter(None, [unstable(scene), *scene.unlikely]):
         print(f"# warning: {why}")
     if settings is not None:
         print(f"# {settings.sentence(problem)}")

@@ -140,14 +140,21 @@ def refuse_unstable(scene: Scene, source: str = "") -> None:
     Raises:
         InputError: the scene names a time step above the stability bound.
     """
+    if why := unstable(scene):
+        raise InputError(f"{f'{source}: ' if source else ''}{why}")
+
+
+def unstable(scene: Scene) -> str:
+    """Why the time step that a scene names is unstable; empty where it is stable or none is named."""
     if scene.timestep is None:
-        return
+        return ""
     scale = scene.scale
     problem = scene.model_copy(update={"until_bead": None, "duration": scale.time, "window": None}).problem()
     bound = stability_bound(problem.system, problem.scheme)
-    if problem.timestep > bound * (1.0 + 1e-9):
-        raise InputError(
-            f"{f'{source}: ' if source else ''}timestep: {scene.timestep:g}{scale.after('time')} is unstable, "
-            f"above the bound of {scale.written(bound, 'time', '.3g')}; leave it out for an accuracy of "
-            f"{DEFAULT_ACCURACY:g} V; --force of run and deck allows it, for study"
-        )
+    if problem.timestep <= bound * (1.0 + 1e-9):
+        return ""
+    return (
+        f"timestep: {scene.timestep:g}{scale.after('time')} is unstable, "
+        f"above the bound of {scale.written(bound, 'time', '.3g')}; leave it out for an accuracy of "
+        f"{DEFAULT_ACCURACY:g} V; --force of run and deck allows it, for study"
+    )

@@ -330,6 +330,11 @@ def test_a_step_above_the_stability_bound_is_refused_in_one_line_before_anything
     assert not out.exists()
 
 
+def test_show_warns_of_a_step_above_the_stability_bound(tmp_path, capsys):
+    assert main(["show", str(written(tmp_path, beyond(1.01)))]) == 0
+    assert "# warning: timestep: " in capsys.readouterr().out
+
+
 def test_the_bound_is_told_in_the_units_of_the_scene():
     with pytest.raises(InputError, match=r"timestep: 1\.\d+e-05 s is unstable, above the bound of 9\.6\d*e-06 s"):
         settle(beyond(1.5, find("two-chains-steel")))

@@ -232,6 +232,8 @@ def test_the_error_is_told_with_its_bead_and_time_in_the_scenes_units(material):
         f"error: velocities 1.6e-04 V (bead 7 of chain 2, t = {160.0 * problem.scale.time:.5g}{second}), "
         "peaks 6.3e-06 V, arrivals 5.7e-04 T; uncertainty of the reference 8.5e-06 V, 2.9e-05 T"
     )
+    unseen = _checked(Check(1.6e-4, None, np.nan, np.nan, uncertainty, 0.0), problem)
+    assert unseen == "error: velocities 1.6e-04 V; uncertainty of the reference 8.5e-06 V"
 
 
 # --- what it is measured against, with uncertainties made up, and the exchange that frames get ------------------------
