@@ -108,8 +108,7 @@ class Link:
     def damping_rate(self, displacement: Floats, velocity: Floats, acceleration: Floats, first: int = 1) -> Floats:
         """How fast that force changes, but for jumps."""
         law, s = self._seen(displacement, first), self.strain(displacement)
-        growth = law.growth(s, *law) * self.rate(velocity) ** 2  # type: ignore[attr-defined]
-        return np.asarray(dashpot.resistance(law, s) * self.rate(acceleration) + growth)
+        return np.asarray(dashpot.change(law, s, self.rate(velocity), self.rate(acceleration)))
 
     def given(self, displacement: Floats, first: int = 1) -> Floats:
         """What each dashpot has given in time since there was no strain, but for tension that was cut."""

@@ -54,20 +54,31 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
     at = np.stack([start, np.minimum(start + 1, block.frames - 1)])  # [frame, bead], as what is made with it
     x, v = (values[at, chain, bead] for values in (block.displacement, block.velocity))
     off = np.zeros((2, len(start)))
+    loss: Any = physics.contact_loss(system)
     for side in (-1, 1):
         there = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
         other, contact = np.where(there, bead + side, bead), np.minimum(place, place + side)
         overlap = side * (x - block.displacement[at, chain, other]) - physics.gap(system)
         overlap += motion.rest_overlap(system, chain, contact)
         closing = side * (v - block.velocity[at, chain, other])
-        forces = partial(_of_contacts, problem, chain, np.clip(contact, 0, problem.beads - 2))
+        contact = np.clip(contact, 0, problem.beads - 2)
+        forces = partial(_of_contacts, problem, chain, contact)
         off += np.where(there, _by(forces, overlap, closing, block.spacing), 0.0)
+        if loss is not None and dashpot.cut(loss):
+            own, beside = (motion.acceleration_and_rate(block, at, chain, one)[0] for one in (bead, other))
+            states = np.stack([overlap, closing, side * (own - beside)])
+            law = laws.at(system.along[0].law, chain, contact)
+            off += np.where(there, _cut(law, laws.at(loss, chain, contact), states, block.spacing), 0.0)
     for wall in physics.walls(system):
         law = laws.at(wall.law, chain, place)
         there = place == (problem.beads - 1 if wall.side > 0.0 else 0)
-        forces = partial(_of_wall, law, physics.wall_loss(system, wall.side), chain, place)
+        loss = physics.wall_loss(system, wall.side)
+        forces = partial(_of_wall, law, loss, chain, place)
         overlap, closing = wall.strain(x) + laws.rest(law), wall.rate(v)
         off += np.where(there, _by(forces, overlap, closing, block.spacing), 0.0)
+        if loss is not None and dashpot.cut(loss):
+            states = np.stack([overlap, closing, wall.rate(motion.acceleration_and_rate(block, at, chain, bead)[0])])
+            off += np.where(there, _cut(law, laws.at(loss, chain, place), states, block.spacing), 0.0)
     return np.asarray(off / physics.mass_of(system, chain, place))
 
 
@@ -81,6 +92,25 @@ def _by(forces: Callable[[Floats, Floats], Forces], overlap: Floats, closing: Fl
     most: Floats = rate.max(axis=0)
     found = (force * unfollowed(power, away, between) for power, force in forces(most * spacing, most))
     return np.asarray(spacing * sum(found))
+
+
+def _cut(elastic: Any, loss: Any, states: Floats, spacing: float) -> Floats:
+    """The same where the tension of dashpots is cut between the frames, or no longer: the force ends in a kink.
+
+    Args:
+        elastic, loss: laws of the contacts, at each bead.
+        states: overlap, and its first and second derivative, [derivative, frame, bead].
+        spacing: of the frames.
+    """
+    overlap, rate, quickening = states
+    strain = overlap - laws.rest(elastic)
+    gone = dashpot.lets_go(loss, strain, rate) | (overlap <= 0.0)
+    force = laws.whole_force(elastic, overlap) + dashpot.damping(loss, strain, rate)
+    slope = laws.stiffness(elastic, strain) * rate + dashpot.change(loss, strain, rate, quickening)
+    force, slope = (np.where(gone, 0.0, np.abs(values)).max(axis=0) for values in (force, slope * spacing))
+    between = gone[0] != gone[1]
+    away = np.where(between & (slope > 0.0), force / np.where(slope > 0.0, slope, 1.0), np.inf)
+    return np.asarray(spacing * slope * unfollowed(1.0, away, between))
 
 
 def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: Floats, rate: Floats) -> Forces:
@@ -224,7 +254,8 @@ def bracketed(
         high = low + 2.0
     data = way * np.array([_states(block, start + node, chain, bead, by_equations=by_equations) for node in nodes])
 
-    quick = spacing * max(1.0, rates.fastest(block.problem.system) / FREQUENCY) if by_equations else spacing
+    fastest = max(rates.fastest(block.problem.system), rates.drag(block.problem.system))
+    quick = spacing * max(1.0, fastest / FREQUENCY) if by_equations else spacing
 
     def fit(states: Floats) -> tuple[Floats, Floats]:
         return _polynomials(nodes, states[:, : data.shape[1]], spacing, quick, by_equations=by_equations, noisy=noisy)

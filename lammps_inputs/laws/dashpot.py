@@ -242,6 +242,21 @@ def cut(law: Any) -> bool:
     return bool(np.min(getattr(law, "tensile_limit", NO_LIMIT)) < NO_LIMIT)
 
 
+def lets_go(law: Any, strain: Any, rate: Any) -> Any:
+    """Where a law that cuts tension does so: the dashpot pulls as hard as the contact pushes, and no force is left."""
+    closed = np.maximum(strain + law.rest, 0.0)
+    return resistance(law, strain) * rate < -law.tensile_limit * (closed * np.sqrt(closed))
+
+
+def change(law: Any, strain: Any, rate: Any, acceleration: Any) -> Any:
+    """How fast the force of a law of damping changes, but for jumps; where tension is cut, against the contact's."""
+    found = resistance(law, strain) * acceleration + law.growth(strain, *law) * rate**2
+    if not cut(law):
+        return found
+    slope = 1.5 * law.tensile_limit * np.sqrt(np.maximum(strain + law.rest, 0.0))
+    return np.where(lets_go(law, strain, rate), -slope * rate, found)
+
+
 def at_max_strain(law: Any, elastic: laws.Law, energy: float) -> Any:
     """Resistance of contacts where each alone holds an energy."""
     return resistance(law, elastic.max_strain(energy, *elastic))

@@ -214,6 +214,21 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_load_makes_motion_fas
             assert abs(nearest - found.velocity[k]) <= found.velocity_error[k], start
 
 
+@pytest.mark.parametrize("damping", [{"contact": 30.0}, {"contact": 0.3, "tension": "cut"}], ids=["strong", "cut"])
+def test_maxima_are_as_accurate_as_stated_where_dashpots_stop_beads_within_a_frame_or_let_go(damping):
+    for beads, bead in ((3, 1), (6, 3)):
+        plain = {"beads": beads, "kick": {"bead": bead, "velocity": 1.0}, "duration": 12.0, "damping": damping}
+        run = engine.run(of_keys(**plain, output={"every": 0.002}))
+        true, found = (find_peaks([part]) for part in (run, run[::50]))
+        found = found.where(found.velocity > 0.02)
+        assert len(found) > 1
+        for k in range(len(found)):
+            own = true.where(true.bead == found.bead[k])
+            same = np.argmin(np.abs(own.time - found.time[k]))
+            assert abs(own.velocity[same] - found.velocity[k]) <= found.velocity_error[k] + 1e-8
+            assert abs(own.time[same] - found.time[k]) <= found.time_error[k] + 1e-6
+
+
 @pytest.mark.parametrize("law", [Rectangular, HalfSine])
 @pytest.mark.parametrize("recorded", [None, (2,)])
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two_frames(law, recorded):

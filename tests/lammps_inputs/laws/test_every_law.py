@@ -182,6 +182,15 @@ def test_a_wall_resists_as_a_contact_of_that_overlap_does_on_either_side(name, r
     np.testing.assert_allclose(right.growth(PLACES, *right), contact.growth(PLACES + rest, *contact), rtol=1e-13)
 
 
+@pytest.mark.parametrize("law", [ContactDashpot(0.3, 2.0), Viscoelastic(0.3, 2.0), WALLS["linear, cut"]])
+@pytest.mark.parametrize("rate", [-30.0, -0.01, 2.0])
+def test_the_rate_of_change_of_a_dashpot_is_the_slope_of_its_force_in_time_also_where_tension_is_cut(law, rate):
+    h = 1e-6
+    later, before = (dashpot.damping(law, 0.4 + rate * t + 0.35 * t * t, rate + 0.7 * t) for t in (h, -h))
+    found = dashpot.change(law, np.float64(0.4), np.float64(rate), np.float64(0.7))
+    np.testing.assert_allclose(found, (later - before) / (2.0 * h), rtol=1e-7)
+
+
 @pytest.mark.parametrize("law", [ContactDashpot(0.3, 2.0), Viscoelastic(0.3, 2.0)], ids=["linear", "viscoelastic"])
 def test_a_cut_dashpot_pulls_as_hard_as_the_contact_pushes_and_no_harder(law):
     overlap = np.array([0.0, 0.2, 0.9])
