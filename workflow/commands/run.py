@@ -2,7 +2,6 @@
 
 import argparse
 import math
-import shlex
 from pathlib import Path
 
 from lammps_inputs import InputError, Problem, Scene, library
@@ -16,6 +15,7 @@ from workflow.runs.engines import ENGINES
 from workflow.runs.own_files import refuse_to_overwrite
 from workflow.runs.resume import begun, resume, settings_of
 from workflow.runs.size import refuse_beforehand, refuse_too_long, size_of
+from workflow.runs.status import onwards
 from workflow.screen import Answer, one_line, progress_bar
 from workflow.verdicts.validate import TOLERANCES
 
@@ -116,10 +116,8 @@ def _tell(result: running.Run, settings: Settings | None) -> int:
     """Say how a run ended; exit code 130 if it was interrupted, 1 if impossible or not as accurate as asked."""
     path, job = one_line(result.directory.path), result.directory.job
     if result.outcome == "interrupted":
-        print(
-            f"{path}: interrupted at step {job.steps_done} of {job.steps}; the frames remain, "
-            f"`granchain run --resume {shlex.quote(path)}` resumes it"
-        )
+        reached = f" at step {job.steps_done} of {job.steps}; the frames remain" if job.steps_done else ""
+        print(f"{path}: interrupted{reached}; {onwards(result.directory.path, job)}")
         return 130
     print(f"{path}: {ENGINES[result.directory.engine].sentence(job)}")
     overlaps = None if job.contacts is None else Contacts(**job.contacts)

@@ -25,6 +25,7 @@ from workflow.runs.files import write_text
 from workflow.runs.own_files import prepared, refuse_links, refuse_unusable, replacing
 from workflow.runs.run_directory import RunDirectory, fingerprint, provenance, results
 from workflow.runs.size import refuse_beforehand, refuse_too_long
+from workflow.runs.status import onwards
 
 
 @dataclass(frozen=True)
@@ -225,7 +226,7 @@ def carry_out(
         with contextlib.suppress(RunError):  # a full disk
             result.update(outcome="failed", reason=reason, wall_seconds=time.perf_counter() - started)
         if isinstance(error, OSError | EndedError):
-            reason = f"{reason.rstrip('.')}; `granchain run --resume {path}` resumes it from there"
+            reason = f"{reason.rstrip('.')}; {onwards(path, result.job)}"
         raise type(error)(reason) if isinstance(error, RunError) else RunError(reason) from None
     finally:
         if loading is not None:

@@ -201,16 +201,19 @@ def _of_run(directory: Path, job: Job) -> Status:
     step = _latest(job.steps_done, _last_step(directory))
     if job.outcome == "failed":
         return Status(directory, "failed", step, steps, _clean(job.reason))
-    onwards = f"`granchain run --resume {shlex.quote(str(directory))}` {_goes_on(directory, job)}"
-    if job.engine not in ("lammps", None):
-        onwards = "run it again with --overwrite"
     if job.outcome == "interrupted":
-        return Status(directory, "incomplete", step, steps, f"interrupted; {onwards}")
+        return Status(directory, "incomplete", step, steps, f"interrupted; {onwards(directory, job)}")
     if _locked(directory, directory / RECORD):
         return Status(directory, "running", step, steps)
     if job.host != platform.node() and _fresh(directory, directory / RECORD):
         return Status(directory, "running", step, steps, f"on {_clean(job.host)}, it seems: it still writes")
-    return Status(directory, "incomplete", step, steps, f"killed; {onwards}")
+    return Status(directory, "incomplete", step, steps, f"killed, or its disk was full; {onwards(directory, job)}")
+
+
+def onwards(directory: Path, job: Job) -> str:
+    """How to complete a local run that is incomplete."""
+    how = _goes_on(directory, job) if job.engine in ("lammps", None) else "starts again"
+    return f"`granchain run --resume {shlex.quote(str(directory))}` {how}"
 
 
 def _of_study(directory: Path, study: Study) -> Status:

@@ -157,8 +157,8 @@ def test_ctrl_c_or_sigterm_ends_a_run_with_one_line_and_its_frames_and_further_s
     assert "units: V = 1 (kick velocity)" in units
     assert "10,000,000 steps, 100,001 frames (591 MB), estimated time" in size
     assert said == (
-        f"{command.run}: interrupted at step {record['steps_done']} of 10000000; the frames remain, "
-        f"`granchain run --resume {command.run}` resumes it\n"
+        f"{command.run}: interrupted at step {record['steps_done']} of 10000000; the frames remain; "
+        f"`granchain run --resume {command.run}` resumes at step {record['steps_done']}\n"
     )
     assert command.nothing_is_left()
     assert record["outcome"] == "interrupted"

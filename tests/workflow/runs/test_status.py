@@ -236,7 +236,7 @@ def test_a_directory_of_runs_stands_for_them_all(tmp_path):
         ({"outcome": "failed", "reason": "no \x1b[31mway"}, "failed", None, "no  [31mway"),
         ({"outcome": "interrupted", "steps_done": 300}, "incomplete", 300, "interrupted; `granchain run --resume "),
         *(
-            ({"outcome": "interrupted", "engine": other}, "incomplete", None, "interrupted; run it again with --over")
+            ({"outcome": "interrupted", "engine": other}, "incomplete", None, "interrupted; `granchain run --resume ")
             for other in ("reference", "collisions")
         ),
     ],
@@ -273,7 +273,7 @@ def test_a_local_run_under_way_holds_its_directory_and_a_killed_one_does_not(tmp
     os.close(handle)
     found = status(directory)
     assert found.state == "incomplete"
-    assert found.why.startswith("killed; `granchain run --resume")
+    assert found.why.startswith("killed, or its disk was full; `granchain run --resume")
 
 
 def test_a_run_on_another_machine_runs_while_it_writes(tmp_path):
