@@ -221,10 +221,14 @@ def _scale(axis: Axes, shown: Axis, name: str) -> None:
     if log:
         (axis.set_xscale if name == "x" else axis.set_yscale)("log")
     if len(values) <= _MOST_TICKS and (log or _even(values)):
-        setting.set_ticks(values.tolist(), labels=[f"{value:.4g}" for value in values])
-        setting.set_ticks([], minor=True)
+        _ticks_at(setting, values)
     elif not log:
         _whole(setting, values)
+
+
+def _ticks_at(setting: XAxis | YAxis, values: Floats) -> None:
+    setting.set_ticks(values.tolist(), labels=[f"{value:.4g}" for value in values])
+    setting.set_ticks([], minor=True)
 
 
 def _whole(setting: XAxis | YAxis, values: Floats) -> None:
@@ -270,6 +274,8 @@ def map_figure(columns: dict[str, Floats]) -> Figure:
     distance.text(kappa[34], DECAY_LENGTH / kappa[34], "decay law:\n$n^* = 2.709/\\kappa$  ", ha="right", va="top")
     for axis in (distance, amplitude):
         axis.set_xscale("log")
+        if len(couplings := np.unique(columns["kappa"])) <= _MOST_TICKS:  # else labels overlap
+            _ticks_at(axis.xaxis, couplings)
         axis.set_xlabel("coupling $\\kappa$ (at $V$ = 1)")
     distance.set_yscale("log")
     distance.set_ylabel("bead from which the chains agree")

@@ -236,6 +236,7 @@ def test_the_map_has_one_per_cent_solid_and_ten_dotted():
     assert "1% (solid) and 10% (dotted)" in distance.get_title()
     assert solid.get_xydata().tolist() == [[0.1, 60.0], [0.2, 40.0]]
     assert dotted.get_ydata().tolist()[1] == 20.0
+    assert [label.get_text() for label in amplitude.get_xticklabels(which="both")] == ["0.1", "0.2"]
     crossed = next(line for line in amplitude.get_lines() if line.get_marker() == "x")
     assert crossed.get_xydata().tolist() == [[0.1, 0.4]]  # not level at 10%
 

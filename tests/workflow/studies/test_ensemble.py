@@ -9,6 +9,7 @@ import pytest
 
 from lammps_inputs import strict_yaml
 from workflow.cli import main
+from workflow.studies.ensemble import study
 from workflow.studies.ensemble.study import Question, statistics
 
 pytestmark = pytest.mark.usefixtures("pool_here")
@@ -44,6 +45,14 @@ def test_statistics_that_have_no_meaning_are_undefined(values, undefined):
     if not undefined:
         assert (found["mean"], found["standard_deviation"]) == (0.1, 0.0)
         assert found["seeds_needed"] == 2  # one value has no interval
+
+
+def test_the_figure_of_one_ensemble_shows_the_share_of_defined_values_below_each():
+    seeds = [{"over": None, "seed": k, "mass": value} for k, value in enumerate([3.0, None, 1.0, 3.0, 5.0])]
+    (axis,) = study._figure(study.Found(Question("test", {}, ("mass",), range(5)), {}, seeds, ""), "mass").axes
+    (line,) = axis.get_lines()
+    assert line.get_xydata().tolist() == [[1.0, 0.0], [3.0, 0.25], [3.0, 0.25], [5.0, 0.75]]
+    assert axis.get_ylabel() == "share of defined values below"
 
 
 CHAIN = {"name": "chain", "beads": 130, "disorder": {"mass": 0.2}, "kick": {"velocity": 1.0}, "duration": 150.0}

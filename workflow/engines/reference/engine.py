@@ -54,7 +54,7 @@ def two_beads() -> Problem:
 
 
 def default_steps_per_frame(problem: Problem) -> int:
-    """Steps between frames, an even number, that leave an error of some 1e-6 of V or less."""
+    """Steps between frames, an even number, that leave an error of some 1e-6 of V, with gaps more."""
     system = problem.system
     bound = stability_bound(system)
     if system.dampers:  # drag on beads alone does not bind LAMMPS

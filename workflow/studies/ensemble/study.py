@@ -233,7 +233,7 @@ def carry_out(question: Question, directory: Path, jobs: int | None = None) -> F
 
 
 def _figure(found: Found, name: str) -> "Figure":
-    """Mean and bands over the second field; where that is none of numbers, the share of seeds up to each value."""
+    """Mean and bands over the second field; where that is none of numbers, the share of values below each."""
     from analysis.figures.studies import Axis, swept_figure  # matplotlib takes half a second to import
 
     asked = found.question
@@ -248,14 +248,12 @@ def _figure(found: Found, name: str) -> "Figure":
         title = f"{title}; bars: 95 % interval of the mean; bands: quantiles 2.5, 16, 84 and 97.5 %"
         return swept_figure(Axis(label, mean, error, bands=bands), over, title=title)
     rows = sorted((row for row in found.seeds if row[name] is not None), key=lambda row: float(row[name]))
-    share = np.zeros(len(rows))
+    values, share = floats([row[name] for row in rows]), np.zeros(len(rows))
     for over in asked.over.values:
         own = [k for k, row in enumerate(rows) if row["over"] == over]
-        share[own] = np.arange(len(own)) / max(len(own), 1)
-    values = Axis(label, floats([row[name] for row in rows]))
-    return swept_figure(
-        Axis("share of seeds below", share), values, asked.over.numbered(row["over"] for row in rows), title
-    )
+        share[own] = np.searchsorted(values[own], values[own]) / max(len(own), 1)
+    numbered = asked.over.numbered(row["over"] for row in rows)
+    return swept_figure(Axis("share of defined values below", share), Axis(label, values), numbered, title)
 
 
 # --- command ----------------------------------------------------------------------------------------------------------

@@ -218,8 +218,8 @@ def _figure(found: Found) -> "Figure":
     from analysis.figures.studies import swept_figure
 
     asked = found.question
-    title = f"{asked.source}: {asked.quantity} = {asked.level:g}"
-    field = heading(asked.field, asked.scene)
+    named, field = heading(asked.quantity, asked.scene), heading(asked.field, asked.scene)
+    title = f"{asked.source}: {named} = {asked.level:g}"
     if asked.over.is_numeric:
         lines: list[tuple[Any, float | None, float | None]] = []
         for over, thresholds in found.by_over().items():
@@ -227,7 +227,7 @@ def _figure(found: Found) -> "Figure":
             lines += [] if thresholds else [(over, None, None)]  # a tick at the foot
         over, place, error = map(floats, zip(*lines, strict=True))
         return swept_figure(Shown(field, place, error), Shown(heading(asked.over.name, asked.scene), over), title=title)
-    quantity = Shown(heading(asked.quantity, asked.scene), floats([point.quantity for point in found.points]))
+    quantity = Shown(named, floats([point.quantity for point in found.points]))
     over_field = Shown(field, floats([point.value for point in found.points]))
     return swept_figure(quantity, over_field, asked.over.numbered(point.over for point in found.points), title)
 
@@ -294,7 +294,7 @@ def _print(found: Found, output: Path) -> None:
     if found.thresholds:
         head = [heading(name, asked.scene) for name in (asked.over.name, asked.field) if name]
         print_table(
-            f"{one_line(asked.source)}: where {asked.quantity} crosses {asked.level:g}",
+            f"{one_line(asked.source)}: where {heading(asked.quantity, asked.scene)} crosses {asked.level:g}",
             [*head, "uncertainty", "from", "to", asked.quantity, ""],
             [[cell(one.over)] * bool(asked.over.name) + _row(one) for one in found.thresholds],
         )

@@ -10,6 +10,7 @@ from stock_lammps import scene
 from lammps_inputs import file_names
 from workflow.cli import main
 from workflow.formats import figure_files
+from workflow.prepare.settings import DEFAULT_ACCURACY
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.compare.study import compare
 
@@ -119,6 +120,13 @@ def test_weak_swings_keep_the_cheap_model_right(tmp_path):
 def test_touching_beads_are_compared_without_rigid_ones(tmp_path):
     result = compare(small(gap=0.0, duration=10.0), tmp_path / "out")
     assert [one.engine for one in result.results] == ["reference", "lammps"]
+
+
+def test_the_reference_that_lammps_is_compared_with_has_a_third_of_its_accuracy_as_uncertainty(tmp_path):
+    case = small(gap=5.0, kappa=0.05, beads=8, duration=70.0).model_copy(update={"timestep": None})
+    compare(case, tmp_path / "out", engines=("reference", "lammps"))
+    own = RunDirectory(tmp_path / "out" / "reference").account.uncertainty
+    assert own.velocity <= DEFAULT_ACCURACY / 3
 
 
 def test_a_scene_until_a_bead_and_of_few_recorded_beads_is_compared_whole(tmp_path):
