@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from analysis.columns import Columns
 from analysis.quantity import declare, declared, result, table
 from analysis.tracking.peaks import PeakFinder, Peaks
-from analysis.tracking.pulses import Pulse, local_speed, track_pulses
-from analysis.trajectory import Floats, Integers, direction_of, mirrored_bead
+from analysis.tracking.pulses import EARLIEST, FAINTEST, LATEST, Pulse, local_speed, track_pulses
+from analysis.trajectory import Flags, Floats, Integers, direction_of, mirrored_bead
 from lammps_inputs import Problem, physics
 from lammps_inputs.units import Scale
 
@@ -38,7 +38,8 @@ class Waves(Columns):
     speed: Floats = declare(
         "speed of the pulse along its way, from the arrivals at the recorded beads on either side (at an end: one)",
         "speed",
-        "one bead of the chain was reached, or an arrival is undefined",
+        "one bead of the chain was reached, an arrival is undefined, or another pulse leads from one of these beads to "
+        "the next: amplitude and delay jump there",
         "c",
     )
     arrival_error: Floats = declare(
@@ -107,8 +108,22 @@ def with_speeds(
     for number in np.unique(chain):
         row = chain == number
         speed[row] = direction * local_speed(bead[row], arrival[row])
+        other = another_leads(bead[row], direction * arrival[row], peak_velocity[row])
+        speed[np.flatnonzero(row)[np.append(other, False) | np.insert(other, 0, False)]] = np.nan
     unknown = np.full(len(chain), np.nan)
     return Waves(chain, bead, arrival, peak_velocity, speed, unknown, unknown, time=arrival)
+
+
+def another_leads(bead: Integers, arrival: Floats, peak_velocity: Floats) -> Flags:
+    """Between which neighbouring recorded beads of one chain the pulse that leads is another one, [bead - 1].
+
+    Amplitudes differ there as those of no two passages of one pulse, and so does the delay from those before and after.
+    """
+    delay = np.diff(arrival) / np.diff(bead)
+    beside = np.stack([np.append(np.nan, delay[:-1]), np.append(delay[1:], np.nan)])
+    jumps = np.where(np.isnan(beside), True, (delay < EARLIEST * beside) | (delay > LATEST * beside)).all(axis=0)
+    smaller, larger = np.sort([peak_velocity[1:], peak_velocity[:-1]], axis=0)
+    return np.asarray(jumps & (smaller < FAINTEST * larger) & (len(bead) > 2))
 
 
 def mirrored_waves(waves: Waves, problem: Problem) -> Waves:

@@ -124,7 +124,7 @@ class ChainSummary:
     speed: float | None = declare(
         "speed of the wave there, from the arrivals at the recorded beads on either side",
         "speed",
-        f"{NOT_REACHED}, or one of those arrivals is undefined",
+        f"{NOT_REACHED}, one of those arrivals is undefined, or another pulse leads at one of those beads",
         "c",
         column="speed at the last clear bead",
     )

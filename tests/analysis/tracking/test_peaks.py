@@ -13,7 +13,7 @@ from synthetic_waves import of_keys, problem, reference
 
 from analysis.quantity import csv_of
 from analysis.tracking.brackets import DOUBT, MARGIN, unfollowed
-from analysis.tracking.leading_waves import from_csv, leading_waves
+from analysis.tracking.leading_waves import from_csv, leading_waves, with_speeds
 from analysis.tracking.peaks import PeakFinder, Peaks, find_peaks, in_mirror, sharp
 from analysis.trajectory import Trajectory, blocks, watch
 from lammps_inputs import Kick, Problem
@@ -328,3 +328,22 @@ def _off(found: Peaks, k: int, right: Peaks, every: float) -> float:
     errors = np.abs(right.velocity[same] - found.velocity[k])
     error = errors[np.argmin(np.abs(right.time[same] - found.time[k]))]
     return float(error / found.velocity_error[k]) if error > 2e-6 else 0.0
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_no_speed_is_given_between_beads_that_different_pulses_lead_at(direction):
+    bead, one = np.arange(1, 21), np.ones(20, dtype=int)
+    ahead, behind = np.full(20, 0.05), np.full(20, 0.2)
+    leads = bead <= 12  # the pulse ahead, which is no maximum beyond
+    order = slice(None, None, direction)
+    arrival = np.where(leads, 1.5 * bead, 1.2 * bead + 8.0)[order]
+    speed = with_speeds(one, bead, arrival, np.where(leads, ahead, behind)[order], direction=direction).speed[order]
+    np.testing.assert_allclose(speed, np.select([bead < 12, bead > 13], [1.0 / 1.5, 1.0 / 1.2], np.nan))
+
+
+@pytest.mark.parametrize(
+    "peak_velocity", [np.tile([0.2, 0.9], 10), 0.01 * np.arange(1.0, 21.0) ** 2], ids=["dimer", "growing"]
+)
+def test_amplitudes_of_one_pulse_may_differ_at_regular_delays(peak_velocity):
+    bead, one = np.arange(1, 21), np.ones(20, dtype=int)
+    assert np.all(np.isfinite(with_speeds(one, bead, 1.2 * bead + 0.2 * (bead % 2), peak_velocity).speed))
