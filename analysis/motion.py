@@ -167,6 +167,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
             overlap = side * (here_x - x[frame, chain, other]) - contact.gap
             closing = side * (here_v - v[frame, chain, other])
             acceleration -= np.where(there, side * laws.force(law, overlap), 0.0)
+            law = on_its_branch(law, closing)
             rate -= np.where(there, side * laws.stiffness(law, overlap) * closing, 0.0)
         for spring in (*system.across, *system.inner_links):
             for edge, partner in partners(spring.edges, x.shape[1], side):
@@ -182,7 +183,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
             law = law.now(block.time[frame])
             rate -= law.change(strain, *law)
         acceleration -= ground.side * laws.force(law, strain)
-        rate -= laws.stiffness(law, strain) * here_v
+        rate -= laws.stiffness(on_its_branch(law, ground.side * here_v), strain) * here_v
     for load in system.loads:
         here, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
         acceleration += np.where(here, load.force(time), 0.0)
@@ -199,6 +200,15 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         acceleration = np.where(here, given.acceleration(time), acceleration)
         rate = np.where(here, given.jerk(time), rate)
     return acceleration, rate
+
+
+ROUNDING = 1e-9
+"""Overlap, far above what positions round, within which one is the largest so far."""
+
+
+def on_its_branch(law: Any, closing: Floats | float) -> Any:
+    """A law whose stiffness is that of loading where a contact closes at its largest overlap, else of unloading."""
+    return laws.with_memory(law, law.memory - ROUNDING * np.sign(closing)) if laws.remembers(law) else law
 
 
 def strain_and_rates(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:

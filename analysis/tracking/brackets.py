@@ -62,8 +62,13 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         overlap += motion.rest_overlap(system, chain, contact)
         closing = side * (v - block.velocity[at, chain, other])
         contact = np.clip(contact, 0, problem.beads - 2)
-        forces = partial(_of_contacts, problem, chain, contact)
-        off += np.where(there, _by(forces, overlap, closing, block.spacing), 0.0)
+        if block.memory is None:
+            forces = partial(_of_contacts, problem, chain, contact)
+            found = _by(forces, overlap, closing, block.spacing)
+        else:
+            law = laws.with_memory(laws.at(system.along[0].law, chain, contact), block.memory[at, chain, contact + 1])
+            found = _of_memory(law, overlap, closing, block.spacing)
+        off += np.where(there, found, 0.0)
         if loss is not None and dashpot.cut(loss):
             own, beside = (motion.acceleration_and_rate(block, at, chain, one)[0] for one in (bead, other))
             states = np.stack([overlap, closing, side * (own - beside)])
@@ -75,7 +80,12 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         loss = physics.wall_loss(system, wall.side)
         forces = partial(_of_wall, law, loss, chain, place)
         overlap, closing = wall.strain(x) + laws.rest(law), wall.rate(v)
-        off += np.where(there, _by(forces, overlap, closing, block.spacing), 0.0)
+        if block.memory is None:
+            found = _by(forces, overlap, closing, block.spacing)
+        else:
+            law = laws.with_memory(law, block.memory[at, chain, place + (wall.side > 0.0)])
+            found = _of_memory(law, overlap, closing, block.spacing)
+        off += np.where(there, found, 0.0)
         if loss is not None and dashpot.cut(loss):
             states = np.stack([overlap, closing, wall.rate(motion.acceleration_and_rate(block, at, chain, bead)[0])])
             off += np.where(there, _cut(law, laws.at(loss, chain, place), states, block.spacing), 0.0)
@@ -111,6 +121,33 @@ def _cut(elastic: Any, loss: Any, states: Floats, spacing: float) -> Floats:
     between = gone[0] != gone[1]
     away = np.where(between & (slope > 0.0), force / np.where(slope > 0.0, slope, 1.0), np.inf)
     return np.asarray(spacing * slope * unfollowed(1.0, away, between))
+
+
+def _of_memory(law: Any, overlap: Floats, closing: Floats, spacing: float) -> Floats:
+    """The same of contacts that yield: they open at the permanent overlap, and where unloading begins or first loading
+    goes on their stiffness jumps. The law has the memories at both frames.
+    """
+    permanent, memory = law.permanent(*law), law.memory
+    found = _by(partial(_of_unloading, laws.with_memory(law, memory[1])), overlap - permanent, closing, spacing)
+    loads = (closing > 0.0) & (overlap >= memory - motion.ROUNDING)
+    ends, goes_on = loads[0] & ~loads[1], loads[1] & ~loads[0]
+    law = laws.with_memory(law, np.where(ends, memory[1], memory[0]))
+    up, down = (laws.stiffness(motion.on_its_branch(law, way), law.memory - laws.rest(law)) for way in (1.0, -1.0))
+    jump, most, turn = np.abs(up - down), np.abs(closing).max(axis=0), np.abs(closing[0] - closing[1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        since_top = np.nan_to_num(np.abs(closing[1]) / turn)
+        since_memory = np.nan_to_num((overlap[1] - memory[0]) / (most * spacing))
+    jumped = 0.5 * jump * turn * spacing * unfollowed(2.0, np.where(ends, since_top, np.inf), ends)
+    jumped += jump * most * spacing * unfollowed(1.0, np.where(goes_on, since_memory, np.inf), goes_on)
+    return np.asarray(found + spacing * jumped)
+
+
+def _of_unloading(law: Any, overlap: Floats, _rate: Floats) -> Forces:
+    """The same of contacts that have yielded, by their overlap beyond the permanent one."""
+    begins = law.permanent(*law)
+    small, large = (np.max(laws.whole_force(law, begins + much)) for much in (1e-6, 2e-6))
+    if small > 0.0:  # else of walls that none of these beads meets
+        yield round(float(np.log2(large / small)), 2), laws.whole_force(law, begins + overlap)
 
 
 def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: Floats, rate: Floats) -> Forces:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Discriminator, Field, Tag, field_validator
+from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
@@ -185,6 +185,14 @@ class Contact(by_formula.ByFormula):
     """Whether `force` acts at a distance: if omitted, `cut` of forces that are 0 at s = 0, and `allowed` of others."""
 
     _from_list = field_validator("strength", "exponent", mode="before")(strict_yaml.as_tuple)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _straight(cls, given: Any) -> Any:
+        """The exponent of contacts that yield along straight lines, where none is named."""
+        yields = given.get("yield") if isinstance(given, dict) else None
+        straight = isinstance(yields, dict) and yields.get("law") == "walton-braun" and "force" not in given
+        return {"exponent": 1.0, **given} if straight else given
 
     @field_validator("exponent")
     @classmethod

@@ -122,3 +122,21 @@ def test_transmitted_energy_is_a_share_of_the_work_done_until_then(set_in_motion
     work = motion.energy(small.system, run.displacement, run.velocity)
     assert far_end(run).transmitted_energy == pytest.approx(np.nanmax(there[1:] / work[1:]), rel=1e-4)
     assert math.isnan(far_end(replace(run, exchange=None)).transmitted_energy)
+
+
+def test_the_largest_force_of_a_chain_is_undefined_where_the_record_ends_inside_its_pulse():
+    """Chain 2 has given the wall its weak pulse when that of chain 1 is rising beyond it."""
+    kicks = [{"chain": 1, "bead": 1, "velocity": 1.0}, {"chain": 2, "bead": 6, "velocity": 0.3}]
+    plain = {"chains": 2, "beads": 6, "walls": {"right": "rigid"}, "kick": kicks, "timestep": 0.01}
+    whole, cut = (engine.run(of_keys(**plain, duration=end, output={"every": 0.1})) for end in (12.0, 7.0))
+    force = at_frames(cut, (far_wall(cut.problem.system),))[..., 0]
+    assert force[:, 1].max() < force[-1, 0] < far_end(whole).wall_force_chain
+    assert math.isnan(far_end(cut).wall_force_chain)
+
+
+def test_energy_that_passes_contacts_that_yield_is_found_between_frames():
+    """Frames 0.25 apart against frames 0.01 apart."""
+    plain = {"chains": 1, "beads": 10, "contact": {"yield": {"overlap": 0.15}}, "kick": {"velocity": 1.0}}
+    plain |= {"duration": 20.0, "timestep": 0.01}
+    fine, coarse = (far_end(engine.run(of_keys(**plain, output={"every": every}))) for every in (0.01, 0.25))
+    assert coarse.transmitted_energy == pytest.approx(fine.transmitted_energy, rel=1e-3)

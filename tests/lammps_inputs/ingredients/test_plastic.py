@@ -17,6 +17,7 @@ from wrong_runs import deck_run, substituted
 from analysis import motion
 from analysis.conservation import Conservation
 from analysis.gauges.gauge import at_frames, gauges
+from analysis.tracking.peaks import find_peaks
 from lammps_inputs import InputError, laws, library, materials, physics, references
 from lammps_inputs.decks import deck
 from lammps_inputs.laws import plastic_lines
@@ -67,6 +68,11 @@ def test_restitution_over_four_decades_of_velocity_is_thornton_s_closed_form():
         assert found == pytest.approx(float(restitution_of(velocity, math.sqrt(1.6 * 0.1**2.5))), abs=1e-5)
 
 
+def test_a_scene_of_walton_and_braun_s_law_is_read_as_it_is_written():
+    case = plastic(WALTON)
+    assert library.from_plain(case.plain(), "scene") == case
+
+
 @pytest.mark.slow
 def test_walton_and_braun_s_restitution_is_the_same_at_every_velocity():
     for velocity in (0.1, 10.0):
@@ -83,6 +89,16 @@ def test_forces_and_loss_along_a_chain_are_those_of_an_independent_program():
     seen.add(trajectory)
     assert seen.energy_drift < 3e-8
     assert seen.momentum_drift < 1e-13
+
+
+def test_peaks_between_frames_are_within_their_uncertainty_those_of_frames_twenty_times_as_near():
+    kicks = [{"velocity": 1.5}, {"bead": 5, "velocity": -0.4}]
+    run = engine.run(plastic(beads=8, kick=kicks, duration=10.0, output={"every": 0.01}).problem())
+    fine, coarse = find_peaks([run]), find_peaks([run[::20]])
+    assert np.array_equal(coarse.bead, fine.bead)
+    assert np.all(np.abs(coarse.velocity - fine.velocity) <= coarse.velocity_error + fine.velocity_error)
+    assert np.all(np.abs(coarse.time - fine.time) <= coarse.time_error + fine.time_error)
+    assert np.max(coarse.velocity_error) < 1e-5
 
 
 def test_the_top_of_an_overlap_is_found_within_the_step_to_third_order():
