@@ -37,6 +37,9 @@ def kinetic_energy_at_start(problem: Problem) -> float:
     return 0.5 * float(np.sum(problem.system.mass * physics.initial_velocity(problem.system) ** 2))
 
 
+_SHOWN = 5e-5
+"""Share of the energy input from which on a part is printed; it is negative where a static load has done work."""
+
 _LITTLE = 1e-3
 """Share of the largest energy input, at the end, above which shares of it are printed."""
 
@@ -75,7 +78,7 @@ class Account:
         """Where the energy is at the last instant, largest part first."""
         total = float(self.energy_input[-1])
         parts = {name: float(part[-1]) for name, part in (*self.stored.items(), *self.losses.items())}
-        named = sorted(((part, name) for name, part in parts.items() if part > 0.0), reverse=True)
+        named = sorted(((part, name) for name, part in parts.items() if abs(part) >= _SHOWN * total), reverse=True)
         said = f"energy input {scale.written(total, 'energy')} until t = {scale.written(self.time[-1], 'time')}"
         if not total > _LITTLE * self.most:  # a drive may have taken back what it gave
             return f"{said}, at most {scale.written(self.most, 'energy')} before"

@@ -34,8 +34,8 @@ class HighestLine:
 
     chain: int = declare("number of the chain")
     bead: int = declare("number of the bead")
-    frequency: float = declare("frequency of the highest line of the velocity", "cycles", symbol="f")
-    amplitude: float = declare("amplitude of the highest line of the velocity", "velocity")
+    frequency: float = declare("frequency of the highest line of the velocity above frequency 0", "cycles", symbol="f")
+    amplitude: float = declare("amplitude of that line", "velocity")
     at_drive: list[DriveLine] = declare("of each drive: the line at its frequency")
 
 
@@ -109,7 +109,7 @@ class Spectra:
             height = self.amplitude[:, chain, place]
             lines = zip(self.drive, self.at_drive[:, chain, place], passed_on[:, chain, place], strict=True)
             at_drive = [DriveLine(*map(float, line)) for line in lines]
-            top = int(np.argmax(height))
+            top = 1 + int(np.argmax(height[1:]))
             beads.append(HighestLine(chain + 1, bead, float(self.frequency[top]), float(height[top]), at_drive))
         first = np.nan
         for chain, _, frequency in drives(problem)[:1]:

@@ -145,7 +145,8 @@ class Sharing:
     def beats(self) -> Floats:
         """Beads, in fractions, where the wave of the kicked chain passes the chains' mean, downwards or upwards.
 
-        Changes of sign after which the deviation stays below `SMALLEST_BEAT` or three times the noise are left out.
+        Changes of sign after which the deviation stays below `SMALLEST_BEAT` or three times the noise are left out, and
+        so are two that are less than the distance of two places apart.
         """
         if len(self) < 2:
             return np.zeros(0)
@@ -157,7 +158,11 @@ class Sharing:
         bead, deviation = self.bead[large], deviation[large]
         change = np.flatnonzero(np.sign(deviation[1:]) != np.sign(deviation[:-1]))
         before, after = deviation[change], deviation[change + 1]
-        return np.asarray(bead[change] + (bead[change + 1] - bead[change]) * before / (before - after))
+        found = bead[change] + (bead[change + 1] - bead[change]) * before / (before - after)
+        while len(found) > 1 and np.min(np.diff(found)) < np.min(np.diff(self.bead)):
+            nearest = int(np.argmin(np.diff(found)))
+            found = np.delete(found, [nearest, nearest + 1])
+        return np.asarray(found)
 
     @cached_property
     def beat_length(self) -> Estimate | None:

@@ -104,6 +104,14 @@ def _leads(pulse: Pulse, waves: Waves, direction: int, problem: Problem) -> bool
     return pulse.direction == direction and bool(np.any((own.bead == pulse.bead[-1]) & same))
 
 
+def _numbered(verdict: Verdict, direction: int) -> Verdict:
+    """A verdict whose sentence says how it counts beads, where that is not by their numbers."""
+    if direction > 0 or " bead " not in verdict.sentence:
+        return verdict
+    counted = "(beads are counted along the pulse's way, from the last bead)"
+    return replace(verdict, sentence=f"{verdict.sentence} {counted}")
+
+
 def _distinct_from_sound(
     tracks: tuple[Pulse, ...], waves: Waves, direction: int, problem: Problem
 ) -> tuple[tuple[Pulse, ...], tuple[Pulse, ...]]:
@@ -219,7 +227,7 @@ def survey(
         shared=shared,
         energies=energies,
         decay=decay,
-        verdict=verdict_on(shared, along, decay),
+        verdict=_numbered(verdict_on(shared, along, decay), direction),
     )
 
 

@@ -196,13 +196,16 @@ def _without_exchange(shared: Sharing, problem: Problem) -> Verdict | None:
 
 def _of_waves(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     if len(shared) == 0:
-        what = f"no bead between the kick and bead {problem.beads - CLEAR} was passed in every chain, "
+        last = problem.beads - CLEAR
+        what = f"no bead between the kick and bead {last} was passed in every chain, "
+        if last <= physics.largest_excitation(problem.system)[1]:
+            what = f"no bead beyond the kick lies {CLEAR} beads before the end of the chains, "
         return _too_short(f"{what}so amplitudes cannot be compared", _by_rule(problem, 0), None)
     last, differ = int(shared.bead[-1]), f"amplitudes differ by {shared.mismatch[-1]:.1%}"
     expected = _expected(shared, problem)
     if not resolved(shared, problem.system):
         apart = int(np.diff(shared.bead).max())
-        what = f"recorded beads lie up to {apart} apart, too far to see beats; at bead {last} {differ}"
+        what = f"the compared beads lie up to {apart} apart, too far to see beats; at bead {last} {differ}"
         return _too_short(what, expected, decay)
     level, in_step = shared.agrees_from(AGREEMENT), shared.in_step_from(AGREEMENT)
     if level is not None and (doubt := _doubt(shared)):

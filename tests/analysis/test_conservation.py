@@ -209,6 +209,13 @@ def test_the_sentence_is_in_the_scenes_units_and_names_the_largest_part_first(si
     assert plain(open_account, scale)["missing"] == pytest.approx([0.0, 1.5 * scale.energy])
 
 
+def test_parts_of_the_energy_input_add_up_to_it_also_where_a_static_load_has_done_work():
+    parts = NONE | {"kinetic": np.array([1.0, 0.5]), "contacts": np.array([0.0, -0.25]), "walls": np.array([0.0, 1e-9])}
+    account = Account(np.array([0.0, 7.0]), np.ones(2), **parts, lost={"plastic contacts": np.array([0.0, 0.75])})
+    said = account.sentence(make_scale(1.0, 1.0, 1.0, si=False))
+    assert said.endswith("of which 75.00% lost in plastic contacts, 50.00% kinetic, -25.00% contacts")
+
+
 @pytest.mark.parametrize(("left", "shares"), [(0.005, True), (0.003, False)])
 def test_of_what_a_drive_took_back_no_shares_are_told(left, shares):
     """From a thousandth of the most on that it had put in."""

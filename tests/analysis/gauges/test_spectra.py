@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -65,6 +66,12 @@ SWINGS = Spectra(
     drive=np.array([0.1]),
     at_drive=np.array([[[0.5, 0.1], [0.2, 0.1]]]),
 )
+
+
+def test_the_highest_line_is_none_of_a_slow_drift_at_frequency_0():
+    drifting = replace(SWINGS, amplitude=np.concatenate([np.ones((1, 2, 2)), SWINGS.amplitude[1:]]))
+    found = drifting.found(problem()).beads
+    assert [(line.frequency, line.amplitude) for line in found] == [(0.1, 0.13), (0.1, 0.18), (0.1, 0.23), (0.1, 0.28)]
 
 
 @pytest.mark.parametrize("si", [False, True])

@@ -166,6 +166,14 @@ def test_noise_makes_no_beats():
     assert len(Sharing(0, np.arange(2, 102), np.zeros((100, 2)), amplitude, 0.5, 1e-3).beats) <= 1
 
 
+def test_changes_of_sign_between_two_beads_make_no_beat():
+    amplitude = np.full((20, 2), 0.36)
+    amplitude[:, 0] *= np.where(np.arange(20) == 12, 0.9999, 1.01)
+    shared = Sharing(0, np.arange(2, 22), np.zeros((20, 2)), amplitude, 0.5)
+    assert shared.beat_length is None
+    assert shared.agrees_from(0.1) is None
+
+
 @pytest.mark.parametrize(
     ("chains", "kappa", "beads", "duration", "state"),
     [
@@ -200,6 +208,11 @@ def test_verdict_without_any_place_gives_the_rule_of_thumb():
     empty = Sharing(0, np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2)), 0.5)
     verdict = verdict_on(empty, problem(2, 0.1), None)
     assert (verdict.state, verdict.expected.value) == (State.SHORT, pytest.approx(60.0))
+
+
+def test_a_verdict_on_chains_shorter_than_what_is_left_out_names_no_bead():
+    said = surveyed(reference(2, 0.1, 4, 5.0)).verdict.sentence
+    assert said.startswith("too short: no bead beyond the kick lies 5 beads before the end of the chains, so ")
 
 
 def test_a_weakly_coupled_pulse_decays_by_the_law():
@@ -248,7 +261,8 @@ def test_a_mirrored_scene_is_found_the_same():
     assert (mirror.direction, plain.direction) == (-1, 1)
     assert mirror.shared.amplitude == pytest.approx(plain.shared.amplitude, rel=1e-9)
     assert np.array_equal(np.sort(81 - mirror.waves.bead[mirror.waves.chain == 1]), plain.waves.of_chain(1).bead)
-    assert mirror.verdict.sentence == plain.verdict.sentence
+    counted = " (beads are counted along the pulse's way, from the last bead)"
+    assert mirror.verdict.sentence == plain.verdict.sentence + counted
 
 
 def test_chains_are_compared_at_the_beads_after_the_one_hit_and_until_five_before_the_free_end():
