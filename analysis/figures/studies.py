@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import ArrayLike
 
 from analysis.figures.style import CHAIN_COLOURS, STYLE, shortened
@@ -19,6 +19,9 @@ from analysis.trajectory import Flags, Floats, Integers
 MOST_LINES = 8
 
 _MOST_TICKS = 8
+
+_DIGITS = {10.0: (1.0, 2.0, 3.0, 4.0, 5.0, 7.0), 300.0: (1.0, 2.0, 5.0)}
+"""First digits that are labelled on a logarithmic axis, up to a ratio of its values; beyond these powers of ten."""
 
 _MARKERS = "osD^v<>p"
 
@@ -222,7 +225,13 @@ def _scale(axis: Axes, shown: Axis, name: str) -> None:
         (axis.set_xscale if name == "x" else axis.set_yscale)("log")
     if len(values) <= _MOST_TICKS and (log or _even(values)):
         _ticks_at(setting, values)
-    elif not log:
+    elif log:
+        setting.set_minor_formatter(NullFormatter())  # its labels of single digits run into each other
+        digits = next((digits for ratio, digits in _DIGITS.items() if values[-1] / values[0] < ratio), None)
+        if digits is not None:
+            setting.set_major_locator(LogLocator(subs=digits))
+            setting.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    else:
         _whole(setting, values)
 
 

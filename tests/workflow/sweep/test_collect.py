@@ -1,6 +1,7 @@
 """The table of a sweep, and its figures: every case in one line, with the numbers that its files hold."""
 
 import csv
+import itertools
 import json
 import os
 import shutil
@@ -8,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from refusals import refusal
 
 from analysis.dispersion import cell_of
@@ -240,6 +242,20 @@ def test_an_axis_is_logarithmic_where_its_values_are_spaced_by_a_factor(values, 
     numbers = np.array(values, dtype=float)
     figure = swept_figure(Axis("y", numbers), Axis("x", numbers))
     assert figure.axes[0].get_xscale() == ("log" if log else "linear")
+
+
+@pytest.mark.parametrize("ends", [(0.02, 0.5), (0.21, 0.99), (3.0, 290.0)])
+def test_labels_of_a_logarithmic_axis_do_not_overlap(ends):
+    x = np.geomspace(*ends, 20)
+    figure = swept_figure(Axis("y", np.arange(20.0)), Axis("x", x))
+    FigureCanvasAgg(figure).draw()
+    axis = figure.axes[0]
+    low, high = axis.get_xlim()
+    ticks = [*axis.xaxis.get_major_ticks(), *axis.xaxis.get_minor_ticks()]
+    shown = [tick.label1 for tick in ticks if low <= tick.get_loc() <= high and tick.label1.get_text()]
+    boxes = sorted(((box := label.get_window_extent()).x0, box.x1) for label in shown)
+    assert len(boxes) >= 3
+    assert all(right < left for (_, right), (left, _) in itertools.pairwise(boxes))
 
 
 def test_many_values_of_the_second_field_make_a_map_with_every_number_in_its_place_and_unsettled_ones_crossed():
