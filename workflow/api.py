@@ -2,8 +2,8 @@
 
 Scenes may be given by name, as a file, as plain data or as a `Scene`; directories as text or paths, or as the `Run`
 that is in them. `analyse` does what the command ``analyze`` does. Mistakes raise `InputError`, failures `RunError`;
-nothing ends the interpreter. Results show themselves in a notebook. On a terminal and in a notebook long work has a
-progress bar.
+nothing ends the interpreter. A notebook displays results as tables and figures. On a terminal and in a notebook long
+work has a progress bar.
 """
 
 import os
@@ -61,7 +61,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Page:
-    """A page to look at, which shows itself in a notebook that stands above it."""
+    """An HTML page, which a notebook in a directory above it displays."""
 
     path: Path
 
@@ -72,7 +72,7 @@ class Page:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure, which shows itself in a notebook."""
+    """A figure of matplotlib, which a notebook displays."""
 
     figure: "Figure"
 
@@ -84,7 +84,16 @@ class Picture:
 
 @dataclass(frozen=True, repr=False)
 class Run(running.Run):
-    """A run that came to its end; see `workflow.runs.run.Run`."""
+    """A run that came to an end.
+
+    Attributes:
+        directory: the run directory; ``directory.path`` is its path.
+        outcome: "done", or "interrupted" with the frames until then.
+        check: its error against the reference; None if that was not asked for, or another engine than LAMMPS ran.
+        trajectory: all frames in units of V, T and L: ``time`` [frame], ``displacement`` and ``velocity``
+            [frame, chain, bead], float64.
+        si: the same in the scene's units, SI or reduced.
+    """
 
     def view(self) -> Page:
         """Write its page, see `view`."""
@@ -99,7 +108,7 @@ def load(scene: AnyScene) -> Scene:
     """A scene by the name of an installed one, from a file, or from plain data.
 
     Raises:
-        InputError: it is none.
+        InputError: there is no such scene, or it is invalid.
     """
     if isinstance(scene, Scene):
         return scene
@@ -153,6 +162,9 @@ def run(
 def analyse(run: AnyRun, *, figures: bool = False) -> Analysis:
     """Find the waves in a run; writes ``waves.csv`` and ``analysis.json`` beside the frames, and figures if asked to.
 
+    What it returns has ``waves`` (in V and T), ``si`` (the same in the scene's units) and ``findings`` (forces, energy
+    and others that only some runs have); all quantities are in ``analysis.json``.
+
     Raises:
         InputError: there are no frames, or they are damaged.
     """
@@ -173,9 +185,9 @@ def validate(
 
     Args:
         run: what to validate.
-        against: a file of yours; the reference without it.
+        against: a file of yours; the reference if omitted.
         units: of that file.
-        tolerances: quantity -> largest error let pass, in place of the usual one; dimensionless.
+        tolerances: quantity -> tolerance in V, T and L, in place of the default, such as ``{"velocity": 1e-3}``.
 
     Raises:
         InputError: frames or file cannot be used.
@@ -207,13 +219,13 @@ def sweep(
     """Run a scene for lists or ranges of its fields, on all cores, and gather the cases; runs what is missing.
 
     Args:
-        what: a sweep file, or what stands in one.
+        what: a sweep file, or its content as a mapping.
         directory: new, or resumed.
         jobs: cases at a time; as many as there are cores by default.
         check: whether to measure the errors against the reference.
 
     Raises:
-        InputError: a case is no scene.
+        InputError: a case is no valid scene.
         RunError: the sweep was interrupted.
     """
     from workflow.sweep.carry_out import sweep as carry_out
@@ -252,16 +264,16 @@ def fit(
     offset: float | None = None,
     lammps: bool = True,
 ) -> "Fit":
-    """Find fields of a scene from measured traces, with confidence intervals where a test of fit is passed.
+    """Estimate fields of a scene from measured traces, with confidence intervals where a test of fit is passed.
 
     Writes the same files as ``granchain fit``.
 
     Args:
-        scene: whose fields are where the search starts.
+        scene: its values are the start of the search.
         against: table of traces in the scene's units.
-        free: fields to find, such as ``["coupling.stiffness", "kick.velocity"]``.
-        directory: made if need be.
-        offset: by how much the table's times are later than the scene's; None to find it, too.
+        free: fields to estimate, such as ``["coupling.stiffness", "kick.velocity"]``.
+        directory: created if it does not exist.
+        offset: by how much the table's times are later than the scene's; None to estimate it, too.
         lammps: whether to run the fitted scene in LAMMPS.
 
     Raises:
@@ -278,15 +290,15 @@ def fit(
 
 
 def design(what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None) -> "Found":
-    """Find the scene that does something best, on all cores; resumes an interrupted call.
+    """Find the scene that minimises or maximises a quantity within bounds, on all cores; resumes an interrupted call.
 
     Args:
-        what: a design file, or what stands in one.
+        what: a design file, or its content as a mapping.
         directory: new, or resumed.
         jobs: designs at a time; as many as there are cores by default.
 
     Raises:
-        InputError: the design is none, or nothing fits its limits.
+        InputError: the file is invalid, or no design is within its limits.
         RunError: LAMMPS failed.
     """
     from workflow.studies.design import file as designs
@@ -297,10 +309,10 @@ def design(what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs:
 
 
 def gallery(directory: Path | str, names: Sequence[str] = ()) -> "Sections":
-    """The field's canonical results recomputed, as ``index.html``; all of them, or those named.
+    """Compute published results and compare them with the publications, as ``index.html``; all entries, or those named.
 
     Raises:
-        InputError: no such entry, or the directory cannot be used.
+        InputError: there is no such entry, or the directory cannot be used.
     """
     from workflow.studies.gallery import study
 
@@ -309,10 +321,10 @@ def gallery(directory: Path | str, names: Sequence[str] = ()) -> "Sections":
 
 
 def view(what: AnyRun) -> Page:
-    """Write the page of a run, a sweep or a comparison (of that the first run's is given back).
+    """Write the page of a run, a sweep or a comparison (of a comparison the page of the first run is returned).
 
     Raises:
-        InputError: there is nothing to be seen, or Bokeh is not installed.
+        InputError: there are no frames or cases, or Bokeh is not installed.
     """
     need_bokeh()
     from workflow.view import write

@@ -51,7 +51,7 @@ class Analysis:
         failure: why the run failed; empty where it did not.
         altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
         findings: what not every run has, by its key in ``analysis.json``, in the order of the text
-            (`workflow.verdicts.findings`).
+            (`workflow.verdicts.findings`); ``plain()`` of each is in the scene's units.
     """
 
     problem: Problem

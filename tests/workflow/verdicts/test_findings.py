@@ -285,3 +285,9 @@ def test_of_spectra_the_highest_line_and_what_is_passed_on_are_told(spectra, pri
     assert len(told) == 4
     for found, right in zip(told, expected, strict=True):
         np.testing.assert_allclose(found, right, rtol=1e-3)
+
+
+def test_a_finding_is_displayed_as_its_numbers_in_the_scenes_units(problem):
+    found = gauges.FarEnd(problem, Transmitted(2.0, 1.0, 3.0, 0.5))
+    assert repr(found) == f"<far_end of {problem.name}, in the scene's units: {found.plain()}>"
+    assert f"'delay': {3.0 * problem.scale.time!r}" in repr(found)

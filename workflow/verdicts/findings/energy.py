@@ -25,7 +25,7 @@ SMALLEST_LOSS = 1e-8
 """Smallest share of the energy per cell that is printed; below it frames and time steps decide."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Budget(Finding):
     """The account, and how well it is known."""
 
@@ -81,7 +81,7 @@ def closed(directory: RunDirectory, seen: Conservation, exchange: Accountant) ->
     return Budget(directory.problem, found)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Energy(Finding):
     """Shares of the chains."""
 
@@ -125,7 +125,7 @@ class Energy(Finding):
         return Measure(lambda _: cls(problem, flow.result()), flow.add)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Cells(Finding):
     """Energy of the pulses, what stays in cells, and what a replaced bead reflects."""
 
@@ -184,7 +184,7 @@ class Cells(Finding):
         return Measure(finish, final.add)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Window(Finding):
     """Whether it could catch up."""
 

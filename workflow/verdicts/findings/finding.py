@@ -19,7 +19,7 @@ MOST_CHAINS = 8
 """Chains that a table shows."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Finding:
     """Something that was found in a run; what is not overridden, there is none of."""
 
@@ -39,6 +39,9 @@ class Finding:
 
     found: Any
     """What ``analysis.json`` says under the key, dimensionless."""
+
+    def __repr__(self) -> str:
+        return f"<{self.key} of {self.problem.name}, in the scene's units: {self.plain()}>"
 
     def plain(self) -> Any:
         """The same in the scene's units."""

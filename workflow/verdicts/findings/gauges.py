@@ -41,7 +41,7 @@ _LOADED_WORDS = {
 """Quantity -> heading of the printed table; under a static load."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Forces(Finding):
     """Forces over time: an entry for each gauge and chain."""
 
@@ -148,7 +148,7 @@ def _said(found: Reflection, *, coupled: bool) -> str:
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Spectra(Finding):
     """Of the velocity."""
 
@@ -201,7 +201,7 @@ class Spectra(Finding):
         return Measure(finish, meter.add)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FarEnd(Finding):
     """Force, delay and energy."""
 
@@ -219,7 +219,7 @@ class FarEnd(Finding):
         return Measure(lambda _: cls(problem, end.result()), end.add)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Contacts(Finding):
     """The largest contact force."""
 
@@ -246,7 +246,7 @@ class Contacts(Finding):
         return Measure(finish, overlap.add) if shown_by_frames(problem) else Measure(finish)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PlasticContacts(Finding):
     """What the contacts keep at the end."""
 

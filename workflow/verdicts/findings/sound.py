@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Dispersion(Finding):
     """Bands, and the map that they are from; None where there is none."""
 
@@ -75,7 +75,7 @@ class Dispersion(Finding):
         return Measure(finish, collected.add)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Sound(Finding):
     """Speed of sound, and the leading pulse."""
 
