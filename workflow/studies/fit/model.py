@@ -63,8 +63,10 @@ class Model:
             raise InputError("--free: name at least one field, such as coupling.stiffness")
         self.scene, self.source, self.names = scene, source, tuple(names)
         self.start = tuple(self._start(name) for name in names)
-        if len(set(names)) < len(names):
-            raise InputError(f"--free: {max(names, key=list(names).count)} is named twice")
+        if len({_entries(name, scene) for name in names}) < len(names):
+            raise InputError(f"--free: {', '.join(names)}: one field is named twice")
+        if offset is not None and not math.isfinite(offset):
+            raise InputError(f"--offset: {offset} given; a time in the scene's units, such as 0")
         self.given = given = traces.load(path)
         self.fixed_offset = offset
         start = self._problem(scene, 1.0)
@@ -77,10 +79,11 @@ class Model:
         self._si = start.scale.si
         self.every = start.every * start.scale.time
         self._steps = engine.default_steps_per_frame(start)
-        if (given.time[-1] - given.time[0]) / self.every > MOST_FRAMES:
+        lasts = given.time[-1] - (given.time[0] if offset is None else min(given.time[0], offset))
+        if lasts / self.every > MOST_FRAMES:
             raise InputError(
-                f"{path}: lasts {(given.time[-1] - given.time[0]) / self.unit_time:.3g} T, too long to fit; cut it "
-                "where the pulses have passed (and see that its times are in the scene's units)"
+                f"{path}: lasts {lasts / self.unit_time:.3g} T, too long to fit; cut it where the pulses have passed "
+                "(and see that its times, and --offset, are in the scene's units)"
             )
         self.beads = beads_of(given.channels, start)
         self._kept: dict[tuple[float, ...], Trajectory | None] = {}

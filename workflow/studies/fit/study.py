@@ -184,7 +184,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--offset",
         metavar="TIME",
         type=float,
-        help="by how much times of FILE are later than the scene's (default: found, too)",
+        help="by how much times of FILE are later than the scene's, such as --offset=-1e-5 (default: found, too)",
     )
     add_output(parser)
     parser.add_argument("--no-lammps", action="store_true", help="do not run the fitted scene in LAMMPS")
