@@ -109,7 +109,7 @@ State = Literal["none", "written", "waiting", "running", "done", "failed", "inco
 
 MEANING: dict[State, str] = {
     "none": "holds no run",
-    "written": "a deck that has not been run",
+    "written": "a deck or a job that has not been run",
     "waiting": "in the queue",
     "running": "computes",
     "done": "came to its end",
@@ -145,7 +145,7 @@ class Status:
 
 
 def statuses(directories: Sequence[Path], queue: Queue | None) -> list[Status]:
-    """State of each directory; one that holds runs stands for them all."""
+    """State of each directory; one that holds runs stands for them all, and for the study that made them."""
     return [status(found, queue) for directory in directories for found in _cases(directory)]
 
 
@@ -157,9 +157,16 @@ def _cases(directory: Path) -> list[Path]:
         names = listed.read_text(encoding="utf-8").split() if listed.is_file() else []
         cases = [directory / name for name in names if name]
         others = (path for path in sorted(directory.iterdir()) if (path / file_names.SCENE).is_file())
-        return [*cases, *(path for path in others if path not in cases)] or [directory]
+        own = [directory] if _study(directory) is not None else []
+        return [*own, *cases, *(path for path in others if path not in cases)] or [directory]
     except (OSError, ValueError):
         return [directory]
+
+
+def _study(directory: Path) -> Study | None:
+    with suppress(InputError):
+        return load(directory / RECORD).study
+    return None
 
 
 def status(directory: Path, queue: Queue | None = None) -> Status:
@@ -190,7 +197,10 @@ def _status(directory: Path, queue: Queue | None) -> Status:
         return Status(directory, "failed", _last_step(directory), _steps(directory), f"{RECORD} cannot be read")
     if account:
         return _of_run(directory, job)
-    return _of_files(directory, queued) if job.study is None else _of_study(directory, job.study)
+    if queued is not None and not (job.study and job.study.done):
+        state: State = "waiting" if queued.waiting else "running"
+        return Status(directory, state, _last_step(directory), _steps(directory), f"job {queued.number}")
+    return _of_files(directory) if job.study is None else _of_study(directory, job.study)
 
 
 def _of_run(directory: Path, job: Job) -> Status:
@@ -223,14 +233,14 @@ def _of_study(directory: Path, study: Study) -> Status:
     return Status(directory, state, why=f"of `granchain {study.command}`; {what}")
 
 
-def _of_files(directory: Path, queued: Queued | None) -> Status:
-    """A deck that was run by hand, or not at all."""
+def _of_files(directory: Path) -> Status:
+    """A deck that was run by hand, or not at all; the job of a study that was not submitted."""
     steps, step = _steps(directory), _last_step(directory)
-    if queued is not None:
-        return Status(directory, "waiting" if queued.waiting else "running", step, steps, f"job {queued.number}")
     if not (directory / file_names.DECK).is_file():
         if (directory / file_names.SCENE).is_file():
             return Status(directory, "incomplete", why="nothing was computed; run it again with --overwrite")
+        if (directory / file_names.JOB).is_file():
+            return Status(directory, "written", why=f"{_sbatch(directory)} starts it")
         return Status(directory, "none", why=f"it has no {file_names.SCENE}")
     if not parts(directory):
         start = f"`lmp -in {file_names.DECK}` there"

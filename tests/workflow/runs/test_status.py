@@ -86,6 +86,20 @@ def test_a_finished_comparison_is_told_to_be_done(tmp_path, capsys):
     assert capsys.readouterr().out.startswith(f"{tmp_path / 'c'}: done: of `granchain compare`; compare.json")
 
 
+def test_a_study_has_a_state_of_its_own_beside_the_runs_in_it_and_waits_in_the_queue(tmp_path):
+    study = tmp_path / "fitted"
+    study.mkdir()
+    (study / file_names.JOB).write_text("")
+    (found,) = statuses([study], None)
+    assert (found.state, found.why) == ("written", "`sbatch job.sbatch` there starts it")
+    own = {"command": "fit", "result": "fit.json holds it", "resume": "the same command fits again"}
+    write_json(study / RECORD, {"files": [RECORD], "study": {**own, "done": False}})
+    with_record(with_deck(study / "lammps"), outcome="done")
+    states = [(found.directory.name, found.state) for found in statuses([study], None)]
+    assert states == [("fitted", "incomplete"), ("lammps", "done")]
+    assert statuses([study], alps(Queued("9", True, study.resolve())))[0].state == "waiting"
+
+
 # --- no run, or not yet -----------------------------------------------------------------------------------------------
 
 
