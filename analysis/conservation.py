@@ -242,7 +242,10 @@ class Conservation:
         energy_input, lost = self.budget.add(block)
         self._energy_input = max(self._energy_input, float(np.max(np.abs(energy_input))))
         self._missing = float(np.maximum(self._missing, np.max(np.abs(energy + lost - energy_input))))
-        self.energy_drift = self._missing / self._energy_input if self._missing != 0.0 else 0.0
+        if self._missing == 0.0:
+            self.energy_drift = 0.0
+        else:  # beads may be displaced before anything has pushed them
+            self.energy_drift = self._missing / self._energy_input if self._energy_input else np.inf
 
     def _pushed(self, block: Trajectory, momentum: Floats) -> None:
         """With forces from outside: momentum is that of the kicks and what they have given."""

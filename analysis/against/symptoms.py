@@ -91,6 +91,11 @@ def unexplained(trajectory: Trajectory, without: Sequence[Link] = (), *, loads: 
     return change
 
 
+def beyond(own: Trajectory, reference: Trajectory) -> Floats:
+    """The same, without what the method leaves of the reference's, and without beads whose motion is given."""
+    return _but_for_driven(unexplained(own) - unexplained(reference), own.problem)
+
+
 MOST = 4000
 """Beads in all chains that are looked at one by one."""
 
@@ -324,10 +329,12 @@ class Strengths:
     Attributes:
         factors: name of a kind of link -> factor on the problem's own force; 1 is right.
         left: what these leave unexplained, over what the problem's own forces leave (of squared changes of momentum).
+        power: what they leave.
     """
 
     factors: dict[str, float]
     left: float
+    power: float
 
 
 def identify_strengths(trajectory: Trajectory) -> Strengths | None:
@@ -354,7 +361,7 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
         return None
     left, own = (float(np.sum((right - matrix @ fit) ** 2)) for fit in (factors, np.ones(len(felt))))
     found = {given[place][0]: float(factor) for place, factor in zip(felt, factors, strict=True)}
-    return Strengths(found, left / own if own > 0.0 else 0.0)
+    return Strengths(found, left / own if own > 0.0 else 0.0, left)
 
 
 def felt_inner_mass(trajectory: Trajectory) -> float:
@@ -398,8 +405,9 @@ class StaticLoad:
     """Static force on the beads of a trajectory over that of the problem; 1 is right.
 
     Attributes:
-        held: forces from outside that hold them (on the ends, weights); NaN where walls alone do.
-        pressed: force in the contacts at rest.
+        holding: forces from outside that hold them (on the ends, weights); 1 where walls alone do, and unless others
+            explain the motion.
+        pressed: force in the contacts at rest; likewise.
     """
 
     holding: float
@@ -433,13 +441,19 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
         link.drive(outside, -np.broadcast_to(laws.load(link.law), link.strain(start).shape))
     power = float(np.sum(outside**2) * np.sum(np.diff(trajectory.time)))
     size = float(np.max(np.abs(outside)))
-    far = 1e-9 * size * problem.chains * problem.beads
-    holding = 1.0 + float(np.sum(left(1.0).sum(axis=0) * outside)) / power if size > far else np.nan
+    least = 1e-9 * max(
+        float(np.max(laws.load(link.law))) for link in bearing
+    )  # where walls hold them, rounding is left
     factors = np.concatenate([[0.0], 10.0 ** (np.arange(-40, 41) / 40.0)])
     missing = np.array([float(np.sum(left(float(factor)) ** 2)) for factor in factors])
-    best = int(np.argmin(missing))
-    explains = missing[best] < _EXPLAINED * missing[factors == 1.0][0]
-    return StaticLoad(holding, float(factors[best]) if explains else 1.0)
+    best, usual = int(np.argmin(missing)), left(1.0)
+    most = _EXPLAINED * float(np.sum(usual**2))
+    holding = 1.0
+    if size > least:
+        holding += float(np.sum(usual.sum(axis=0) * outside)) / power
+        held = (holding - 1.0) * outside * intervals(trajectory)
+        holding = holding if np.sum((usual - held) ** 2) < most else 1.0
+    return StaticLoad(holding, float(factors[best]) if missing[best] < most else 1.0)
 
 
 def identify_exponent(trajectory: Trajectory) -> float | None:

@@ -224,6 +224,13 @@ def test_of_what_a_drive_took_back_no_shares_are_told(left, shares):
     assert said.endswith("of which 100.00% kinetic" if shares else f", at most {4.0 * scale.energy:.6g} J before")
 
 
+def test_energy_before_any_input_is_an_infinite_drift():
+    pushed = of_keys(**{**PLAIN, "kick": None, "push": {"peak": 1.0, "duration": 1.0, "shape": "half-sine"}})
+    seen, still = Conservation(), written_down(pushed, lambda t: (0.0 * t + np.arange(8.0)[::-1], 0.0 * t))[:1]
+    seen.add(replace(still, exchange=np.zeros((1, 5))))
+    assert seen.energy_drift == np.inf
+
+
 def test_a_heavy_bead_is_kicked_with_its_own_energy():
     heavy = {"kinds": {"heavy": {"mass": 4.0}}, "replace": {"bead": 1, "kind": "heavy"}, "damping": {"beads": 0.2}}
     account = account_of(of_keys(**{**PLAIN, **heavy}), lambda t: (0.0 * t, 0.0 * t))

@@ -118,7 +118,16 @@ def pushes(own: Trajectory, reference: Trajectory) -> list[str]:
         what = "drive" if load.endless else "push"
         name = f"the {what}" if len(system.loads) == 1 else f"the {what} on bead {load.bead} of chain {load.chain}"
         found.append(f"{name} {_other_push(load, own.time, felt, problem.scale)}")
-    return found
+    left = symptoms.beyond(own, reference)
+    by = np.zeros_like(left)
+    for load in system.loads:
+        by[:, load.chain - 1, load.bead - 1] = left[:, load.chain - 1, load.bead - 1]
+    return found if _explains(by, left) else []
+
+
+def _explains(by: Floats, left: Floats) -> bool:
+    """Whether the impulses of a cause are what the scene's forces do not explain."""
+    return bool(np.sum((left - by) ** 2) <= _LITTLE * np.sum(left**2))
 
 
 def _other_push(load: Load, time: Floats, felt: Floats, scale: Scale) -> str:
@@ -146,6 +155,12 @@ _MOST_NAMED = 10
 
 _EXPLAINED = 0.03
 """Share of what the scene's own forces leave unexplained that other strengths of them must leave at most."""
+
+_LITTLE = 0.3
+"""The same of a cause that was measured bead by bead."""
+
+_OF_METHOD = 2.0
+"""What a cause leaves unexplained over what the reference does, up to which the method has left it."""
 
 _METHOD = 0.25
 """Of a strength: if the reference differs more from the scene, the method does not work on these frames."""
@@ -239,6 +254,13 @@ def _start(own: Trajectory) -> list[str]:
     problem = own.problem
     if own.time[0] != 0.0:
         return []
+    wrong = np.abs(own.displacement[0])
+    if np.any(wrong > 1e-6):
+        chain, bead = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
+        found = problem.scale.written(own.displacement[0, chain, bead], "length")
+        return [
+            f"bead {bead + 1} of chain {chain + 1} starts {found} from its place at rest (another gap or static load?)"
+        ]
     wrong = np.abs(own.velocity[0] - physics.initial_velocity(problem.system))
     if not np.any(wrong > 1e-6):
         return []
@@ -261,6 +283,8 @@ def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
     if felt is None or right is None:
         return []
     found: list[str] = []
+    if not _explains(_of_beads(own, felt, right), symptoms.beyond(own, reference)):
+        return found
     for values, expected, kinds, what, names in (
         (felt.mass, right.mass, system.mass, "heavy", ("beads of mass {}", "all beads", "bead {} of chain {}")),
         (felt.strength, right.strength, laws.strength(system.along[0].law), "strong",
@@ -287,6 +311,18 @@ def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
             name = names[2].format(place + 1, chain + 1, next=place + 2)
             found.append(f"{name} is {factor[chain, place]:.4g} times as {what} as the scene says")
     return found
+
+
+def _of_beads(own: Trajectory, felt: symptoms.Felt, right: symptoms.Felt) -> Floats:
+    """What beads and contacts that differ from the scene's leave unexplained."""
+    heavier, stronger = (
+        np.nan_to_num(np.where(np.abs(off) > _BEAD_DOUBT, off, 0.0))
+        for off in (felt.mass - right.mass, felt.strength - right.strength)
+    )
+    by = -heavier * own.problem.system.mass * np.diff(own.velocity, axis=0)
+    for link in own.problem.system.along:
+        by += symptoms.on_beads(link, stronger * symptoms.of_link(link, own), own)
+    return np.asarray(by)
 
 
 def _profile(own: Trajectory, factor: Floats) -> list[str]:
@@ -339,7 +375,7 @@ def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
     if not links:
         return []
     felt, right = symptoms.identify_strengths(own), symptoms.identify_strengths(reference)
-    if felt is None or right is None or felt.left > _EXPLAINED:
+    if felt is None or right is None or not _explained(felt, right):
         return _inner_masses(own, reference, 1.0)
     found = []
     names = [link.name for link in links]
@@ -371,11 +407,16 @@ def _laws(own: Trajectory, reference: Trajectory) -> list[str]:
     if not links:
         return []
     felt, right = symptoms.identify_strengths(own), symptoms.identify_strengths(reference)
-    if felt is None or right is None or felt.left <= _EXPLAINED:
+    if felt is None or right is None or _explained(felt, right):
         return []
     off = {link.name: _off(*_factor(link.name, felt, right)) for link in links}
     name = max(off, key=lambda name: off[name])
     return [f"the {name.replace('_', ' ')} follows another law than the scene says"] if off[name] > _LAW_DOUBT else []
+
+
+def _explained(felt: symptoms.Strengths, right: symptoms.Strengths) -> bool:
+    """Whether other strengths explain a motion, but for what the method leaves of the reference's."""
+    return felt.left <= _EXPLAINED or felt.power <= _OF_METHOD * right.power
 
 
 def _factor(name: str, felt: symptoms.Strengths, right: symptoms.Strengths) -> tuple[float, float]:
@@ -412,11 +453,15 @@ def _springs(own: Trajectory, reference: Trajectory) -> list[str]:
         whole = np.isfinite(right.linear)
         if np.any(np.abs(right.linear[whole] / physics.kappa(system) - 1.0) > _METHOD):
             return []
-    if 0 < len(missing) <= _MOST_NAMED:
+    weight = np.zeros_like(felt.linear)
+    weight[tuple(missing.T)] = -1.0
+    if 0 < len(missing) <= _MOST_NAMED and _explains(_of_springs(own, weight), symptoms.beyond(own, reference)):
         rows = ", ".join(f"row {row + 1} between chains {chain + 1} and {chain + 2}" for chain, row in missing)
         return [f"no spring in {rows}"]
     expected = physics.kappa(system) if right is None else float(np.nanmedian(right.linear))
-    if abs(typical / expected - 1.0) > 5e-4 + 3.0 * abs(expected / physics.kappa(system) - 1.0):
+    more = typical / expected - 1.0
+    off = abs(more) > 5e-4 + 3.0 * abs(expected / physics.kappa(system) - 1.0)
+    if off and _explains(_of_springs(own, more), symptoms.beyond(own, reference)):
         unit = problem.scale.stiffness
         kappa = physics.kappa(system)
         found, right_one = typical / expected * kappa * unit, kappa * unit
@@ -424,6 +469,14 @@ def _springs(own: Trajectory, reference: Trajectory) -> list[str]:
             return [f"the chains are not coupled, though the scene says {right_one:.4g}"]
         return [f"the coupling is {found:.4g} instead of {right_one:.4g}"]
     return []
+
+
+def _of_springs(own: Trajectory, more: Floats | float) -> Floats:
+    """What springs so many times stronger than the scene's leave unexplained."""
+    by = np.zeros_like(own.velocity[1:])
+    for link in own.problem.system.across:
+        by += symptoms.on_beads(link, more * symptoms.of_link(link, own), own)
+    return by
 
 
 def _exponent(own: Trajectory, reference: Trajectory) -> list[str]:

@@ -1,10 +1,14 @@
 """Beads, contacts and pushes that are not the scene's: what `validate` says of them."""
 
+from dataclasses import replace
+
 import pytest
 from plain_scene import scene
 from wrong_runs import deck_run, substituted
 
 from lammps_inputs import file_names
+from workflow.engines.reference import engine
+from workflow.verdicts.causes import causes
 from workflow.verdicts.validate import validate
 
 FRAMES = {"output": {"every": 0.1}, "duration": 16.0}
@@ -66,3 +70,37 @@ def test_of_a_right_run_nothing_is_said(tmp_path):
     found = validate(deck_run(scene(**SIZES), tmp_path / "run"))
     assert found.passed
     assert found.causes == ()
+
+
+COUPLED = {"chains": 2, "beads": 8, "duration": 12.0, "output": {"every": 0.1}}
+OTHER = {
+    "springs of pushed chains": (
+        {"kick": None, "push": [{"peak": 1.0, "duration": 2.0, "shape": "half-sine"}], "coupling": {"stiffness": 0.3}},
+        {"coupling": {"stiffness": 0.306}},
+        ["the coupling is 0.306 instead of 0.3"],
+    ),
+    "drag beside dashpots of contacts": (
+        {"damping": {"contact": 0.05, "beads": 0.01}, "output": {"every": 0.2}},
+        {"damping": {"contact": 0.05, "beads": 0.011}},
+        ["the bead damping is 1.1 times as strong as the scene says"],
+    ),
+    "a wall under a load": (
+        {"precompression": {"force": 0.3}, "walls": {"left": "rigid", "right": {"stiffness": 2.0}}},
+        {"walls": {"left": "rigid", "right": {"stiffness": 2.1}}},
+        [],
+    ),
+}
+
+
+@pytest.mark.parametrize(("right", "wrong", "said"), OTHER.values(), ids=OTHER)
+def test_what_does_not_explain_a_difference_is_not_named_as_its_cause(right, wrong, said):
+    keys = {**COUPLED, **right}
+    own, reference = (engine.run(scene(**one).problem()) for one in ({**keys, **wrong}, keys))
+    found = causes(replace(own, problem=reference.problem), reference)
+    assert found == said
+
+
+def test_beads_that_start_elsewhere_are_named_before_forces():
+    reference = engine.run(scene(**COUPLED, precompression={"force": 1.0}).problem())
+    (cause,) = causes(replace(reference, displacement=reference.displacement + 0.1), reference)
+    assert cause == "bead 1 of chain 1 starts 0.1 from its place at rest (another gap or static load?)"

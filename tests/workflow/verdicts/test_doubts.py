@@ -26,7 +26,11 @@ def springs(factor):
 
 
 def ground(factor):
-    return symptoms, "identify_strengths", lambda _: symptoms.Strengths({"contacts": 1.0, "foundation": factor}, 0.0)
+    return (
+        symptoms,
+        "identify_strengths",
+        lambda _: symptoms.Strengths({"contacts": 1.0, "foundation": factor}, 0.0, 0.0),
+    )
 
 
 def load(factor):
