@@ -113,7 +113,7 @@ def _of_types(
 def _since(model: str) -> tuple[str, ...]:
     if "restitution" not in model:
         return ()
-    old = f"damping by restitution needs LAMMPS of {_RESTITUTION_SINCE} or later"
+    old = "damping by restitution needs LAMMPS of 27Jun2024 or later"
     return (f'if "$(version) < {_RESTITUTION_SINCE}" then "print \'{old}\'" "quit 1"',)
 
 
