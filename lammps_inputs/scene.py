@@ -307,12 +307,14 @@ class BaseScene(Part):
 
     @property
     def unlikely(self) -> list[str]:
-        """What is unlikely, each with the unit that was probably meant."""
+        """What is unlikely, each with the unit or key that was probably meant."""
         found = list(self._unlikely_solids())
         if self.material is not None and self.gap > FAR * self.material.radius:
             ratio = self.gap / self.material.radius
             meant = f"{self.gap:g} mm is {1e-3 * self.gap:g} m"
             found.append(f"gap in m? {self.gap:g} m is {ratio:.3g} times the radius; {meant}")
+        if self.chains == 1 and getattr(self, "coupling", None) is not None:
+            found.append("coupling: a single chain has no springs between chains; `chains: 2` gives it a neighbour")
         every, unit = self._cadence()[0], self.scale.time
         if self.material is not None and every > FAR_FRAMES * unit:
             found.append(

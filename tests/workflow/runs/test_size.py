@@ -94,6 +94,11 @@ def test_frames_farther_apart_than_the_run_is_long_are_warned_of(written, capsys
     assert "# warning: output.every: 0.1 is longer than the duration of 0.002; the run lasts 0.1 and records" in out
 
 
+def test_springs_between_chains_of_a_single_chain_are_warned_of(written, capsys):
+    main(["show", written(coupling="{stiffness: 0.1}", timestep="0.01")])
+    assert "# warning: coupling: a single chain has no springs between chains" in capsys.readouterr().out
+
+
 def test_a_duration_of_many_units_of_time_is_warned_of_with_the_one_probably_meant(written, capsys):
     main(["show", written(material=STEEL, duration="20", output="{every: 0.1}", timestep="1.0e-6")])
     assert "# warning: duration in s? 20 s is 1.63e+06 T" in capsys.readouterr().out
