@@ -222,8 +222,7 @@ def _of_run(directory: Path, job: Job) -> Status:
 
 def onwards(directory: Path, job: Job) -> str:
     """How to complete a local run that is incomplete."""
-    how = _goes_on(directory, job) if job.engine in ("lammps", None) else "starts again"
-    return f"`granchain run --resume {shlex.quote(str(directory))}` {how}"
+    return f"`granchain run --resume {shlex.quote(str(directory))}` {_goes_on(directory, job)}"
 
 
 def _of_study(directory: Path, study: Study) -> Status:
@@ -332,7 +331,7 @@ def _goes_on(directory: Path, job: Job | None = None) -> str:
     """The step from which an incomplete run resumes; a local one by its account."""
     step = step_of(directory / file_names.RESTART)
     if not step:
-        return "starts again, as there is no restart yet"
+        return "starts again, as there is no restart"
     if job is not None and job.engine == "lammps":
         from workflow.runs.resume import restart_refused  # which imports what runs LAMMPS
         from workflow.runs.run_directory import RunDirectory

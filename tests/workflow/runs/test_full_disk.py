@@ -158,7 +158,7 @@ def test_a_record_that_cannot_be_written_does_not_hide_why(disk):
 @pytest.mark.parametrize("engine", ["reference", "collisions"])
 def test_other_engines_say_so_too(engine, disk):
     dense = scene(chains=2, beads=30, kappa=0.1, gap=1.0, duration=250.0, every=0.1)
-    with pytest.raises(RunError, match=r"No space left on device.*--resume.* starts again$"):
+    with pytest.raises(RunError, match=r"No space left on device.*--resume.* starts again, as there is no restart$"):
         run(dense, disk.path / "run", engine=engine)
     disk.grow()
     assert resume(disk.path / "run").outcome == "done"

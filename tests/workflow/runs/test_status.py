@@ -181,7 +181,7 @@ def test_a_job_in_the_queue_waits_whatever_it_said_before_unless_it_is_done(repo
 def test_a_job_that_its_cluster_does_not_know_is_incomplete_and_goes_on_with_sbatch(state, tmp_path):
     found = status(with_state(with_deck(tmp_path / "x"), state), alps())
     assert found.state == "incomplete"
-    again = "`sbatch job.sbatch` there starts again, as there is no restart yet"
+    again = "`sbatch job.sbatch` there starts again, as there is no restart"
     assert found.why == f"job 7 is gone: killed, or its node lost; {again}"
 
 
@@ -228,7 +228,7 @@ def test_a_task_that_is_gone_goes_on_with_its_array(tmp_path):
     directory = with_state(with_deck(tmp_path / "x"), "running")
     (directory / file_names.JOB).unlink()
     assert status(directory, alps()).why.endswith(
-        "`sbatch job.sbatch` beside cases.txt starts again, as there is no restart yet"
+        "`sbatch job.sbatch` beside cases.txt starts again, as there is no restart"
     )
 
 
