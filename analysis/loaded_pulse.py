@@ -72,7 +72,7 @@ class Sound:
     metres: Floats | None = declare(
         "least and largest speed of sound of long waves in m/s",
         "m/s",
-        "beads are not all of one material and size, or no long waves run",
+        "without a material, where beads or static loads differ along the chains, or no long waves run",
     )
     cutoff: float = declare(
         "highest angular frequency of small motions; an upper bound of it where beads, springs or loads do not repeat "

@@ -34,12 +34,14 @@ class WavesTable(Waves):
         undefined="the passage is not recorded completely, or there is no exact wave",
     )
     chain_energy: Floats = declare(
-        "energy of the chain, with half of its springs', when the waves (on average) pass this bead",
+        "energy of the chain, with half of its springs', in the frame nearest to when the waves (on average) pass this "
+        "bead",
         "energy",
         "not all beads are recorded, or not all waves passed",
     )
     wave_energy: Floats = declare(
-        "energy within 3 beads of the wave's peak at that time",
+        "kinetic energy in that frame of the beads within 3 beads of the wave's peak (more where pulses are longer), "
+        "and energy of the contacts between them",
         "energy",
         "not all beads are recorded, not all waves passed, or another pulse is as near",
     )

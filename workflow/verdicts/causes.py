@@ -22,6 +22,9 @@ from lammps_inputs.units import Scale
 _MOTION_DOUBT = 1e-6
 """Share of the amplitude; the motion is given, to rounding."""
 
+_TURN = 4.0
+"""Doubt of a phase, in radians, over that of its sine's amplitude, as impulses of forces drift between frames."""
+
 _PUSH_DOUBT = 5e-3
 """Share of the impulse; half a step of a force that ends at a frame may be missing there."""
 
@@ -92,7 +95,7 @@ def _other_sine(
         for name, here, there, size, unit in (
             (what, math.copysign(found[0], right[0]), right[0], abs(right[0]), size_unit),
             ("frequency", found[1] / second, right[1] / second, right[1] / second, hertz),
-            ("phase", math.degrees(right[2] + late), math.degrees(right[2]), math.degrees(1.0), " degrees"),
+            ("phase", math.degrees(right[2] + late), math.degrees(right[2]), math.degrees(_TURN), " degrees"),
         )
         if abs(here - there) > doubt * size and f"{here:.4g}" != f"{there:.4g}"
     ]
@@ -117,7 +120,8 @@ def pushes(own: Trajectory, reference: Trajectory) -> list[str]:
             continue  # right, or the reference is further off than this
         what = "drive" if load.endless else "push"
         name = f"the {what}" if len(system.loads) == 1 else f"the {what} on bead {load.bead} of chain {load.chain}"
-        found.append(f"{name} {_other_push(load, own.time, felt, problem.scale)}")
+        if said := _other_push(load, own.time, felt, problem.scale):
+            found.append(f"{name} {said}")
     left = symptoms.beyond(own, reference)
     by = np.zeros_like(left)
     for load in system.loads:
@@ -131,7 +135,7 @@ def _explains(by: Floats, left: Floats) -> bool:
 
 
 def _other_push(load: Load, time: Floats, felt: Floats, scale: Scale) -> str:
-    """What is wrong with a push that gave another impulse over time than it should."""
+    """What is wrong with a push that gave another impulse over time than it should; empty within its doubt."""
     law = load.law
     if np.max(np.abs(felt)) < _PUSH_DOUBT * load.law.total:
         return "is missing"
@@ -139,8 +143,8 @@ def _other_push(load: Load, time: Floats, felt: Floats, scale: Scale) -> str:
         omega, along, across = sine
         there = law.peak * scale.force, law.omega, law.phase
         here = omega * math.hypot(along, across) * scale.force, omega, math.atan2(along, -across)
-        if said := _other_sine("force", here, there, scale, _PUSH_DOUBT):
-            return f"has {said}"
+        said = _other_sine("force", here, there, scale, _PUSH_DOUBT)
+        return f"has {said}" if said else ""
     shape = np.asarray(law.impulse(time, *law))
     factor = float(np.sum(felt * shape) / np.sum(shape * shape))
     if np.sum((felt - factor * shape) ** 2) < _PUSH_DOUBT**2 * np.sum(felt * felt):

@@ -18,6 +18,8 @@ SPRINGS, GROUND = {"coupling": {"stiffness": 0.1}}, {"foundation": {"stiffness":
 
 PUSH = {"push": {"chain": 2, "bead": 3, "peak": 1.0, "duration": 1.0, "shape": "half-sine"}}
 
+DRIVE = {"drive": {"chain": 2, "bead": 3, "force": 1.0, "frequency": 0.5, "phase": 30.0}}
+
 LOAD = {"precompression": {"force": 1.0}}
 
 
@@ -57,6 +59,16 @@ def push(factor):
     return symptoms, "impulse_given", lambda trajectory, load: factor * load.impulse(trajectory.time)
 
 
+def turned(degrees):
+    """From 1 on, which is none."""
+
+    def given(trajectory, load):
+        law = load.law._replace(phase=load.law.phase + np.radians(degrees - 1.0))
+        return replace(load, law=law).impulse(trajectory.time)
+
+    return symptoms, "impulse_given", given
+
+
 def without_symptoms(keys, monkeypatch):
     """Two trajectories in which nothing is measured to be wrong."""
     problem = library.from_plain({**PLAIN, **keys}, "test").problem()
@@ -78,8 +90,9 @@ def without_symptoms(keys, monkeypatch):
         ({}, mass, 1.009, 1.012, "bead 5 of chain 2 is 1.012 times as heavy"),
         ({}, contact, 1.009, 1.012, "the contact of beads 5 and 6 of chain 2 is 1.012 times as strong"),
         (PUSH, push, 1.004, 1.008, "the push is 1.008 times as strong"),
+        (DRIVE, turned, 2.0, 3.0, "the drive has a phase of 32 instead of 30 degrees"),
     ],
-    ids=["springs", "ground", "load", "exponent", "mass", "contact", "push"],
+    ids=["springs", "ground", "load", "exponent", "mass", "contact", "push", "phase"],
 )
 def test_a_cause_is_named_beyond_its_doubt_and_not_within(keys, measured, within, beyond, said, monkeypatch):
     own, reference = without_symptoms(keys, monkeypatch)
