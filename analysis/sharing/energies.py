@@ -41,7 +41,8 @@ class Flow:
 
     time: Floats = declare("time of some frames", "time", symbol="t")
     share: Floats = declare(
-        "energy of each chain (kinetic, contacts, ground) over that of all chains, [instant][chain]"
+        "energy of each chain (kinetic, contacts, ground) over that of all chains, [instant][chain]",
+        undefined="no chain has energy, as at the start of a push",
     )
     between: Floats = declare(
         "energy in the springs between chains over the energy input until then (kicks, work of pushes, "
@@ -67,7 +68,11 @@ class Flow:
         """Least and largest share of a chain (from 0) after the start, each with its time; the start if alone."""
         later = slice(1, None) if len(self.time) > 1 else slice(None)
         share, time = self.share[later, chain], self.time[later]
-        least, most = int(np.argmin(share)), int(np.argmax(share))
+        undefined = np.isnan(share)
+        least, most = (
+            int(np.argmin(np.where(undefined, np.inf, share))),
+            int(np.argmax(np.where(undefined, 0.0, share))),
+        )
         return (float(share[least]), float(time[least])), (float(share[most]), float(time[most]))
 
 
@@ -79,17 +84,28 @@ class EnergyFlow:
         self._seen = 0
         self._found: list[tuple[Floats, ...]] = []
         self._action: list[Floats] | None = [] if has_modes(problem.system) else None
-        self._last_action = np.nan
+        self._last_action = np.full((1, 1), np.nan)
+        self._last: tuple[Floats, ...] | None = None  # of the last frame, where it is none of the chosen ones
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
         chosen = slice(-self._seen % self._stride, None, self._stride)
         self._seen += block.frames
+        self._found.append(self._of(block, chosen))
+        apart = (self._seen - 1) % self._stride > 0
+        self._last = self._of(block, slice(-1, None)) if apart else None
+        if self._action is not None:
+            self._action.append(shares_of_action(block, chosen))
+            self._last_action = shares_of_action(block, slice(-1, None))
+
+    @staticmethod
+    def _of(block: Trajectory, chosen: slice) -> tuple[Floats, ...]:
+        """Time, share, energy between chains, centre and spread at some frames."""
         x, v = block.displacement[chosen], block.velocity[chosen]
         energy = motion.bead_energy(block.system_at(chosen), x, v, block.first)
         of_chain = energy.sum(axis=-1, keepdims=True)
         total = of_chain.sum(axis=-2, keepdims=True)
-        share = (of_chain / np.where(total > 0.0, total, np.inf))[..., 0]  # a drive may begin with none
+        share = (of_chain / np.where(total > 0.0, total, np.nan))[..., 0]  # a drive may begin with none
         between = np.zeros(len(x))
         for link in block.problem.system.across:
             between += np.sum(link.energy(x, block.first), axis=(-2, -1))
@@ -99,10 +115,7 @@ class EnergyFlow:
             weight = np.where(share > LEAST, 1.0, np.nan)[..., np.newaxis] * energy / of_chain
         centre = np.sum(weight * block.beads, axis=-1)
         spread = np.sqrt(np.sum(weight * (block.beads - centre[..., np.newaxis]) ** 2, axis=-1))
-        self._found.append((block.time[chosen], share, between, centre, spread))
-        if self._action is not None:
-            self._action.append(shares_of_action(block, chosen))
-            self._last_action = float(shares_of_action(block, slice(-1, None))[-1, -1])
+        return block.time[chosen], share, between, centre, spread
 
     def result(self) -> Flow:
         """Of the frames so far.
@@ -112,11 +125,14 @@ class EnergyFlow:
         """
         if not self._found:
             raise ValueError("no frames to measure")
-        time, share, between, centre, spread = (np.concatenate(part) for part in zip(*self._found, strict=True))
+        last = [] if self._last is None else [self._last]
+        parts = zip(*self._found, *last, strict=True)
+        time, share, between, centre, spread = (np.concatenate(part) for part in parts)
         found = Flow(time, share, between, centre, spread)
         if self._action is None:
             return found
-        return replace(found, action=np.concatenate(self._action), fastest_mode_action=self._last_action)
+        actions = [*self._action, *([] if self._last is None else [self._last_action])]
+        return replace(found, action=np.concatenate(actions), fastest_mode_action=float(self._last_action[-1, -1]))
 
 
 MOST_CHAINS = 30

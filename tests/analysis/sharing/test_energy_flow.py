@@ -35,15 +35,23 @@ def test_springs_between_chains_hold_energy_that_is_no_chains():
     assert found.share[0] == pytest.approx([0.5, 0.5])
 
 
-def test_of_a_long_run_every_so_manieth_frame_counts_wherever_blocks_end():
+def test_shares_are_undefined_where_no_chain_has_energy():
+    found = flow_of(problem(), np.zeros((2, 8)), np.zeros((2, 8)))
+    assert np.isnan(found.share).all()
+    share = np.array([[np.nan, np.nan], [np.nan, np.nan], [0.4, 0.6]])
+    assert Flow(np.arange(3.0), share, *(np.zeros(3),) * 3).extremes(1) == ((0.6, 2.0), (0.6, 2.0))
+
+
+@pytest.mark.parametrize("frames", [1201, 1200, 1199])
+def test_of_a_long_run_every_so_manieth_frame_counts_and_the_last_wherever_blocks_end(frames):
     long = problem(frames=1200)
     flow = EnergyFlow(long)
     time = np.arange(1201) * long.every
     state = np.ones((1201, 2, 8))
     whole = Trajectory(long, time, 0.0 * state, state)
-    for start, end in ((0, 100), (100, 101), (101, 700), (700, 1201)):
+    for start, end in ((0, 100), (100, 101), (101, 700), (700, frames)):
         flow.add(whole[start:end])
-    assert flow.result().time.tolist() == time[::3].tolist()
+    assert flow.result().time.tolist() == sorted({*time[:frames:3].tolist(), time[frames - 1]})
 
 
 def test_the_least_and_most_that_a_chain_has_are_told_with_their_times():
