@@ -290,7 +290,7 @@ def map_figure(columns: dict[str, Floats]) -> Figure:
     distance.set_ylabel("bead from which the chains agree")
     distance.set_title("(a) distance to 1% (solid) and 10% (dotted)")
     amplitude.set_ylabel(r"mean leading peak $v_\mathrm{max} / V$")
-    amplitude.set_title("(b) amplitude at the end (x: not level there)")
+    amplitude.set_title("(b) amplitude at the end (x: chains differ by over 10%)")
     amplitude.set_ylim(bottom=0.0)
     amplitude.legend(ncols=2)
     return figure

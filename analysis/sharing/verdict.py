@@ -177,7 +177,8 @@ def verdict_on(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Ver
 
 def _verdict(state: State, what: str, since: int | None = None, expected: Estimate | None = None) -> Verdict:
     """One whose sentence begins with its state."""
-    return Verdict(state, f"{state.value}: {what}", since, expected)
+    subject = "equipartition " if state is State.NO_PULSE else ""
+    return Verdict(state, f"{subject}{state.value}: {what}", since, expected)
 
 
 def _without_exchange(shared: Sharing, problem: Problem) -> Verdict | None:

@@ -147,7 +147,7 @@ def test_a_bead_that_is_moved_is_where_it_should_be_to_rounding_and_the_verdict_
     (motion,) = trajectory.problem.system.motions
     assert trajectory.displacement[:, 0, 0] == pytest.approx(motion.displacement(trajectory.time), abs=1e-12)
     assert trajectory.velocity[:, 0, 0] == pytest.approx(motion.velocity(trajectory.time), abs=1e-12)
-    assert "does not apply" in analyse(found.directory, figures=False).survey.verdict.sentence
+    assert "equipartition does not apply" in analyse(found.directory, figures=False).survey.verdict.sentence
     assert not trajectory.problem.system.holds(Fact.PULSE)
 
 
