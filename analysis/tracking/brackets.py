@@ -89,7 +89,23 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         if loss is not None and dashpot.cut(loss):
             states = np.stack([overlap, closing, wall.rate(motion.acceleration_and_rate(block, at, chain, bead)[0])])
             off += np.where(there, _cut(law, laws.at(loss, chain, place), states, block.spacing), 0.0)
+    for ground in physics.ground_springs(system):
+        if laws.varies(ground.law):
+            off += _bent(laws.at(ground.law, chain, place), np.abs(x).max(axis=0), block.time[at])
     return np.asarray(off / physics.mass_of(system, chain, place))
+
+
+def _bent(law: Any, strain: Floats, time: Floats) -> Floats:
+    """The same where the stiffness of springs begins or ceases to change; of each bead, times of both frames."""
+    spacing = time[1] - time[0]
+    begins, jumps = [np.zeros_like(strain)], [np.zeros_like(strain)]
+    for bend in law.bends:
+        before, after = (law.now(np.full_like(strain, at)) for at in (np.nextafter(bend, -np.inf), bend))
+        jump = after.change(strain, *after) - before.change(strain, *before)
+        begins.append((bend - time[0]) / spacing)
+        jumps.append(np.where((time[0] <= bend) & (bend <= time[1]), jump * spacing, 0.0))
+    begin, each = np.array(begins), np.array(jumps)
+    return np.asarray(MARGIN * spacing * _missed(lambda s: (each * _since(s, begin, 1.0)).sum(axis=1)))
 
 
 def _by(forces: Callable[[Floats, Floats], Forces], overlap: Floats, closing: Floats, spacing: float) -> Floats:
@@ -199,22 +215,28 @@ def _table(power: float) -> tuple[Floats, Floats, Floats]:
     near = np.geomspace(NEAREST, 0.5, 60)
     begin = np.concatenate([-np.geomspace(FARTHEST, NEAREST, 100), near, 1.0 - near[::-1]])
 
-    def states(s: float) -> Floats:
-        """Velocity, force and its rate at a time, [3, begin]."""
-        since = np.maximum(s - begin, 0.0)
-        on = since > 0.0
-        rate = np.where(on & (power > 0.0), power * np.where(on, since, 1.0) ** (power - 1.0), 0.0)
-        return np.array([since ** (power + 1.0) / (power + 1.0), np.where(on, since**power, 0.0), rate])
+    return begin, *_missed(lambda s: _since(s, begin, power))
 
+
+def _since(s: float, begin: Floats, power: float) -> Floats:
+    """Velocity, force and its rate at a time, of a force that begins as a power, [3, ...]."""
+    since = np.maximum(s - begin, 0.0)
+    on = s >= begin
+    rate = np.where(on & (power > 0.0), power * np.where(since > 0.0, since, 1.0) ** (power - 1.0), 0.0)
+    return np.array([since ** (power + 1.0) / (power + 1.0), np.where(on, since**power, 0.0), rate])
+
+
+def _missed(states: Callable[[float], Floats]) -> Floats:
+    """Largest errors of velocity and of its slope by a fit to states at 0 and 1, [0 or 1, ...]."""
     fitted = hermite.coefficients((0, 1), np.array([states(0.0), states(1.0)]), 1.0)
     slope = hermite.derivative(fitted)
-    worst = np.zeros((2, len(begin)))
+    worst = np.zeros((2, *fitted.shape[1:]))
     for s in np.linspace(0.0, 1.0, _SAMPLES_OF_FORCE).tolist():
-        at = np.full(len(begin), s)
+        at = np.full(fitted.shape[1:], s)
         velocity, force, _ = states(s)
         worst[0] = np.fmax(worst[0], np.abs(hermite.value(fitted, at) - velocity))
         worst[1] = np.fmax(worst[1], np.abs(hermite.value(slope, at) - force))
-    return begin, worst[0], worst[1]
+    return worst
 
 
 FAR_APART = 0.5

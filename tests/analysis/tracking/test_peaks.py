@@ -229,6 +229,23 @@ def test_maxima_are_as_accurate_as_stated_where_dashpots_stop_beads_within_a_fra
             assert abs(own.time[same] - found.time[k]) <= found.time_error[k] + 1e-6
 
 
+@pytest.mark.parametrize("width", [0.001, 0.3])
+def test_maxima_are_as_accurate_as_stated_where_a_foundation_stiffens_between_two_frames(width):
+    ramp = {"from": 0.2, "to": 2.0, "times": [2.97, 2.97 + width]}
+    plain = {"beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0, "foundation": {"stiffness": ramp}}
+    run = engine.run(of_keys(**plain, output={"every": 0.002}))
+    true = find_peaks([run])
+    for start in range(0, 50, 5):
+        found = find_peaks([run[start::50]])
+        found = found.where((found.velocity > 0.02) & (found.time > 0.1))
+        assert len(found) > 1
+        for k in range(len(found)):
+            own = true.where(true.bead == found.bead[k])
+            same = np.argmin(np.abs(own.time - found.time[k]))
+            assert abs(own.velocity[same] - found.velocity[k]) <= found.velocity_error[k] + 1e-7, start
+            assert abs(own.time[same] - found.time[k]) <= found.time_error[k] + 1e-6, start
+
+
 @pytest.mark.parametrize("law", [Rectangular, HalfSine])
 @pytest.mark.parametrize("recorded", [None, (2,)])
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two_frames(law, recorded):
