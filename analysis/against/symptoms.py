@@ -421,6 +421,8 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     What links in incremental form leave of a bead's change of momentum is what holds it too much or too little. How
     hard the contacts are pressed shows in how they give: the load at which they explain most, among some.
     """
+    from scipy.optimize import minimize_scalar
+
     problem = trajectory.problem
     system = problem.system
     if not physics.loaded(system) or physics.exponent(system) is None or not _enough(trajectory):
@@ -453,7 +455,11 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
         holding += float(np.sum(usual.sum(axis=0) * outside)) / power
         held = (holding - 1.0) * outside * intervals(trajectory)
         holding = holding if np.sum((usual - held) ** 2) < most else 1.0
-    return StaticLoad(holding, float(factors[best]) if missing[best] < most else 1.0)
+    if missing[best] >= most or best == 0:
+        return StaticLoad(holding, 0.0 if missing[best] < most else 1.0)
+    around = float(factors[max(best - 1, 1)]), float(factors[min(best + 1, len(factors) - 1)])
+    found = minimize_scalar(lambda factor: float(np.sum(left(factor) ** 2)), bounds=around, options={"xatol": 1e-4})
+    return StaticLoad(holding, float(found.x))
 
 
 def identify_exponent(trajectory: Trajectory) -> float | None:

@@ -169,6 +169,9 @@ _OF_METHOD = 2.0
 _METHOD = 0.25
 """Of a strength: if the reference differs more from the scene, the method does not work on these frames."""
 
+_BESIDE = 0.01
+"""Share of what the strongest or weakest differs by, which others seem to differ by beside it."""
+
 _LAW_DOUBT = 0.05
 """Of a strength that does not explain what is wrong; long steps leave less."""
 
@@ -359,7 +362,7 @@ def _static(own: Trajectory, reference: Trajectory) -> list[str]:
     if right.pressed == 1.0 and felt.pressed != 1.0:
         if felt.pressed == 0.0:
             return ["the static load is missing"]
-        return [f"the contacts carry about {felt.pressed:.2g} times the static load of the scene"]
+        return [f"the contacts carry about {felt.pressed:.3g} times the static load of the scene"]
     if abs(felt.holding - 1.0) > _LOAD_DOUBT + 3.0 * abs(right.holding - 1.0):
         if abs(felt.holding) < _LOAD_DOUBT:
             return ["the forces that hold the beads at rest (on the ends, or weights) are missing"]
@@ -382,9 +385,11 @@ def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
     if felt is None or right is None or not _explained(felt, right):
         return _inner_masses(own, reference, 1.0)
     found = []
-    names = [link.name for link in links]
-    for name in (*names, *(symptoms.in_time(link) for link in links if laws.varies(link.law))):
-        factor, doubt = _factor(name, felt, right)
+    names = [link.name for link in links] + [symptoms.in_time(link) for link in links if laws.varies(link.law)]
+    factors = {name: _factor(name, felt, right) for name in names}
+    aside = _BESIDE * max(abs(factor - 1.0) for factor, _ in factors.values())
+    for name, (factor, least) in factors.items():
+        doubt = max(least, aside)
         said = f"the {name.replace('_', ' ')} {'are' if name.rstrip('_0123456789').endswith('s') else 'is'}"
         if abs(factor) < doubt:
             found.append(f"{said} missing")

@@ -84,6 +84,11 @@ OTHER = {
         {"damping": {"contact": 0.05, "beads": 0.011}},
         ["the bead damping is 1.1 times as strong as the scene says"],
     ),
+    "a static load": (
+        {"precompression": {"force": 1.0}},
+        {"precompression": {"force": 1.05}},
+        ["the contacts carry about 1.05 times the static load of the scene"],
+    ),
     "a wall under a load": (
         {"precompression": {"force": 0.3}, "walls": {"left": "rigid", "right": {"stiffness": 2.0}}},
         {"walls": {"left": "rigid", "right": {"stiffness": 2.1}}},

@@ -115,6 +115,17 @@ def test_a_cause_is_named_beyond_its_doubt_and_not_within(keys, measured, within
             assert cause.startswith(said)
 
 
+def test_what_differs_by_little_beside_what_differs_by_much_is_not_named(monkeypatch):
+    own, reference = without_symptoms({**GROUND, "walls": {"right": "bead"}}, monkeypatch)
+
+    def measured(trajectory):
+        factors = (1.5, 1.001) if trajectory is own else (1.0, 1.0)
+        return symptoms.Strengths(dict(zip(("foundation", "right_wall"), factors, strict=True)), 0.0, 0.0)
+
+    monkeypatch.setattr(symptoms, "identify_strengths", measured)
+    assert causes(own, reference) == ["the foundation is 1.5 times as strong as the scene says"]
+
+
 @pytest.mark.parametrize(
     ("velocity", "displacement", "said"),
     [(0.98, 0.98, ["all frames are shown 0.02 earlier than they are"]), (0.96, 0.98, []), (0.98, 0.96, [])],
