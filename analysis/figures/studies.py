@@ -72,7 +72,7 @@ def logarithmic(values: ArrayLike) -> bool:
     if len(found) < 3 or found[0] <= 0.0 or found[-1] / found[0] < 3.0:
         return False
     factors, differences = np.diff(np.log(found)), np.diff(found)
-    return bool(factors.max() / factors.min() < differences.max() / differences.min())
+    return bool(factors.max() * differences.min() < differences.max() * factors.min())
 
 
 @mpl.rc_context(STYLE)

@@ -17,7 +17,7 @@ from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figur
 from analysis.figures.forces import force_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
 from analysis.figures.spectra import dispersion_figure, spectra_figure
-from analysis.figures.studies import Objective, front_figure, history_figure, map_figure
+from analysis.figures.studies import Objective, front_figure, history_figure, logarithmic, map_figure
 from analysis.figures.style import CHAIN_COLOURS, shown_chains, title
 from analysis.figures.waves import distance_figure, response_figure, shape_figure
 from analysis.files.traces import Channel, Traces
@@ -442,3 +442,10 @@ def test_where_few_beads_move_the_picture_shows_those():
     data = SpaceTime(what)
     data.add(moving(what, 1, 6, 2))
     assert spacetime_figure(data).axes[0].get_xlim() == (5.5, 6.5)
+
+
+@pytest.mark.parametrize(
+    ("values", "by_factors"), [([1, 2, 4, 8], True), ([1, 2, 3, 4], False), ([0.2, np.nextafter(0.2, 1.0), 1.0], False)]
+)
+def test_an_axis_is_logarithmic_where_values_are_spaced_by_factors_also_beside_equal_ones(values, by_factors):
+    assert logarithmic(values) == by_factors
