@@ -44,8 +44,16 @@ def contacts(energy: str, says: str, layout: "Layout") -> Lines:
             f"# contacts: force {says}; no friction, no loss",
             f"pair_style lepton/sphere {diameter}",
             f'pair_coeff * * "{energy}"',
+            *beads_alone(layout),
         ),
     )
+
+
+def beads_alone(layout: "Layout") -> tuple[str, ...]:
+    """Lines by which atoms that are no beads have no pair force: a formula of the distance knows no diameters."""
+    if layout.system.inner_mass is None:
+        return ()
+    return ("group inner subtract all beads", "neigh_modify exclude group inner all   # resonators touch nothing")
 
 
 def across(energy: str) -> "Callable[[Any, Across, Layout], Lines]":

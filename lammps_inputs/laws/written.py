@@ -311,6 +311,7 @@ class AlongChains(Written):
                 f"# contacts: force from its energy, a formula, at any distance of neighbours; takes {COST}",
                 f"pair_style lepton {text(1.25 * layout.diameter)}",
                 f'pair_coeff * * "{energy}"',
+                *formula.beads_alone(layout),
             ),
         )
 

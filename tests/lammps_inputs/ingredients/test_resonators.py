@@ -90,6 +90,17 @@ def test_frames_hold_the_resonators_and_tables_of_beads_do_not(tmp_path, lammps_
     assert np.max(np.abs(shares.missing)) < 1e-4
 
 
+@pytest.mark.parametrize(
+    "contact", [{"exponent": 2.4}, {"force": "A/(d+s)^p", "A": 1.0, "d": 1.0, "p": 4.0}], ids=["overlapping", "magnets"]
+)
+def test_resonators_do_not_touch_where_the_contacts_are_a_formula_of_the_distance(contact, tmp_path, lammps_here):  # noqa: ARG001
+    walls = {} if "exponent" in contact else {"walls": {"left": "bead", "right": "bead"}}
+    keys = {"beads": 4, "contact": contact, "duration": 3.0, "timestep": 0.002, **walls}
+    case = small({"mass": 0.1, "stiffness": 3.0}, **keys)
+    # 0.3 V where they touch; of the step (omega dt)**2 / 24, omega = 5.7 / T, of each oscillation: 1.5e-5 V in three
+    assert run(case, tmp_path / "run").check.velocity < 1e-4
+
+
 def test_beads_alone_do_not_give_the_energy():
     trajectory = engine.run(small(output={"every": 0.1, "beads": [2, 3]}).problem())
     assert trajectory.inner is None
