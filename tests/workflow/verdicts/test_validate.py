@@ -214,7 +214,8 @@ def test_a_directory_that_cannot_be_validated_ends_in_one_line_and_exit_code_2(c
         (["{run}", "--units", "feet"], "invalid choice: 'feet'"),
     ],
 )
-def test_a_wrong_option_ends_in_one_line_and_exit_code_2(arguments, words, good, capsys):
+def test_a_wrong_option_ends_in_one_line_and_exit_code_2(arguments, words, good, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where no directory is called as a scene is
     assert words in refusal(["validate", *(argument.format(run=good.path) for argument in arguments)], capsys)
 
 
