@@ -54,7 +54,10 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
     at = np.stack([start, np.minimum(start + 1, block.frames - 1)])  # [frame, bead], as what is made with it
     x, v = (values[at, chain, bead] for values in (block.displacement, block.velocity))
     off = np.zeros((2, len(start)))
-    loss: Any = physics.contact_loss(system)
+
+    def acceleration(one: Integers) -> Floats:
+        return motion.acceleration_and_rate(block, at, chain, one)[0]
+
     for side in (-1, 1):
         there = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
         other, contact = np.where(there, bead + side, bead), np.minimum(place, place + side)
@@ -62,48 +65,52 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         overlap += motion.rest_overlap(system, chain, contact)
         closing = side * (v - block.velocity[at, chain, other])
         contact = np.clip(contact, 0, problem.beads - 2)
-        if block.memory is None:
-            forces = partial(_of_contacts, problem, chain, contact)
-            found = _by(forces, overlap, closing, block.spacing)
-        else:
-            law = laws.with_memory(laws.at(system.along[0].law, chain, contact), block.memory[at, chain, contact + 1])
-            found = _of_memory(law, overlap, closing, block.spacing)
-        off += np.where(there, found, 0.0)
-        if loss is not None and dashpot.cut(loss):
-            own, beside = (motion.acceleration_and_rate(block, at, chain, one)[0] for one in (bead, other))
-            states = np.stack([overlap, closing, side * (own - beside)])
-            law = laws.at(system.along[0].law, chain, contact)
-            off += np.where(there, _cut(law, laws.at(loss, chain, contact), states, block.spacing), 0.0)
+        forces = partial(_of_contacts, problem, chain, contact)
+        law = laws.at(system.along[0].law, chain, contact)
+        memory = None if block.memory is None else block.memory[at, chain, contact + 1]
+        off += np.where(there, _pressing(law, forces, memory, overlap, closing, block.spacing), 0.0)
+        if loss := _cutting(physics.contact_loss(system), chain, contact):
+            states = np.stack([overlap, closing, side * (acceleration(bead) - acceleration(other))])
+            off += np.where(there, _cut(law, loss, states, block.spacing), 0.0)
     for wall in physics.walls(system):
         law = laws.at(wall.law, chain, place)
         there = place == (problem.beads - 1 if wall.side > 0.0 else 0)
-        loss = physics.wall_loss(system, wall.side)
-        forces = partial(_of_wall, law, loss, chain, place)
         overlap, closing = wall.strain(x) + laws.rest(law), wall.rate(v)
-        if block.memory is None:
-            found = _by(forces, overlap, closing, block.spacing)
-        else:
-            law = laws.with_memory(law, block.memory[at, chain, place + (wall.side > 0.0)])
-            found = _of_memory(law, overlap, closing, block.spacing)
-        off += np.where(there, found, 0.0)
-        if loss is not None and dashpot.cut(loss):
-            states = np.stack([overlap, closing, wall.rate(motion.acceleration_and_rate(block, at, chain, bead)[0])])
-            off += np.where(there, _cut(law, laws.at(loss, chain, place), states, block.spacing), 0.0)
+        forces = partial(_of_wall, law, physics.wall_loss(system, wall.side), chain, place)
+        memory = None if block.memory is None else block.memory[at, chain, place + (wall.side > 0.0)]
+        off += np.where(there, _pressing(law, forces, memory, overlap, closing, block.spacing), 0.0)
+        if loss := _cutting(physics.wall_loss(system, wall.side), chain, place):
+            states = np.stack([overlap, closing, wall.rate(acceleration(bead))])
+            off += np.where(there, _cut(law, loss, states, block.spacing), 0.0)
     for ground in physics.ground_springs(system):
         if laws.varies(ground.law):
             off += _bent(laws.at(ground.law, chain, place), np.abs(x).max(axis=0), block.time[at])
     return np.asarray(off / physics.mass_of(system, chain, place))
 
 
+def _pressing(law: Any, forces: Callable[[Floats, Floats], Forces], memory: Floats | None, *states: Any) -> Floats:
+    """The same of contacts that open and close; with memories at both frames, of such as yield."""
+    return _by(forces, *states) if memory is None else _of_memory(laws.with_memory(law, memory), *states)
+
+
+def _cutting(loss: Any, *index: Any) -> Any:
+    """The law of chosen dashpots where they cut tension, else None."""
+    return laws.at(loss, *index) if loss is not None and dashpot.cut(loss) else None
+
+
 def _bent(law: Any, strain: Floats, time: Floats) -> Floats:
     """The same where the stiffness of springs begins or ceases to change; of each bead, times of both frames."""
     spacing = time[1] - time[0]
-    begins, jumps = [np.zeros_like(strain)], [np.zeros_like(strain)]
+    begins, jumps = [], []
     for bend in law.bends:
+        if not np.any((time[0] <= bend) & (bend <= time[1])):
+            continue
         before, after = (law.now(np.full_like(strain, at)) for at in (np.nextafter(bend, -np.inf), bend))
         jump = after.change(strain, *after) - before.change(strain, *before)
         begins.append((bend - time[0]) / spacing)
         jumps.append(np.where((time[0] <= bend) & (bend <= time[1]), jump * spacing, 0.0))
+    if not jumps:
+        return np.zeros((2, len(strain)))
     begin, each = np.array(begins), np.array(jumps)
     return np.asarray(MARGIN * spacing * _missed(lambda s: (each * _since(s, begin, 1.0)).sum(axis=1)))
 
