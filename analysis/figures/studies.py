@@ -111,7 +111,9 @@ def swept_figure(
     if not is_map:
         axis.set_ylabel(quantity.label)
         finite = quantity.values[np.isfinite(quantity.values)]
-        if len(finite) and finite.min() > 0.0 and finite.max() / finite.min() > 30.0:
+        if not len(finite):
+            axis.set_yticks([])
+        elif finite.min() > 0.0 and finite.max() / finite.min() > 30.0:
             axis.set_yscale("log")
         else:
             axis.ticklabel_format(axis="y", scilimits=(-3, 6), useMathText=True)

@@ -14,6 +14,7 @@ from lammps_inputs.slurm.site import JobOptions
 from workflow.runs.files import write_text
 from workflow.runs.own_files import claim, make_directory
 from workflow.screen import Answer
+from workflow.studies.measures import heading
 from workflow.studies.study import floats
 from workflow.sweep import fields
 
@@ -159,12 +160,15 @@ class SecondField:
         """Whether the values can stand along an axis."""
         return bool(self.name) and all(isinstance(value, int | float) for value in self.values)
 
-    def numbered(self, values: Iterable[Any]) -> "Axis | None":
-        """The field in a figure whose lines are its values, by their numbers; None without one."""
+    def axis(self, values: Sequence[Any], scene: dict[str, Any]) -> "Axis | None":
+        """The field whose values are the lines of a figure; by their places in the list where they are no numbers."""
         from analysis.figures.studies import Axis  # matplotlib takes half a second to import
 
-        numbers = floats([self.values.index(value) + 1 for value in values]) if self.name else None
-        return None if numbers is None else Axis(f"value of {self.name}, by its number", numbers)
+        if not self.name:
+            return None
+        if self.is_numeric:
+            return Axis(heading(self.name, scene), floats(values))
+        return Axis(f"value of {self.name}, by its number", floats([self.values.index(value) + 1 for value in values]))
 
 
 NO_SECOND_FIELD = SecondField()

@@ -2,12 +2,14 @@
 
 import csv
 import math
+import shlex
 
 import pytest
 
 from lammps_inputs import InputError, strict_yaml
 from workflow.cli import main
 from workflow.studies import measures
+from workflow.studies.threshold import study
 from workflow.studies.threshold.bracket import Axis, crossings, wanted
 
 pytestmark = pytest.mark.usefixtures("pool_here")
@@ -140,19 +142,58 @@ def test_the_reason_for_no_threshold_is_that_of_the_same_value_of_the_second_fie
     asked(tmp_path, *BY_MASS, "--where", "agree_1=3", "--over", "beads=24.5,24", scene=STRUCK)
     refused, undefined = capsys.readouterr().out.splitlines()[:2]
     assert refused.endswith("chain.yaml: beads: should be a whole number, 24.5 given)")
-    assert undefined.endswith("at beads = 24")
+    assert undefined.endswith("at beads = 24 (`granchain help agree_1` says when)")
 
 
 @pytest.mark.parametrize(
     ("where", "says"),
     [
         ("mass=100", "no threshold: mass does not cross 100: 23.5 to 26 at 3 values of striker.mass from 0.5 to 3"),
-        ("agree_1=3", "no threshold: agree_1 is undefined at 3 values of striker.mass from 0.5 to 3"),
+        (
+            "agree_1=3",
+            "no threshold: agree_1 is undefined at 3 values of striker.mass from 0.5 to 3 "
+            "(`granchain help agree_1` says when)",
+        ),
     ],
 )
 def test_no_threshold_is_one_line_and_exit_code_1(where, says, tmp_path, capsys):
     assert asked(tmp_path, *BY_MASS, "--where", where, scene=STRUCK) == (1, [])
     assert says in capsys.readouterr().out.splitlines()
+
+
+@pytest.fixture
+def figures(monkeypatch):
+    """The figures that a study writes, which are then not written."""
+    drawn = []
+    monkeypatch.setattr("workflow.studies.study.write_figure", lambda *written: drawn.append(written[-1]))
+    return drawn
+
+
+def test_without_a_threshold_the_figure_shows_the_computed_values_for_each_value_of_the_second_field(tmp_path, figures):
+    assert asked(tmp_path, *BY_MASS, "--where", "mass=100", "--over", "beads=24,25", scene=STRUCK) == (1, [])
+    (axis,) = figures[0].axes
+    assert " ".join(axis.get_title().split()).endswith("mass = 100 is crossed nowhere")
+    assert (axis.get_xlabel(), axis.get_ylabel()) == ("striker.mass", "mass")
+    drawn = {line.get_label(): line.get_ydata().tolist() for line in axis.get_lines()}
+    assert drawn == {"24": [23.5, 24.75, 26.0], "25": [24.5, 25.75, 27.0]}
+    assert axis.get_legend().get_title().get_text() == "beads"
+
+
+def test_a_quantity_that_is_undefined_everywhere_has_an_axis_without_numbers(tmp_path, figures):
+    asked(tmp_path, *BY_MASS, "--where", "agree_1=3", scene=STRUCK)
+    (axis,) = figures[0].axes
+    assert axis.get_yticks().tolist() == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("example", study.EXAMPLES)
+def test_the_examples_of_its_help_find_thresholds(example, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(shlex.split(example)) == 0
+    table = tmp_path / shlex.split(example)[-1] / "threshold.csv"
+    found = list(csv.DictReader(table.read_text().splitlines()))
+    assert [one["over"] for one in found] == (["2", "3", "4"] if "--over" in example else [""])
+    assert all(0.02 < float(one["place"]) < 0.5 for one in found)
 
 
 @pytest.mark.parametrize("name", ["in_resonators", "permanent", "residual_energy"])

@@ -6,7 +6,8 @@ A threshold study: scans of the field, brackets that are halved, and what is wri
 |-------------------|--------------------------------------------------------------------------|
 | threshold.csv     | a line for each place where the quantity crosses the value               |
 | points.csv        | the quantity at every computed value of the field                        |
-| threshold.png     | the quantity over the field; with a second field the place over that     |
+| threshold.png     | the quantity over the field; with a second field the place over that,    |
+|                   | or, where the value is crossed nowhere, the quantity in lines            |
 | evaluations.jsonl | the cache: every scene that was computed, as it was done                 |
 """
 
@@ -142,16 +143,18 @@ class Found:
         """Why there is no threshold at a value of the second field, in one line."""
         asked = self.question
         at = f" at {asked.over.name} = {cell(over)}" if asked.over.name else ""
-        values = [point.quantity for point in self.points if point.over == over]
-        found = [value for value in values if value is not None]
-        where = f"at {len(values)} values of {asked.field} from {asked.axis.low:g} to {asked.axis.high:g}{at}"
+        points = [point for point in self.points if point.over == over]
+        found = [point.quantity for point in points if point.quantity is not None]
+        undefined = [point.value for point in points if point.quantity is None]
+        where = f"at {len(points)} values of {asked.field} from {asked.axis.low:g} to {asked.axis.high:g}{at}"
         if not found:
-            refused = f" ({self.refused[over]})" if over in self.refused else ""
-            return f"no threshold: {asked.quantity} is undefined {where}{refused}"
-        undefined = f", undefined at {len(values) - len(found)}" if len(found) < len(values) else ""
+            name, _, _ = asked.quantity.partition("@")
+            reason = self.refused.get(over, f"`granchain help {name}` says when")
+            return f"no threshold: {asked.quantity} is undefined {where} ({reason})"
+        without = f", undefined at {len(undefined)}, {undefined[0]:g} to {undefined[-1]:g}" if undefined else ""
         return (
             f"no threshold: {asked.quantity} does not cross {asked.level:g}: {min(found):.6g} to {max(found):.6g} "
-            f"{where}{undefined}"
+            f"{where}{without}"
         )
 
     def by_over(self) -> dict[Any, list[Threshold]]:
@@ -220,16 +223,18 @@ def _figure(found: Found) -> "Figure":
     asked = found.question
     named, field = heading(asked.quantity, asked.scene), heading(asked.field, asked.scene)
     title = f"{asked.source}: {named} = {asked.level:g}"
-    if asked.over.is_numeric:
-        lines: list[tuple[Any, float | None, float | None]] = []
+    if asked.over.is_numeric and found.thresholds:
+        places: list[tuple[Any, float | None, float | None]] = []
         for over, thresholds in found.by_over().items():
-            lines += [(over, one.place, one.uncertainty) for one in thresholds]
-            lines += [] if thresholds else [(over, None, None)]  # a tick at the foot
-        over, place, error = map(floats, zip(*lines, strict=True))
+            places += [(over, one.place, one.uncertainty) for one in thresholds]
+            places += [] if thresholds else [(over, None, None)]  # a tick at the foot
+        over, place, error = map(floats, zip(*places, strict=True))
         return swept_figure(Shown(field, place, error), Shown(heading(asked.over.name, asked.scene), over), title=title)
     quantity = Shown(named, floats([point.quantity for point in found.points]))
     over_field = Shown(field, floats([point.value for point in found.points]))
-    return swept_figure(quantity, over_field, asked.over.numbered(point.over for point in found.points), title)
+    title += "" if found.thresholds else " is crossed nowhere"
+    lines = asked.over.axis([point.over for point in found.points], asked.scene)
+    return swept_figure(quantity, over_field, lines, title)
 
 
 # --- command ----------------------------------------------------------------------------------------------------------
@@ -237,8 +242,8 @@ def _figure(found: Found) -> "Figure":
 ANSWERS = "the thresholds, and how many scenes were computed"
 DRAWS = True
 EXAMPLES = (
-    "threshold two-chains --where agree_1=100 --vary coupling.stiffness=0.02:0.5 --log -o found",
-    "threshold two-chains --where agree_1=100 --vary coupling.stiffness=0.02:0.5 --log --over chains=2,3,4 -o curve",
+    "threshold two-chains --where agree_1=50 --vary coupling.stiffness=0.02:0.5 --log -o found",
+    "threshold two-chains --where agree_1=50 --vary coupling.stiffness=0.02:0.5 --log --over chains=2,3,4 -o curve",
 )
 
 
@@ -272,7 +277,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
 def _question(arguments: argparse.Namespace) -> Question:
     name = arguments.scene
     plain = library.find(name).plain()
-    quantity, level = options.split(arguments.where, "--where", "agree_1=100")
+    quantity, level = options.split(arguments.where, "--where", "agree_1=50")
     field, ends = options.split(arguments.vary, "--vary", "coupling.stiffness=0.02:0.5")
     over = options.second_field(arguments.over)
     low, high = options.both_ends(ends, "--vary", "FIELD=0.02:0.5")
@@ -286,7 +291,7 @@ def _question(arguments: argparse.Namespace) -> Question:
     if whole and not (low.is_integer() and high.is_integer()):
         raise InputError(f"--vary: {field} takes whole numbers; {ends} given")
     axis = Axis(low, high, arguments.log, whole, arguments.points, arguments.tolerance)
-    return Question(name, plain, quantity, options.number(level, "--where", "agree_1=100"), field, axis, over)
+    return Question(name, plain, quantity, options.number(level, "--where", "agree_1=50"), field, axis, over)
 
 
 def _print(found: Found, output: Path) -> None:
