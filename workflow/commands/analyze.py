@@ -7,11 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.quantity import cell, headings
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
-from analysis.tracking.leading_waves import ARRIVALS, Waves
-from analysis.tracking.pulses import of_one_kind
+from analysis.tracking.leading_waves import ARRIVALS
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import along_the_way
 from lammps_inputs import InputError, physics
@@ -20,14 +18,12 @@ from workflow.engines.lammps.worker import ENERGY_TOLERANCE
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Answer, one_line, print_table
 from workflow.verdicts.analyse import Analysis, analyse
-from workflow.verdicts.analysis_report import REPORT, last_clear_bead, train
+from workflow.verdicts.analysis_report import REPORT, train
 from workflow.verdicts.findings.finding import MOST_CHAINS
+from workflow.verdicts.pulse_table import pulse_table
 
 FEW = 4
 """Chains up to which each has its own line."""
-
-MOST_ROWS = 32
-"""Of the table of the leading pulse."""
 
 MOST_PULSES = 6
 """Of a train, that are printed."""
@@ -97,7 +93,8 @@ def _print(found: Analysis) -> None:
     if found.altered:
         print("frame checksum mismatch with run.json: a file was damaged or modified")
     if problem.system.holds(Fact.PULSE):
-        _print_waves(found)
+        if (table := pulse_table(found.survey)) is not None:
+            print_table(*table)
         _print_overtaken(found)
         _print_accuracy(found)
     _print_pulses(found.survey)
@@ -124,27 +121,6 @@ def _print_overtaken(found: Analysis) -> None:
                 f"chain {chain}: no leading pulse at {len(missing)} beads from {missing[0]} to {missing[-1]}: a later "
                 "maximum is larger (slow resonators)"
             )
-
-
-def _print_waves(found: Analysis) -> None:
-    """The leading pulse at some beads."""
-    waves, scale = found.waves, found.problem.scale
-    words = {"arrival": "arrival", "peak_velocity": "peak velocity", "speed": "speed"}
-    head = ["bead", "chain", *headings(Waves, scale, words)]
-    if scale.si:
-        head.append("peak velocity / V")
-    rows = []
-    for bead in _rows(found):
-        at = waves.at(bead)
-        measured = at.measured(scale)
-        for k in range(min(len(at), MOST_CHAINS)):
-            numbers = (cell(getattr(measured, name)[k], ".7g" if name == "arrival" else ".5g") for name in words)
-            row = [str(bead) if k == 0 else "", str(at.chain[k]), *numbers]
-            rows.append([*row, f"{at.peak_velocity[k]:.5f}"] if scale.si else row)
-        if len(at) > MOST_CHAINS:
-            rows.append(["", f"of {len(at)}", "", "", ""])
-    if rows:
-        print_table(f"{found.problem.name}: leading pulse", head, rows)
 
 
 def _print_drifts(found: Analysis) -> None:
@@ -302,28 +278,3 @@ def _words(character: Character) -> str:
     else:
         kind = "not steady" if fails else "steady"
     return f"{kind} {place}: {', '.join(parts)}"
-
-
-def _rows(found: Analysis) -> list[int]:
-    """Some beads that a pulse was seen at, from early to the last that the pulse passed undisturbed: seven at most."""
-    if len(found.waves) == 0:
-        return []
-    recorded = np.unique(found.waves.bead)
-    alike = recorded[of_one_kind(found.problem)[recorded - 1]]
-    recorded = alike if len(alike) else recorded
-    recorded = along_the_way(found.problem, recorded)
-    # behind the kicked beads first maxima are those of rebounds
-    kicked_beads = [
-        along_the_way(found.problem, kicked_bead)
-        for _, kicked_bead, impulse in physics.excitations(found.problem.system)
-        if impulse * found.survey.direction > 0.0
-    ]
-    recorded = recorded[recorded >= min(kicked_beads)]
-    if len(recorded) == 0:
-        return []
-    last = int(along_the_way(found.problem, found.waves.bead)[last_clear_bead(found.waves, found.problem)])
-    few = max(2, min(7, MOST_ROWS // min(found.problem.chains, MOST_CHAINS)))
-    wanted = [2, 5, 10, 20, 55, 90, last] if last <= 200 else np.geomspace(5, last, 7).round().astype(int).tolist()
-    wanted = [wanted[place] for place in np.linspace(0, len(wanted) - 1, few).round().astype(int)]
-    near = {int(recorded[np.argmin(np.abs(recorded - bead))]) for bead in wanted if bead <= last}
-    return [along_the_way(found.problem, bead) for bead in sorted(near)]

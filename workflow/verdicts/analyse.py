@@ -11,7 +11,7 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
-from analysis.quantity import csv_of, headings, plain
+from analysis.quantity import csv_of, plain
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
@@ -27,6 +27,7 @@ from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, report, waves_csv
 from workflow.verdicts.findings import FINDINGS, energy
 from workflow.verdicts.findings.finding import Finding
+from workflow.verdicts.pulse_table import pulse_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -81,12 +82,8 @@ class Analysis:
 
     def _repr_html_(self) -> str:
         drawn = ", ".join(path.name for path in self.figures)
-        shown = {"arrival": "arrival", "peak_velocity": "peak velocity", "speed": "speed"}
-        head = ["chain", "last bead", *headings(type(self.waves), self.problem.scale, shown)]
-        rows = []
-        for chain in np.unique(self.waves.chain).tolist():
-            last = self.si.of_chain(chain).array()[-1]
-            rows.append((chain, last["bead"], *(float(last[name]) for name in shown)))
+        table = pulse_table(self.survey)
+        head, rows = ([], []) if table is None else (table.head, table.rows)
         return html.table(repr(self)[1:-1], head, rows) + html.text(drawn)
 
 
