@@ -53,16 +53,32 @@ def of_word(word: str) -> str | None:
 
 def of_term(word: str) -> str | None:
     """A symbol or term as the tables of units and notation in `MODEL.md` define it; None where they do not."""
-    tables = page("MODEL.md").partition("## Units")[2].partition("## References")[0]
-    rows = [_plain_math(row).strip("| ").split(" | ") for row in re.findall(r"^\|.*\|$", tables, re.M)]
-    found = [": ".join(meaning) for term, *meaning in rows if word in re.split(r", | \(|\)", _unmarked(term))]
-    lines = [f"    {line}" for meaning in found for line in textwrap.wrap(_unmarked(meaning), WIDTH - 4)]
+    found = [meaning for names, meaning in terms() if word in names]
+    lines = [f"    {line}" for meaning in found for line in textwrap.wrap(meaning, WIDTH - 4)]
     return "\n".join([word, *lines]) if lines else None
+
+
+def terms() -> Iterator[tuple[list[str], str]]:
+    """Symbols and names of every term in the tables of units and notation of `MODEL.md`, and its meaning."""
+    tables = page("MODEL.md").partition("## Units")[2].partition("## References")[0]
+    for row in re.findall(r"^\|.*\|$", tables, re.M):
+        term, *meaning = _plain_math(row).strip("| ").split(" | ")
+        yield re.split(r", | \(|\)", _unmarked(term)), _unmarked(": ".join(meaning))
+
+
+def of_part_of_model(title: str) -> str | None:
+    """The section or titled paragraph of `MODEL.md` with a title in any case, such as ``notation``; None of others."""
+    text = page("MODEL.md")
+    parts = {part.partition("\n")[0]: part for part in re.split(r"^## ", text, flags=re.M)[1:]}
+    parts |= {found[1]: found[0] for found in re.finditer(r"^\*\*([^*]+)\.\*\*.*?(?=\n\n)", text, re.M | re.S)}
+    found = next((part for name, part in parts.items() if name.lower() == title.lower()), None)
+    return None if found is None else _plain(re.sub(r"\*+([^*]+)\*+", r"\1", _plain_math(found)))
 
 
 def _plain_math(text: str) -> str:
     """Formulas of GitHub's Markdown as they are written in one line."""
-    text = re.sub(r" ?\\rvert ?", "| ", re.sub(r"\\lvert ?", "|", text)).replace("\\dots", "...")
+    text = re.sub(r" ?\\rvert ?", "| ", re.sub(r"\\lvert ?", "|", text))
+    text = text.replace("\\dots", "...").replace("\\le ", "<= ")
     return re.sub(r"\\(\w+)", r"\1", text).translate({ord("$"): None, ord("{"): "(", ord("}"): ")"})
 
 

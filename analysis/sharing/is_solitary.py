@@ -53,7 +53,7 @@ class Character:
         undefined="beads differ or are preloaded",
     )
     variation: float = declare(
-        "(largest - smallest) / mean peak velocity of the passages found at the ten beads up to this one",
+        f"(largest - smallest) / mean peak velocity of the passages found at the {CONSTANT_OVER} beads up to this one",
         undefined="it ran less",
     )
     falls: bool

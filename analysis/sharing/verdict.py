@@ -49,7 +49,7 @@ class DecayFit:
 
     first: int = declare("first bead of the fit")
     last: int = declare("last bead of the fit")
-    v0: float = declare("amplitude at the kick; 0.6816315 expected", "V", symbol="v_0")
+    v0: float = declare(f"amplitude at the kick; {SINGLE_CHAIN} expected", "V", symbol="v_0")
     n_star: float = declare("beads from the kicked one at which the pulse would end", "beads", symbol="n^*")
     n_star_error: float = declare("standard error of ``n_star``", "beads")
     n_star_expected: float = declare(

@@ -272,9 +272,7 @@ class Train(Columns):
     @property
     @derived()
     def pulses(self) -> int:
-        """Number of pulses, from the first on, that are steady there: clear of the ends of the chain and of other
-        pulses, and of an amplitude that is constant to 1 % over the ten beads before.
-        """
+        """Number of pulses, from the first on, that are steady there (see `granchain help steady`)."""
         return len(self)
 
     @property

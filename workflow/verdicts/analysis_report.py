@@ -7,7 +7,7 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.quantity import Column, declare, derived, result, table, to_csv
 from analysis.shape.exact_wave import has_wave, wave_of
-from analysis.sharing.equipartition import AGREEMENTS, Estimate, dissipates, resolved
+from analysis.sharing.equipartition import AGREEMENTS, CONVERGES, Estimate, dissipates, resolved
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import DecayFit
@@ -232,7 +232,10 @@ class Equipartition:
     final: Final | None = declare(
         "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
         "V",
-        "amplitudes have no limit, or do not approach one; no pulse keeps its shape",
+        "no pulse keeps its shape; amplitudes have no limit (energy is dissipated, beads or loads differ along the "
+        "chain, less than half a beat was seen) or do not approach one: the mean over as many beads before differs by "
+        "more than half of the largest deviation, and from stretch to stretch such differences do not become smaller "
+        f"by a factor of {1.0 / CONVERGES:g}",
         "v",
         columns=(
             Column("amplitude", "asymptotic amplitude", "value"),
