@@ -70,15 +70,15 @@ class Damping(Ingredient):
     }
 
     contact: Annotated[NotNegative, Unit(_of_law)] | None = None
-    """Coefficient g of the contacts; of the law `restitution` the coefficient of restitution e, 0 to 1."""
+    """Coefficient gamma of the contacts; of the law `restitution` the coefficient of restitution e, 0 to 1."""
     law: Literal["linear", "viscoelastic", "restitution"] | None = None
     """Law of the contacts' dashpots; `linear` if omitted."""
     tension: Literal["allowed", "cut"] | None = None
     """Whether the sum of elastic and dashpot force may be tensile while a contact opens; `allowed` if omitted."""
     beads: Coefficient | None = None
-    """Coefficient c of the drag force on every bead."""
+    """Coefficient c_b of the drag force on every bead."""
     coupling: Coefficient | None = None
-    """Coefficient c of a dashpot parallel to every spring between chains."""
+    """Coefficient c12 of a dashpot parallel to every spring between chains."""
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what says nothing, or more than there is, and what runs in pieces that start again."""

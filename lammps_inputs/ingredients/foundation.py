@@ -109,7 +109,7 @@ class Foundation(by_formula.ByFormula):
     modulation: Modulation | None = None
     """Factor on the linear stiffness that oscillates in time; none if omitted."""
     cubic: Cubic | tuple[Cubic, ...] = 0.0
-    """Cubic stiffness c of all chains, or a list with one for each chain."""
+    """Cubic stiffness k3 of all chains, or a list with one for each chain."""
     rows: Rows | None = None
     """First and last bead with springs; all beads if omitted."""
     force: str | None = None

@@ -10,8 +10,11 @@ from analysis.figures.studies import DECAY_LENGTH
 from analysis.shape.exact_wave import solitary_wave
 from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star
 from analysis.tracking.undisturbed import APART
-from lammps_inputs import physics
+from lammps_inputs import handbook, physics
+from lammps_inputs.window import LEAST_WINDOW
+from workflow.prepare.extent import SAME, WIDEST
 from workflow.verdicts import terms
+from workflow.verdicts.validate import FIRST_ORDER, TOLERANCES
 
 ROOT = Path(__file__).parents[3]
 
@@ -57,3 +60,19 @@ def test_numbers_that_the_manual_quotes_are_those_of_the_theory(page, quoted):
         assert any(
             f"{float(known.value.split()[0]):.{digits}f}" == value and unit in known.value for known in terms.numbers()
         )
+
+
+def test_the_criterion_of_a_windows_width_is_that_of_the_program():
+    section = handbook.of_key("window")
+    quoted = re.search(r"doubled from (\d+)\s+on.* to\s+(\S+)\s+V; at\s+most\s+(\d+)\.", section, re.S)
+    assert tuple(map(float, quoted.groups())) == (LEAST_WINDOW, SAME, WIDEST)
+
+
+def test_tolerances_of_a_validation_are_those_of_the_program():
+    text = " ".join((ROOT / "workflow" / "README.md").read_text(encoding="utf-8").split())
+    listed = re.search(r"in units of V, T and L: (.*?); (amplitude .*?) with dashpots in contacts", text)
+    for quoted, limits in zip(listed.groups(), (TOLERANCES, FIRST_ORDER), strict=True):
+        found = {
+            name: float(value) for name, value in re.findall(r"(\w+) (\d\S*?)(?:[, (]|$)", quoted) if name in limits
+        }
+        assert found == limits
