@@ -51,7 +51,7 @@ class Settings:
     def sentence(self, problem: Problem) -> str:
         """What was chosen and why, in one line."""
         step = problem.scale.written(self.timestep, "time", ".3g")
-        pilot = f"pilot run of {self.seconds:.1f} s"
+        pilot = f"pilot run ({self.seconds:.1f} s of wall time)"
         if self.unreached:
             how = f"by a rule, not measured, since {self.unreached}"
         elif self.measured == 0.0:

@@ -37,13 +37,13 @@ class RunErrors:
     amplitude: float = declare(
         "largest error of a peak velocity of the leading pulse",
         "V",
-        "the run was not checked, or no pulse was seen",
+        "the run was not checked, or no pulse was seen or leads (drives, foundations, slow resonators)",
         columns=(Column("error_amplitude", "error of peak velocities"),),
     )
     arrival: float = declare(
         "largest error of an arrival of the leading pulse",
         "T",
-        "the run was not checked, or no arrival is sharp",
+        "the run was not checked, no arrival is sharp, or no pulse leads",
         columns=(Column("error_arrival", "error of arrivals"),),
     )
 

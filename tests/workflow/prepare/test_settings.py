@@ -234,12 +234,12 @@ def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({}, "error 2.0e-05 V in a pilot run of 0.5 s"),
+        ({}, "error 2.0e-05 V in a pilot run (0.5 s of wall time)"),
         (
             {"measured_error": 8e-5, "measured": 0.25, "limited": True},
             "error expected below 2.0e-05 V, from 8.0e-05 V with another step over 1/4 of the time and beads in a "
-            "pilot run of 0.5 s; larger behind the front in a long run, where repeated contacts amplify errors; "
-            "frames, energy or stability allow no longer step",
+            "pilot run (0.5 s of wall time); larger behind the front in a long run, where repeated contacts amplify "
+            "errors; frames, energy or stability allow no longer step",
         ),
         ({"measured": 0.0}, "by a rule, not measured: the scene is too large for a pilot run"),
         ({"measured": 0.0, "unreached": "errors grow"}, "by a rule, not measured, since errors grow"),

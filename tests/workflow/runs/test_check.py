@@ -68,6 +68,18 @@ def test_without_check_it_is_left_out(tmp_path, capsys):
     assert "error:" not in capsys.readouterr().out
 
 
+def test_no_errors_of_peaks_and_arrivals_are_stated_where_no_pulse_leads(tmp_path, capsys):
+    path = tmp_path / "driven.yaml"
+    text = "name: driven\nbeads: 6\ndrive: {displacement: 0.1, frequency: 0.2}\nduration: 12\n"
+    path.write_text(f"{text}timestep: 0.01\noutput: {{every: 0.1}}\n")
+    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 0
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("error: velocities")]
+    assert "peaks" not in line
+    assert "arrivals" not in line
+    held = json.loads((tmp_path / "out" / "run.json").read_text())["check"]
+    assert (held["amplitude"], held["arrival"]) == (None, None)
+
+
 def test_of_a_little_run_its_velocity_error_is_the_full_one(finished, full):
     sure = finished.check.reference.velocity + 1e-9
     assert finished.check.velocity == pytest.approx(full["velocity"].largest, abs=sure)
