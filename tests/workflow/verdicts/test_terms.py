@@ -13,8 +13,7 @@ from analysis.tracking.undisturbed import APART
 from lammps_inputs import handbook, physics
 from lammps_inputs.window import LEAST_WINDOW
 from workflow.prepare.extent import SAME, WIDEST
-from workflow.verdicts import terms
-from workflow.verdicts.validate import FIRST_ORDER, TOLERANCES
+from workflow.verdicts import analyse, terms, validate
 
 ROOT = Path(__file__).parents[3]
 
@@ -71,8 +70,14 @@ def test_the_criterion_of_a_windows_width_is_that_of_the_program():
 def test_tolerances_of_a_validation_are_those_of_the_program():
     text = " ".join((ROOT / "workflow" / "README.md").read_text(encoding="utf-8").split())
     listed = re.search(r"in units of V, T and L: (.*?); (amplitude .*?) with dashpots in contacts", text)
-    for quoted, limits in zip(listed.groups(), (TOLERANCES, FIRST_ORDER), strict=True):
+    for quoted, limits in zip(listed.groups(), (validate.TOLERANCES, validate.FIRST_ORDER), strict=True):
         found = {
             name: float(value) for name, value in re.findall(r"(\w+) (\d\S*?)(?:[, (]|$)", quoted) if name in limits
         }
         assert found == limits
+
+
+def test_the_manual_says_what_every_figure_shows():
+    page = (ROOT / "analysis" / "README.md").read_text(encoding="utf-8")
+    section = page.partition("## Figures\n")[2].partition("\n## ")[0]
+    assert re.findall(r"^\| `(\w+)` \|", section, re.M) == [*analyse.FIGURES, validate.FIGURE]
