@@ -109,6 +109,7 @@ def test_help_explains_keys_and_commands(capsys):
         ("budget.closed", "largest missing over the largest energy_input"),
         ("notation", "kappa\n      dimensionless coupling stiffness"),
         ("Static load", "Static load. F_(0,n) is the force in contact n at rest"),
+        ("contact constant", "A = 4/3 E^* sqrt(R^*), 1 / (E^*) = (1 - nu_1^2) / (E_1)"),
         ("steady", "amplitude of the last 10 beads"),
         ("too short", "no half beat was seen"),
         ("asymptotic amplitude", "equipartition.final, amplitude, amplitude_uncertainty"),

@@ -39,7 +39,8 @@ def execute(arguments: argparse.Namespace) -> int:
     elif word in cli.COMMANDS and handbook.of_key(word) is None:
         cli.main([word, "--help"])
     else:
-        print(handbook.of_key(word.replace(" ", ".")) or _explanations(word) or _mentions(word))
+        dotted = word.replace(" ", ".")
+        print(handbook.of_key(word) or _explanations(word) or handbook.of_key(dotted) or _mentions(word))
     return 0
 
 

@@ -5,7 +5,7 @@ The manual's page of quantities holds both; `granchain help TERM` prints a term.
 
 from typing import NamedTuple
 
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.exact_wave import HERTZ, solitary_wave
 from analysis.shape.waveforms import COMPARED
 from analysis.sharing.equipartition import AGREEMENT, RESOLVED, SMALLEST_BEAT
 from analysis.sharing.is_solitary import Tolerances
@@ -77,7 +77,7 @@ def numbers() -> list[Number]:
         Number(f"{amplitude:.5f} V", "amplitude", f"reference integrator; published: 0.682 V [{published}]"),
         Number(f"{speed:.4f} beads / T", "speed", f"{exact}: {wave.speed:.5f} v^(1/5)"),
         Number(f"{overlap:.4f} L", "largest overlap", f"{exact}: {wave.peak_overlap:.5f} v^(4/5)"),
-        Number(f"{overlap**1.5:.4f} m L / T^2", "largest force in a contact", "the overlap to the power 3/2"),
+        Number(f"{overlap**HERTZ:.4f} m L / T^2", "largest force in a contact", "the overlap to the power 3/2"),
         Number(
             f"{float(wave.momentum_at(amplitude)):.4f} m V",
             "momentum, larger than that of the kick, as the first beads rebound",
