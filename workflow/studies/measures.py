@@ -14,6 +14,7 @@ from analysis.gauges.far_end import FarEnd
 from analysis.motion import bead_energy, participation
 from analysis.sharing.energies import EnergyFlow
 from analysis.sharing.equipartition import sharing
+from analysis.sharing.impulses import meter_of
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey
 from analysis.tracking.leading_waves import Waves, beyond_kicks, leading_waves, opposed, usual_arrival
@@ -176,14 +177,16 @@ def _quick(
     """What an analysis finds of the leading waves and of the last frame, without all else that it looks for."""
     if not any(name in (*_OF_SHARING, PARTICIPATION) or _at_bead(name)[0] for name in names):
         return {}
-    finder, last = PeakFinder(), None
+    finder, meter, last = PeakFinder(), meter_of(problem), None
     for last in frames():
         finder.add(last)
+        if meter is not None:
+            meter.add(last)
     waves = leading_waves(beyond_kicks(finder.result(), problem), usual_arrival(problem))
     quick: dict[str, float | None] = dict(_at_beads(waves, problem, scene, names))
     if set(names) & set(_OF_SHARING):
-        found = sharing(waves, problem)
-        final, beat = found.final, found.beat_length
+        found = sharing(waves, problem, impulses=None if meter is None else meter.result())
+        final, beat = found.final, found.regular_beat
         quick |= {
             "amplitude": None if final is None else final.value,
             "agree_10": found.agrees_from(0.1),
