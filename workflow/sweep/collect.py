@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.quantity import to_csv
 from analysis.sharing.verdict import State
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats
 from lammps_inputs import InputError, file_names, html, library, strict_yaml
 from lammps_inputs.numbers import text
 from lammps_inputs.units import REDUCED, Label
@@ -36,6 +36,16 @@ QUANTITIES = collect_columns()
 
 UNCERTAINTIES = {name.removesuffix("_uncertainty"): name for name in QUANTITIES if name.endswith("_uncertainty")}
 """Column -> the one that holds its uncertainty, in the same unit."""
+
+SHOWN = {
+    "amplitude": ".4f",
+    "agree_10": "d",
+    "agree_1": "d",
+    "energy_share": ".3f",
+    "error_velocity": ".0e",
+    "wall_seconds": ".2f",
+}
+"""Columns of the printed table, and their formats; the file has all of them."""
 
 UNSETTLED = (State.BEATING.value, State.SHORT.value, State.UNSURE.value)
 """States of a case whose chains have not come to share equally, so that its numbers may yet change."""
@@ -110,6 +120,11 @@ class Table:
             [math.nan if value is None or isinstance(value, str) else float(value) for value in values],
             dtype=np.float64,
         )
+
+    def unsettled(self, name: str) -> Flags:
+        """[case] whether chains have not come to share equally, where a column is one of equipartition."""
+        shares = name in QUANTITIES and QUANTITIES[name].path[0] == "equipartition"
+        return np.array([shares and row["state"] in UNSETTLED for row in self.rows], dtype=bool)
 
     def passed(self, name: str) -> Floats | None:
         """Frequencies at which small waves pass, [band, 2], if a field is one and all cases have the same."""
@@ -355,9 +370,7 @@ def drawn(table: Table, quantity: str, over: str, beside: str | None = None, tit
         placed.label(quantity),
         placed.numbers(quantity),
         None if error is None else placed.numbers(error),
-        np.array(
-            [QUANTITIES[quantity].path[0] == "equipartition" and row["state"] in UNSETTLED for row in placed.rows]
-        ),
+        placed.unsettled(quantity),
     )
     title = ", ".join(filter(None, (table.scene, title)))
     return swept_figure(upwards, along, second[0] if second else None, title, bands)
