@@ -178,6 +178,7 @@ def _plot(part: Thinned, sight: float) -> Any:
         name="beads",
         tools="xpan,xwheel_zoom,reset,save",
         toolbar_location="above",
+        toolbar_sticky=False,
         height=130 + 46 * chains,
         sizing_mode="stretch_width",
         x_range=Range1d(first, min(last, first + sight), bounds=(first, last)),

@@ -127,6 +127,7 @@ def add_legend(plot: Any, items: Sequence[tuple[str, list[Any]]]) -> Legend:
         ncols=3,
         location="left",
         label_text_font_size="8pt",
+        glyph_width=36,  # dashes are told apart
         margin=0,
         spacing=8,
         padding=3,

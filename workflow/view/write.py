@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from bokeh.embed import file_html
 from bokeh.events import DocumentReady
-from bokeh.models import CustomJS, GridPlot, Plot, SaveTool
+from bokeh.models import CustomJS, GridPlot, Plot, SaveTool, Slider
 from bokeh.resources import INLINE
 
 from analysis.figures.style import axis_unit, shown_chains
@@ -47,6 +47,12 @@ for (const plot of plots) {
   }
 }
 """
+
+_NAMED = """
+for (const {id, title} of sliders)
+  Bokeh.index.find_one_by_id(id).slider_el.querySelector('.noUi-handle').setAttribute('aria-label', title);
+"""
+"""Handles of sliders have their title as name, also for screen readers."""
 
 _PRINT_PIXELS = 2100
 """Least width of a saved image: 7 in at 300 dots an inch."""
@@ -135,8 +141,9 @@ def render(title: str, name: str, root: Any, *, head: str, foot: str, ready: Cus
         for tool in drawn.toolbar.tools:
             if isinstance(tool, SaveTool) and tool.filename is None:
                 tool.filename = f"{name}-{drawn.name}"
+    sliders = [model for model in document.models if isinstance(model, Slider)]
     codes = [CustomJS(args={"plots": plots}, code=_DARK), CustomJS(args={"width": _PRINT_PIXELS}, code=_FINE)]
-    for code in (*codes, ready):
+    for code in (*codes, CustomJS(args={"sliders": sliders}, code=_NAMED), ready):
         if code is not None:
             document.js_on_event(DocumentReady, code)
     variables = {"head": head, "foot": foot}

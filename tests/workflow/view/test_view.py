@@ -182,11 +182,12 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     assert len(set(looks.values())) == 2, "a chain keeps its colour and dashes"
     assert {traces[f"bead {BEAD}, chain {chain}"]["mark"] for chain in (1, 2)} == {"diamond"}
 
-    page.locator(".noUi-handle").first.focus()
+    slider = page.get_by_role("slider", name="time")
+    slider.focus()
     for _ in range(3):
         page.keyboard.press("ArrowRight")
     page.wait_for_function("() => Math.abs(Bokeh.documents[0].get_model_by_name('time').value - 0.3) < 1e-9")
-    assert page.locator(".noUi-handle").first.get_attribute("aria-valuetext") == "0.30"
+    assert slider.get_attribute("aria-valuetext") == "0.30"
     places = model(page, "balls", "Array.from(it.data.x)")
     moved = frames.beads + 0.25 * frames.displacement[3]
     assert places == pytest.approx(moved.ravel().tolist(), abs=1e-6)

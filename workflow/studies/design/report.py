@@ -32,9 +32,10 @@ def page(found: Found) -> str:
     scene = best.directory.scene.name
     summary = (
         f"Of {len(found.records)} designs of {scene} the one with the {wanted}. Numbers are in the scene's units; "
-        "every design was computed by the reference, the best again by LAMMPS. "
-        f"In {found.undefined} of them the objective or a quantity with a limit is undefined; they do not count."
+        "every design was computed by the reference, the best again by LAMMPS."
     )
+    if found.undefined:
+        summary += f" In {found.undefined} of them the objective or a quantity with a limit is undefined."
     cited = {key: None for keys in references.of_scene(best.directory.scene).values() for key in keys}
     body = "\n".join(f"<section><h2>{name}</h2>{part}</section>" for name, part in parts.items())
     return document(f"{scene}: {wanted}", summary, body, cited)
@@ -129,4 +130,4 @@ def _made(found: Found) -> str:
     if not small.enough:
         return words
     figure: Figure = members_figure(_objective(found), best, small.members)
-    return words + _shown([drawn("members", figure, "The ensemble.")])
+    return words + _shown([drawn("members", figure, "Distribution over designs with these errors.")])
