@@ -36,6 +36,9 @@ AGREEMENT = 0.01
 SETTLED = 1e-6
 """Relative change of an amplitude from one stretch of beads to the next that is none: time steps leave as much."""
 
+LARGEST_DEVIATION = 0.5
+"""Largest deviation from the mean amplitude, over that, at which the mean is one that amplitudes settle at."""
+
 CONVERGES = 0.5
 """Largest ratio of such a change to the one before at which an amplitude approaches a limit."""
 
@@ -231,14 +234,16 @@ class Sharing:
         """Amplitude that the leading waves settle at, in V: mean over chains and the last half beat.
 
         The uncertainty is the largest deviation from it, or what is still to come where that is more. None where
-        amplitudes have no limit, or do not show one: the mean changes from stretch to stretch of as many beads, by more
-        than half the deviation, and not ever less.
+        amplitudes have no limit, or do not show one: they deviate by more than half of the mean, or the mean changes
+        from stretch to stretch of as many beads, by more than half the deviation, and not ever less.
         """
         if len(self) == 0 or self.changing:
             return None
         amplitude = self.of_tied(self.amplitude)[self.tail :]
         mean, count = float(np.mean(amplitude)), len(amplitude)
         varies = max(float(np.max(np.abs(amplitude - mean))), self.noise)
+        if varies > LARGEST_DEVIATION * mean:
+            return None
         starts = [start for start in (self.tail - count, self.tail - 2 * count) if start >= 0]
         means = [mean, *(float(np.mean(self._mean[start : start + count])) for start in starts)]
         change, *before = -np.diff(means) if len(means) > 1 else [math.inf]

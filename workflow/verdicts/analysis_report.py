@@ -239,7 +239,7 @@ class Equipartition:
     final: Final | None = declare(
         "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
         "V",
-        "amplitudes have no limit, or do not approach one; no pulse keeps its shape",
+        "amplitudes have no limit, do not approach one, or deviate by more than half of it; no pulse keeps its shape",
         "v",
         columns=(
             Column("amplitude", "asymptotic amplitude", "value", "v"),
