@@ -33,17 +33,17 @@ from lammps_inputs import Problem
 from workflow.view.thin import Thinned, Units, axis_label, behind
 
 CHAIN_COLOURS = tuple("#44aa99" if colour == "#000000" else colour for colour in ON_PAPER)
-"""Teal (Tol) for black, which is not seen in dark mode."""
+"""Colours of the figures, with teal (Tol) for black, which is not seen in dark mode."""
 
 LINE_WIDTH = 1.5
 
 CHAIN_DASHES = tuple(
     [round(LINE_WIDTH * length) for length in dash[1]] if isinstance(dash, tuple) else [] for dash in DASHES_ON_PAPER
 )
-"""Those of the figures, in pixels; none is a solid line."""
+"""Dashes of the figures, in pixels; an empty list is a solid line."""
 
 MARKS = ("circle", "square", "triangle", "diamond", "inverted_triangle", "plus", "x", "asterisk")
-"""Of lines of one chain, at their largest value: one for each bead or gauge."""
+"""Marks at the largest value of a line, one for each bead or gauge, where colour and dashes are the chain's."""
 
 TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 

@@ -117,7 +117,7 @@ def _broken(problem: Problem, bead: Integers, value: Floats) -> tuple[dict[str, 
 # --- graphs over time -------------------------------------------------------------------------------------------------
 
 _LEAST_SPAN = 0.02
-"""Of an axis of energy, over the largest; less would show the error of the run."""
+"""Least range of an axis of energy, over the largest energy; less would show the error of the run."""
 
 
 def energy(part: Thinned, time_range: Range1d, units: Units) -> Any:
@@ -133,7 +133,7 @@ def energy(part: Thinned, time_range: Range1d, units: Units) -> Any:
 
 
 _MOST_INSTANTS = 4000
-"""Of a force over time."""
+"""Instants of a force over time that are drawn at most."""
 
 
 @dataclass(frozen=True)
@@ -279,7 +279,7 @@ def _that_move(part: Thinned, moves: Flags, shown: Sequence[int]) -> list[int]:
 
 
 def _shown_chains(chains: list[int], graphs: list[Any]) -> Any:
-    """A box for each chain, which hides it in all graphs."""
+    """Boxes, one for each chain, which hide it in all graphs."""
     names = [chain_name(chain) for chain in chains]
     boxes = CheckboxGroup(
         labels=names,

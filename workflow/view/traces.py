@@ -12,10 +12,10 @@ from workflow.view.plots import MARKS, add_legend, chain_name, choice, graph, la
 from workflow.view.thin import Thinned, Units
 
 MOST_TRACES = len(MARKS)
-"""Or those of one bead, where there are more chains."""
+"""Lines that are drawn at most; those of one bead where there are more chains."""
 
 FIRST_BEADS = 3
-"""Shown at first, at most."""
+"""Beads that are shown at first, at most."""
 
 _TRACE = """
 const distance = places.map(place => Math.abs(place - cb_obj.x));
