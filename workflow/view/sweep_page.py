@@ -104,7 +104,10 @@ _FEW = 8
 """Values of a field that are ticks themselves."""
 
 _WIDEST, _LETTER = 600, 8
-"""Pixels of a column, and of a letter in it."""
+"""Largest width of a column, and that of a letter in it, in pixels."""
+
+_HIGHEST, _ROW = 430, 25
+"""Largest height of the table, and that of a row, in pixels."""
 
 
 def layout(table: Table, files: dict[str, list[str]], name: str) -> tuple[Any, CustomJS]:
@@ -157,7 +160,7 @@ def layout(table: Table, files: dict[str, list[str]], name: str) -> tuple[Any, C
         source=source,
         view=view,
         columns=_columns(table, data),
-        height=430,
+        height=min(_HIGHEST, _ROW * (len(table.rows) + 2)),
         sizing_mode="stretch_width",
         autosize_mode="none",
         reorderable=False,
