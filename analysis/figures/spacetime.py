@@ -100,7 +100,7 @@ def largest_afar(problem: Problem, beads: Integers, velocity: Floats) -> float:
     return float(np.max(size[..., far], initial=0.0)) or float(np.max(size, initial=0.0)) or 1.0
 
 
-def _panels(problem: Problem, chains: int) -> tuple[int, int]:
+def panels(problem: Problem, chains: int) -> tuple[int, int]:
     """Rows and columns of panels for so many chains: those of a lattice that is all shown, else as few rows as fit."""
     lattice = grid(problem)
     if lattice is not None and chains == problem.chains:
@@ -124,7 +124,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     largest = largest_afar(problem, data.beads, data.velocity)
     unit = axis_unit(problem, "velocity", largest)
     top = largest * unit.worth
-    rows, columns = _panels(problem, len(chains))
+    rows, columns = panels(problem, len(chains))
     even = evenly_spaced(data.beads)
     half = 0.5 * float(data.time[-1] - data.time[0]) / max(1, len(data.time) - 1)
     instants = ((data.time[0] - half) * time.worth, (data.time[-1] + half) * time.worth)

@@ -39,10 +39,10 @@ FEW = 3
 def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, direction: int = 1) -> Figure:
     """Leading waves over the bead that they pass, one line per chain (of many, see `shown_chains`).
 
-    From the top, each where there is something to draw: peak velocities in units of the kick, and the bead from which
-    on they agree to 1%; shares of the energy in each wave, in all of them as measured, and as exact waves of their
-    amplitudes would hold; shares of each whole chain (half of its springs' counted; two to `FEW` chains); arrival
-    behind the chain that was kicked.
+    From the top, each where there is something to draw: amplitudes in units of the kick (with gaps, impulses of first
+    contacts over the mass), and the bead from which on they agree to 1%; shares of the energy in each wave, in all of
+    them as measured, and as exact waves of their amplitudes would hold; shares of each whole chain (half of its
+    springs' counted; two to `FEW` chains); arrival behind the chain that was kicked.
     """
     chains, several = shown_chains(problem), problem.chains > 1
     shares = 1 < problem.chains <= FEW and bool(np.any(np.isfinite(energies.chain)))
@@ -50,7 +50,8 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
     figure = Figure(figsize=(7.0, 0.8 + 2.0 * count), layout="constrained")
     axes = figure.subplots(count, 1, sharex=True)
     draw_chains(axes[0], chains, shared.bead, shared.amplitude[:, chains])
-    axes[0].set_ylabel(r"peak velocity $v_\mathrm{max} / V$")
+    label = "impulse of the first\ncontact $/ mV$" if shared.of_impulses else r"peak velocity $v_\mathrm{max} / V$"
+    axes[0].set_ylabel(label)
     axes[0].set_ylim(bottom=0.0)
     agreed = shared.agrees_from(AGREED)
     if agreed is not None:

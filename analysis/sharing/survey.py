@@ -16,6 +16,7 @@ from analysis.shape.long_waves import LoadedSpeed
 from analysis.shape.waveforms import Passages, Shape, Waveforms, reach
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing, sharing
+from analysis.sharing.impulses import Impulses, meter_of
 from analysis.sharing.is_solitary import Character, Tolerances, characterise, measured_at
 from analysis.sharing.verdict import DecayFit, Verdict, fit_decay, verdict_on
 from analysis.tracking.leading_waves import (
@@ -135,6 +136,7 @@ def survey(
     arrival: Arrival | None = None,
     leading: Waves | None = None,
     counted: Callable[[Trajectory], Trajectory] | None = None,
+    impulses: Impulses | None = None,
 ) -> Survey:
     """Find everything in a run.
 
@@ -147,6 +149,8 @@ def survey(
             `analysis.tracking.leading_waves.usual_arrival`.
         leading: the leading waves with that arrival, where they were found at more beads than are recorded.
         counted: gives frames of all beads their exchange (`analysis.trajectory.EXCHANGES`) where they have none.
+        impulses: of rigid beads, along the way of the leading waves; else they are measured where chains are compared
+            by them.
 
     Raises:
         ValueError: there was no frame.
@@ -162,9 +166,10 @@ def survey(
     finders = {way: PeakFinder(threshold, direction=way, noisy=noisy) for way in (1, -1)}
     window = _Window()
     counts = counted if physics.exchanges(system) and problem.whole else None
-    last_time, energy = _first_reading(
-        read, problem, [*watchers, window], [*finders.values()], counts, noisy=noise > 0.0
-    )
+    meter = meter_of(problem) if impulses is None else None
+    watching = [*watchers, window, *([] if meter is None else [meter])]
+    last_time, energy = _first_reading(read, problem, watching, [*finders.values()], counts, noisy=noise > 0.0)
+    impulses = impulses if meter is None else meter.result()
     peaks = {way: finder.result() for way, finder in finders.items()}
     if noisy:
         peaks = {way: _uncertain(distinct(found, wave_of(system)), problem, noise) for way, found in peaks.items()}
@@ -191,7 +196,7 @@ def survey(
         waves = leading
         sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # the time of the maximum of others is unknown
     every_bead = along if leading is None else replace(along, recorded=None)
-    shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
+    shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left, impulses)
     shared = replace(shared, energy=energy)
     pulses, crests = _distinct_from_sound(tracks, waves, direction, problem)
     back = {direction: returns(waves, problem, direction), -direction: np.full((problem.chains, problem.beads), np.inf)}

@@ -202,8 +202,9 @@ def _print_amplitude(found: Survey) -> None:
     if final is None:
         first, least, largest = shared.span
         why = shared.changing or "it has not settled"
+        compared = shared.compared if shared.of_impulses else "peak velocities"
         numbers = f"{least:.5f} to {largest:.5f} V over beads {first} to {shared.bead[-1]}"
-        print(f"no asymptotic amplitude: {why}; peak velocities of {numbers} ({worth}){share}")
+        print(f"no asymptotic amplitude: {why}; {compared} of {numbers} ({worth}){share}")
         return
     kicked = any(
         abs(velocity) == max(abs(impulse) for *_, impulse in physics.excitations(system))

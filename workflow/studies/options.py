@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 from lammps_inputs import InputError, file_names, library, strict_yaml
 from lammps_inputs.slurm.job import render_command
 from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.units import Label
 from workflow.runs.files import write_text
 from workflow.runs.own_files import claim, make_directory
 from workflow.screen import Answer
-from workflow.studies.measures import heading
+from workflow.studies.measures import label
 from workflow.studies.study import floats
 from workflow.sweep import fields
 
@@ -167,8 +168,9 @@ class SecondField:
         if not self.name:
             return None
         if self.is_numeric:
-            return Axis(heading(self.name, scene), floats(values))
-        return Axis(f"value of {self.name}, by its number", floats([self.values.index(value) + 1 for value in values]))
+            return Axis(label(self.name, scene), floats(values))
+        numbers = floats([self.values.index(value) + 1 for value in values])
+        return Axis(Label(f"value of {self.name}, by its number"), numbers)
 
 
 NO_SECOND_FIELD = SecondField()

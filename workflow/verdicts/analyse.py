@@ -10,8 +10,10 @@ import numpy as np
 
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
+from analysis.files.events import from_csv
 from analysis.files.recording import FARTHEST
 from analysis.quantity import csv_of, plain
+from analysis.sharing.impulses import Impulses, from_events
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
@@ -21,7 +23,8 @@ from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from workflow.formats import figure_files, in_any_format
 from workflow.runs.check import accountant
-from workflow.runs.files import write_figure, write_json, write_text
+from workflow.runs.engines import ENGINES
+from workflow.runs.files import EVENTS, write_figure, write_json, write_text
 from workflow.runs.own_files import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, report, waves_csv
@@ -139,6 +142,7 @@ def analyse(
         arrival=arrival,
         leading=directory.peaks_table() if arrival in (None, usual_arrival(problem)) else None,
         counted=exchange.of,
+        impulses=_of_collisions(directory, problem),
     )
     whole = conservation
     if problem.frames_per_snapshot is not None:
@@ -170,6 +174,13 @@ def analyse(
         altered=directory.fingerprint not in ("", fingerprint.sha256()),
         findings=there,
     )
+
+
+def _of_collisions(directory: RunDirectory, problem: Problem) -> Impulses | None:
+    """Impulses of rigid beads, whose frames hold no overlaps; None where beads deform."""
+    if ENGINES[directory.engine].deforms:
+        return None
+    return from_events(problem, from_csv(directory.path / EVENTS, problem.scale), direction_of(problem))
 
 
 def _write(

@@ -92,7 +92,10 @@ STEADY = 0.01
 
 NOT_REACHED = "no recorded bead was reached"
 
-UNRESOLVED = "no pulse keeps its shape, or recorded beads are too far apart to show beats"
+UNRESOLVED = (
+    "no pulse keeps its shape, recorded beads are too far apart to show beats, or coupled chains have gaps and not all "
+    "beads are recorded"
+)
 NO_AGREEMENT = f"it does not, or not for as long as half a beat; a single chain; {UNRESOLVED}"
 COUNTED = (
     "to the last recorded bead that all leading waves passed clear of the chains' ends; counted along the pulse's way, "
@@ -205,7 +208,11 @@ class EnergyShare:
 
 @result
 class Equipartition:
-    """How the chains share the leading pulse. Beads count from the end that was kicked along the pulse's way."""
+    """How the chains share the leading pulse. Beads count from the end that was kicked along the pulse's way.
+
+    The amplitude at a bead is the peak velocity of the leading pulse; where coupled chains have gaps, the impulse of
+    the bead's first contact over its mass.
+    """
 
     verdict: str = declare("what the run shows of equipartition, in words", column="")
     state: str = declare("the same in few words", column="")
@@ -219,26 +226,26 @@ class Equipartition:
         f"0.01 and 0.001 {COUNTED}",
         undefined=NO_AGREEMENT,
         columns=(
-            Column("agree_10", "bead from which the chains agree to 10%", "0.1"),
-            Column("agree_1", "bead from which the chains agree to 1%", "0.01"),
+            Column("agree_10", "bead from which amplitudes agree to 10 %", "0.1", "d_{10}"),
+            Column("agree_1", "bead from which amplitudes agree to 1 %", "0.01", "d_1"),
         ),
     )
     arrivals: dict[str, int | None] = declare(
         "bead from which on the difference of the chains' arrivals, latest - earliest over the time in which the wave "
         f"passes (at half its height), stays below 0.1, 0.01 and 0.001 {COUNTED}",
         undefined=NO_AGREEMENT,
-        columns=(Column("in_step_1", "bead from which arrivals agree to 1%", "0.01"),),
+        columns=(Column("in_step_1", "bead from which arrivals agree to 1 %", "0.01"),),
     )
     final: Final | None = declare(
         "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
         "V",
         "no pulse keeps its shape; amplitudes have no limit (energy is dissipated, beads or loads differ along the "
-        "chain, less than half a beat was seen) or do not approach one: the mean over as many beads before differs by "
-        "more than half of the largest deviation, and from stretch to stretch such differences do not become smaller "
-        f"by a factor of {1.0 / CONVERGES:g}",
+        "chain, less than half a beat was seen), deviate by more than half of it, or do not approach one: the mean "
+        "over as many beads before differs by more than half of the largest deviation, and from stretch to stretch "
+        f"such differences do not become smaller by a factor of {1.0 / CONVERGES:g}",
         "v",
         columns=(
-            Column("amplitude", "asymptotic amplitude", "value"),
+            Column("amplitude", "asymptotic amplitude", "value", "v"),
             Column("amplitude_uncertainty", "uncertainty of the asymptotic amplitude", "uncertainty"),
         ),
     )
@@ -249,16 +256,16 @@ class Equipartition:
     beat_length: Estimate | None = declare(
         "beads from one excess of a chain to the next, and its scatter",
         "beads",
-        f"no beat is seen; {UNRESOLVED}",
+        f"no beat is seen, or half beats scatter by more than half of their mean; {UNRESOLVED}",
         columns=(
-            Column("beat_length", "beat length (beads)", "value"),
-            Column("beat_length_uncertainty", "uncertainty of the beat length (beads)", "uncertainty"),
+            Column("beat_length", "beat length", "value"),
+            Column("beat_length_uncertainty", "uncertainty of the beat length", "uncertainty"),
         ),
     )
     decay_law: DecayFit | None = declare(
         "law v = v0 (1 - n / n_star)**2.5 fitted to the kicked chain",
-        undefined="neighbours are nowhere weak over ten beads, springs are not linear and equal, beads are unlike or "
-        "loaded, energy is dissipated, or not just one bead was kicked",
+        undefined="neighbours are nowhere weak over ten beads, springs are not linear and equal, beads are unlike, "
+        "loaded or have gaps, energy is dissipated, or not just one bead was kicked",
     )
 
 
@@ -316,7 +323,10 @@ class Report:
     train: Train | None = declare(
         "pulses that follow each other in the kicked chain", undefined="none is steady anywhere"
     )
-    equipartition: Equipartition = declare("how the chains share the leading pulse")
+    equipartition: Equipartition = declare(
+        "how the chains share the leading pulse, whose amplitude at a bead is its peak velocity or, where coupled "
+        "chains have gaps, the impulse of the bead's first contact over its mass"
+    )
     tolerances: Tolerances = declare("relative differences within which a pulse is called solitary")
     pulses: list[PulseEntry] = declare("every pulse, the strongest first")
 
@@ -397,7 +407,7 @@ def equipartition(found: Survey) -> Equipartition:
             exact=float(np.sum(shared.wave_share[-1])) if len(shared) and exact else None,
             measured=float(measured[-1]) if len(measured) and pulse else None,
         ),
-        beat_length=shared.beat_length if seen else None,
+        beat_length=shared.regular_beat if seen else None,
         decay_law=decay,
     )
 

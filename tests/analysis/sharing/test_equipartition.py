@@ -9,8 +9,10 @@ from hypothesis import strategies as st
 from synthetic_waves import of_keys, problem, reference, surveyed
 
 from analysis.sharing.equipartition import Sharing
+from analysis.sharing.impulses import measure
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star, fit_decay, verdict_on
+from analysis.trajectory import mirrored_problem
 from lammps_inputs import Kick
 from workflow.engines.reference import engine
 
@@ -172,6 +174,37 @@ def test_changes_of_sign_between_two_beads_make_no_beat():
     shared = Sharing(0, np.arange(2, 22), np.zeros((20, 2)), amplitude, 0.5)
     assert shared.beat_length is None
     assert shared.agrees_from(0.1) is None
+
+
+def test_half_beats_that_scatter_by_more_than_half_of_their_mean_have_no_length_in_words():
+    sign = np.repeat([1.0, -1.0] * 4, [2, 20, 2, 3, 25, 2, 2, 20])
+    amplitude = 0.36 * np.stack([1.0 + 0.2 * sign, 1.0 - 0.2 * sign], axis=1)
+    shared = Sharing(0, np.arange(2, 2 + len(sign)), np.zeros(amplitude.shape), amplitude, 0.5)
+    assert shared.beat_length.uncertainty > 0.5 * shared.beat_length.value
+    assert shared.regular_beat is None
+    sentence = verdict_on(shared, problem(2, 0.1), None).sentence
+    assert sentence.startswith("beating: amplitudes differ by up to 40.00% over the last half beat")
+    assert "without a regular beat" in sentence
+    assert "+-" not in sentence
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_chains_with_gaps_are_compared_by_the_impulses_of_first_contacts(direction):
+    what = problem(2, 0.1, 30, 250.0, 0.25, gap=2.8742376715100764)
+    kicked = what if direction > 0 else mirrored_problem(what)
+    found = surveyed(engine.run(kicked)).shared
+    expected = measure(what, [engine.run(what)])
+    rows = np.isin(expected.bead, found.bead)
+    assert found.compared == "impulses of first contacts"
+    assert len(found) > 10
+    np.testing.assert_allclose(found.amplitude, expected.first[:, rows].T, rtol=0, atol=2e-6)
+
+
+def test_chains_with_gaps_of_which_few_beads_are_recorded_are_not_compared():
+    what = problem(2, 0.1, 30, 250.0, 0.25, gap=2.8742376715100764, recorded=(5, 10, 15, 20))
+    verdict = surveyed(engine.run(what)).verdict
+    assert verdict.state is State.UNSURE
+    assert "known only where all beads are recorded" in verdict.sentence
 
 
 @pytest.mark.parametrize(

@@ -172,8 +172,8 @@ def figures(monkeypatch):
 def test_without_a_threshold_the_figure_shows_the_computed_values_for_each_value_of_the_second_field(tmp_path, figures):
     assert asked(tmp_path, *BY_MASS, "--where", "mass=100", "--over", "beads=24,25", scene=STRUCK) == (1, [])
     (axis,) = figures[0].axes
-    assert " ".join(axis.get_title().split()).endswith("mass = 100 is crossed nowhere")
-    assert (axis.get_xlabel(), axis.get_ylabel()) == ("striker.mass", "mass")
+    assert " ".join(axis.get_title().split()).endswith("mass of all beads (reduced) = 100 is crossed nowhere")
+    assert (axis.get_xlabel(), axis.get_ylabel()) == ("striker mass (reduced)", "mass of all beads (reduced)")
     drawn = {line.get_label(): line.get_ydata().tolist() for line in axis.get_lines()}
     assert drawn == {"24": [23.5, 24.75, 26.0], "25": [24.5, 25.75, 27.0]}
     assert axis.get_legend().get_title().get_text() == "beads"

@@ -45,7 +45,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
     found = SimpleNamespace(
         shared=Shared(
             final=Estimate(0.34, 0.01),
-            beat_length=Estimate(12.0, 0.5),
+            regular_beat=Estimate(12.0, 0.5),
             agrees_from=lambda tolerance: round(1.0 / tolerance),
             in_step_from=lambda tolerance: round(2.0 / tolerance),
             wave_share=np.array([[0.5, 0.4], [0.5, 0.47]]),
