@@ -176,7 +176,7 @@ def test_without_a_threshold_the_figure_shows_the_computed_values_for_each_value
     assert (axis.get_xlabel(), axis.get_ylabel()) == ("striker mass (reduced)", "mass of all beads (reduced)")
     drawn = {line.get_label(): line.get_ydata().tolist() for line in axis.get_lines()}
     assert drawn == {"24": [23.5, 24.75, 26.0], "25": [24.5, 25.75, 27.0]}
-    assert axis.get_legend().get_title().get_text() == "beads"
+    assert axis.get_legend().get_title().get_text() == "number of beads of a chain $n_b$"
 
 
 def test_a_quantity_that_is_undefined_everywhere_has_an_axis_without_numbers(tmp_path, figures):
