@@ -69,7 +69,6 @@ class Sharing:
             NaN where it is not defined.
         amplitude: [place, chain] peak velocity, in units of V.
         energy: input by kicks, pushes and drives, in units of m V**2; NaN where that is not known.
-        noise: standard deviation of an amplitude, in units of V; 0 for a record without noise.
         arrival_error, amplitude_error: [place, chain] bounds on what the time between frames leaves; NaN if unknown.
         exact: the exact wave of the contacts.
     """
@@ -79,7 +78,6 @@ class Sharing:
     arrival: Floats
     amplitude: Floats
     energy: float
-    noise: float = 0.0
     arrival_error: Floats | None = None
     amplitude_error: Floats | None = None
     exact: SolitaryWave = field(default_factory=solitary_wave)
@@ -145,14 +143,14 @@ class Sharing:
     def beats(self) -> Floats:
         """Beads, in fractions, where the wave of the kicked chain passes the chains' mean, downwards or upwards.
 
-        Changes of sign after which the deviation stays below `SMALLEST_BEAT` or three times the noise are left out, and
+        Changes of sign after which the deviation stays below `SMALLEST_BEAT` are left out, and
         so are two that are less than the distance of two places apart.
         """
         if len(self) < 2:
             return np.zeros(0)
         mean = self._mean
         deviation = self.amplitude[:, self.kicked] / mean - 1.0
-        large = np.flatnonzero(np.abs(deviation) > np.maximum(SMALLEST_BEAT, 3.0 * self.noise / mean))
+        large = np.flatnonzero(np.abs(deviation) > SMALLEST_BEAT)
         if len(large) < 2:
             return np.zeros(0)
         bead, deviation = self.bead[large], deviation[large]
@@ -217,11 +215,11 @@ class Sharing:
             return None
         amplitude = self.of_tied(self.amplitude)[self.tail :]
         mean, count = float(np.mean(amplitude)), len(amplitude)
-        varies = max(float(np.max(np.abs(amplitude - mean))), self.noise)
+        varies = float(np.max(np.abs(amplitude - mean)))
         starts = [start for start in (self.tail - count, self.tail - 2 * count) if start >= 0]
         means = [mean, *(float(np.mean(self._mean[start : start + count])) for start in starts)]
         change, *before = -np.diff(means) if len(means) > 1 else [math.inf]
-        if abs(change) <= max(SETTLED * mean, self.noise, 0.5 * varies):
+        if abs(change) <= max(SETTLED * mean, 0.5 * varies):
             return Estimate(mean, varies)
         ratio = change / before[0] if before and before[0] != 0.0 else math.inf
         if not 0.0 <= ratio <= CONVERGES:
@@ -270,13 +268,12 @@ class Sharing:
         return np.array(rows).reshape(-1, 2)
 
 
-def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
+def sharing(waves: Waves, problem: Problem) -> Sharing:
     """The leading waves of a run side by side; those that run towards higher numbers, ahead of the kicked bead.
 
     Args:
         waves: leading waves.
         problem: what was run.
-        noise: standard deviation of an amplitude, in units of V.
     """
     system = problem.system
     kicked, kicked_bead, _ = physics.largest_excitation(system)
@@ -304,7 +301,6 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         side_by_side(waves.arrival),
         side_by_side(waves.peak_velocity),
         math.nan if physics.acted_on(system) else physics.energy(system),
-        noise,
         side_by_side(waves.arrival_error),
         side_by_side(waves.peak_velocity_error),
         wave_of(system),

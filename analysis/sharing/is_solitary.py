@@ -33,12 +33,12 @@ class Character:
     arrival: float = declare("time at which that bead is fastest", "time", symbol="t")
     peak_velocity: float = declare("largest velocity of that bead", "velocity", symbol="v")
     arrival_error: float = declare(
-        "bound on the error of the arrival by the time between frames, or noise",
+        "bound on the error of the arrival by the time between frames",
         "time",
         "the largest velocity is reached on a plateau (a bead that flies freely)",
     )
     peak_velocity_error: float = declare(
-        "bound on the error of the peak velocity by the time between frames, or noise", "velocity"
+        "bound on the error of the peak velocity by the time between frames", "velocity"
     )
     speed: float = declare("speed of the pulse at that bead", "speed", "it was seen at one bead only", "c")
     width: float = declare("full width of the velocity at half its maximum", "beads", UNSEEN)

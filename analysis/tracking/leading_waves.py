@@ -1,6 +1,6 @@
 """The leading pulse at every bead: the first passage above the threshold, its peak, and its local speed.
 
-With kicks both ways, or noise, not every first maximum of a bead is the leading pulse's (`leading_passages`).
+With kicks both ways not every first maximum of a bead is the leading pulse's (`leading_passages`).
 """
 
 import csv
@@ -43,10 +43,10 @@ class Waves(Columns):
         "c",
     )
     arrival_error: Floats = declare(
-        "bound on the error of the arrival by the time between frames, or noise", "time", "so is the arrival"
+        "bound on the error of the arrival by the time between frames", "time", "so is the arrival"
     )
     peak_velocity_error: Floats = declare(
-        "bound on the error of the peak velocity by the time between frames, or noise", "velocity"
+        "bound on the error of the peak velocity by the time between frames", "velocity"
     )
     time: Floats
     """Time at which the bead is fastest, in units of T, whether or not that is sharp."""
@@ -169,7 +169,7 @@ def leading_finder(problem: Problem) -> PeakFinder:
 
 
 def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
-    """Those of a noiseless run's maxima that may be the leading pulse's: all, or with kicks both ways a few."""
+    """Those of a run's maxima that may be the leading pulse's: all, or with kicks both ways a few."""
     if not opposed(problem):
         return beyond_kicks(peaks, problem)
     return beyond_kicks(of_pulses(peaks, track_pulses(peaks, problem)), problem)
@@ -210,7 +210,7 @@ def _overtaken(problem: Problem) -> bool:
 
 
 def of_pulses(peaks: Peaks, pulses: tuple[Pulse, ...]) -> Peaks:
-    """The maxima that belong to pulses running their way; others are noise, or left by pulses from the far end."""
+    """The maxima that belong to pulses running their way; pulses from the far end leave others."""
     passages = {
         (pulse.chain, number, time)
         for pulse in pulses

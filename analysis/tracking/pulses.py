@@ -43,9 +43,6 @@ LATEST, EARLIEST = 1.8, 0.3
 UNSTEADIEST = 0.7
 """Bound on the change of that quotient from one passage to the next."""
 
-SCATTER = 30.0
-"""Allowed change of a delay by noise, in T for noise as large as the amplitude; an arrival scatters by 5 to 10."""
-
 CONSTANT_OVER = 10
 """Beads over which an amplitude is compared with itself."""
 
@@ -96,20 +93,13 @@ class Pulse(Columns):
         return float(np.max(np.abs(self.peak_velocity[recent] - self.peak_velocity[at])))
 
 
-def track_pulses(
-    peaks: Peaks,
-    problem: Problem,
-    *,
-    smallest: float = SMALLEST,
-    noise: float = 0.0,
-) -> tuple[Pulse, ...]:
+def track_pulses(peaks: Peaks, problem: Problem, *, smallest: float = SMALLEST) -> tuple[Pulse, ...]:
     """Every pulse in a table of passages, by chain, then by time of its first passage.
 
     Args:
         peaks: maxima of velocity along the way of the pulses.
         problem: what was run.
         smallest: largest velocity that a pulse must reach, in units of V; a quarter of it continues one.
-        noise: standard deviation of the peak velocities, in units of V; allows for arrivals that scatter.
     """
     direction = peaks.direction
     if direction < 0:
@@ -129,7 +119,7 @@ def track_pulses(
     found = []
     for chain in np.unique(passages.chain):
         own = passages.where(passages.chain == chain)
-        for track in _linked(own, recorded, noise, exact, loaded):
+        for track in _linked(own, recorded, exact, loaded):
             if len(track) >= least and np.max(own.velocity[track]) >= smallest:
                 one = own.where(track)
                 bead = one.bead if direction > 0 else mirrored_bead(problem, one.bead)
@@ -191,7 +181,7 @@ class _Track:
 
     Attributes:
         passages: positions in the table.
-        usual_delay: the last delay over the exact wave's; with noise a mean.
+        usual_delay: the last delay over the exact wave's.
         bound: how far the next may be from it.
     """
 
@@ -200,9 +190,7 @@ class _Track:
     bound: float = np.inf
 
 
-def _linked(
-    peaks: Peaks, recorded: Integers, noise: float, exact: SolitaryWave, loaded: LoadedSpeed | None
-) -> Iterator[list[int]]:
+def _linked(peaks: Peaks, recorded: Integers, exact: SolitaryWave, loaded: LoadedSpeed | None) -> Iterator[list[int]]:
     """Positions in the table of the passages of one chain, pulse by pulse. Beads are taken in ascending order."""
 
     def speed_at(amplitude: Floats, bead: Integers) -> Floats:
@@ -225,14 +213,12 @@ def _linked(
             ratio = peaks.velocity[here] / peaks.velocity[last][:, np.newaxis]
             ratio = np.minimum(ratio, 1.0 / ratio)
             cost = (delay - usual_delay) ** 2 + 0.1 * np.log(ratio) ** 2
-            slack = SCATTER * noise / amplitude * speed_at(amplitude, peaks.bead[here]) / way
-            far = (np.abs(delay - usual_delay) > bound + slack) | (delay < EARLIEST - slack) | (delay > LATEST + slack)
+            far = (np.abs(delay - usual_delay) > bound) | (delay < EARLIEST) | (delay > LATEST)
             cost[far | (ratio < FAINTEST)] = np.inf
             for row, column in _cheapest_pairs(cost):
-                track, late = open_tracks[row], float(delay[row, column])
+                track = open_tracks[row]
                 track.passages.append(int(here[column]))
-                steady = noise > 0.0 and np.isfinite(track.bound)
-                track.usual_delay = 0.5 * (track.usual_delay + late) if steady else late
+                track.usual_delay = float(delay[row, column])
                 track.bound = UNSTEADIEST
                 taken.add(column)
         open_tracks += [_Track([k]) for k in range(int(start), int(end)) if k - start not in taken]

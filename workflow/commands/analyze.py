@@ -175,11 +175,11 @@ def _print_accuracy(found: Analysis) -> None:
     if len(waves) and waves.peak_velocity_error.max() > DOCUMENTED:
         worst = int(np.argmax(waves.peak_velocity_error))
         late = waves.arrival_error[np.isfinite(waves.arrival_error)].max(initial=0.0)
-        why = "noise" if found.survey.noise else f"frames {scale.written(problem.every, 'time', '.3g')} apart"
+        apart = scale.written(problem.every, "time", ".3g")
         arrivals = f", of arrivals up to {scale.written(late, 'time', '.1e')}" if late > 0.0 else ""
         print(
-            f"uncertainty by {why}: of peak velocities up to {waves.peak_velocity_error[worst]:.1e} V (bead "
-            f"{waves.bead[worst]} of chain {waves.chain[worst]}){arrivals}; of each in waves.csv"
+            f"uncertainty by frames {apart} apart: of peak velocities up to {waves.peak_velocity_error[worst]:.1e} V "
+            f"(bead {waves.bead[worst]} of chain {waves.chain[worst]}){arrivals}; of each in waves.csv"
         )
     if problem.every > FAR:
         far = scale.written(FAR, "time", ".3g")
@@ -211,8 +211,6 @@ def _print_pulses(found: Survey) -> None:
     if found.crests:
         largest = max(crest.peak_velocity.max() for crest in found.crests)
         print(f"sound waves, with peak velocities up to {largest:.3f} V")
-    if found.noise:
-        print(f"noise of the recorded velocities: standard deviation {found.noise:.1e} V; they were smoothed")
 
 
 def _print_amplitude(found: Survey) -> None:

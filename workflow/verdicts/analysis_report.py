@@ -131,12 +131,12 @@ class ChainSummary:
         column="speed at the last clear bead",
     )
     arrival_error: float | None = declare(
-        "bound on the error of the arrival by the time between frames, or noise",
+        "bound on the error of the arrival by the time between frames",
         "time",
         NOT_REACHED,
     )
     peak_velocity_error: float | None = declare(
-        "bound on the error of the peak velocity by the time between frames, or noise", "velocity", NOT_REACHED
+        "bound on the error of the peak velocity by the time between frames", "velocity", NOT_REACHED
     )
     arrival_reduced: float | None = declare("the arrival in units of T", "T", "as ``arrival``", "t / T")
     peak_velocity_reduced: float | None = declare(
@@ -308,7 +308,6 @@ class Report:
         symbol="\\kappa",
     )
     arrival: str = declare("definition of arrivals: ``maximum`` of the velocity, or centre of the ``impulse``")
-    noise: float = declare("standard deviation of the recorded velocities' noise; 0 without noise", "V")
     waves: list[ChainSummary] = declare("leading wave of each chain at its last clear bead")
     train: Train | None = declare(
         "pulses that follow each other in the kicked chain", undefined="none is steady anywhere"
@@ -333,7 +332,6 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> Report:
         scale={"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
         kappa=physics.kappa(problem.system),
         arrival=found.arrival,
-        noise=found.noise,
         waves=[ChainSummary.of(found.waves, problem, chain) for chain in range(1, problem.chains + 1)],
         train=train(found),
         equipartition=equipartition(found),
