@@ -96,6 +96,7 @@ def _print(found: Analysis) -> None:
         )
     if found.altered:
         print("frame checksum mismatch with run.json: a file was damaged or modified")
+    _print_doubt(found)
     if problem.system.holds(Fact.PULSE):
         _print_waves(found)
         _print_overtaken(found)
@@ -148,17 +149,33 @@ def _print_waves(found: Analysis) -> None:
 
 
 def _print_drifts(found: Analysis) -> None:
-    """Of energy, unless its budget has been printed, and of momentum; what to think of them if they are large."""
-    problem, seen = found.problem, found.conservation
-    exchanges = physics.exchanges(problem.system)
-    drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
-    known = {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
-    shown = [f"{name} {drift:.1e}" for name, drift in known.items() if name != "energy" or not exchanges]
-    right = "the input" if exchanges else "the kick's"
+    """Print the drift of the energy, unless its budget has been printed, and of the momentum."""
+    exchanges = physics.exchanges(found.problem.system)
+    shown = [f"{name} {drift:.1e}" for name, drift in _drifts(found).items() if name != "energy" or not exchanges]
     if shown:
-        print(f"drift: {', '.join(shown)} of {right}")
-    if max(known.values(), default=0.0) > ENERGY_TOLERANCE:
-        print(found.failure or "these are not frames of this scene: was the deck run with another kappa or kick?")
+        print(f"drift: {', '.join(shown)} of {_input(found)}")
+
+
+def _print_doubt(found: Analysis) -> None:
+    """Print why the frames cannot be right where energy or momentum is not conserved."""
+    drifts = _drifts(found)
+    if max(drifts.values(), default=0.0) > ENERGY_TOLERANCE:
+        name = max(drifts, key=lambda name: drifts[name])
+        changes = f"the {name} changes by {drifts[name]:.2g} of {_input(found)}"
+        cause = "these are not frames of this scene, or the time step is too large (see `granchain validate`)"
+        print(found.failure or f"{changes}: {cause}")
+
+
+def _drifts(found: Analysis) -> dict[str, float]:
+    """Relative drifts of energy and momentum, by name, as far as they are known."""
+    seen = found.conservation
+    drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
+    return {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
+
+
+def _input(found: Analysis) -> str:
+    """What drifts are relative to, in words."""
+    return "the input" if physics.exchanges(found.problem.system) else "the kick's"
 
 
 def _print_accuracy(found: Analysis) -> None:
