@@ -85,6 +85,8 @@ class Sharing:
     """How fast waves run on a static load; None without one."""
     changing: str = ""
     """Why amplitudes have no limit, whatever the last of them are; empty where they may have one."""
+    pulse: Floats | None = None
+    """[place, chain] number of the pulse that leads; None where one pulse leads in each chain."""
 
     def __len__(self) -> int:
         return len(self.bead)
@@ -98,6 +100,21 @@ class Sharing:
         """[place, chain that counts] of a table [place, chain]."""
         counts = np.isfinite(self.amplitude).any(axis=0)
         return values if counts.all() or not counts.any() else values[:, counts]
+
+    @property
+    def changes(self) -> Integers:
+        """Places at which another pulse leads than at the one before, in a chain that counts."""
+        if self.pulse is None:
+            return np.zeros(0, dtype=np.int64)
+        return np.flatnonzero(np.any(np.diff(self.of_tied(self.pulse), axis=0) != 0, axis=1)) + 1
+
+    @property
+    def followed(self) -> "Sharing":
+        """The places from the last change on: one pulse in each chain, which verdicts are about."""
+        if len(self.changes) == 0:
+            return self
+        tables = {name: vars(self)[name] for name in _AT_PLACES if vars(self)[name] is not None}
+        return replace(self, **{name: values[self.changes[-1] :] for name, values in tables.items()})
 
     @cached_property
     def mismatch(self) -> Floats:
@@ -268,6 +285,10 @@ class Sharing:
         return np.array(rows).reshape(-1, 2)
 
 
+_AT_PLACES = ("bead", "arrival", "amplitude", "arrival_error", "amplitude_error", "pulse")
+"""Fields of `Sharing` that are arrays [place, ...]."""
+
+
 def sharing(waves: Waves, problem: Problem) -> Sharing:
     """The leading waves of a run side by side; those that run towards higher numbers, ahead of the kicked bead.
 
@@ -305,8 +326,9 @@ def sharing(waves: Waves, problem: Problem) -> Sharing:
         side_by_side(waves.peak_velocity_error),
         wave_of(system),
         LoadedSpeed(system) if physics.loaded(system) else None,
+        pulse=side_by_side(waves.pulse.astype(np.float64)),
     )
-    return replace(found, changing=_changing(found, system))
+    return replace(found, changing=_changing(found.followed, system))
 
 
 def _changing(found: Sharing, system: System) -> str:

@@ -26,10 +26,12 @@ from analysis.tracking.leading_waves import (
     mirrored_waves,
     of_pulses,
     opposed,
+    succession_of,
     usual_arrival,
 )
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, ahead_of_sound, track_pulses
+from analysis.tracking.succession import Change, changes
 from analysis.tracking.undisturbed import clear_of_ends, clear_of_others, once_each, returns
 from analysis.trajectory import (
     Flags,
@@ -61,6 +63,7 @@ class Survey:
         arrival: what an arrival of ``waves`` is; the passages of ``pulses`` are always the maxima.
         waves: leading waves; beads as numbered in the scene. With kicks from both sides only what belongs to
             a pulse.
+        succession: where one leading pulse ends and another one leads.
         waveforms: velocity over time around the passages of ``waves``, then of ``pulses``.
         shape: what those waveforms say of each wave, entry by entry of ``waves``; NaN where not measured.
         pulses: every pulse that was found, either way; under a static load the leading waves and what runs ahead of
@@ -68,13 +71,15 @@ class Survey:
         crests: of sound, under a static load; one may be taken for another on its way.
         clear: of each pulse, [passage] where the ends of its chain had not disturbed it.
         characters: of each pulse, at the last such passage that was recorded whole.
-        shared, energies, decay, verdict: how the chains share the leading pulse.
+        shared, energies, decay, verdict: how the chains share the leading pulse; decay and verdict of the pulse that
+            leads at the last bead (``shared.followed``).
     """
 
     problem: Problem
     direction: int
     arrival: Arrival
     waves: Waves
+    succession: tuple[Change, ...]
     waveforms: Waveforms
     shape: Shape
     pulses: tuple[Pulse, ...]
@@ -162,10 +167,11 @@ def survey(
     if leading is None:
         ahead = of_pulses(peaks[direction], tracks) if opposed(problem) else peaks[direction]
         ahead = beyond_kicks(ahead, problem)
-        waves = leading_waves(ahead, arrival)
-        sharp = np.isfinite(leading_waves(ahead).arrival)
+        succession = changes(ahead, problem)
+        waves = leading_waves(ahead, problem, arrival, succession)
+        sharp = np.isfinite(ahead.first().time_error)
     else:
-        waves = leading
+        waves, succession = leading, succession_of(leading, direction)
         sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # the time of the maximum of others is unknown
     every_bead = along if leading is None else replace(along, recorded=None)
     shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead)
@@ -188,12 +194,13 @@ def survey(
         characterise(pulse, place, shapes.entry(len(chosen) + number), tolerances, problem=problem)
         for number, (pulse, place) in enumerate(zip(pulses, at, strict=True))
     )
-    decay = fit_decay(shared, along)
+    decay = fit_decay(shared.followed, along)
     return Survey(
         problem=problem,
         direction=direction,
         arrival=arrival,
         waves=waves,
+        succession=succession,
         waveforms=waveforms,
         shape=_of_waves(shapes, chosen, sharp),
         pulses=pulses,
@@ -203,7 +210,7 @@ def survey(
         shared=shared,
         energies=energies,
         decay=decay,
-        verdict=_numbered(verdict_on(shared, along, decay), direction),
+        verdict=_numbered(verdict_on(shared.followed, along, decay), direction),
     )
 
 

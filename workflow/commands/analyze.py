@@ -99,7 +99,7 @@ def _print(found: Analysis) -> None:
     _print_doubt(found)
     if problem.system.holds(Fact.PULSE):
         _print_waves(found)
-        _print_overtaken(found)
+        _print_changes(found.survey)
         _print_accuracy(found)
     _print_pulses(found.survey)
     for finding in found.findings.values():
@@ -111,20 +111,24 @@ def _print(found: Analysis) -> None:
     _print_drifts(found)
 
 
-def _print_overtaken(found: Analysis) -> None:
-    """How many beads on the way of the leading pulse have none, as a later maximum is larger."""
-    if physics.slowest_resonator(found.problem.system) >= physics.PULSE_RATE:
-        return
+def _print_changes(found: Survey) -> None:
+    """Print of each chain where leading pulses end and why, the first of them with its peak velocity."""
     for chain in range(1, found.problem.chains + 1):
-        reached = found.waves.of_chain(chain).bead
-        passed = found.problem.recorded_beads
-        passed = passed[(passed >= np.min(reached, initial=10**9)) & (passed <= np.max(reached, initial=0))]
-        missing = np.setdiff1d(passed, reached)
-        if len(missing):
-            print(
-                f"chain {chain}: no leading pulse at {len(missing)} beads from {missing[0]} to {missing[-1]}: a later "
-                "maximum is larger (slow resonators)"
-            )
+        changes = [change for change in found.succession if change.chain == chain]
+        if not changes:
+            continue
+        first, others = changes[0], [str(change.last) for change in changes[1:]]
+        peak = f"{first.peak_velocity:.3g} V"
+        why = (
+            f"where it merges into the pulse behind it ({first.behind:.3g} V), which leads from bead {first.first} on"
+            if math.isfinite(first.behind)
+            else f"and another one leads from bead {first.first} on"
+        )
+        further = f"; others end at bead{'s' * (len(others) > 1)} {', '.join(others)}" if others else ""
+        print(f"chain {chain}: the leading pulse ends at bead {first.last} ({peak}), {why}{further}")
+        print(
+            f"chain {chain}: amplitude and verdict are those of the pulse that leads from bead {changes[-1].first} on"
+        )
 
 
 def _print_waves(found: Analysis) -> None:
@@ -232,7 +236,7 @@ def _print_pulses(found: Survey) -> None:
 
 def _print_amplitude(found: Survey) -> None:
     """What the leading waves settle at, or why they do not and between what they vary; the energy in them."""
-    shared, system, scale = found.shared, found.problem.system, found.problem.scale
+    shared, system, scale = found.shared.followed, found.problem.system, found.problem.scale
     if shared.span is None:
         return
     energy = np.sum(found.energies.wave[-1]) if len(found.energies.wave) else math.nan
@@ -300,7 +304,7 @@ def _words(character: Character) -> str:
     parts = []
     if math.isfinite(character.speed_excess):
         if not math.isfinite(character.residual):
-            return f"{place}: not recorded long enough around its passage to compare its shape"
+            return f"{place}: a larger pulse overlaps, or the record ends too early, to compare its shape"
         parts.append(
             f"shape differs by {character.residual:.1e}, speed by {character.speed_excess:+.1e} from the exact wave"
         )

@@ -35,7 +35,7 @@ import numpy as np
 from analysis.against import start
 from analysis.files import recording
 from analysis.tracking.leading_waves import Waves, from_csv
-from analysis.trajectory import Floats, Trajectory, direction_of, joined
+from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, file_names, load
 from lammps_inputs.decks import parameters
 from workflow.errors import RunError
@@ -204,7 +204,7 @@ class RunDirectory:
         if not problem.peaks or problem.recorded is None or not path.is_file():
             return None
         try:
-            waves = from_csv(path.read_text(encoding="utf-8"), problem.scale, direction=direction_of(problem))
+            waves = from_csv(path.read_text(encoding="utf-8"), problem.scale)
         except (ValueError, OSError):
             raise InputError(
                 f"{path}: cannot be read as a table of peaks; delete it to analyse the frames alone"

@@ -16,7 +16,7 @@ from analysis.sharing.energies import EnergyFlow
 from analysis.sharing.equipartition import sharing
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey
-from analysis.tracking.leading_waves import Waves, beyond_kicks, leading_waves, opposed, usual_arrival
+from analysis.tracking.leading_waves import Waves, leading_waves, opposed
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Trajectory, blocks, direction_of
 from lammps_inputs import InputError, Problem, Scene, library, physics
@@ -179,7 +179,7 @@ def _quick(
     finder, last = PeakFinder(), None
     for last in frames():
         finder.add(last)
-    waves = leading_waves(beyond_kicks(finder.result(), problem), usual_arrival(problem))
+    waves = leading_waves(finder.result(), problem)
     quick: dict[str, float | None] = dict(_at_beads(waves, problem, scene, names))
     if set(names) & set(_OF_SHARING):
         found = sharing(waves, problem)

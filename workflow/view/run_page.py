@@ -46,7 +46,11 @@ def distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, u
         if not len(own):
             continue
         style = of_chain(place, chain)
-        peak = {"bead": own.bead, "peak": own.peak_velocity * velocity.worth}
+        at = own.ends + 1  # between two pulses, where no line is drawn
+        peak = {
+            "bead": np.insert(own.bead.astype(np.float64), at, np.nan),
+            "peak": np.insert(own.peak_velocity * velocity.worth, at, np.nan),
+        }
         drawn.append(peaks.line("bead", "peak", source=peak, **style))
         both, mine, theirs = np.intersect1d(own.bead, reference.bead, return_indices=True)
         lags.line(both, (own.arrival[mine] - reference.arrival[theirs]) * time.worth, **style)

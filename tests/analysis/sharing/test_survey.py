@@ -15,7 +15,7 @@ from analysis.shape.long_waves import sound_speed
 from analysis.shape.waveforms import Passages, Waveforms
 from analysis.sharing.is_solitary import Tolerances, characterise
 from analysis.sharing.survey import survey
-from analysis.tracking.leading_waves import from_csv, leading_waves, usual_arrival
+from analysis.tracking.leading_waves import from_csv, leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Trajectory, blocks, mirrored, mirrored_problem, watch
@@ -206,7 +206,7 @@ def test_with_kicks_from_both_ends_the_leading_wave_is_a_pulse_and_not_what_the_
 @pytest.mark.parametrize("gap", [0.0, 0.5])
 def test_of_waves_found_on_the_way_those_have_a_shape_whose_maximum_is_known(gap):
     whole = engine.run(problem(1, 0.0, 20, 60.0, gap=gap))
-    waves = leading_waves(find_peaks(blocks(whole)), usual_arrival(whole.problem))
+    waves = leading_waves(find_peaks(blocks(whole)), whole.problem)
     scale = whole.problem.scale
     few = problem(1, 0.0, 20, 60.0, recorded=(10, 20), gap=gap)
     seen = Trajectory(few, whole.time, whole.displacement[..., [9, 19]], whole.velocity[..., [9, 19]])

@@ -161,7 +161,7 @@ def test_its_wave_errors_are_also_those_of_peaks_csv_at_beads_that_are_not_recor
     output = Output(every=0.25, beads=(1, 4), peaks=True)
     done = run(scene(beads=8, kick=kicks, duration=15.0, output=output, timestep=0.025), tmp_path / "run")
     problem = replace(done.directory.problem, recorded=None)
-    exact = leading_waves(leading_passages(find_peaks(accurate_reference(problem, 1e-9).blocks()), problem))
+    exact = leading_waves(leading_passages(find_peaks(accurate_reference(problem, 1e-9).blocks()), problem), problem)
     table = done.directory.peaks_table()
     assert len(table) == len(exact) > 4
     clear = exact.peak_velocity > 0.1
