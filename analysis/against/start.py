@@ -13,7 +13,7 @@ MOST = 3
 
 
 def differences(frames: Trajectory) -> list[str]:
-    """What differs of the first frame from the start of the scene, in the scene's units; empty where nothing does.
+    """Sentences on the atoms that do not start as the scene says, in the scene's units; none where all do.
 
     Args:
         frames: [frame, chain, bead] from the start of a run on, with inner atoms where they are recorded.
@@ -35,8 +35,8 @@ def differences(frames: Trajectory) -> list[str]:
         return [f"{name(line, place)} starts {off} from its place at rest (another gap or static load?)"]
     texts = []
     for line, place in _largest(np.abs(velocity - at_start)):
-        found, right = (scale.written(values[line, place], "velocity") for values in (velocity, at_start))
-        texts.append(f"{name(line, place)} starts with velocity {found} instead of {right}")
+        actual, right = (scale.written(values[line, place], "velocity") for values in (velocity, at_start))
+        texts.append(f"{name(line, place)} starts with velocity {actual} instead of {right}")
     return texts
 
 

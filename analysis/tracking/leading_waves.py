@@ -129,11 +129,11 @@ def leading_waves(
 
 
 def _begins_within(first: Peaks, problem: Problem) -> Flags:
-    """Which first maxima, [maximum], are those at the bead where a pulse begins that is not an end of the chain."""
-    way = first.direction * first.bead
-    foremost = np.full(problem.chains + 1, np.max(way, initial=-problem.beads))
-    np.minimum.at(foremost, first.chain, way)
-    return np.asarray((way == foremost[first.chain]) & (way > np.min(first.direction * problem.recorded_beads)))
+    """Mask, [first maximum], of the beads at which the first pulse of a chain begins, but for ends of chains."""
+    along = first.direction * first.bead
+    begins = np.full(problem.chains + 1, np.max(along, initial=-problem.beads))
+    np.minimum.at(begins, first.chain, along)
+    return np.asarray((along == begins[first.chain]) & (along > np.min(first.direction * problem.recorded_beads)))
 
 
 def with_speeds(
@@ -155,9 +155,9 @@ def with_speeds(
         direction: 1 towards higher bead numbers, -1 towards lower ones.
     """
     number, speed = np.ones(len(chain), dtype=np.int64) if pulse is None else pulse, np.full(len(chain), np.nan)
-    for one in np.unique(chain):
-        row = chain == one
-        speed[row] = direction * local_speed(bead[row], arrival[row])
+    for each in np.unique(chain):
+        in_chain = chain == each
+        speed[in_chain] = direction * local_speed(bead[in_chain], arrival[in_chain])
     unknown = np.full(len(chain), np.nan)
     waves = Waves(chain, bead, number, arrival, peak_velocity, speed, unknown, unknown, time=arrival)
     speed[waves.ends], speed[waves.ends + 1] = np.nan, np.nan
@@ -165,18 +165,18 @@ def with_speeds(
 
 
 def succession_of(waves: Waves, direction: int) -> tuple[Change, ...]:
-    """Where one leading pulse ends and another one leads, by the numbers of the pulses alone.
+    """Ends of leading pulses after which another one leads, by the numbers of the pulses alone.
 
     Args:
         waves: leading waves, sorted by chain, then bead.
         direction: 1 if they run towards higher bead numbers, -1 towards lower ones.
     """
-    found = []
+    ends = []
     for at in waves.ends[::direction].tolist():
         last, first = (at, at + 1) if direction > 0 else (at + 1, at)
         beads = int(waves.bead[last]), int(waves.bead[first])
-        found.append(Change(int(waves.chain[last]), *beads, float(waves.peak_velocity[last]), np.nan))
-    return tuple(found)
+        ends.append(Change(int(waves.chain[last]), *beads, float(waves.peak_velocity[last]), np.nan))
+    return tuple(ends)
 
 
 def mirrored_waves(waves: Waves, problem: Problem) -> Waves:

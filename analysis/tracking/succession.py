@@ -43,7 +43,7 @@ class Change:
 
 
 def changes(peaks: Peaks, problem: Problem) -> tuple[Change, ...]:
-    """Where another pulse leads from one bead to the next, chain by chain, along their way.
+    """Ends of leading pulses after which another one leads, chain by chain, in the order of their direction.
 
     None where only first maxima are known. None in chains with gaps, either: a bead moves on with all that it was given
     until it meets the next one, so whatever comes there first is the same pulse.
@@ -62,52 +62,58 @@ def changes(peaks: Peaks, problem: Problem) -> tuple[Change, ...]:
         )
     alike = peaks.where(of_one_kind(problem)[peaks.bead - 1])
     speed = speed_of_pulses(problem)
-    found: list[Change] = []
+    ends: list[Change] = []
     for chain in np.unique(alike.chain).tolist():
-        found += _of_chain(alike.where(alike.chain == chain), partial(speed, chain))
-    return tuple(found)
+        ends += _in_chain(alike.where(alike.chain == chain), partial(speed, chain))
+    return tuple(ends)
 
 
 def numbers(first: Peaks, succession: tuple[Change, ...]) -> Integers:
-    """Number of the pulse that leads, [maximum], from 1 in each chain, of the first maxima of beads."""
-    number = np.ones(len(first), dtype=np.int64)
-    way = first.direction
+    """Number of the pulse that leads at each bead, [first maximum], from 1 in each chain.
+
+    Args:
+        first: first maxima of beads.
+        succession: ends of leading pulses.
+    """
+    number, direction = np.ones(len(first), dtype=np.int64), first.direction
     for change in succession:
-        number += (first.chain == change.chain) & (way * first.bead >= way * change.first)
+        number += (first.chain == change.chain) & (direction * first.bead >= direction * change.first)
     return number
 
 
-def _of_chain(peaks: Peaks, speed_at: Callable[[Integers, Floats], Floats]) -> list[Change]:
-    """Changes in one chain, of beads of one kind."""
+def _in_chain(peaks: Peaks, speed_at: Callable[[Integers, Floats], Floats]) -> list[Change]:
+    """Changes in one chain, from maxima at beads of one kind."""
     first = np.flatnonzero(np.diff(peaks.bead, prepend=0))
     end = np.append(first[1:], len(peaks))
 
-    def delay(one: Integers | int, other: Integers | int) -> Floats:
+    def delay(before: Integers | int, after: Integers | int) -> Floats:
         """Time from maximum to maximum over that which a pulse of this amplitude takes."""
-        amplitude = np.sqrt(peaks.velocity[one] * peaks.velocity[other])
-        beads = peaks.bead[other] - peaks.bead[one]
-        return np.asarray((peaks.time[other] - peaks.time[one]) * speed_at(peaks.bead[other], amplitude) / beads)
+        amplitude = np.sqrt(peaks.velocity[before] * peaks.velocity[after])
+        beads = peaks.bead[after] - peaks.bead[before]
+        return np.asarray((peaks.time[after] - peaks.time[before]) * speed_at(peaks.bead[after], amplitude) / beads)
 
-    def unlike(one: Integers | int, other: Integers | int) -> Floats:
-        return np.abs(np.log(peaks.velocity[one] / peaks.velocity[other]))
+    def difference(before: Integers | int, after: Integers | int) -> Floats:
+        """Logarithm of the ratio of the amplitudes, without sign."""
+        return np.abs(np.log(peaks.velocity[before] / peaks.velocity[after]))
 
     delays = delay(first[:-1], first[1:])
     usual = np.append(1.0, np.where(_plausible(delays), delays, 1.0))[:-1]
     timed = sharp(peaks)[first]
     doubtful = ~_plausible(delays / usual) & timed[:-1] & timed[1:]
-    found = []
+    ends = []
     for k in np.flatnonzero(doubtful).tolist():
-        here, there = int(first[k]), int(first[k + 1])
-        behind, later = np.arange(here + 1, end[k]), np.arange(there + 1, end[k + 1])
-        nearer = unlike(here, there)
-        behind = behind[_plausible(delay(behind, there) / usual[k]) & (unlike(behind, there) < nearer)]
-        later = later[_plausible(delay(here, later) / usual[k]) & (unlike(here, later) < nearer)]
+        last, next_first = int(first[k]), int(first[k + 1])
+        behind, later = np.arange(last + 1, end[k]), np.arange(next_first + 1, end[k + 1])
+        least = difference(last, next_first)
+        behind = behind[_plausible(delay(behind, next_first) / usual[k]) & (difference(behind, next_first) < least)]
+        later = later[_plausible(delay(last, later) / usual[k]) & (difference(last, later) < least)]
         if len(behind) or len(later):
             other = float(peaks.velocity[behind[-1]]) if len(behind) else np.nan
-            beads = int(peaks.bead[here]), int(peaks.bead[there])
-            found.append(Change(int(peaks.chain[here]), *beads, float(peaks.velocity[here]), other))
-    return found
+            beads = int(peaks.bead[last]), int(peaks.bead[next_first])
+            ends.append(Change(int(peaks.chain[last]), *beads, float(peaks.velocity[last]), other))
+    return ends
 
 
 def _plausible(delay: Floats) -> Flags:
+    """Mask of delays, over the usual one, with which a pulse may come from one bead to the next."""
     return np.asarray((delay > EARLIEST) & (delay < LATEST))

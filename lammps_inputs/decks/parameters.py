@@ -29,7 +29,7 @@ def of_problem(problem: Problem) -> dict[str, float]:
 
 
 def differences(log: str, problem: Problem) -> list[str]:
-    """What LAMMPS's log states of parameters that differ from those of a problem; empty where none does.
+    """Texts on the parameters that LAMMPS's log states with values other than a problem's; none where all agree.
 
     Args:
         log: text of the log, of one run or of several, one after the other.
@@ -53,9 +53,9 @@ def differences(log: str, problem: Problem) -> list[str]:
     return texts
 
 
-def _pairs(found: Iterable[re.Match[str] | None]) -> list[tuple[str, str]]:
+def _pairs(matches: Iterable[re.Match[str] | None]) -> list[tuple[str, str]]:
     """Name and value of each match."""
-    return [(match[1], match[2]) for match in found if match is not None]
+    return [(match[1], match[2]) for match in matches if match is not None]
 
 
 def _number(text: str) -> float:

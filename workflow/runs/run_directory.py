@@ -221,7 +221,7 @@ _ADVICE = "for other values, change the scene and run it again"
 
 
 def _of_another_start(block: Trajectory) -> list[str]:
-    """What differs of the first frames of a run from the start of the scene."""
+    """Sentences on what differs in the first frame of a run from the start of the scene."""
     if block.time[0] != 0.0:
         return [f"they begin at t = {block.problem.scale.written(block.time[0], 'time')} instead of 0"]
     return start.differences(block)
