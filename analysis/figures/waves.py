@@ -22,7 +22,7 @@ from analysis.figures.style import (
     title,
 )
 from analysis.shape.exact_wave import wave_of
-from analysis.shape.waveforms import COMPARED, Waveforms
+from analysis.shape.waveforms import COMPARED, LARGER, Waveforms
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing
 from analysis.trajectory import Floats
@@ -49,11 +49,11 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
     count = 2 + shares + several
     figure = Figure(figsize=(7.0, 0.8 + 2.0 * count), layout="constrained")
     axes = figure.subplots(count, 1, sharex=True)
-    draw_chains(axes[0], chains, shared.bead, shared.amplitude[:, chains])
+    draw_chains(axes[0], chains, *_broken(shared, shared.amplitude, chains))
     label = "impulse of the first\ncontact $/ mV$" if shared.of_impulses else r"peak velocity $v_\mathrm{max} / V$"
     axes[0].set_ylabel(label)
     axes[0].set_ylim(bottom=0.0)
-    agreed = shared.agrees_from(AGREED)
+    agreed = shared.followed.agrees_from(AGREED)
     if agreed is not None:
         axes[0].axvline(agreed, color="0.6", linewidth=0.8, zorder=0)
         axes[0].set_title(f"within 1% from bead {agreed} on", loc="right", fontsize=8, color="0.3")
@@ -64,12 +64,27 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
         axes[2].set_ylim(0.0, 1.05)
     if several:
         unit = axis_unit(problem, "time", float(np.nanmax(np.abs(shared.lag), initial=0.0)))
-        draw_chains(axes[-1], chains, shared.bead, shared.lag[:, chains] * unit.worth)
+        draw_chains(axes[-1], chains, *_broken(shared, shared.lag * unit.worth, chains, behind=True))
         axes[-1].set_ylabel(unit.label(Frames, "lag", f"lag behind chain {shared.kicked + 1},"))
     axes[-1].set_xlabel("bead" if direction > 0 else f"bead, counted from bead {problem.beads}")
     axes[-1].xaxis.get_major_locator().set_params(integer=True)
     finish(figure, problem, axes)
     return figure
+
+
+def _broken(shared: Sharing, values: Floats, chains: Sequence[int], *, behind: bool = False) -> tuple[Floats, Floats]:
+    """Beads, and values [place, chain] of some chains, whose lines end where another pulse leads.
+
+    That is in their own chain, or with ``behind`` also in the kicked one.
+    """
+    bead, at = shared.bead.astype(np.float64), shared.changes
+    if shared.pulse is None or len(at) == 0:
+        return bead, values[:, chains]
+    same = shared.pulse[at] == shared.pulse[at - 1]
+    if behind:
+        same = same & same[:, [shared.kicked]]
+    between = np.where(same, 0.5 * (values[at - 1] + values[at]), np.nan)
+    return np.insert(bead, at, 0.5 * (bead[at - 1] + bead[at])), np.insert(values, at, between, axis=0)[:, chains]
 
 
 def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares) -> None:
@@ -100,6 +115,8 @@ MARKERS = "os^DvP*Xp"
 def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -> Figure:
     """Velocity of chosen beads as the waves pass them, scaled to the exact wave of their peak; differences below.
 
+    A wave that a larger pulse overlaps at the bead is left out there.
+
     Args:
         problem: what was run.
         waveforms: of the leading waves.
@@ -121,6 +138,8 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
             ahead = exact.speed_at(peak) * (passages.arrival[row] - waveforms.time[row])
             inside = np.isfinite(waveforms.velocity[row]) & (np.abs(ahead) <= COMPARED)
             ahead, velocity = ahead[inside], waveforms.velocity[row, inside] / peak
+            if np.max(velocity, initial=0.0) > 1.0 + LARGER:
+                continue
             look = {
                 "color": CHAIN_COLOURS[place % len(CHAIN_COLOURS)],
                 "marker": MARKERS[place % len(MARKERS)],

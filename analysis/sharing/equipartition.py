@@ -79,7 +79,6 @@ class Sharing:
             NaN where it is not defined.
         amplitude: [place, chain] peak velocity, or impulse of the first contact over the mass, in units of V.
         energy: input by kicks, pushes and drives, in units of m V**2; NaN where that is not known.
-        noise: standard deviation of an amplitude, in units of V; 0 for a record without noise.
         arrival_error, amplitude_error: [place, chain] bounds on what the time between frames leaves; NaN if unknown.
         exact: the exact wave of the contacts.
     """
@@ -89,7 +88,6 @@ class Sharing:
     arrival: Floats
     amplitude: Floats
     energy: float
-    noise: float = 0.0
     arrival_error: Floats | None = None
     amplitude_error: Floats | None = None
     exact: SolitaryWave = field(default_factory=solitary_wave)
@@ -99,6 +97,8 @@ class Sharing:
     """Why amplitudes have no limit, whatever the last of them are; empty where they may have one."""
     of_impulses: bool = False
     """Whether amplitudes are those of impulses."""
+    pulse: Floats | None = None
+    """[place, chain] number of the pulse that leads; None where one pulse leads in each chain."""
 
     def __len__(self) -> int:
         return len(self.bead)
@@ -117,6 +117,21 @@ class Sharing:
         """[place, chain that counts] of a table [place, chain]."""
         counts = np.isfinite(self.amplitude).any(axis=0)
         return values if counts.all() or not counts.any() else values[:, counts]
+
+    @property
+    def changes(self) -> Integers:
+        """Places at which another pulse leads than at the one before, in a chain that counts."""
+        if self.pulse is None:
+            return np.zeros(0, dtype=np.int64)
+        return np.flatnonzero(np.any(np.diff(self.of_tied(self.pulse), axis=0) != 0, axis=1)) + 1
+
+    @property
+    def followed(self) -> "Sharing":
+        """The places from the last change on: one pulse in each chain, which verdicts are about."""
+        if len(self.changes) == 0:
+            return self
+        tables = {name: vars(self)[name] for name in _AT_PLACES if vars(self)[name] is not None}
+        return replace(self, **{name: values[self.changes[-1] :] for name, values in tables.items()})
 
     @cached_property
     def mismatch(self) -> Floats:
@@ -163,14 +178,14 @@ class Sharing:
     def beats(self) -> Floats:
         """Beads, in fractions, where the wave of the kicked chain passes the chains' mean, downwards or upwards.
 
-        Changes of sign after which the deviation stays below `SMALLEST_BEAT` or three times the noise are left out, and
+        Changes of sign after which the deviation stays below `SMALLEST_BEAT` are left out, and
         so are two that are less than the distance of two places apart.
         """
         if len(self) < 2:
             return np.zeros(0)
         mean = self._mean
         deviation = self.amplitude[:, self.kicked] / mean - 1.0
-        large = np.flatnonzero(np.abs(deviation) > np.maximum(SMALLEST_BEAT, 3.0 * self.noise / mean))
+        large = np.flatnonzero(np.abs(deviation) > SMALLEST_BEAT)
         if len(large) < 2:
             return np.zeros(0)
         bead, deviation = self.bead[large], deviation[large]
@@ -241,13 +256,13 @@ class Sharing:
             return None
         amplitude = self.of_tied(self.amplitude)[self.tail :]
         mean, count = float(np.mean(amplitude)), len(amplitude)
-        varies = max(float(np.max(np.abs(amplitude - mean))), self.noise)
+        varies = float(np.max(np.abs(amplitude - mean)))
         if varies > LARGEST_DEVIATION * mean:
             return None
         starts = [start for start in (self.tail - count, self.tail - 2 * count) if start >= 0]
         means = [mean, *(float(np.mean(self._mean[start : start + count])) for start in starts)]
         change, *before = -np.diff(means) if len(means) > 1 else [math.inf]
-        if abs(change) <= max(SETTLED * mean, self.noise, 0.5 * varies):
+        if abs(change) <= max(SETTLED * mean, 0.5 * varies):
             return Estimate(mean, varies)
         ratio = change / before[0] if before and before[0] != 0.0 else math.inf
         if not 0.0 <= ratio <= CONVERGES:
@@ -296,13 +311,16 @@ class Sharing:
         return np.array(rows).reshape(-1, 2)
 
 
-def sharing(waves: Waves, problem: Problem, noise: float = 0.0, impulses: Impulses | None = None) -> Sharing:
+_AT_PLACES = ("bead", "arrival", "amplitude", "arrival_error", "amplitude_error", "pulse")
+"""Fields of `Sharing` that are arrays [place, ...]."""
+
+
+def sharing(waves: Waves, problem: Problem, impulses: Impulses | None = None) -> Sharing:
     """The leading waves of a run side by side; those that run towards higher numbers, ahead of the kicked bead.
 
     Args:
         waves: leading waves.
         problem: what was run.
-        noise: standard deviation of an amplitude, in units of V.
         impulses: by which the chains are compared, where `compared_by_impulses`; None where they are not known.
     """
     system = problem.system
@@ -331,15 +349,15 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0, impulses: Impuls
         side_by_side(waves.arrival),
         side_by_side(waves.peak_velocity),
         math.nan if physics.acted_on(system) else physics.energy(system),
-        noise,
         side_by_side(waves.arrival_error),
         side_by_side(waves.peak_velocity_error),
         wave_of(system),
         LoadedSpeed(system) if physics.loaded(system) else None,
+        pulse=side_by_side(waves.pulse.astype(np.float64)),
     )
     if impulses is not None:
         found = _with_impulses(found, impulses, problem)
-    return replace(found, changing=_changing(found, system))
+    return replace(found, changing=_changing(found.followed, system))
 
 
 def _with_impulses(shared: Sharing, impulses: Impulses, problem: Problem) -> Sharing:

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from analysis.against.difference import Deviation, Place, errors_of, waves_apart
-from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages, leading_waves, usual_arrival
+from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages, leading_waves
 from analysis.trajectory import Trajectory, watch
 from lammps_inputs import Problem, html, physics
 from lammps_inputs.facts import Fact
@@ -193,4 +193,4 @@ def _leading(problem: Problem, settings: Settings | None) -> tuple[Waves, Uncert
     """The reference's own leading waves, found at the same times as LAMMPS's, and its uncertainty."""
     for halving in references_of(problem, settings):
         finder = watch(leading_finder(problem), halving.blocks())
-    return leading_waves(leading_passages(finder.result(), problem), usual_arrival(problem)), halving.uncertainty
+    return leading_waves(leading_passages(finder.result(), problem), problem), halving.uncertainty

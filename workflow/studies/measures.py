@@ -17,7 +17,7 @@ from analysis.sharing.equipartition import sharing
 from analysis.sharing.impulses import meter_of
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey
-from analysis.tracking.leading_waves import Waves, beyond_kicks, leading_waves, opposed, usual_arrival
+from analysis.tracking.leading_waves import Waves, leading_waves, opposed
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Trajectory, blocks, direction_of
 from lammps_inputs import InputError, Problem, Scene, library, physics
@@ -194,7 +194,7 @@ def _quick(
         finder.add(last)
         if meter is not None:
             meter.add(last)
-    waves = leading_waves(beyond_kicks(finder.result(), problem), usual_arrival(problem))
+    waves = leading_waves(finder.result(), problem)
     quick: dict[str, float | None] = dict(_at_beads(waves, problem, scene, names))
     if set(names) & set(_OF_SHARING):
         found = sharing(waves, problem, impulses=None if meter is None else meter.result())

@@ -13,6 +13,7 @@ from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import DecayFit
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse, Train, train_of
+from analysis.tracking.succession import Change
 from analysis.tracking.undisturbed import CLEAR, clear_of_others
 from analysis.trajectory import Floats, along_the_way, mirrored_bead
 from lammps_inputs import Problem, physics
@@ -31,7 +32,7 @@ class WavesTable(Waves):
     )
     residual: Floats = declare(
         "largest difference from the velocity of the exact wave of this peak velocity, over that",
-        undefined="the passage is not recorded completely, or there is no exact wave",
+        undefined="the passage is not recorded completely, a larger pulse overlaps, or there is no exact wave",
     )
     chain_energy: Floats = declare(
         "energy of the chain, with half of its springs', in the frame nearest to when the waves (on average) pass this "
@@ -109,6 +110,9 @@ class ChainSummary:
 
     chain: int = declare("number of the chain")
     beads_reached: int = declare("number of recorded beads that the wave passed")
+    ended: list[int] = declare(
+        "beads at which a leading pulse ended, in the order of its way: from the next recorded bead on another one led"
+    )
     bead: int | None = declare(
         "last recorded bead, five before the end, that the wave passed", undefined=NOT_REACHED, column="last clear bead"
     )
@@ -120,7 +124,7 @@ class ChainSummary:
         column="arrival at the last clear bead",
     )
     peak_velocity: float | None = declare(
-        "largest velocity of that bead along the wave's way",
+        "largest velocity of that bead along the wave's way as the wave passes",
         "velocity",
         NOT_REACHED,
         "v",
@@ -129,17 +133,17 @@ class ChainSummary:
     speed: float | None = declare(
         "speed of the wave there, from the arrivals at the recorded beads on either side",
         "speed",
-        f"{NOT_REACHED}, one of those arrivals is undefined, or another pulse leads at one of those beads",
+        f"{NOT_REACHED}, one of those arrivals is undefined, or the pulse begins or ends there within the chain",
         "c",
         column="speed at the last clear bead",
     )
     arrival_error: float | None = declare(
-        "bound on the error of the arrival by the time between frames, or noise",
+        "bound on the error of the arrival by the time between frames",
         "time",
         NOT_REACHED,
     )
     peak_velocity_error: float | None = declare(
-        "bound on the error of the peak velocity by the time between frames, or noise", "velocity", NOT_REACHED
+        "bound on the error of the peak velocity by the time between frames", "velocity", NOT_REACHED
     )
     arrival_reduced: float | None = declare("the arrival in units of T", "T", "as ``arrival``", "t / T")
     peak_velocity_reduced: float | None = declare(
@@ -150,16 +154,17 @@ class ChainSummary:
     )
 
     @classmethod
-    def of(cls, waves: Waves, problem: Problem, chain: int) -> "ChainSummary":
-        """Of a chain's leading waves."""
+    def of(cls, waves: Waves, problem: Problem, chain: int, succession: tuple[Change, ...] = ()) -> "ChainSummary":
+        """Summary of a chain's leading waves, with the changes from one pulse to another that were found."""
         own = waves.of_chain(chain)
         if len(own) == 0:
-            return cls(chain, 0, *[None] * 8)
+            return cls(chain, 0, [], *[None] * 8)
         last = last_clear_bead(own, problem)
         names = ("arrival", "peak_velocity", "speed", "arrival_error", "peak_velocity_error")
         at = {name: float(getattr(own, name)[last]) for name in names}
         reduced = {f"{name}_reduced": at[name] for name in ("arrival", "peak_velocity")}
-        return cls(chain, len(own), int(own.bead[last]), **at, **reduced)
+        ended = [change.last for change in succession if change.chain == chain]
+        return cls(chain, len(own), ended, int(own.bead[last]), **at, **reduced)
 
 
 @result
@@ -318,7 +323,6 @@ class Report:
         symbol="\\kappa",
     )
     arrival: str = declare("definition of arrivals: ``maximum`` of the velocity, or centre of the ``impulse``")
-    noise: float = declare("standard deviation of the recorded velocities' noise; 0 without noise", "V")
     waves: list[ChainSummary] = declare("leading wave of each chain at its last clear bead")
     train: Train | None = declare(
         "pulses that follow each other in the kicked chain", undefined="none is steady anywhere"
@@ -346,8 +350,9 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> Report:
         scale={"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
         kappa=physics.kappa(problem.system),
         arrival=found.arrival,
-        noise=found.noise,
-        waves=[ChainSummary.of(found.waves, problem, chain) for chain in range(1, problem.chains + 1)],
+        waves=[
+            ChainSummary.of(found.waves, problem, chain, found.succession) for chain in range(1, problem.chains + 1)
+        ],
         train=train(found),
         equipartition=equipartition(found),
         tolerances=tolerances,
@@ -388,7 +393,7 @@ def train(found: Survey) -> Train | None:
 
 def equipartition(found: Survey) -> Equipartition:
     """How the chains share the leading pulse."""
-    shared, decay, verdict, system = found.shared, found.decay, found.verdict, found.problem.system
+    shared, decay, verdict, system = found.shared.followed, found.decay, found.verdict, found.problem.system
     pulse = system.holds(Fact.PULSE)
     seen = pulse and resolved(shared, system)
     final, span = shared.final, shared.span if pulse else None

@@ -1,6 +1,6 @@
 """The page of a run: its plots, and where they stand."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,7 +43,9 @@ def distances(problem: Problem, part: Thinned, survey: Survey, bead_range: Range
         return []
     kicked = physics.largest_excitation(problem.system)[0]
     of_chain = {chain: waves.of_chain(chain) for chain in part.chains}
-    peaks = {chain: (passed.bead, passed.peak_velocity * velocity.worth) for chain, passed in of_chain.items()}
+    peaks = {
+        chain: _pulse_by_pulse(passed, passed.peak_velocity * velocity.worth) for chain, passed in of_chain.items()
+    }
     lags = {chain: _lag(passed, waves.of_chain(kicked), time.worth) for chain, passed in of_chain.items()}
     title = "peak velocity of the leading pulse"
     graphs = [_over_beads(problem, title, "peaks", "velocity", peaks, bead_range, units)]
@@ -59,6 +61,12 @@ def distances(problem: Problem, part: Thinned, survey: Survey, bead_range: Range
     return graphs
 
 
+def _pulse_by_pulse(waves: Waves, values: Floats) -> tuple[Floats, Floats]:
+    """Beads and values of a chain's leading waves, with NaN half a bead behind the end of each pulse but the last."""
+    at = waves.ends + 1
+    return np.insert(waves.bead.astype(np.float64), at, waves.bead[at - 1] + 0.5), np.insert(values, at, np.nan)
+
+
 def _lag(waves: Waves, reference: Waves, worth: float) -> tuple[Integers, Floats]:
     """Beads that two chains' waves passed, and the time from one to the other."""
     both, mine, theirs = np.intersect1d(waves.bead, reference.bead, return_indices=True)
@@ -70,7 +78,7 @@ def _over_beads(
     title: str,
     name: str,
     quantity: str,
-    values: dict[int, tuple[Integers, Floats]],
+    values: Mapping[int, tuple[Integers | Floats, Floats]],
     bead_range: Range1d,
     units: Units,
 ) -> Any:
@@ -103,7 +111,7 @@ def _over_beads(
     return plot
 
 
-def _broken(problem: Problem, bead: Integers, value: Floats) -> tuple[dict[str, Any], dict[str, Any]]:
+def _broken(problem: Problem, bead: Integers | Floats, value: Floats) -> tuple[dict[str, Any], dict[str, Any]]:
     """Values over beads with NaN at recorded beads between them that have none; and those that stand alone."""
     between = problem.recorded_beads[(problem.recorded_beads > bead[0]) & (problem.recorded_beads < bead[-1])]
     every = np.union1d(bead, between)

@@ -162,12 +162,6 @@ def test_agreement_that_is_lost_again_begins_after_the_loss():
     assert shared.agrees_from(0.01) == shared.bead[last_bad + 1]
 
 
-def test_noise_makes_no_beats():
-    rng = np.random.default_rng(3)
-    amplitude = 0.36 + 1e-3 * rng.standard_normal((100, 2))
-    assert len(Sharing(0, np.arange(2, 102), np.zeros((100, 2)), amplitude, 0.5, 1e-3).beats) <= 1
-
-
 def test_changes_of_sign_between_two_beads_make_no_beat():
     amplitude = np.full((20, 2), 0.36)
     amplitude[:, 0] *= np.where(np.arange(20) == 12, 0.9999, 1.01)

@@ -19,7 +19,7 @@ def test_the_textbook_way_finds_the_same_waves(tmp_path):
     one = scene(2, 120, 30.0)
     runs.textbook(tmp_path / "plain", one.problem())
     table = np.genfromtxt(tmp_path / "plain" / "waves.csv", delimiter=",", names=True)
-    waves = leading_waves(find_peaks([run(one, tmp_path / "ours", check=False).trajectory]))
+    waves = leading_waves(find_peaks([run(one, tmp_path / "ours", check=False).trajectory]), one.problem())
     np.testing.assert_array_equal(table["bead"], waves.bead)
     # the neighbour lists differ, so sums are taken in other orders
     np.testing.assert_allclose(table["peak_velocity"], waves.peak_velocity, atol=1e-11)

@@ -103,6 +103,17 @@ def test_the_arrival_after_that_in_the_first_chain_is_positive_where_a_chain_is_
             np.testing.assert_allclose(data[glyph.y], values * worth, atol=1e-12)
 
 
+def test_the_line_of_peak_velocities_ends_where_another_pulse_leads(held):
+    problem, _, part, units = held
+    bead, pulse = np.array([2, 3, 4]), np.array([1, 1, 2])
+    waves = with_speeds(np.ones(3, dtype=int), bead, 1.2 * bead, 0.1 * bead, pulse)
+    (peaks,) = run_page.distances(problem, part, found(waves), Range1d(0, 6), units)
+    line, alone = peaks.renderers
+    np.testing.assert_array_equal(line.data_source.data["bead"], [2.0, 3.0, 3.5, 4.0])
+    assert np.isnan(line.data_source.data["value"]).tolist() == [False, False, True, False]
+    assert alone.data_source.data["bead"].tolist() == [4.0]
+
+
 def test_axes_cursors_and_bars_have_the_unit_of_what_they_show(held):
     problem, run, _, units = held
     waves = with_speeds(np.repeat([1, 3], 3), np.tile([2, 3, 4], 2), np.arange(6.0), np.full(6, 0.1))

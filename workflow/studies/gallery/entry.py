@@ -66,7 +66,7 @@ class Ran(RunDirectory):
     @cached_property
     def waves(self) -> Waves:
         """Leading pulse at every bead."""
-        return leading_waves(self._forwards)
+        return leading_waves(self._forwards, self.problem, "maximum")
 
     def peak(self, bead: int) -> float:
         """Velocity of the leading pulse of chain 1 at a bead."""
