@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 Time = Annotated[float, Field(ge=-1e30, le=1e30), Unit("s")]
 
+
 @base.with_keys(
     base.ends(
         Stiffness, "Stiffness at the start of the ramp, and before.", "Stiffness at the end of the ramp, and after."
