@@ -275,6 +275,11 @@ def radii(scene: "BaseScene") -> Floats:
     return _beads(scene)[1]
 
 
+def moduli(scene: "BaseScene") -> Floats:
+    """Plane modulus of each bead, [chain, bead], over that of the reference bead."""
+    return _beads(scene)[2]
+
+
 def _beads(scene: "BaseScene") -> tuple[Floats, Floats, Floats, Floats]:
     """Masses, radii, plane moduli and yield strengths, each [chain, bead]."""
     shape = (scene.chains, scene.beads)
