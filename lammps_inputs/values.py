@@ -33,8 +33,8 @@ class Column(NamedTuple):
 
 def columns(scene: "BaseScene") -> list[Column]:
     """Columns of all that differs from bead to bead; none where all beads, contacts and springs are alike."""
-    found = [*_of_beads(scene), *(column for link in scene.system.links for column in _of_link(link, scene))]
-    return [column for column in found if len(np.unique(column.values[np.isfinite(column.values)])) > 1]
+    candidates = [*_of_beads(scene), *(column for link in scene.system.links for column in _of_link(link, scene))]
+    return [column for column in candidates if len(np.unique(column.values[np.isfinite(column.values)])) > 1]
 
 
 def csv(table: list[Column]) -> Iterator[str]:

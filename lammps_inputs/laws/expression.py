@@ -151,13 +151,13 @@ def vanishing(text: str) -> tuple[str, ...]:
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
             parts.append(node.right)
         elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
-            whole = _whole(node.right)
-            parts += [node.left] * (whole is None or whole.startswith("("))
+            exponent = _whole(node.right)
+            parts += [node.left] if exponent is None or exponent.startswith("(") else []
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("log", "tan"):
             cosine = ast.Call(ast.Name("cos"), node.args, [])
             parts.append(cosine if node.func.id == "tan" else node.args[0])
-    held = {part: names(ast.unparse(part)) for part in parts}
-    return tuple(dict.fromkeys(ast.unparse(part) for part, inside in held.items() if STRAIN in inside))
+    texts = dict.fromkeys(ast.unparse(part) for part in parts)
+    return tuple(part for part in texts if STRAIN in names(part))
 
 
 class Derived(NamedTuple):

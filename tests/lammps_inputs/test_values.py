@@ -30,33 +30,33 @@ def test_disorder_draws_the_numbers_that_the_manual_says():
         key: 1.0 + spread[key] * (2.0 * uniform([7, i], BEADS) - 1.0)
         for i, key in enumerate(("mass", "radius", "stiffness"))
     }
-    found = table(disorder={**spread, "seed": 7})
+    listed = table(disorder={**spread, "seed": 7})
     radius = factors["radius"]
-    np.testing.assert_array_equal(found["radius"], radius)
-    np.testing.assert_array_equal(found["mass"], radius * radius * radius * factors["mass"])
-    np.testing.assert_array_equal(found["plane_modulus"], factors["stiffness"])
+    np.testing.assert_array_equal(listed["radius"], radius)
+    np.testing.assert_array_equal(listed["mass"], radius * radius * radius * factors["mass"])
+    np.testing.assert_array_equal(listed["plane_modulus"], factors["stiffness"])
 
 
 @pytest.mark.parametrize("seed", [1, 2**62 + 3])
 def test_random_contacts_draw_the_numbers_that_the_manual_says(seed):
-    found = table(contact={"strength": {"spread": 0.3, "seed": seed}})["contacts.strength"]
+    listed = table(contact={"strength": {"spread": 0.3, "seed": seed}})["contacts.strength"]
     strength = np.random.default_rng(seed).uniform(1.0 - 0.3, 1.0 + 0.3, (2, BEADS - 1))
-    np.testing.assert_array_equal(found[:, :-1], strength)
-    assert np.isnan(found[:, -1]).all()
+    np.testing.assert_array_equal(listed[:, :-1], strength)
+    assert np.isnan(listed[:, -1]).all()
 
 
 def test_masses_of_a_disorder_come_from_the_same_numbers_as_contacts_of_that_seed_and_radii_do_not():
     chain = {"chains": 1, "coupling": None}
     contacts = table(**chain, contact={"strength": {"spread": 0.3, "seed": 4}})["contacts.strength"][0, :-1]
-    found = table(**chain, disorder={"mass": 0.3, "radius": 0.3, "seed": 4})
-    masses = found["mass"] / found["radius"] ** 3
+    listed = table(**chain, disorder={"mass": 0.3, "radius": 0.3, "seed": 4})
+    masses = listed["mass"] / listed["radius"] ** 3
     np.testing.assert_allclose(masses[0, :-1], contacts, rtol=1e-14)
-    assert np.max(np.abs(found["radius"][0, :-1] - contacts)) > 0.1
+    assert np.max(np.abs(listed["radius"][0, :-1] - contacts)) > 0.1
 
 
 def test_ramps_of_springs_and_contacts_are_listed_in_the_scene_s_units():
     ramp = {"from": 1e3, "to": 4e3, "rows": [3, 9]}
-    found = table(
+    listed = table(
         material=STEEL,
         kick={"velocity": 0.1},
         duration=1e-3,
@@ -67,16 +67,16 @@ def test_ramps_of_springs_and_contacts_are_listed_in_the_scene_s_units():
     )
     rows = np.arange(1, BEADS + 1)
     exact = np.interp(rows, [3, 9], [1e3, 4e3])
-    np.testing.assert_allclose(found["foundation.spring (N/m)"], [exact, exact], rtol=1e-12)
-    coupling = found["coupling.spring to the next chain (N/m)"]
+    np.testing.assert_allclose(listed["foundation.spring (N/m)"], [exact, exact], rtol=1e-12)
+    coupling = listed["coupling.spring to the next chain (N/m)"]
     np.testing.assert_allclose(coupling[0], np.interp(rows, [3, 9], [0.0, 4e3]), rtol=1e-12)
     assert np.isnan(coupling[1]).all()
-    np.testing.assert_array_equal(found["contacts.strength"][0, :-1], np.interp(rows[:-1], [2, 6], [1, 4]))
+    np.testing.assert_array_equal(listed["contacts.strength"][0, :-1], np.interp(rows[:-1], [2, 6], [1, 4]))
 
 
 def test_springs_of_a_graph_have_a_column_for_each_partner():
-    found = table(chains=3, coupling={"topology": {"edges": [[1, 2, 0.1], [1, 3, 0.2], [2, 3, 0.3]]}, "rows": [2, 5]})
-    assert found["coupling.spring to chain 3"][:, 2].tolist()[:2] == [0.2, 0.3]
+    listed = table(chains=3, coupling={"topology": {"edges": [[1, 2, 0.1], [1, 3, 0.2], [2, 3, 0.3]]}, "rows": [2, 5]})
+    assert listed["coupling.spring to chain 3"][:, 2].tolist()[:2] == [0.2, 0.3]
 
 
 def test_show_prints_values_that_read_back_exactly_and_nothing_else(tmp_path, capsys):
