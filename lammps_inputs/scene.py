@@ -214,11 +214,12 @@ class BaseScene(Part):
         for ingredient in self.ingredients:
             ingredient.refuse_system(self, system)
         if system.inner_mass is not None and plastic.key(self):
+            key = plastic.key(self)
             raise ValueError(
-                f"{plastic.key(self)}: atoms inside the beads are not known beside it; leave one of them out"
+                f"{key}: contacts that yield are not known beside {self._inner_key}; leave one of them out"
             )
         if system.inner_mass is not None and self.window is not None:
-            raise ValueError("window: atoms inside the beads behind it keep moving; leave the window out")
+            raise ValueError(f"window: {self._inner_key} behind it keep moving; leave the window out")
         self._check_motion(system)
         self.output.refuse(self)
         self._check_times()
@@ -439,6 +440,16 @@ class BaseScene(Part):
         for key, ingredient in self.named:
             yield key, ingredient.speed(mass)
 
+    def key_of(self, ingredient: Ingredient) -> str:
+        """Key of an ingredient of the scene in messages, with its number where there is a list of several."""
+        for key in INGREDIENTS:
+            named = getattr(self, key)
+            parts = named if isinstance(named, tuple) else (named,)
+            for number, part in enumerate(parts, 1):
+                if part is ingredient:
+                    return f"{key}[{number}]" if len(parts) > 1 else key
+        raise KeyError("no ingredient of the scene")
+
     def contact_law(self, strength: laws.Parameter) -> laws.Law | None:
         """The dimensionless law of contacts of this strength (`Ingredient.contact_law`); None where it is Hertz's."""
         named = (ingredient.contact_law(strength) for ingredient in self.ingredients)
@@ -516,6 +527,11 @@ class BaseScene(Part):
             links += [link.counted_on(self.chains, first) for link in found.links]
             dampers += [link.counted_on(self.chains, first) for link in found.dampers]
         return (masses if len(masses) else None), tuple(links), tuple(dampers)
+
+    @property
+    def _inner_key(self) -> str:
+        """Key of the first ingredient that adds atoms to the beads."""
+        return next(key for key, ingredient in self.named if ingredient.inner(self) is not None)
 
     @property
     def _loaded_by(self) -> str:

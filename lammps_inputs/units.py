@@ -55,6 +55,15 @@ class Dimension:
     over: str = "one"
     length: float = 0.0
 
+    @property
+    def symbol(self) -> str:
+        """SI unit, such as ``N/m/m^2``; empty of a pure number."""
+        above = "" if self.unit == "one" else SI[self.unit]
+        below = "" if self.over == "one" else f"/({SI[self.over]})" if "/" in SI[self.over] else f"/{SI[self.over]}"
+        length = "" if not self.length else f"{'/' if self.length < 0.0 else ' '}m^{abs(self.length):g}"
+        symbol = f"{above}{below}{length}"
+        return f"1{symbol}" if symbol.startswith("/") else symbol.strip()
+
     def worth(self, scale: "Scale") -> float:
         """Of one dimensionless unit, in the scene's units."""
         found = getattr(scale, self.unit) / getattr(scale, self.over)

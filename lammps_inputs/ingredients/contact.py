@@ -257,7 +257,7 @@ class Contact(by_formula.ByFormula):
         """Refuse what is said twice, and forces at rest that nothing holds."""
         self.refuse_beside("contact", "exponent", "stiffness", "yield")
         kind = self._kind
-        rest = float(force.at(0.0))
+        rest = force.at_rest
         if kind.cut and rest:
             raise ValueError(f"contact.tension: the force is {rest:.6g} at s = 0, where it would be cut; leave it out")
         damping = getattr(scene, "damping", None)

@@ -29,9 +29,6 @@ if TYPE_CHECKING:
 
 Time = Annotated[float, Field(ge=-1e30, le=1e30), Unit("s")]
 
-MOST = 1e12
-"""Dimensionless stiffness; beyond it the beads do not move."""
-
 
 @base.with_keys(
     base.ends(
@@ -139,13 +136,13 @@ class Foundation(by_formula.ByFormula):
             raise ValueError("foundation.stiffness: is missing beside modulation")
         for key, ramp in self._ramps():
             ramp.refuse(key, scene.beads)
-        if self.modulation is not None and self.modulation.frequency * scene.scale.time > MOST:
+        if self.modulation is not None and self.modulation.frequency * scene.scale.time > by_formula.STIFFEST:
             raise ValueError("foundation.modulation.frequency: at most 1e12, dimensionless")
         for link in self.links(scene):
             if isinstance(link.law, ToGround):
                 continue
             largest = {"stiffness": laws.stiffest(link.law, 0.0), "cubic": np.max(getattr(link.law, "cubic", 0.0))}
-            for key in (key for key, value in largest.items() if value > MOST):
+            for key in (key for key, value in largest.items() if value > by_formula.STIFFEST):
                 raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
         base.refuse_range("foundation.rows", self.rows, scene.beads)
 

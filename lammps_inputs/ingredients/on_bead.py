@@ -54,7 +54,7 @@ class OnBead(Ingredient):
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse a bead outside the array."""
-        refuse_outside(self.key, self, scene)
+        refuse_outside(scene.key_of(self), self, scene)
 
 
 class Push(OnBead):
@@ -179,18 +179,20 @@ class Drive(OnBead):
         if self.displacement is not None and any(
             (kick.chain, kick.bead) == (self.chain, self.bead) for kick in scene.kicks
         ):
-            raise ValueError("drive.displacement: says how the bead moves, so it cannot be kicked; drive another bead")
+            key = scene.key_of(self)
+            raise ValueError(f"{key}.displacement: says how the bead moves, so it cannot be kicked; drive another bead")
 
-    def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
+    def refuse_system(self, scene: "BaseScene", system: "System") -> None:
         """Refuse what else would move a bead whose motion is given."""
         if self.displacement is None:
             return
         places = [(load.chain, load.bead) for load in system.loads]
         places += [(motion.chain, motion.bead) for motion in system.motions]
         if places.count((self.chain, self.bead)) > 1:
+            key = scene.key_of(self)
             raise ValueError(
-                f"drive.displacement: bead {self.bead} of chain {self.chain} is moved or pushed otherwise, too; "
-                "leave one of them out"
+                f"{key}.displacement: bead {self.bead} of chain {self.chain} is moved or pushed otherwise, too; leave "
+                "one of them out"
             )
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
