@@ -46,7 +46,12 @@ class Character:
     )
     speed: float = declare("speed of the pulse at that bead", "speed", "it was seen at one bead only", "c")
     width: float = declare("full width of the velocity at half its maximum", "beads", UNSEEN)
-    momentum: float = declare("momentum: integral of the velocity over the passage", "momentum", UNSEEN)
+    momentum: float = declare(
+        "mass times speed times the integral of the velocity over the time in which the pulse travels from four beads "
+        "before the bead to four beads behind it",
+        "momentum",
+        f"{UNSEEN}; beads differ",
+    )
     energy: float = declare("energy of the beads near the peak", "energy", f"{UNSEEN}, or another pulse is near")
     residual: float = declare(
         "largest difference of the velocity from the exact wave of this peak velocity, over that",

@@ -82,6 +82,14 @@ def test_a_wave_that_is_too_wide_has_the_width_put_in_and_a_residual(peak, stret
     assert shape.residual[0] == pytest.approx(expected, rel=0.15, abs=1e-6)
 
 
+@pytest.mark.parametrize("arrival", [8.0, 8.13, 8.21])
+def test_the_momentum_is_that_of_eight_beads_of_travel_wherever_frames_lie(arrival):
+    trajectory = exact_waves([(0.5, arrival)], every=0.25)
+    drifting = Trajectory(trajectory.problem, trajectory.time, trajectory.displacement, trajectory.velocity + 0.1)
+    momentum = shape_of(drifting, 0.5, arrival).momentum[0]
+    assert momentum == pytest.approx(float(EXACT.momentum_at(0.5)) + 8.0 * 0.1, rel=1e-5)
+
+
 def test_a_passage_that_the_run_does_not_show_whole_has_no_shape_but_an_energy():
     trajectory = exact_waves([(0.5, 8.0)])
     shape = shape_of(trajectory[: int(32.5 / 0.1)], 0.5, 8.0, 20)
