@@ -9,8 +9,9 @@ kappa = k V**-0.4 for spheres. The scaling is exact (Starosvetsky, Hasan & Vakak
 """
 
 import math
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 REDUCED = "reduced"
@@ -63,6 +64,64 @@ class Dimension:
 
 PURE = Unit("")
 """Of shares, and of what has the same number in all units."""
+
+_GREEK = {"Delta": "Δ", "kappa": "κ", "nu": "ν", "omega": "ω", "rho": "ρ", "sigma": "σ"}
+
+
+@dataclass(frozen=True)
+class Label:
+    """Words, symbol and unit of a number, for axes, heads of tables and pages.
+
+    That of a scene's key stands in the key's type, beside its `Unit`: ``Annotated[float, Unit("m"), Label("gap")]``;
+    that of a result in its `analysis.quantity.Column`.
+
+    Attributes:
+        words: noun, such as ``peak velocity``.
+        symbol: in TeX; may be empty.
+        unit: symbol of an SI unit, `REDUCED`, one of `OWN_UNITS`, `ENERGY_INPUT`, or a count such as ``beads``; empty
+            where there is none.
+    """
+
+    words: str
+    symbol: str = ""
+    unit: str = ""
+
+    @property
+    def mathtext(self) -> str:
+        """Text for matplotlib: ``time $t$ (ms)``, ``amplitude $v / V$``, ``residual energy / energy input``."""
+        unit = self.unit if "$" in self.unit else re.sub(r"\^?([\d.]+)|\^(p)", r"$^{\1\2}$", self.unit)
+        return self._text("$", self.symbol, unit)
+
+    @property
+    def plain(self) -> str:
+        """Text without TeX, for HTML pages: ``time t (ms)``, ``amplitude v / V``, ``coupling stiffness k (N/m)``."""
+        symbol = re.sub(r"\\([A-Za-z]+) ?", lambda name: _GREEK.get(name[1], ""), self.symbol)
+        return self._text("", symbol.replace("{", "").replace("}", ""), self.unit)
+
+    def _text(self, mark: str, symbol: str, unit: str) -> str:
+        """Words, symbol and unit; the mark encloses mathematics."""
+        named = f"{self.words} {mark}{symbol}{mark}" if symbol else self.words
+        if unit in OWN_UNITS:
+            return f"{self.words} {mark}{symbol} / {unit}{mark}" if symbol else f"{named} / {mark}{unit}{mark}"
+        if unit == ENERGY_INPUT:
+            return f"{named} / {unit}"
+        return f"{named} ({unit})" if unit else named
+
+    def prefixed(self, largest: float) -> tuple["Label", float]:
+        """Label with a prefix before an SI unit that leaves few digits, and the factor for numbers in the plain unit.
+
+        Args:
+            largest: size of the largest number, in the unit.
+        """
+        power, letter = prefix(self.unit, largest) if self.unit else (0, "")
+        return replace(self, unit=letter + self.unit), 10.0 ** (-3 * power)
+
+
+OWN_UNITS = ("V", "T", "L")
+"""A scene's own units of velocity, time and length; a label divides by them, for ``(V)`` would be read as volts."""
+
+ENERGY_INPUT = "energy input"
+"""Unit of shares of the energy."""
 
 
 @dataclass(frozen=True)

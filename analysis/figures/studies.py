@@ -13,8 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import ArrayLike
 
-from analysis.figures.style import CHAIN_COLOURS, STYLE, shortened
+from analysis.figures.style import CHAIN_COLOURS, STYLE
 from analysis.trajectory import Flags, Floats, Integers
+from lammps_inputs.units import Label
 
 MOST_LINES = 8
 
@@ -37,14 +38,14 @@ class Axis:
     """What an axis shows.
 
     Attributes:
-        label: with its unit.
+        label: words, symbol and unit.
         values: one number a case; NaN where there is none.
         error: uncertainty of each; NaN where it is unknown, None where all are.
         unsettled: whether a case had not come to its end state; None where that means nothing.
         bands: ranges around the values, the widest first, each [low or high, case]; NaN where undefined.
     """
 
-    label: str
+    label: Label
     values: Floats
     error: Floats | None = None
     unsettled: Flags | None = None
@@ -59,10 +60,15 @@ class Axis:
     @property
     def prefixed(self) -> tuple["Axis", float]:
         """The same with a prefix before an SI unit, such that numbers are short; and the factor."""
-        label, worth = shortened(self.label, self.values)
+        label, worth = self.label.prefixed(largest_of(self.values))
         error = None if self.error is None else self.error * worth
         bands = tuple(band * worth for band in self.bands)
         return replace(self, label=label, values=self.values * worth, error=error, bands=bands), worth
+
+
+def largest_of(values: Floats) -> float:
+    """Size of the largest finite number; 0 where there is none."""
+    return float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
 
 
 def logarithmic(values: ArrayLike) -> bool:
@@ -109,7 +115,7 @@ def swept_figure(
     if holes:
         notes.append(f"{'grey' if is_map else 'ticks at the foot'}: no number")
     if not is_map:
-        axis.set_ylabel(quantity.label)
+        axis.set_ylabel(quantity.label.mathtext)
         finite = quantity.values[np.isfinite(quantity.values)]
         if len(finite) and finite.min() > 0.0 and finite.max() / finite.min() > 30.0:
             axis.set_yscale("log")
@@ -122,7 +128,7 @@ def swept_figure(
     if passed is not None:
         _shade_between(axis, passed)
         notes.append("shaded: no small waves pass")
-    axis.set_xlabel(over.label)
+    axis.set_xlabel(over.label.mathtext)
     axis.set_title("\n".join(textwrap.wrap("; ".join(notes), _TITLE)))
     return figure
 
@@ -165,7 +171,7 @@ def _lines(axis: Axes, quantity: Axis, over: Axis, beside: Axis) -> int:
         here = beside.values == number
         holes += _line(axis, quantity, over, here, holes, color=colours[k], marker=_MARKERS[k], label=f"{number:.6g}")
     # beside the axes, where no line can run through it
-    axis.legend(title=beside.label, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    axis.legend(title=beside.label.mathtext, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return holes
 
 
@@ -186,8 +192,8 @@ def _map(figure: Figure, axis: Axes, quantity: Axis, over: Axis, beside: Axis) -
     axis.set_facecolor("0.85")
     mesh = axis.pcolormesh(_edges(columns), _edges(rows), grid, cmap="viridis", rasterized=True)
     _scale(axis, beside, "y")
-    axis.set_ylabel(beside.label)
-    figure.colorbar(mesh, ax=axis, label=quantity.label)
+    axis.set_ylabel(beside.label.mathtext)
+    figure.colorbar(mesh, ax=axis, label=quantity.label.mathtext)
     return bool(np.isnan(grid).any())
 
 
@@ -304,12 +310,12 @@ class Objective:
     """The objective.
 
     Attributes:
-        label: for an axis.
+        label: words, symbol and unit.
         sign: 1 to make it small, -1 to make it large.
         beside: its value in what the best is set against; None if there is nothing.
     """
 
-    label: str
+    label: Label
     sign: float
     beside: float | None
 
@@ -319,13 +325,13 @@ def _single(height: float) -> Axes:
     return Figure(figsize=(6.0, height), layout="constrained").subplots()
 
 
-def _finished(axis: Axes, x: str, y: str, what: Objective | None = None) -> Figure:
+def _finished(axis: Axes, x: Label, y: Label, what: Objective | None = None) -> Figure:
     """The figure, with its labels, SI units with a prefix, and a legend above the axes, where it hides nothing."""
     if what is not None and what.beside is not None:
         axis.axhline(what.beside, color=CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="set against")
     for setting, label in ((axis.xaxis, x), (axis.yaxis, y)):
-        text, worth = shortened(label, np.asarray(setting.get_data_interval()))
-        setting.set_label_text(text)
+        shown, worth = label.prefixed(largest_of(np.asarray(setting.get_data_interval())))
+        setting.set_label_text(shown.mathtext)
         if worth != 1.0:
             setting.set_major_formatter(FuncFormatter(lambda value, _, worth=worth: f"{value * worth:.6g}"))
     figure = axis.get_figure()
@@ -342,7 +348,7 @@ def history_figure(what: Objective, values: Floats) -> Figure:
     axis.plot(number, values, ".", color="0.7", markersize=3, label="designs")
     best = what.sign * np.fmin.accumulate(what.sign * values)
     axis.plot(number, best, color=CHAIN_COLOURS[0], drawstyle="steps-post", label="best so far")
-    return _finished(axis, "design", what.label, what)
+    return _finished(axis, Label("design"), what.label, what)
 
 
 def front(one: Floats, other: Floats) -> Integers:
@@ -353,7 +359,7 @@ def front(one: Floats, other: Floats) -> Integers:
 
 
 @mpl.rc_context(STYLE)
-def front_figure(what: Objective, values: Floats, label: str, others: Floats) -> Figure:
+def front_figure(what: Objective, values: Floats, label: Label, others: Floats) -> Figure:
     """Two quantities of every design, and those that are best for some value of the second, large or small."""
     known = np.isfinite(values) & np.isfinite(others)
     x, y = others[known], values[known]
@@ -372,13 +378,13 @@ def members_figure(what: Objective, best: float, members: Sequence[float]) -> Fi
     axis = _single(2.6)
     axis.hist(members, bins=max(5, len(members) // 4), color="0.8")
     axis.axvline(best, color=CHAIN_COLOURS[0], label="as designed")
-    return _finished(axis, what.label, "members")
+    return _finished(axis, what.label, Label("members"))
 
 
 @mpl.rc_context(STYLE)
-def wall_figure(curves: Sequence[tuple[str, Floats, Floats]], time_label: str, force_label: str) -> Figure:
+def wall_figure(curves: Sequence[tuple[str, Floats, Floats]], time: Label, force: Label) -> Figure:
     """Force of all chains together on their far wall over time; a name, times and forces for each curve."""
     axis = _single(3.0)
-    for place, (name, time, force) in enumerate(curves):
-        axis.plot(time, force, color=CHAIN_COLOURS[place], label=name)
-    return _finished(axis, time_label, force_label)
+    for place, (name, times, forces) in enumerate(curves):
+        axis.plot(times, forces, color=CHAIN_COLOURS[place], label=name)
+    return _finished(axis, time, force)

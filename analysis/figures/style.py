@@ -1,7 +1,6 @@
 """What all figures share: colours, dashes, sizes, labels, units, and how one becomes the content of a file."""
 
 import io
-import re
 import string
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from analysis.quantity import declare, declared, result
 from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, laws, physics
 from lammps_inputs.laws import spring
-from lammps_inputs.units import SI, prefix, thousands
+from lammps_inputs.units import SI, Label, prefix, thousands
 
 CHAIN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255", "#7F7F7F")
 """Okabe and Ito's palette, ordered for contrast between the first few; wine (Tol) and grey."""
@@ -75,12 +74,11 @@ class Unit:
     symbol: str
 
     def label(self, kind: Any, name: str, words: str = "") -> str:
-        """Of an axis that shows a quantity: name (or words) and symbol as its type declares them, and unit.
+        """Text of an axis that shows a quantity: name (or words) and symbol as its type declares them, and unit.
 
         Such as ``time $t$ (ms)``.
         """
-        symbol = declared(kind)[name][0].symbol
-        return f"{words or name.replace('_', ' ')}{f' ${symbol}$' if symbol else ''} ({self.symbol})"
+        return Label(words or name.replace("_", " "), declared(kind)[name][0].symbol, self.symbol).mathtext
 
 
 @result
@@ -116,15 +114,6 @@ def prefixed(symbol: str, largest: float) -> Unit:
     """An SI unit with the prefix of `lammps_inputs.units.prefix`, and what the plain one is worth."""
     power, letter = prefix(symbol, largest)
     return Unit(10.0 ** (-3 * power), letter + symbol)
-
-
-def shortened(label: str, values: Floats) -> tuple[str, float]:
-    """A label that ends in an SI unit, such as ``frequency (Hz)``, with a prefix for these values, and their factor."""
-    found = re.fullmatch(r"(.*) \((.+)\)", label)
-    if found is None:
-        return label, 1.0
-    unit = prefixed(found[2], float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0)))
-    return f"{found[1]} ({unit.symbol})", unit.worth
 
 
 def letter(axes: Iterable[Axes]) -> None:

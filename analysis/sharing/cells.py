@@ -75,7 +75,7 @@ class CellEnergies:
         "residual energy per cell: lost by the pulse of the kicked chain from one cell to the next",
         INPUT,
         UNLIKE_CELLS,
-        column="residual energy per cell / energy input",
+        column="residual energy per cell",
     )
     chains: tuple[Left | None, ...] = declare("of each chain", undefined="no pulse ran there")
     last_bead: tuple[float | None, ...] = declare(

@@ -21,7 +21,7 @@ from lammps_inputs.laws.spring import Duffing, Linear, Varying
 from lammps_inputs.laws.written import ToGround
 from lammps_inputs.links import Ground
 from lammps_inputs.numbers import number_or_array
-from lammps_inputs.units import PURE, Unit
+from lammps_inputs.units import PURE, Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -103,12 +103,12 @@ class Foundation(by_formula.ByFormula):
         Fact.REVERSIBLE: "its stiffness depends on time, and suzuki4 steps back in time within each cycle",
     }
 
-    stiffness: _Stiffness = 0.0
+    stiffness: Annotated[_Stiffness, Label("foundation stiffness")] = 0.0
     """Linear stiffness k of all chains: a number or a ramp `{from, to, rows}` or `{from, to, times}`; or a list with
     one for each chain."""
     modulation: Modulation | None = None
     """Factor on the linear stiffness that oscillates in time; none if omitted."""
-    cubic: Cubic | tuple[Cubic, ...] = 0.0
+    cubic: Annotated[Cubic | tuple[Cubic, ...], Label("cubic foundation stiffness")] = 0.0
     """Cubic stiffness c of all chains, or a list with one for each chain."""
     rows: Rows | None = None
     """First and last bead with springs; all beads if omitted."""

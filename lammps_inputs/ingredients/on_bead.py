@@ -18,7 +18,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Count, Ingredient, NotNegative, Phase, Positive, refuse_outside
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, TimeLaw, make_table
 from lammps_inputs.loads import Load, Motion
-from lammps_inputs.units import Unit
+from lammps_inputs.units import Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -64,7 +64,7 @@ class Push(OnBead):
 
     key = "push"
 
-    peak: Force | None = None
+    peak: Annotated[Force | None, Label("peak force of the push")] = None
     """Largest force, positive towards higher bead numbers; with `duration` and `shape`."""
     duration: Annotated[Positive, Unit("s")] | None = None
     """Time from the start to the end of the force."""
@@ -155,11 +155,11 @@ class Drive(OnBead):
 
     key = "drive"
 
-    displacement: Annotated[Positive, Unit("m")] | None = None
+    displacement: Annotated[Annotated[Positive, Unit("m")] | None, Label("drive displacement", "X")] = None
     """Amplitude of the prescribed displacement; or give `force`."""
-    force: Annotated[Positive, Unit("N")] | None = None
+    force: Annotated[Annotated[Positive, Unit("N")] | None, Label("drive force", "F")] = None
     """Amplitude of the force on the bead; or give `displacement`."""
-    frequency: Annotated[Positive, Unit("Hz")]
+    frequency: Annotated[Positive, Unit("Hz"), Label("drive frequency", "f")]
     """Frequency f, in cycles per unit time."""
     phase: Phase = 0.0
     """Phase; with -90 the bead starts at rest and moves towards higher bead numbers."""

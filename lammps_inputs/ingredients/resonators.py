@@ -21,7 +21,7 @@ from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across
 from lammps_inputs.numbers import number_or_array
 from lammps_inputs.physics import PULSE_RATE
-from lammps_inputs.units import Unit
+from lammps_inputs.units import Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -49,11 +49,11 @@ class Resonators(Ingredient):
         Fact.REVERSIBLE: "suzuki4 has steps backwards in time, in which dashpots would give",
     }
 
-    mass: Mass | tuple[Mass, ...]
+    mass: Annotated[Mass | tuple[Mass, ...], Label("resonator mass", "m_2")]
     """Mass m2 of a resonator; or a list with one for each chain, 0 for none."""
-    stiffness: Stiffness | tuple[Stiffness, ...]
+    stiffness: Annotated[Stiffness | tuple[Stiffness, ...], Label("resonator stiffness", "k_2")]
     """Stiffness k2 of its spring; or a list with one for each chain."""
-    damping: Coefficient | tuple[Coefficient, ...] = 0.0
+    damping: Annotated[Coefficient | tuple[Coefficient, ...], Label("resonator damping", "c_2")] = 0.0
     """Coefficient c2 of the dashpot parallel to the spring; or a list with one for each chain."""
     rows: Rows | None = None
     """First and last bead with resonators; all beads if omitted."""

@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from lammps_inputs import materials
 from lammps_inputs.ingredients.base import Count, Part, Positive, Seed, Spread, refuse_other_count, refuse_outside
 from lammps_inputs.numbers import number_or_array, random_shares
-from lammps_inputs.units import PURE, Unit, sphere_mass
+from lammps_inputs.units import PURE, Label, Unit, sphere_mass
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene, Material
@@ -100,7 +100,7 @@ class Replacement(Part):
 
     chain: Count = 1
     """Chain of the bead."""
-    bead: Count
+    bead: Annotated[Count, Label("replaced bead")]
     """Number of the bead."""
     kind: Name
     """Its kind, one of `kinds`."""
@@ -111,11 +111,11 @@ class Disorder(Part):
 
     example: ClassVar[str] = "{mass: 0.01}"
 
-    mass: Spread = 0.0
+    mass: Annotated[Spread, Label("spread of the masses")] = 0.0
     """Largest relative deviation of the mass."""
-    radius: Spread = 0.0
+    radius: Annotated[Spread, Label("spread of the radii")] = 0.0
     """Largest relative deviation of the radius; the mass follows with its cube."""
-    stiffness: Spread = 0.0
+    stiffness: Annotated[Spread, Label("spread of the contact constants")] = 0.0
     """Largest relative deviation of the plane modulus."""
     seed: Seed = 1
     """Seed of the random numbers; the same beads on any machine."""

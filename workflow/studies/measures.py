@@ -20,7 +20,7 @@ from analysis.tracking.leading_waves import Waves, beyond_kicks, leading_waves, 
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Trajectory, blocks, direction_of
 from lammps_inputs import InputError, Problem, Scene, library, physics
-from lammps_inputs.units import REDUCED, SI
+from lammps_inputs.units import REDUCED, SI, Label
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.prepare.extent import with_duration
@@ -99,6 +99,18 @@ def heading(name: str, scene: dict[str, Any]) -> str:
         base = _at_bead(name)[0] or name
         unit = QUANTITIES[base].unit(si=si) if base in QUANTITIES else fields.unit(fields.parse(name, scene), scene)
     return name if unit in ("", REDUCED) else f"{name} ({unit})"
+
+
+def label(name: str, scene: dict[str, Any]) -> Label:
+    """Words, symbol and unit of a field of a scene, given as plain data, or of a quantity, for a figure or page."""
+    si = "material" in scene
+    if name == MASS:
+        return Label("mass of all beads", "", SI["mass"] if si else REDUCED)
+    base, bead = _at_bead(name)
+    if (base or name) not in QUANTITIES:
+        return fields.label(fields.parse(name, scene), scene)
+    axis = QUANTITIES[base or name].axis(si=si)
+    return dataclasses.replace(axis, words=axis.words.replace("the last clear bead", f"bead {bead}")) if base else axis
 
 
 def mass_of(scene: Scene) -> float:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from lammps_inputs import InputError, file_names, library, strict_yaml
 from lammps_inputs.slurm.job import render_command
 from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.units import Label
 from workflow.runs.files import write_text
 from workflow.runs.own_files import claim, make_directory
 from workflow.screen import Answer
@@ -164,7 +165,7 @@ class SecondField:
         from analysis.figures.studies import Axis  # matplotlib takes half a second to import
 
         numbers = floats([self.values.index(value) + 1 for value in values]) if self.name else None
-        return None if numbers is None else Axis(f"value of {self.name}, by its number", numbers)
+        return None if numbers is None else Axis(Label(f"value of {self.name}, by its number"), numbers)
 
 
 NO_SECOND_FIELD = SecondField()

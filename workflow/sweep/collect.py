@@ -14,7 +14,7 @@ from analysis.sharing.verdict import State
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, file_names, html, library, strict_yaml
 from lammps_inputs.numbers import text
-from lammps_inputs.units import REDUCED
+from lammps_inputs.units import REDUCED, Label
 from workflow.runs.files import RECORD, write_figure
 from workflow.runs.job import account
 from workflow.runs.status import slurm_queue, status
@@ -50,7 +50,7 @@ class Table:
         rows: one a case: its name as ``case``, fields, ``outcome``, quantities, ``reason``; None is unknown.
         si: whether the scenes are in SI units; None if some are and some are not.
         scene: name of the scenes; empty if they have several.
-        units: of the fields: a symbol, "reduced", or empty for none.
+        labels: words, symbol and unit of the fields.
         bands: case -> lowest and highest frequencies at which small waves pass, [[low, high], ...]; where known.
     """
 
@@ -58,7 +58,7 @@ class Table:
     rows: list[dict[str, Any]]
     si: bool | None
     scene: str = ""
-    units: dict[str, str] = field(default_factory=dict)
+    labels: dict[str, Label] = field(default_factory=dict)
     bands: dict[str, list[list[float]]] = field(default_factory=dict)
 
     @property
@@ -127,18 +127,17 @@ class Table:
         unit = self._unit(name)
         return name if unit in ("", REDUCED) or (unit in OWN and not self.si) else f"{name} ({unit})"
 
-    def label(self, name: str) -> str:
-        """What to write at an axis that shows a column."""
-        words = name.replace("_", " ").replace(".", " ") if name in self.fields else QUANTITIES[name].label
-        unit = self._unit(name)
-        if unit in OWN:
-            return f"{words} / ${unit}$"
-        return f"{words} ({unit})" if unit else words
+    def label(self, name: str) -> Label:
+        """Words, symbol and unit of a column: ``.mathtext`` in figures, ``.plain`` in pages; of text its name."""
+        if name in self.labels:
+            return self.labels[name]
+        column = QUANTITIES.get(name)
+        return column.axis(si=self.si) if column is not None and column.label else Label(name)
 
     def _unit(self, name: str) -> str:
         """Of a column; empty where it has none, or the scenes do not agree on one."""
         if name in self.fields:
-            return self.units.get(name, "")
+            return self.labels[name].unit if name in self.labels else ""
         unit = "" if name not in QUANTITIES else QUANTITIES[name].unit(si=self.si is True)
         return unit if self.si is not None or unit in OWN else ""
 
@@ -197,15 +196,15 @@ def collect(directory: Path) -> Table:
         rows,
         si=None if len(kinds) > 1 else kinds == {True},
         scene=scenes.pop() if len(scenes) == 1 else "",
-        units={name: _shared_unit(paths[name], requests.values()) for name in names},
+        labels={name: _shared_label(paths[name], requests.values()) for name in names},
         bands=bands,
     )
 
 
-def _shared_unit(path: fields.Path, requests: Iterable[Asked]) -> str:
-    """Of a field; empty where the cases have several."""
-    found = {fields.unit(path, request.scene) for request in requests if request.scene}
-    return found.pop() if len(found) == 1 else ""
+def _shared_label(path: fields.Path, requests: Iterable[Asked]) -> Label:
+    """Label of a field; without a unit where the cases have several."""
+    labels = {fields.label(path, request.scene) for request in requests if request.scene} or {fields.label(path, {})}
+    return labels.pop() if len(labels) == 1 else replace(labels.pop(), unit="")
 
 
 def _are_bands(value: Any) -> bool:

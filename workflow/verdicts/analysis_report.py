@@ -219,15 +219,15 @@ class Equipartition:
         f"0.01 and 0.001 {COUNTED}",
         undefined=NO_AGREEMENT,
         columns=(
-            Column("agree_10", "bead from which the chains agree to 10%", "0.1"),
-            Column("agree_1", "bead from which the chains agree to 1%", "0.01"),
+            Column("agree_10", "bead from which amplitudes agree to 10 %", "0.1", "d_{10}"),
+            Column("agree_1", "bead from which amplitudes agree to 1 %", "0.01", "d_1"),
         ),
     )
     arrivals: dict[str, int | None] = declare(
         "bead from which on the difference of the chains' arrivals, latest - earliest over the time in which the wave "
         f"passes (at half its height), stays below 0.1, 0.01 and 0.001 {COUNTED}",
         undefined=NO_AGREEMENT,
-        columns=(Column("in_step_1", "bead from which arrivals agree to 1%", "0.01"),),
+        columns=(Column("in_step_1", "bead from which arrivals agree to 1 %", "0.01"),),
     )
     final: Final | None = declare(
         "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
@@ -235,7 +235,7 @@ class Equipartition:
         "amplitudes have no limit, or do not approach one; no pulse keeps its shape",
         "v",
         columns=(
-            Column("amplitude", "asymptotic amplitude", "value"),
+            Column("amplitude", "asymptotic amplitude", "value", "v"),
             Column("amplitude_uncertainty", "uncertainty of the asymptotic amplitude", "uncertainty"),
         ),
     )
@@ -248,8 +248,8 @@ class Equipartition:
         "beads",
         f"no beat is seen; {UNRESOLVED}",
         columns=(
-            Column("beat_length", "beat length (beads)", "value"),
-            Column("beat_length_uncertainty", "uncertainty of the beat length (beads)", "uncertainty"),
+            Column("beat_length", "beat length", "value"),
+            Column("beat_length_uncertainty", "uncertainty of the beat length", "uncertainty"),
         ),
     )
     decay_law: DecayFit | None = declare(

@@ -10,7 +10,7 @@ from synthetic_waves import reference, surveyed
 from analysis.conservation import Account
 from analysis.figures.energy import budget_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, round_ticks, spacetime_figure
-from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, axis_unit, shortened, shown_chains
+from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, axis_unit, shown_chains
 from analysis.figures.waves import distance_figure, pulses, response_figure, shape_figure
 from analysis.sharing.survey import survey
 from analysis.trajectory import blocks
@@ -212,20 +212,6 @@ def test_the_layers_of_the_budget_add_up_to_what_was_put_in_in_the_units_of_the_
     hatches = [layer.get_hatch() for layer in axis.collections]
     assert hatches[-1]  # tells what is lost from what is there in grey
     assert not any(hatches[:-1])
-
-
-@pytest.mark.parametrize(
-    ("label", "values", "shown"),
-    [
-        ("drive frequency (Hz)", [4e3, np.nan, 9.3e4], ("drive frequency (kHz)", 1e-3)),
-        ("peak velocity (m/s)", [-0.02, 0.01], ("peak velocity (mm/s)", 1e3)),
-        ("speed (beads/s)", [9e4], ("speed (beads/s)", 1.0)),
-        ("coupling (reduced)", [9e4], ("coupling (reduced)", 1.0)),
-        ("peak velocity / $V$", [1e-4], ("peak velocity / $V$", 1.0)),
-    ],
-)
-def test_labels_that_end_in_an_si_unit_take_the_prefix_that_makes_numbers_short(label, values, shown):
-    assert shortened(label, np.array(values)) == (shown[0], pytest.approx(shown[1]))
 
 
 @pytest.mark.parametrize("top", [1.0, 0.55, 4.3e2, 2.0001e-6])

@@ -30,6 +30,7 @@ from analysis.sharing.energies import EnergyShares, Flow
 from analysis.sharing.equipartition import Sharing
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, physics
+from lammps_inputs.units import Label
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
@@ -213,7 +214,7 @@ def test_samples_from_before_the_peak_are_drawn_ahead_of_it():
 
 @pytest.mark.parametrize(("sign", "best"), [(1.0, [3.0, 3.0, 1.0, 1.0]), (-1.0, [3.0, 3.0, 3.0, 5.0])])
 def test_the_best_so_far_is_the_smallest_or_largest_of_what_keeps_the_limits(sign, best):
-    (axis,) = history_figure(Objective("force (N)", sign, 4.0), np.array([3.0, np.nan, 1.0, 5.0])).axes
+    (axis,) = history_figure(Objective(Label("force", "", "N"), sign, 4.0), np.array([3.0, np.nan, 1.0, 5.0])).axes
     lines = {line.get_label(): line for line in axis.get_lines()}
     assert lines["best so far"].get_ydata().tolist() == best
     assert lines["best so far"].get_xdata().tolist() == [1, 2, 3, 4]
@@ -223,7 +224,7 @@ def test_the_best_so_far_is_the_smallest_or_largest_of_what_keeps_the_limits(sig
 
 def test_each_front_is_of_what_its_legend_says():
     force, mass = np.array([1.0, 2.0, 3.0, 4.0]), np.array([5.0, 3.0, 9.0, 6.0])
-    (axis,) = front_figure(Objective("force", 1.0, None), force, "mass", mass).axes
+    (axis,) = front_figure(Objective(Label("force"), 1.0, None), force, Label("mass"), mass).axes
     lines = {line.get_label(): line for line in axis.get_lines()}
     assert lines["front to the left"].get_xydata().tolist() == [[3.0, 2.0], [5.0, 1.0]]
     assert lines["front to the right"].get_xydata().tolist() == [[5.0, 1.0], [9.0, 3.0]]

@@ -15,6 +15,7 @@ from refusals import refusal
 from analysis.dispersion import cell_of
 from analysis.figures.studies import MOST_LINES, Axis, logarithmic, swept_figure
 from lammps_inputs import strict_yaml
+from lammps_inputs.units import Label
 from workflow import api
 from workflow.cli import main
 from workflow.commands.collect import cell
@@ -240,14 +241,14 @@ def test_a_table_of_the_users_is_not_overwritten_and_one_of_ours_is(copied, caps
 def test_an_axis_is_logarithmic_where_its_values_are_spaced_by_a_factor(values, log):
     assert logarithmic(values) is log
     numbers = np.array(values, dtype=float)
-    figure = swept_figure(Axis("y", numbers), Axis("x", numbers))
+    figure = swept_figure(Axis(Label("y"), numbers), Axis(Label("x"), numbers))
     assert figure.axes[0].get_xscale() == ("log" if log else "linear")
 
 
 @pytest.mark.parametrize("ends", [(0.02, 0.5), (0.21, 0.99), (3.0, 290.0)])
 def test_labels_of_a_logarithmic_axis_do_not_overlap(ends):
     x = np.geomspace(*ends, 20)
-    figure = swept_figure(Axis("y", np.arange(20.0)), Axis("x", x))
+    figure = swept_figure(Axis(Label("y"), np.arange(20.0)), Axis(Label("x"), x))
     FigureCanvasAgg(figure).draw()
     axis = figure.axes[0]
     low, high = axis.get_xlim()
@@ -261,7 +262,9 @@ def test_labels_of_a_logarithmic_axis_do_not_overlap(ends):
 def test_many_values_of_the_second_field_make_a_map_with_every_number_in_its_place_and_unsettled_ones_crossed():
     x, y = (part.ravel() for part in np.meshgrid([0.1, 0.2, 0.4], np.arange(1.0, MOST_LINES + 2)))
     keep = ~((x == 0.2) & (y == 3.0))
-    figure = swept_figure(Axis("z", (x * y)[keep], None, (y == 3.0)[keep]), Axis("x", x[keep]), Axis("y", y[keep]))
+    figure = swept_figure(
+        Axis(Label("z"), (x * y)[keep], None, (y == 3.0)[keep]), Axis(Label("x"), x[keep]), Axis(Label("y"), y[keep])
+    )
     (mesh,) = figure.axes[0].collections
     expected = np.arange(1.0, MOST_LINES + 2)[:, None] * np.array([0.1, 0.2, 0.4])
     expected[2, 1] = np.nan
@@ -273,7 +276,7 @@ def test_many_values_of_the_second_field_make_a_map_with_every_number_in_its_pla
 
 def test_uncertainties_are_bars_and_cases_that_are_not_settled_are_hollow():
     x, open_ = np.array([3.0, 1.0, 2.0]), np.array([False, True, False])  # cases come in the order of any field
-    figure = swept_figure(Axis("y", 2.0 * x, 0.1 * x, open_), Axis("x", x), title="scene")
+    figure = swept_figure(Axis(Label("y"), 2.0 * x, 0.1 * x, open_), Axis(Label("x"), x), title="scene")
     axis = figure.axes[0]
     assert axis.get_title() == "scene; hollow: not settled"
     (hollow,) = [line for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
@@ -288,7 +291,7 @@ def test_cases_without_a_number_are_ticks_at_the_foot_and_no_mark_is_cut(lines):
         np.array([0.05, 0.1, 0.2]),
         np.array([np.nan, 1.0, 2.0]),
     )  # so few are the ticks themselves
-    figure = swept_figure(Axis("y", y), Axis("x", x), Axis("z", np.ones(3)) if lines else None)
+    figure = swept_figure(Axis(Label("y"), y), Axis(Label("x"), x), Axis(Label("z"), np.ones(3)) if lines else None)
     axis = figure.axes[0]
     assert axis.get_title() == "ticks at the foot: no number"
     (foot,) = [line for line in axis.get_lines() if line.get_marker() == "|"]
@@ -321,19 +324,22 @@ def test_the_collected_figure_knows_its_scene_its_bars_and_its_unsettled_cases(c
 def test_columns_of_si_scenes_name_their_units_and_others_keep_their_names(swept):
     reduced = collect(swept)
     assert reduced.to_csv().splitlines()[0].split(",") == reduced.columns
-    head = type(reduced)(["kick.velocity"], [], si=True, units={"kick.velocity": "m/s"}).to_csv().splitlines()[0]
+    labels = {"kick.velocity": Label("kick velocity", "", "m/s")}
+    head = type(reduced)(["kick.velocity"], [], si=True, labels=labels).to_csv().splitlines()[0]
     found = {"kick.velocity (m/s)", "amplitude (V)", "amplitude_uncertainty (V)", "error_arrival (T)", "arrival (s)"}
     assert found <= set(head.split(","))
 
 
-def test_labels_tell_the_units_of_the_scenes(swept):
+def test_labels_are_words_symbols_and_units_of_the_scenes(swept):
     reduced = collect(swept)
-    assert reduced.label("coupling.stiffness") == "coupling stiffness (reduced)"
-    assert reduced.label("beads") == "beads"
-    assert reduced.label("speed") == "speed at the last clear bead (reduced)"
-    assert type(reduced)([], [], si=True).label("speed") == "speed at the last clear bead (beads/s)"
+    assert reduced.label("coupling.stiffness").mathtext == "coupling stiffness $k$ (reduced)"
+    assert reduced.label("beads").plain == "number of beads of a chain n_b"
+    assert reduced.label("speed").mathtext == "speed at the last clear bead $c$ (reduced)"
+    assert reduced.label("agree_1").mathtext == "bead from which amplitudes agree to 1 % $d_1$"
+    assert reduced.label("case").plain == "case"
+    assert type(reduced)([], [], si=True).label("speed").plain == "speed at the last clear bead c (beads/s)"
     for si in (True, False, None):
-        assert type(reduced)([], [], si=si).label("amplitude") == "asymptotic amplitude / $V$"
+        assert type(reduced)([], [], si=si).label("amplitude").mathtext == "asymptotic amplitude $v / V$"
 
 
 # --- over frequency ---------------------------------------------------------------------------------------------------
@@ -384,7 +390,7 @@ def test_frequencies_that_do_not_pass_are_shaded_in_the_figure_over_frequency(sh
 def test_what_lies_between_bands_is_shaded():
     x = np.array([1.0, 5.0, 9.0])
     bands = np.array([[6.0, 7.0], [0.0, 3.0], [2.0, 4.0]])
-    axis = swept_figure(Axis("y", x), Axis("x", x), None, "", bands).axes[0]
+    axis = swept_figure(Axis(Label("y"), x), Axis(Label("x"), x), None, "", bands).axes[0]
     first, last = axis.get_xlim()
     shaded = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in axis.patches]
     np.testing.assert_allclose(shaded, [(4.0, 6.0), (7.0, last)])

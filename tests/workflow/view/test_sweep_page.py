@@ -6,6 +6,7 @@ import pytest
 from bokeh.document import Document
 from bokeh.models import ColorBar, DataTable
 
+from lammps_inputs.units import Label
 from workflow.sweep.collect import QUANTITIES, Table
 from workflow.view.sweep_page import layout
 
@@ -19,7 +20,10 @@ def row(stiffness, velocity, **found):
 
 
 def shown(rows):
-    made = layout(Table(FIELDS, rows, si=True, units={"kick.velocity": "m/s"}), {one["case"]: "" for one in rows})
+    made = layout(
+        Table(FIELDS, rows, si=True, labels={"kick.velocity": Label("kick velocity", "", "m/s")}),
+        {one["case"]: "" for one in rows},
+    )
     document = Document()
     document.add_root(made)
     return document

@@ -19,7 +19,7 @@ from lammps_inputs import InputError, library
 from workflow.formats import figure_files
 from workflow.screen import Answer, cell, one_line, print_table
 from workflow.studies import options
-from workflow.studies.measures import case, heading, refuse_unknown
+from workflow.studies.measures import case, heading, label, refuse_unknown
 from workflow.studies.study import Study, floats, to_csv
 from workflow.studies.threshold.bracket import Axis, Crossing, crossings, wanted
 from workflow.sweep import fields
@@ -218,18 +218,18 @@ def _figure(found: Found) -> "Figure":
     from analysis.figures.studies import swept_figure
 
     asked = found.question
-    named, field = heading(asked.quantity, asked.scene), heading(asked.field, asked.scene)
-    title = f"{asked.source}: {named} = {asked.level:g}"
+    quantity, field = label(asked.quantity, asked.scene), label(asked.field, asked.scene)
+    title = f"{asked.source}: {quantity.mathtext} = {asked.level:g}"
     if asked.over.is_numeric:
         lines: list[tuple[Any, float | None, float | None]] = []
         for over, thresholds in found.by_over().items():
             lines += [(over, one.place, one.uncertainty) for one in thresholds]
             lines += [] if thresholds else [(over, None, None)]  # a tick at the foot
         over, place, error = map(floats, zip(*lines, strict=True))
-        return swept_figure(Shown(field, place, error), Shown(heading(asked.over.name, asked.scene), over), title=title)
-    quantity = Shown(named, floats([point.quantity for point in found.points]))
+        return swept_figure(Shown(field, place, error), Shown(label(asked.over.name, asked.scene), over), title=title)
+    values = Shown(quantity, floats([point.quantity for point in found.points]))
     over_field = Shown(field, floats([point.value for point in found.points]))
-    return swept_figure(quantity, over_field, asked.over.numbered(point.over for point in found.points), title)
+    return swept_figure(values, over_field, asked.over.numbered(point.over for point in found.points), title)
 
 
 # --- command ----------------------------------------------------------------------------------------------------------
