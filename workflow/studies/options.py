@@ -160,12 +160,18 @@ class SecondField:
         """Whether the values can stand along an axis."""
         return bool(self.name) and all(isinstance(value, int | float) for value in self.values)
 
-    def numbered(self, values: Iterable[Any]) -> "Axis | None":
-        """The field in a figure whose lines are its values, by their numbers; None without one."""
+    def axis(self, values: Iterable[Any], scene: dict[str, Any]) -> "Axis | None":
+        """Values of the field in a figure, by their numbers from 1 where they are no numbers; None without a field."""
         from analysis.figures.studies import Axis  # matplotlib takes half a second to import
 
-        numbers = floats([self.values.index(value) + 1 for value in values]) if self.name else None
-        return None if numbers is None else Axis(Label(f"value of {self.name}, by its number"), numbers)
+        if not self.name:
+            return None
+        named = fields.label(fields.parse(self.name, scene), scene)
+        if self.is_numeric:
+            return Axis(named, floats(list(values)))
+        return Axis(
+            Label(f"value of {named.words}, by its number"), floats([self.values.index(one) + 1 for one in values])
+        )
 
 
 NO_SECOND_FIELD = SecondField()

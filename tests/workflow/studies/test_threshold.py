@@ -8,6 +8,7 @@ import pytest
 from lammps_inputs import InputError, strict_yaml
 from workflow.cli import main
 from workflow.studies import measures
+from workflow.studies import study as studying
 from workflow.studies.threshold.bracket import Axis, crossings, wanted
 
 pytestmark = pytest.mark.usefixtures("pool_here")
@@ -124,6 +125,32 @@ def test_a_mass_is_found_exactly_and_a_second_field_makes_a_curve_with_a_figure(
         in capsys.readouterr().out
     )
     assert (tmp_path / "found" / "threshold.png").is_file()
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Figures of studies, not written."""
+    figures = []
+    monkeypatch.setattr(studying, "write_figure", lambda _directory, _name, figure: figures.append(figure) or ())
+    return figures
+
+
+def test_the_figure_names_the_quantity_and_the_field_and_marks_the_value_and_the_crossing(tmp_path, drawn):
+    asked(tmp_path, *BY_MASS, scene=STRUCK)
+    (axis,) = drawn[0].axes
+    assert (axis.get_xlabel(), axis.get_ylabel()) == ("striker mass (reduced)", "mass of all beads (reduced)")
+    labels = [text.get_text() for text in drawn[0].legends[0].get_texts()]
+    assert labels[0] == "value sought: 25.5"
+    assert labels[1].startswith("crossing: 2.50")
+
+
+def test_the_figure_of_a_curve_names_the_value_and_without_a_crossing_it_shows_what_was_computed(tmp_path, drawn):
+    asked(tmp_path, *BY_MASS, "--over", "beads=24,25", scene=STRUCK)
+    assert drawn[0].axes[0].get_ylabel() == "striker mass where mass of all beads = 25.5\n(reduced)"
+    assert drawn[0].axes[0].get_xlabel() == "number of beads of a chain $n_b$"
+    asked(tmp_path, *BY_MASS, "--over", "beads=40,41", scene=STRUCK)
+    labels = [text.get_text() for text in drawn[1].legends[0].get_texts()]
+    assert labels == ["$n_b$ = 40", "$n_b$ = 41", "value sought: 25.5"]
 
 
 def test_values_of_a_second_field_are_read_as_those_of_a_scene_lists_too(tmp_path):

@@ -253,7 +253,7 @@ def _figure(found: Found, name: str) -> "Figure":
     for over in asked.over.values:
         own = [k for k, row in enumerate(rows) if row["over"] == over]
         share[own] = np.searchsorted(values[own], values[own]) / max(len(own), 1)
-    numbered = asked.over.numbered(row["over"] for row in rows)
+    numbered = asked.over.axis([row["over"] for row in rows], asked.scene)
     return swept_figure(Axis(Label("share of defined values below"), share), Axis(quantity, values), numbered, title)
 
 
