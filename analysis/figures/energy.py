@@ -125,8 +125,8 @@ _CONSTANT = 1e-9
 
 def _varies(values: Floats) -> bool:
     """Whether any curve [instant, chain] changes over time."""
-    known = values[np.isfinite(values).all(axis=1)]
-    return len(known) > 1 and bool(np.max(np.ptp(known, axis=0)) > _CONSTANT)
+    finite = values[np.isfinite(values).all(axis=1)]
+    return len(finite) > 1 and bool(np.max(np.ptp(finite, axis=0)) > _CONSTANT)
 
 
 RESOLVED = 8.0
@@ -139,14 +139,14 @@ _AVERAGED = 6
 """Oscillations that a moving mean is over."""
 
 
-def oscillations_to_average(values: Floats, most: float) -> int:
+def oscillations_to_average(values: Floats, largest: float) -> int:
     """Number of instants that a moving mean is over, so that oscillations of values [instant] vanish.
 
     0 where instants are near enough together to show them, or there are none of `_SWING` times the largest value.
     """
     change = np.diff(values[np.isfinite(values)])
     turns = np.flatnonzero(np.sign(change[1:]) != np.sign(change[:-1])) + 1
-    swings = np.count_nonzero(np.abs(np.diff(values[np.isfinite(values)][turns])) > _SWING * most)
+    swings = np.count_nonzero(np.abs(np.diff(values[np.isfinite(values)][turns])) > _SWING * largest)
     period = 2.0 * len(values) / swings if swings else np.inf
     if period >= RESOLVED:
         return 0
@@ -157,13 +157,13 @@ _LEAST_AVERAGED = 16
 
 
 def moving_mean(values: Floats, width: int) -> Floats:
-    """Mean of the known values [instant] over so many instants, weighted by a Hann window; values themselves for 0."""
+    """Mean of the finite values [instant] over so many instants, weighted by a Hann window; values themselves for 0."""
     if not width:
         return values
     weight = np.hanning(width + 2)[1:-1]
-    known = np.isfinite(values)
+    finite = np.isfinite(values)
     with np.errstate(invalid="ignore", divide="ignore"):
-        total, weights = (np.convolve(part, weight, mode="same") for part in (np.nan_to_num(values), known * 1.0))
+        total, weights = (np.convolve(part, weight, mode="same") for part in (np.nan_to_num(values), finite * 1.0))
         return np.asarray(total / weights)
 
 

@@ -167,8 +167,8 @@ def scan_figure(
     figure = new_figure(1.0 + 1.7 * len(rows), 8.0)
     axes = figure.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     for place, (axis, row, difference) in enumerate(zip(axes, rows, differences.T, strict=True)):
-        found = np.where(difference > 0.0, difference, np.nan)
-        axis.plot(theta, found, ".", markersize=2, color=CHAIN_COLOURS[0], label="rigid beads")
+        positive = np.where(difference > 0.0, difference, np.nan)
+        axis.plot(theta, positive, ".", markersize=2, color=CHAIN_COLOURS[0], label="rigid beads")
         axis.axhline(agree, color="black", linewidth=0.8, label=f"{100.0 * agree:g} %")
         at = [published.theta], [published.difference[place] or np.nan]
         axis.plot(*at, "D", color=CHAIN_COLOURS[1], markersize=6, markeredgecolor="black", label=published.label)

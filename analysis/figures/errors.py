@@ -97,9 +97,9 @@ def _draw_shares(axis: Axes, deviations: dict[str, Deviation], tolerances: dict[
     limits = np.array([tolerances[name] for name in deviations])
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         shares = np.where(largest == 0.0, 0.0, largest / limits)
-    known = (shares > 0.0) & np.isfinite(shares)
-    low = min(1e-3, 0.5 * float(np.min(shares[known], initial=1.0)))
-    high = max(10.0, 2.0 * float(np.max(shares[known], initial=1.0)))
+    positive = (shares > 0.0) & np.isfinite(shares)
+    low = min(1e-3, 0.5 * float(np.min(shares[positive], initial=1.0)))
+    high = max(10.0, 2.0 * float(np.max(shares[positive], initial=1.0)))
     for row, share in enumerate(shares.tolist()):
         good = share <= 1.0
         look: dict[str, Any] = {
@@ -110,7 +110,7 @@ def _draw_shares(axis: Axes, deviations: dict[str, Deviation], tolerances: dict[
         }
         at = float(np.clip(share if math.isfinite(share) else high, low, high))
         axis.plot([at], [row], linestyle="none", zorder=3, **look)
-        if not known[row]:
+        if not positive[row]:
             axis.annotate(
                 f"{share:g}",
                 (at, row),

@@ -90,11 +90,11 @@ def yield_figure(problem: Problem, table: YieldTable) -> Figure:
     figure = new_figure(5.6)
     axes = figure.subplots(2, 1, sharex=True)
     for position, chain in enumerate(shown_chains(problem)):
-        here = (table.chain == chain + 1) & final
+        of_chain = (table.chain == chain + 1) & final
         for axis, unit, (_, values) in zip(axes, (force, length), _yielded(table), strict=True):
-            noticed = values[here] > LEAST * _most(values[final])
-            shown = np.where(noticed, values[here] * unit.worth, np.nan)
-            draw_chain(axis, position, chain, table.contact[here], shown)
+            noticed = values[of_chain] > LEAST * _most(values[final])
+            shown = np.where(noticed, values[of_chain] * unit.worth, np.nan)
+            draw_chain(axis, position, chain, table.contact[of_chain], shown)
     kicked = table.chain == physics.largest_excitation(problem.system)[0]
     law = power_law(table.force[kicked], table.opened[kicked] == 1)
     if law is not None:

@@ -15,6 +15,7 @@ from analysis.figures.style import (
     evenly_spaced,
     grid,
     head,
+    is_narrow,
     legend_below,
     letter,
     name_columns,
@@ -115,6 +116,16 @@ def _panels(problem: Problem, chains: int) -> tuple[int, int]:
     return rows, -(-chains // rows)
 
 
+def _ends(data: SpaceTime) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Ends of the axes of beads and of time, half a bead and half a frame beyond the first and last."""
+    half = 0.5 * float(data.time[-1] - data.time[0]) / max(1, len(data.time) - 1)
+    instants = (float(data.time[0]) - half, float(data.time[-1]) + half)
+    if not evenly_spaced(data.beads):
+        return (-0.5, len(data.beads) - 0.5), instants
+    step = float(data.beads[1] - data.beads[0])
+    return (float(data.beads[0]) - 0.5 * step, float(data.beads[-1]) + 0.5 * step), instants
+
+
 @styled
 def spacetime_figure(data: SpaceTime) -> Figure:
     """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5), those of a lattice as in it.
@@ -132,12 +143,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     top = largest * unit.worth
     rows, columns = _panels(problem, len(chains))
     even = evenly_spaced(data.beads)
-    half = 0.5 * float(data.time[-1] - data.time[0]) / max(1, len(data.time) - 1)
-    instants = ((data.time[0] - half) * time.worth, (data.time[-1] + half) * time.worth)
-    places = (-0.5, len(data.beads) - 0.5)
-    if even:
-        step = data.beads[1] - data.beads[0]
-        places = (data.beads[0] - 0.5 * step, data.beads[-1] + 0.5 * step)
+    places, instants = _ends(data)
     figure = new_figure(0.6 + 3.6 * rows, 2.2 + 2.4 * columns)
     axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for axis in axes.flat[len(chains) :]:
@@ -149,7 +155,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
             origin="lower",
             aspect="auto",
             interpolation="nearest",
-            extent=(*places, *instants),
+            extent=(*places, *(instant * time.worth for instant in instants)),
             cmap=COLOURS,
             norm=FuncNorm((signed_root, _square), -top, top),
             rasterized=True,
@@ -173,7 +179,8 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=round_ticks(top), extend=beyond, **shape)
     bar.ax.yaxis.set_major_formatter("{x:.4g}")
     bar.ax.minorticks_off()
-    bar.set_label(f"{unit.label(Frames, 'velocity')}; {COLOUR_SCALE}")
+    end = "\n" if is_narrow() else " "
+    bar.set_label(f"{unit.label(Frames, 'velocity')};{end}{COLOUR_SCALE}")
     if np.isnan(data.velocity).any():
         legend_below(figure, [Patch(color=_LEFT)], ["the window has left"])
     head(figure, title(problem, each_chain=True, panels=True, until=data.until))

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from analysis.figures.style import (
     CHAIN_COLOURS,
+    CHAIN_DASHES,
     STYLE,
     head,
     label_log_axis,
@@ -185,8 +186,8 @@ def _missing_mark(*, is_map: bool) -> Patch | Line2D:
 
 def wrapped(label: Label) -> str:
     """Text of a vertical axis, in lines that fit its height; none ends within mathematics."""
-    kept = re.sub(r"\$[^$]*\$", lambda mathematics: mathematics[0].replace(" ", _NO_BREAK), label.mathtext)
-    return "\n".join(textwrap.wrap(kept, _HEIGHT)).replace(_NO_BREAK, " ")
+    unbroken = re.sub(r"\$[^$]*\$", lambda mathematics: mathematics[0].replace(" ", _NO_BREAK), label.mathtext)
+    return "\n".join(textwrap.wrap(unbroken, _HEIGHT)).replace(_NO_BREAK, " ")
 
 
 _NO_BREAK = "\u00a0"
@@ -203,11 +204,11 @@ def _mark(axis: Axes, sought: Sought, over: Axis) -> None:
         sought.value, color="0.4", linewidth=1.0, linestyle=(0, (4, 2)), label=f"value sought: {sought.value:g}"
     )
     for number, (place, error) in enumerate(zip(sought.places.tolist(), sought.errors.tolist(), strict=True)):
-        known = math.isfinite(error) and error > 0.0
-        digits = max(0, -math.floor(math.log10(error))) if known else 4
-        written = f"{place:.{digits}f} \u00b1 {error:.{digits}f}" if known else f"{place:.4g}"
+        certain = math.isfinite(error) and error > 0.0
+        digits = max(0, -math.floor(math.log10(error))) if certain else 4
+        written = f"{place:.{digits}f} \u00b1 {error:.{digits}f}" if certain else f"{place:.4g}"
         label = f"crossing: {over.label.symbol and f'${over.label.symbol}$ = '}{written}"
-        bar = error if known else None
+        bar = error if certain else None
         look: dict[str, Any] = {"color": CHAIN_COLOURS[1 + number % 3], "markersize": 8, "capsize": 3.0, "zorder": 4}
         axis.errorbar([place], [sought.value], xerr=bar, fmt="x", label=label, **look)
 
@@ -475,7 +476,7 @@ def members_figure(what: Objective, best: float, members: Sequence[float]) -> Fi
     axis = _single(2.6)
     axis.hist(members, bins=max(5, len(members) // 4), color="0.8")
     axis.axvline(best, color=CHAIN_COLOURS[0], label="as designed")
-    return _finished(axis, what.label, Label("members"))
+    return _finished(axis, what.label, Label("number of members"))
 
 
 @styled
@@ -483,5 +484,5 @@ def wall_figure(curves: Sequence[tuple[str, Floats, Floats]], time: Label, force
     """Force of all chains together on their far wall over time; a name, times and forces for each curve."""
     axis = _single(3.0)
     for place, (name, times, forces) in enumerate(curves):
-        axis.plot(times, forces, color=CHAIN_COLOURS[place], label=name)
+        axis.plot(times, forces, color=CHAIN_COLOURS[place], linestyle=CHAIN_DASHES[place], label=name)
     return _finished(axis, time, force)

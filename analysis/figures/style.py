@@ -95,8 +95,8 @@ def is_narrow() -> bool:
 
 def new_figure(height: float, width: float = 7.0) -> Figure:
     """An empty figure, of the width that is asked for (`WIDTH`) if there is one, and then less high or higher."""
-    asked = WIDTH.get()
-    size = (width, height) if asked is None else (asked, height * math.sqrt(asked / width))
+    column = WIDTH.get()
+    size = (width, height) if column is None else (column, height * math.sqrt(column / width))
     return Figure(figsize=size, layout="constrained")
 
 
@@ -125,16 +125,18 @@ def legend_beside(figure: Figure, handles: Sequence[Any], labels: Sequence[str],
 
 
 def label_log_axis(setting: XAxis | YAxis) -> None:
-    """Label powers of ten, at most six; where there are hardly two, also 2 and 5 times them, as plain numbers."""
+    """Label powers of ten, at most six; of few decades also digits between them, as plain numbers, as many as fit."""
     low, high = setting.get_view_interval()
     decades = math.log10(high / low)
     if decades > 3.0:
         setting.set_major_locator(LogLocator(numticks=6))
         setting.set_minor_formatter(NullFormatter())
         return
-    digits = (1.0, 2.0, 5.0) if decades > 0.9 else (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)
-    setting.set_major_locator(LogLocator(subs=digits if decades < 2.6 else (1.0,)))
-    setting.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.3g}"))
+    few_fit = is_narrow() and isinstance(setting, XAxis)
+    many, few = (0.4, 1.0) if few_fit else (0.9, 2.6)
+    digits = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0) if decades < many else (1.0, 2.0, 5.0) if decades < few else (1.0,)
+    setting.set_major_locator(LogLocator(subs=digits))
+    setting.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     setting.set_minor_formatter(NullFormatter())
 
 
@@ -302,25 +304,38 @@ def draw_chain(axis: Axes, place: int, chain: int, x: Floats | Integers, y: Floa
         markersize=4,
         label=f"chain {chain + 1}",
     )
-    known = np.pad(np.isfinite(y), 1)
-    alone = known[1:-1] & ~known[:-2] & ~known[2:]
+    finite = np.pad(np.isfinite(y), 1)
+    alone = finite[1:-1] & ~finite[:-2] & ~finite[2:]
     if np.any(alone) and not few:
         axis.plot(x[alone], y[alone], ".", color=colour, markersize=3)
 
 
-def broken(x: Integers, y: Floats, missing: Integers) -> tuple[Floats, Floats]:
-    """A curve that is interrupted between beads with others between them at which there is no number.
+@dataclass(frozen=True)
+class Missing:
+    """Beads at which there is no number.
+
+    Attributes:
+        beads: [bead] recorded ones without a number, ascending.
+        period: beads of a cell of unlike beads, of which not all have one.
+    """
+
+    beads: Integers
+    period: int
+
+
+def broken(x: Integers, y: Floats, missing: Missing) -> tuple[Floats, Floats]:
+    """A curve that is interrupted between beads that are more than a cell apart and have beads without number between.
 
     Args:
         x: [place] beads, ascending.
         y: [place, ...] values.
-        missing: [bead] recorded beads without a value, ascending.
+        missing: beads without a number.
 
     Returns:
         Both, with NaN inserted where the curve is interrupted.
     """
-    before = np.searchsorted(missing, x)
-    place = np.flatnonzero(before[1:] > before[:-1]) + 1
+    before = np.searchsorted(missing.beads, x)
+    place = np.flatnonzero((before[1:] > before[:-1]) & (np.diff(x) > missing.period)) + 1
     return np.insert(x.astype(np.float64), place, np.nan), np.insert(y, place, np.nan, axis=0)
 
 

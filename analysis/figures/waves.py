@@ -11,6 +11,7 @@ from analysis.figures.spacetime import BeadHistory
 from analysis.figures.style import (
     CHAIN_COLOURS,
     Frames,
+    Missing,
     Unit,
     axis_unit,
     broken,
@@ -26,11 +27,12 @@ from analysis.figures.style import (
     title,
 )
 from analysis.shape.exact_wave import wave_of
+from analysis.shape.long_waves import period_of
 from analysis.shape.waveforms import COMPARED, Waveforms
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing, runs_exact_waves
 from analysis.tracking.leading_waves import Waves
-from analysis.trajectory import Floats, Integers, along_the_way
+from analysis.trajectory import Floats, along_the_way
 from lammps_inputs import Problem, physics
 
 AGREED = 0.01
@@ -51,7 +53,8 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
     chains, several = shown_chains(problem), problem.chains > 1
     shares = 1 < problem.chains <= FEW and bool(np.any(np.isfinite(energies.chain)))
     count = 2 + shares + several
-    missing = np.setdiff1d(along_the_way(problem, problem.recorded_beads), shared.bead)
+    without = np.setdiff1d(along_the_way(problem, problem.recorded_beads), shared.bead)
+    missing = Missing(without, period_of(problem.system))
     energy_beads = shared.bead[energies.place]
     figure = new_figure(0.8 + 2.0 * count)
     axes = figure.subplots(count, 1, sharex=True)
@@ -77,7 +80,7 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
     return figure
 
 
-def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares, missing: Integers) -> None:
+def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares, missing: Missing) -> None:
     """Energy in the waves of the chains, in all of them, and as exact waves of their amplitudes would hold."""
     bead, chains = shared.bead[energies.place], shown_chains(problem)
     measured = bool(np.any(np.isfinite(energies.wave)))
@@ -199,8 +202,8 @@ def response_figure(data: BeadHistory, waves: Waves | None = None) -> Figure:
 def _arrivals(waves: Waves, problem: Problem) -> dict[int, float]:
     """Bead -> arrival of the leading pulse of the kicked chain, where it is defined."""
     kicked = waves.of_chain(_kicked(problem))
-    known = np.isfinite(kicked.arrival)
-    return dict(zip(kicked.bead[known].tolist(), kicked.arrival[known].tolist(), strict=True))
+    defined = np.isfinite(kicked.arrival)
+    return dict(zip(kicked.bead[defined].tolist(), kicked.arrival[defined].tolist(), strict=True))
 
 
 def _kicked(problem: Problem) -> int:
@@ -220,7 +223,7 @@ _MARGIN = 2.0
 """Time shown before and after a passage at least, in units of T."""
 
 
-_LONGEST = 4.0
+_LONGEST = 6.0
 """Time shown after a peak at most, in that shown before it."""
 
 
@@ -249,7 +252,8 @@ def pulses(time: Floats, size: Floats) -> list[tuple[float, float, float]]:
         peak = float(time[top])
         if len(passages) < MOST_PULSES and not any(low <= peak <= high for _, low, high in passages):
             passages.append((peak, *passage(time, size, peak)))
-    return sorted(one for one in passages if one[2] - one[1] < 0.5 * (time[-1] - time[0]))
+    longest = 0.5 * (time[-1] - time[0])
+    return sorted((peak, low, high) for peak, low, high in passages if high - low < longest)
 
 
 def time_title(problem: Problem, event: str, time: float, unit: Unit) -> str:

@@ -77,7 +77,7 @@ CURVES = {
 """Curves that a picture has, where those of all chains hide each other."""
 
 INCHES = (2.8, 2.4)
-"""Of a picture of the gallery without its legend; 100 pixels each as the README shows them, and 200 in the file."""
+"""Size of a picture of the gallery without its legend; 100 pixels each as the README shows them, and 200 in the file."""
 
 PAGE = 7.2
 """Inches of the others, as wide as the page; 100 pixels each."""
@@ -87,23 +87,23 @@ def choose(figure: Figure, name: str) -> None:
     """Leave some panels, and some curves, of a figure."""
     panels = [axis for axis in figure.axes if axis.get_label() != "<colorbar>"]
     ends = PANELS.get(name, ("",))
-    kept = [axis for axis in panels if axis.get_title(loc="left").endswith(ends)]
+    chosen = [axis for axis in panels if axis.get_title(loc="left").endswith(ends)]
     for axis in panels:
         for line in axis.get_lines() if name in CURVES else ():
             if line.get_label() not in CURVES[name]:
                 line.remove()
-        if axis not in kept:
-            lowest = kept[-1]
+        if axis not in chosen:
+            lowest = chosen[-1]
             if axis.get_xlabel() and lowest.get_shared_x_axes().joined(lowest, axis):
                 lowest.set_xlabel(axis.get_xlabel())
             axis.remove()
-    kept[-1].xaxis.set_tick_params(labelbottom=True)
-    if len(kept) < len(panels):
-        for axis, place in zip(kept, figure.add_gridspec(len(kept), 1), strict=True):
+    chosen[-1].xaxis.set_tick_params(labelbottom=True)
+    if len(chosen) < len(panels):
+        for axis, place in zip(chosen, figure.add_gridspec(len(chosen), 1), strict=True):
             axis.set_subplotspec(place)
-    for axis in kept:
+    for axis in chosen:
         title = axis.get_title(loc="left").partition(") ")[2]
-        axis.set_title("" if len(kept) == 1 else title, loc="left")
+        axis.set_title("" if len(chosen) == 1 else title, loc="left")
         axis.set_title("", loc="right")
 
 
@@ -179,14 +179,14 @@ MOST_COLOURS = 256
 
 def small(drawn: Image.Image, figure: Figure) -> Image.Image:
     """The picture with at most 256 colours: those of its colour map, as finely as the bar shows them, and greys."""
-    found = drawn.getcolors(MOST_COLOURS)
+    colours = drawn.getcolors(MOST_COLOURS)
     images = [axis.get_images()[0] for axis in figure.axes if axis.get_images()]
-    if found is not None or not images:
+    if colours is not None or not images:
         return drawn.quantize(MOST_COLOURS, dither=Image.Dither.NONE)
     greys = np.linspace(0.0, 1.0, 40)[:, np.newaxis] * np.ones(3)
-    colours = images[0].get_cmap()(np.linspace(0.0, 1.0, MOST_COLOURS - len(greys)))[:, :3]
+    bar = images[0].get_cmap()(np.linspace(0.0, 1.0, MOST_COLOURS - len(greys)))[:, :3]
     palette = Image.new("P", (1, 1))
-    palette.putpalette(np.round(255.0 * np.concatenate([greys, colours])).astype(np.uint8).tobytes())
+    palette.putpalette(np.round(255.0 * np.concatenate([greys, bar])).astype(np.uint8).tobytes())
     return drawn.quantize(palette=palette, dither=Image.Dither.NONE)
 
 

@@ -170,7 +170,7 @@ class SecondField:
         if self.is_numeric:
             return Axis(named, floats(list(values)))
         return Axis(
-            Label(f"value of {named.words}, by its number"), floats([self.values.index(one) + 1 for one in values])
+            Label(f"value of {named.words}, by its number"), floats([self.values.index(value) + 1 for value in values])
         )
 
 

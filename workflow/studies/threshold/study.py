@@ -234,7 +234,9 @@ def _figure(found: Found) -> "Figure":
         return swept_figure(Shown(crossing, place, error), over_field, title=asked.source)
     values = Shown(quantity, floats([point.quantity for point in found.points]))
     over_field = Shown(field, floats([point.value for point in found.points]))
-    places, errors = (floats([getattr(one, name) for one in found.thresholds]) for name in ("place", "uncertainty"))
+    places, errors = (
+        floats([getattr(threshold, name) for threshold in found.thresholds]) for name in ("place", "uncertainty")
+    )
     beside = asked.over.axis([point.over for point in found.points], asked.scene)
     return swept_figure(values, over_field, beside, asked.source, sought=Sought(asked.level, places, errors))
 
