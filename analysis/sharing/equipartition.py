@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from analysis.quantity import declare, result
-from analysis.shape.exact_wave import SolitaryWave, solitary_wave, wave_of
+from analysis.shape.exact_wave import SolitaryWave, has_wave, solitary_wave, wave_of
 from analysis.shape.long_waves import LoadedSpeed, period_of, repeats_between
 from analysis.sharing.impulses import Impulses, compared_by_impulses
 from analysis.tracking.leading_waves import Waves
@@ -428,6 +428,11 @@ def dissipates(system: System) -> bool:
     """Whether contacts or beads lose energy, or contacts yield, so that every pulse decays as long as it runs."""
     along, _, ground, _ = physics.dashpot_names(system)
     return along is not None or ground is not None or bool(physics.remembering(system))
+
+
+def runs_exact_waves(system: System) -> bool:
+    """Whether the exact solitary wave of the contacts can run in every chain: beads alike, touching, and undamped."""
+    return has_wave(system) and physics.alike(system) and not physics.gap(system) and not dissipates(system)
 
 
 def _extrapolated(tops: Floats, tolerance: float) -> float | None:

@@ -42,7 +42,7 @@ ANSWERS = "what analysis.json holds"
 DRAWS = True
 EXAMPLES = (
     "analyze demo",
-    "analyze demo --beads 10,55,90 --formats png,pdf",
+    "analyze demo --beads 10,55,90 --formats pdf --width 3.4",
 )
 
 

@@ -189,7 +189,7 @@ def label(path: Path, scene: dict[str, Any]) -> Label:
     if keys[0] in _NAMED and len(keys) > 2:
         names, keys = [f"kind {path[1][0]}"], keys[2:]
     declared = [_declared_label(path[:count]) for count in range(1, len(path) + 1)]
-    words = list(dict.fromkeys(found.words for found in declared if found is not None))
+    words = list(dict.fromkeys(label.words for label in declared if label is not None))
     if declared[-1] is None:
         words.append(keys[-1] if words else " ".join(keys))
     symbol = "" if declared[-1] is None or names else declared[-1].symbol

@@ -13,6 +13,7 @@ from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.events import from_csv
 from analysis.files.recording import FARTHEST
 from analysis.quantity import csv_of, plain
+from analysis.sharing.equipartition import runs_exact_waves
 from analysis.sharing.impulses import Impulses, from_events
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
@@ -258,14 +259,15 @@ def _makers(found: Survey, spacetime: Any, history: Any) -> "dict[str, Callable[
 
     problem = found.problem
     system = problem.system
-    makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history)}
+    waves = found.waves if system.holds(Fact.PULSE) else None
+    makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history, waves)}
     if spacetime is not None and len(spacetime.beads) > 1:
         makers["spacetime"] = lambda: spacetime_figure(spacetime)
     if len(found.shared) > 1 and system.holds(Fact.PULSE):
         makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
     whole = np.unique(along_the_way(problem, found.waves.bead[np.isfinite(found.shape.residual)]))
     whole = along_the_way(problem, whole[whole <= problem.beads - CLEAR])
-    if len(whole) and system.holds(Fact.PULSE) and system.holds(Fact.SONIC_VACUUM) and not physics.gap(system):
+    if len(whole) and runs_exact_waves(system):
         early, late = whole[min(len(whole) - 1, int(np.searchsorted(along_the_way(problem, whole), 10)))], whole[-1]
         makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
     return makers

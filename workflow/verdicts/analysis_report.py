@@ -6,8 +6,8 @@ import numpy as np
 
 from analysis.conservation import Conservation
 from analysis.quantity import Column, declare, derived, result, table, to_csv
-from analysis.shape.exact_wave import has_wave, wave_of
-from analysis.sharing.equipartition import AGREEMENTS, CONVERGES, Estimate, dissipates, resolved
+from analysis.shape.exact_wave import wave_of
+from analysis.sharing.equipartition import AGREEMENTS, CONVERGES, Estimate, resolved, runs_exact_waves
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import DecayFit
@@ -398,7 +398,6 @@ def equipartition(found: Survey) -> Equipartition:
     seen = pulse and resolved(shared, system)
     final, span = shared.final, shared.span if pulse else None
     measured = np.sum(found.energies.wave, axis=1)
-    exact = has_wave(system) and physics.alike(system) and not physics.gap(system) and not dissipates(system)
     return Equipartition(
         verdict=verdict.sentence,
         state=verdict.state.value,
@@ -409,7 +408,7 @@ def equipartition(found: Survey) -> Equipartition:
         final=None if final is None else Final(final.value, final.uncertainty),
         range=None if span is None else Range(span[0], int(shared.bead[-1]), *span[1:]),
         energy_share=EnergyShare(
-            exact=float(np.sum(shared.wave_share[-1])) if len(shared) and exact else None,
+            exact=float(np.sum(shared.wave_share[-1])) if len(shared) and runs_exact_waves(system) else None,
             measured=float(measured[-1]) if len(measured) and pulse else None,
         ),
         beat_length=shared.regular_beat if seen else None,

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic_waves import of_keys, problem, reference, surveyed
 
-from analysis.sharing.equipartition import Sharing
+from analysis.sharing.equipartition import Sharing, runs_exact_waves
 from analysis.sharing.impulses import measure
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star, fit_decay, verdict_on
@@ -351,3 +351,21 @@ def test_where_amplitudes_have_no_limit_the_reason_is_stated(why, keys):
     plain = {"beads": 40, "kick": KICK, "duration": 60.0, "output": {"every": 0.2}}
     found = surveyed(engine.run(of_keys(**{**plain, **keys}))).shared
     assert (found.changing, found.final) == (why, None)
+
+
+@pytest.mark.parametrize(
+    ("keys", "exact"),
+    [
+        ({}, True),
+        ({"coupling": {"stiffness": 0.1}, "chains": 2}, True),
+        ({"contact": {"exponent": 2}}, True),
+        ({"kinds": {"a": {"mass": 1}, "b": {"mass": 0.5}}, "pattern": ["a", "b"]}, False),
+        ({"contact": {"yield": {"overlap": 0.1}}}, False),
+        ({"damping": {"contact": 0.1}}, False),
+        ({"gap": 0.5}, False),
+        ({"precompression": {"force": 0.1}}, False),
+    ],
+)
+def test_exact_waves_run_in_touching_equal_elastic_beads_without_a_load(keys, exact):
+    plain = {"chains": 1, "beads": 20, "kick": {"velocity": 1.0}, "duration": 5.0}
+    assert runs_exact_waves(of_keys(**{**plain, **keys}).system) == exact

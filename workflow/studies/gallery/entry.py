@@ -9,13 +9,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.dispersion import Dispersion, Map
-from analysis.figures.style import CHAIN_COLOURS, STYLE
+from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, label_log_axis, new_figure, styled
 from analysis.gauges.forces import ForceMeter, Readings
 from analysis.gauges.gauge import gauges
 from analysis.sharing.cells import left
@@ -170,28 +169,31 @@ def each(measure: Callable[..., Value], *runs: Runs) -> dict[str, Value]:
 # --- figures ----------------------------------------------------------------------------------------------------------
 
 PUBLISHED: dict[str, Any] = {"color": "0.45", "linewidth": 1.0, "linestyle": (0, (4, 2))}
-"""Style of lines of published or derived values."""
+"""Style of lines of published or derived values, each with its words in the legend."""
 
 
 Draw = Callable[[Axes, Results], None]
 """Fills one panel."""
 
 
+def line(place: int) -> dict[str, Any]:
+    """Colour and dashes of one of several curves in a panel, which grey distinguishes too."""
+    return {"color": COLOURS[place], "linestyle": CHAIN_DASHES[place]}
+
+
+@styled
 def _panel(labels: tuple[str, str], draw: Draw, results: Results) -> Figure:
     """A figure of one panel with labelled axes and a legend."""
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.4, 3.4), layout="constrained")
-        axis = figure.subplots()
-        draw(axis, results)
-        axis.set_xlabel(labels[0])
-        axis.set_ylabel(labels[1])
-        for line in (axis.xaxis, axis.yaxis):
-            decades = float(np.ptp(np.log10(line.get_view_interval()))) if line.get_scale() == "log" else np.inf
-            if decades < 1.5:
-                line.set_major_formatter("{x:g}")
-                line.set_minor_formatter("{x:g}" if decades < 0.7 else "")
-        if axis.get_legend_handles_labels()[1]:
-            axis.legend()
+    figure = new_figure(3.4, 6.4)
+    axis = figure.subplots()
+    draw(axis, results)
+    axis.set_xlabel(labels[0])
+    axis.set_ylabel(labels[1])
+    for setting in (axis.xaxis, axis.yaxis):
+        if setting.get_scale() == "log":
+            label_log_axis(setting)
+    if axis.get_legend_handles_labels()[1]:
+        axis.legend()
     return figure
 
 
