@@ -60,7 +60,7 @@ FIRST = ("show", "run", "analyze", "view", "sweep")
 
 ALIASES = {"analyse": "analyze"}
 
-PRINTED = ("scenes", "show", "cite", "help", "status", "bench", "schema", "completion")
+PRINTED = ("scenes", "show", "cite", "help", "status", "schema", "completion")
 """Commands that make nothing but what they print."""
 
 
