@@ -44,11 +44,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Scenes": ("scenes", "show", "new", "cite", "help"),
     "Runs": ("run", "deck", "status", "rerun"),
     "Analysis": ("analyze", "view", "validate"),
-    "Studies": (
-        *("sweep", "collect"),
-        *sorted(_STUDIES),
-        "reproduce",
-    ),
+    "Studies": ("sweep", "collect", *sorted(_STUDIES)),
     "Setting up": ("schema", "completion"),
 }
 """Commands by job: those of `workflow.commands`, and the folders of `workflow.studies`."""

@@ -108,7 +108,7 @@ COMMAND_LINES = [
     ("map -o out --couplings x", "--couplings"),
     ("map -o out --couplings -1", "couplings are positive, and chains are 2 or more"),
     ("map -o out --chains 1", "couplings are positive, and chains are 2 or more"),
-    ("gallery -o out --only dimer", "did you mean `dimers`?"),
+    ("gallery dimer -o out", "did you mean `dimers`?"),
     ("extremes exponent -o out", "extremes: 'exponent' given (did you mean `exponents`?)"),
 ]
 

@@ -2,13 +2,13 @@
 
 ::
 
-    STUDY = Study("map", tables=("map.csv",), figures=("map",), cache="cases.jsonl", result="map.csv is the table")
+    STUDY = Study("scan", tables=("scan.csv",), figures=("scan",), cache="cases.jsonl", result="scan.csv is the table")
 
-    def make_map(directory, couplings, chains):
+    def scan(directory, couplings, chains):
         cases = [case(f"{__name__}:computed", {...}, cost=...) for ...]               # plan
         with STUDY.evaluating(directory) as values:
             points = [Point(**value) for value in values(cases)]   # evaluate
-            STUDY.write(directory, {"map.csv": to_csv(Point, points)}, {"map": map_figure(points)})  # report
+            STUDY.write(directory, {"scan.csv": to_csv(Point, points)}, {"scan": draw(points)})  # report
 
 - **Plan**: pure functions that return `workflow.workers.evaluate.Case`, which name a function and plain data.
 - **Evaluate**: `evaluating` computes them in one pool of processes, with the directory's cache and a bar of progress. A
