@@ -143,11 +143,11 @@ class RunDirectory:
             return recording.blocks(dumps, problem, stride)
         return _read_once(dumps, problem)
 
-    def snapshots(self) -> Iterator[Trajectory]:
-        """The snapshots of all beads, in blocks of bounded size; none where the scene asks for none."""
+    def snapshots(self, stride: int = 1) -> Iterator[Trajectory]:
+        """The snapshots of all beads, or every stride-th of them, in blocks of bounded size; none if there are none."""
         files = parts(self.path, "snapshots")
         if self.problem.frames_per_snapshot is not None and files:
-            yield from recording.blocks(files, self.problem.snapshots())
+            yield from recording.blocks(files, self.problem.snapshots(), stride)
 
     @property
     def trajectory(self) -> Trajectory:
@@ -223,7 +223,7 @@ class Fingerprint:
         """Take the next frames."""
         found = states(block)
         if block.problem.window is None:
-            self._digest.update(found.data)
+            self._digest.update(np.ascontiguousarray(found).data)
         else:
             for state in found:
                 self._digest.update(np.int64(block.first).tobytes() + state.tobytes())
