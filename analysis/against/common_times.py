@@ -36,7 +36,7 @@ def near_the_front(block: Trajectory) -> Trajectory:
 
 
 def of_recorded(trajectory: Trajectory, problem: Problem) -> Trajectory:
-    """The same frames as frames of a problem that records the same of their beads, or fewer."""
+    """Frames of a run at the beads that another problem records, which are some or all of those that it recorded."""
     if problem.recorded is None:
         return replace(trajectory, problem=problem)
     columns = np.searchsorted(trajectory.problem.recorded_beads, problem.recorded_beads)

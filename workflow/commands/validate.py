@@ -2,10 +2,12 @@
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from analysis.sharing.chain_differences import ChainDifference
 from lammps_inputs import InputError, library
 from workflow.formats import figure_files
 from workflow.prepare.settings import settle
@@ -111,6 +113,7 @@ def _print(found: validation.Validation) -> None:
         since = "" if runs.since is None else f", from t = {found.problem.scale.written(runs.since, 'time', '.5g')} on"
         print(f"not bitwise the same as {against}{since}")
         _print_quantities(found)
+        _print_chains(found, runs.chains)
     if runs is not None and runs.changes:
         rows = [[name, *map(one_line, values)] for name, values in runs.changes.items()]
         print_table("settings and versions that differ", ["", "this run", against], rows)
@@ -132,8 +135,9 @@ def _print_quantities(found: validation.Validation) -> None:
             if deviation.where.time is not None:
                 where += f", t = {scale.written(deviation.where.time, 'time', '.5g')}"
         rms = f"{deviation.rms:.1e}" if np.isfinite(deviation.rms) else ""
-        verdict = "EXCEEDED" if found.exceeded(name) else "ok"
-        rows.append([name, f"{deviation.largest:.2e}", rms, f"{found.tolerances[name]:.1e}", verdict, where])
+        tolerance = found.tolerances[name]
+        limit = f"{tolerance:.1e}" if np.isfinite(tolerance) else "none"
+        rows.append([name, f"{deviation.largest:.2e}", rms, limit, found.verdict(name), where])
     print_table(
         f"{found.problem.name} against {found.against} at {found.compared} instants; errors in V, T and L",
         ["quantity", "largest", "rms", "tolerance", "", "largest at"],
@@ -154,4 +158,21 @@ def _print_quantities(found: validation.Validation) -> None:
         time, name, place = min(firsts, key=lambda first: first[0])
         print(
             f"first deviation: {name} of bead {place.bead}, chain {place.chain}, at t = {scale.written(time, 'time')}"
+        )
+
+
+def _print_chains(found: validation.Validation, chains: Sequence[ChainDifference]) -> None:
+    """Impulses and energy of each chain, where one of two runs has rigid beads."""
+    rows = []
+    for difference in chains:
+        sizes = (difference.impulse.largest, difference.impulse.rms, difference.share.largest, difference.share.rms)
+        impulse, impulse_rms, share, share_rms = (f"{size:.2g}" if np.isfinite(size) else "-" for size in sizes)
+        until = "none" if difference.agrees_until is None else str(difference.agrees_until)
+        rows.append([str(difference.chain), impulse, impulse_rms, until, share, share_rms])
+    if rows:
+        within = f"within {found.tolerances['impulse']:.0%} to bead"
+        print_table(
+            "differences of first impulses, over the row's largest, and of shares of energy",
+            ["chain", "first impulse: largest", "rms", within, "share of energy: largest", "rms"],
+            rows,
         )

@@ -1,8 +1,9 @@
 """Compare two runs of one scene: bitwise, and quantity by quantity, with what they were computed with."""
 
+import math
 import warnings
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -10,12 +11,14 @@ import numpy as np
 
 from analysis.against.common_times import near_the_front, of_recorded, on_common_rows, simultaneous
 from analysis.against.difference import Deviation, Difference
+from analysis.files import events
 from analysis.files.binary_dump import CutDumpWarning
+from analysis.sharing.chain_differences import ChainDifference, ChainMeter
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene
 from workflow.runs.check import accountant
 from workflow.runs.engines import ENGINES
-from workflow.runs.files import RECORD
+from workflow.runs.files import EVENTS, RECORD
 from workflow.runs.run_directory import Fingerprint, RunDirectory, states
 from workflow.verdicts.validate import (
     HALF_WINDOW,
@@ -44,8 +47,19 @@ NOT_PHYSICS = (
 MOST_FRAMES = 1000
 """Frames of a run from one instant that both runs recorded to the next, at most."""
 
-_TOGETHER = ("velocity", "displacement", "energy", "momentum")
-"""Quantities that are read from snapshots as well as from frames; snapshots are too far apart for waves."""
+_OF_WAVES = ("amplitude", "arrival")
+"""Quantities that snapshots are too far apart for."""
+
+_AT_AN_INSTANT = ("velocity", "displacement", "amplitude", "arrival")
+"""Quantities without a tolerance, unless one is given, where one of two runs has rigid beads."""
+
+_RIGID_BEADS = (
+    "one run has rigid beads: velocities at an instant have no tolerance, impulses and shares of the energy have"
+)
+
+_NO_IMPULSE = "no bead received an impulse in both runs; a longer duration, or neighbouring recorded beads, are needed"
+
+Runs = tuple[RunDirectory, RunDirectory]
 
 
 def validate_run(
@@ -53,7 +67,8 @@ def validate_run(
 ) -> Validation:
     """Compare a run with another one of the same scene, at the beads and times that both recorded.
 
-    Writes what `validate` writes. Energy and momentum are those of the first run.
+    Writes what `validate` writes. Energy and momentum are those of the first run. Where one of the two has rigid beads,
+    impulses and the energy of each chain are compared, too (`analysis.sharing.chain_differences`).
 
     Args:
         directory: the run.
@@ -64,28 +79,26 @@ def validate_run(
         InputError: the runs are of different scenes, or recorded no bead or no time in common.
     """
     refuse_another_scene(directory.scene, str(directory.path), other)
-    limits = limits_of(directory.problem, tolerances)
-    fingerprints = Fingerprints()
-    problem, difference = _difference((directory, other), limits, fingerprints)
-    deviations = difference.deviations()
-    if directory.problem.frames_per_snapshot and other.problem.frames_per_snapshot:
-        _, of_snapshots = _difference((directory, other), limits, fingerprints, snapshots=True)
-        if of_snapshots.frames:
-            deviations |= _larger(deviations, of_snapshots.deviations())
+    runs = directory, other
+    rigid = [run for run in runs if not ENGINES[run.engine].deforms]
+    models_differ = len(rigid) == 1
+    unlimited = dict.fromkeys(_AT_AN_INSTANT, math.inf) if models_differ else {}
+    limits = limits_of(directory.problem, {**unlimited, **(tolerances or {})})
+    frames, fingerprints = _recorded_by_both(runs), Fingerprints()
+    meter = ChainMeter(frames.problem, rigid_first=rigid == [directory]) if models_differ else None
+    difference = _difference(runs, frames, limits, fingerprints, meter)
+    deviations = _larger(difference.deviations(), _of_snapshots(runs, limits, fingerprints))
+    chains: tuple[ChainDifference, ...] = ()
+    if meter is not None:
+        collisions = events.from_csv(rigid[0].path / EVENTS, frames.problem.scale)
+        of_chains, chains = meter.result(collisions, limits["impulse"])
+        deviations |= of_chains
     result = Validation(
-        problem=problem,
+        problem=frames.problem,
         against=str(other.path),
         deviations=deviations,
         tolerances=limits,
-        remarks=(
-            *(f"{run.path}: {run.failure}" for run in (directory, other) if run.failure),
-            *([] if problem.window is None else [HALF_WINDOW]),
-            *(
-                f"{run.path}: has no {RECORD} that names versions, so that these are not compared"
-                for run in (directory, other)
-                if not run.account.versions
-            ),
-        ),
+        remarks=tuple(_remarks(runs, frames.problem, deviations, models_differ=models_differ)),
         frames=difference.frames,
         compared=difference.frames,
         runs=RunDifference(
@@ -93,10 +106,26 @@ def validate_run(
             sha256=fingerprints.sha256,
             since=None if fingerprints.identical else fingerprints.since,
             changes=changes(directory, other),
+            chains=chains,
         ),
     )
     write(directory.path, result, error_figure(result, difference, other.path.name))
     return result
+
+
+def _remarks(runs: Runs, problem: Problem, deviations: dict[str, Deviation], *, models_differ: bool) -> Iterator[str]:
+    for run in runs:
+        if run.failure:
+            yield f"{run.path}: {run.failure}"
+    if problem.window is not None:
+        yield HALF_WINDOW
+    if models_differ:
+        yield _RIGID_BEADS
+        if math.isnan(deviations["impulse"].largest):
+            yield _NO_IMPULSE
+    for run in runs:
+        if not run.account.versions:
+            yield f"{run.path}: has no {RECORD} that names versions, so that these are not compared"
 
 
 # --- of one scene -----------------------------------------------------------------------------------------------------
@@ -125,11 +154,11 @@ def refuse_another_scene(scene: Scene, source: str, other: RunDirectory) -> None
 def _fields(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
     """Dotted path and value of every field of a scene's plain data; entries of lists are numbered from 1."""
     if isinstance(value, dict):
-        for key, inner in value.items():
-            yield from _fields(inner, f"{path}.{key}" if path else key)
+        for key, entry in value.items():
+            yield from _fields(entry, f"{path}.{key}" if path else key)
     elif isinstance(value, list):
-        for number, inner in enumerate(value, 1):
-            yield from _fields(inner, f"{path}[{number}]")
+        for number, entry in enumerate(value, 1):
+            yield from _fields(entry, f"{path}[{number}]")
     else:
         yield path, value
 
@@ -168,44 +197,37 @@ class Fingerprints:
         return len(set(self.sha256)) == 1
 
 
-Runs = tuple[RunDirectory, RunDirectory]
+@dataclass(frozen=True)
+class _Recorded:
+    """What two runs both recorded, of their frames or of their snapshots.
+
+    Attributes:
+        problem: of the beads and times that both recorded.
+        strides: every which frame of each run is at such a time.
+        snapshots: whether these are snapshots.
+        same_window: whether both hold the same number of rows.
+    """
+
+    problem: Problem
+    strides: tuple[int, int]
+    snapshots: bool
+    same_window: bool
+
+    def blocks(self, run: RunDirectory, stride: int) -> Iterator[Trajectory]:
+        """The frames of one of the runs at these beads and times; a file that ends within a frame is no warning."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", CutDumpWarning)
+            for block in run.snapshots(stride) if self.snapshots else run.blocks(stride):
+                yield of_recorded(block, self.problem)
 
 
-def _difference(
-    runs: Runs, limits: dict[str, float], fingerprints: Fingerprints, *, snapshots: bool = False
-) -> tuple[Problem, Difference]:
-    """What both runs recorded, and how far apart their frames, or their snapshots, are there."""
-    first, second = (run.problem.snapshots() if snapshots else run.problem for run in runs)
-    problem, strides = _recorded_by_both(first, second, runs)
-    same_window = first.window == second.window
-    streams = (
-        (of_recorded(block, problem) for block in _blocks(run, stride, snapshots=snapshots))
-        for run, stride in zip(runs, strides, strict=True)
-    )
-
-    def pairs() -> Iterator[tuple[Trajectory, Trajectory]]:
-        for blocks in simultaneous(*streams):
-            near_front, other_near_front = on_common_rows(*map(near_the_front, blocks))
-            fingerprints.add(*(on_common_rows(*blocks) if same_window else (near_front, other_near_front)))
-            yield near_front, other_near_front
-
-    difference = Difference(limits, accountant(runs[0], problem).of)
-    compared(difference, pairs())
-    return problem, difference
-
-
-def _blocks(run: RunDirectory, stride: int, *, snapshots: bool) -> Iterator[Trajectory]:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", CutDumpWarning)  # the number of frames is reported
-        yield from run.snapshots(stride) if snapshots else run.blocks(stride)
-
-
-def _recorded_by_both(first: Problem, second: Problem, runs: Runs) -> tuple[Problem, tuple[int, int]]:
-    """The problem of the beads and times that two recorded, and every which frame of each is at such a time.
+def _recorded_by_both(runs: Runs, *, snapshots: bool = False) -> _Recorded:
+    """The beads and times that two runs recorded.
 
     Raises:
         InputError: there is no such bead, or no such time after the start.
     """
+    first, second = (run.problem.snapshots() if snapshots else run.problem for run in runs)
     ratio = first.every / second.every
     fraction = Fraction(ratio).limit_denominator(MOST_FRAMES)
     strides = fraction.denominator, fraction.numerator
@@ -228,17 +250,54 @@ def _recorded_by_both(first: Problem, second: Problem, runs: Runs) -> tuple[Prob
         peaks=False,
         frames_per_snapshot=None,
     )
-    return problem, strides
+    return _Recorded(problem, strides, snapshots, same_window=first.window == second.window)
+
+
+def _difference(
+    runs: Runs,
+    recorded: _Recorded,
+    limits: dict[str, float],
+    fingerprints: Fingerprints,
+    meter: ChainMeter | None = None,
+) -> Difference:
+    """How far apart two runs are where both recorded; fingerprints and chains are read on the way."""
+    first, second = (recorded.blocks(run, stride) for run, stride in zip(runs, recorded.strides, strict=True))
+
+    def pairs() -> Iterator[tuple[Trajectory, Trajectory]]:
+        for blocks in simultaneous(first, second):
+            near_front, other_near_front = on_common_rows(*map(near_the_front, blocks))
+            fingerprints.add(*(on_common_rows(*blocks) if recorded.same_window else (near_front, other_near_front)))
+            if meter is not None:
+                meter.add(near_front, other_near_front)
+            yield near_front, other_near_front
+
+    difference = Difference(limits, accountant(runs[0], recorded.problem).of)
+    compared(difference, pairs())
+    return difference
+
+
+def _of_snapshots(runs: Runs, limits: dict[str, float], fingerprints: Fingerprints) -> dict[str, Deviation]:
+    """Deviations of what snapshots of two runs show; empty where the two have none at the same times."""
+    if not all(run.problem.frames_per_snapshot for run in runs):
+        return {}
+    try:
+        snapshots = _recorded_by_both(runs, snapshots=True)
+    except InputError:
+        return {}
+    difference = _difference(runs, snapshots, limits, fingerprints)
+    if not difference.frames:
+        return {}
+    return {name: value for name, value in difference.deviations().items() if name not in _OF_WAVES}
 
 
 def _larger(frames: dict[str, Deviation], snapshots: dict[str, Deviation]) -> dict[str, Deviation]:
-    """The larger deviation in frames or snapshots of each of the quantities `_TOGETHER`."""
-    larger = {}
-    for name in _TOGETHER:
-        deviations = [each[name] for each in (frames, snapshots) if name in each]
-        if deviations:
-            larger[name] = max(deviations, key=lambda deviation: np.nan_to_num(deviation.largest, nan=np.inf))
-    return larger
+    """Deviations by quantity, the larger one where frames and snapshots have one."""
+
+    def larger(*deviations: Deviation) -> Deviation:
+        return max(deviations, key=lambda deviation: np.nan_to_num(deviation.largest, nan=np.inf))
+
+    in_both = {name: larger(frames[name], snapshots[name]) for name in frames.keys() & snapshots.keys()}
+    return {**frames, **snapshots, **in_both}
 
 
 # --- what they were computed with -------------------------------------------------------------------------------------

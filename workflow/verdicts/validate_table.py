@@ -41,14 +41,8 @@ def validate_table(
     """
     problem = directory.problem
     limits = limits_of(problem, tolerances)
-    if table.is_text_dump(path):
-        step = problem.timestep if dimensionless else problem.timestep * problem.scale.time
-        given = table.load_dump(path, problem.beads, step)
-    else:
-        given = table.load(path)
-    check_places(path, given, problem)
-    own = joined(blocks(directory))
-    own = own[: problem.frames + 1]
+    given = _loaded(path, problem, dimensionless=dimensionless)
+    own = joined(blocks(directory))[: problem.frames + 1]
     theirs = as_trajectory(given, problem, dimensionless=dimensionless)
     own_part = common_times.of_recorded(own, theirs.problem)
     try:
@@ -85,6 +79,21 @@ def validate_table(
     )
     write(directory.path, result, error_figure(result, difference, path.name))
     return result
+
+
+def _loaded(path: Path, problem: Problem, *, dimensionless: bool) -> Table:
+    """The table in a file, with chains and beads of a problem.
+
+    Raises:
+        InputError: it cannot be read, or has chains or beads that the problem has not.
+    """
+    if table.is_text_dump(path):
+        step = problem.timestep if dimensionless else problem.timestep * problem.scale.time
+        loaded = table.load_dump(path, problem.beads, step)
+    else:
+        loaded = table.load(path)
+    check_places(path, loaded, problem)
+    return loaded
 
 
 def validate_traces(
