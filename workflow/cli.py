@@ -42,7 +42,7 @@ _STUDIES = {path.parent.name: path for path in _HERE.glob("studies/*/study.py")}
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "Scenes": ("scenes", "show", "new", "cite", "help"),
-    "Runs": ("run", "deck", "status", "rerun"),
+    "Runs": ("run", "deck", "status"),
     "Analysis": ("analyze", "view", "validate"),
     "Studies": ("sweep", "collect", *sorted(_STUDIES)),
     "Setting up": ("schema", "completion"),

@@ -14,7 +14,7 @@ Every file is written whole, except the dump, whose frames are whole one by one,
 something runs in it (`files`). Which files are ours, and may be replaced: see `own_files`.
 
 Here is also what ``run.json`` records of a run: where and with what it was computed, its input's fingerprint, and its
-results: a few numbers, enough to determine whether another run is the same, or by how much it differs.
+results: the number and the fingerprint of its frames, enough to determine whether these are the ones that it wrote.
 """
 
 import functools
@@ -209,10 +209,6 @@ def _state(dumps: list[Path]) -> list[tuple[int, int, int]]:
     return [(one.st_ino, one.st_size, one.st_mtime_ns) for one in found]
 
 
-SAMPLES = 32
-"""Beads whose state at the end is kept."""
-
-
 class Fingerprint:
     """Of frames that are given block by block, see `results`."""
 
@@ -234,7 +230,7 @@ class Fingerprint:
 
 
 def results(directory: RunDirectory) -> dict[str, Any]:
-    """For ``run.json``: the number of frames, a fingerprint of them, and the last state of some beads, dimensionless.
+    """For ``run.json``: the number of frames, and a fingerprint of them.
 
     The fingerprint is the SHA-256 of displacement and velocity [chain, bead] (of a window, after the number of its
     first row) as little-endian float64, frame after frame, and then those of the snapshots likewise, where there are
@@ -243,15 +239,13 @@ def results(directory: RunDirectory) -> dict[str, Any]:
     Raises:
         InputError: there are no frames.
     """
-    fingerprint, frames, last = Fingerprint(), 0, None
+    fingerprint, frames = Fingerprint(), 0
     for block in directory.blocks():
         fingerprint.add(block)
         frames += block.frames
-        last = block
     for block in directory.snapshots():
         fingerprint.add(block)
-    assert last is not None
-    return {"frames": frames, "sha256": fingerprint.sha256(), "samples": samples(last)}
+    return {"frames": frames, "sha256": fingerprint.sha256()}
 
 
 def states(block: Trajectory) -> Floats:
@@ -259,22 +253,6 @@ def states(block: Trajectory) -> Floats:
     found = np.stack([block.displacement, block.velocity], axis=1)
     found += 0.0
     return found
-
-
-def samples(block: Trajectory) -> list[dict[str, float]]:
-    """State of some beads in the last frame of a block."""
-    chains, beads = block.velocity.shape[1:]
-    chosen = np.unique(np.linspace(0, chains * beads - 1, min(SAMPLES, chains * beads)).astype(int))
-    return [
-        {
-            "time": float(block.time[-1]),
-            "chain": int(place // beads) + 1,
-            "bead": int(block.beads[place % beads]),
-            "displacement": float(block.displacement[-1].flat[place]),
-            "velocity": float(block.velocity[-1].flat[place]),
-        }
-        for place in chosen
-    ]
 
 
 def fingerprint(files: dict[str, str]) -> str:
