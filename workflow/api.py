@@ -322,7 +322,7 @@ def gallery(directory: Path | str, names: Sequence[str] = ()) -> "Sections":
 
 
 def view(what: AnyRun) -> Page:
-    """Write the page of a run, a sweep or a comparison (of a comparison the page of the first run is returned).
+    """Write the page of a run or a sweep.
 
     Raises:
         InputError: there are no frames or cases, or Bokeh is not installed.
@@ -333,7 +333,7 @@ def view(what: AnyRun) -> Page:
     if isinstance(what, running.Run):
         what = what.directory
     path = what.path if isinstance(what, RunDirectory) else _path(what)
-    return Page(write.write(path)[0])
+    return Page(write.write(path))
 
 
 def _directory(run: AnyRun) -> RunDirectory:

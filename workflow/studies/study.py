@@ -36,7 +36,6 @@ from lammps_inputs import InputError, Scene, file_names
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from lammps_inputs.units import DIMENSIONLESS, Scale
 from workflow.formats import figure_files
-from workflow.prepare.settings import Settings
 from workflow.runs import job
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import alone, write_figure, write_text
@@ -197,14 +196,13 @@ def _unbounded(value: Any) -> Any:
 # --- runs -------------------------------------------------------------------------------------------------------------
 
 
-def kept_run(scene: Scene, engine: str, path: Path, settings: Settings | None = None) -> RunDirectory:
+def kept_run(scene: Scene, engine: str, path: Path) -> RunDirectory:
     """Run a scene, or take the run that an earlier start finished.
 
     Args:
         scene: what to run.
         engine: its name.
         path: of its run directory.
-        settings: how the scene's time step was chosen, where it was before.
 
     Raises:
         RunError: the run failed.
@@ -212,7 +210,7 @@ def kept_run(scene: Scene, engine: str, path: Path, settings: Settings | None = 
     kept = _finished(path, scene, engine)
     if kept is not None:
         return kept
-    done = run(scene, path, engine=engine, overwrite=True, settings=settings)
+    done = run(scene, path, engine=engine, overwrite=True)
     if done.outcome != "done":
         raise KeyboardInterrupt
     return done.directory

@@ -39,7 +39,7 @@ def contents(directory: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in directory.iterdir() if path.is_file()}
 
 
-@pytest.mark.parametrize("command", ["run", "run --overwrite", "deck", "deck --overwrite", "compare"])
+@pytest.mark.parametrize("command", ["run", "run --overwrite", "deck", "deck --overwrite"])
 def test_a_project_folder_is_left_as_it_is(tmp_path: Path, command: str, monkeypatch: Patch) -> None:
     scene_file(tmp_path / "scene.yaml")
     for name in (".scene.yaml.swp", ".log.lammps.bak", ".run.json.orig", "waves.csv", "peaks.csv", "shape.png"):
