@@ -101,9 +101,6 @@ COMMAND_LINES = [
     (f"{FIT} ,", "name at least one field"),
     ("trade s.yaml -o out --budget 0", "above 0"),
     ("trade s.yaml -o out --budget nan", "above 0"),
-    ("map -o out --couplings x", "--couplings"),
-    ("map -o out --couplings -1", "couplings are positive, and chains are 2 or more"),
-    ("map -o out --chains 1", "couplings are positive, and chains are 2 or more"),
     ("gallery dimer -o out", "did you mean `dimers`?"),
     ("extremes exponent -o out", "extremes: 'exponent' given (did you mean `exponents`?)"),
 ]
