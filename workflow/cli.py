@@ -42,13 +42,9 @@ _STUDIES = {path.parent.name: path for path in _HERE.glob("studies/*/study.py")}
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "Scenes": ("scenes", "show", "new", "cite", "help"),
-    "Runs": ("run", "deck", "status", "rerun"),
+    "Runs": ("run", "deck", "status"),
     "Analysis": ("analyze", "view", "validate"),
-    "Studies": (
-        *("sweep", "collect"),
-        *sorted(_STUDIES),
-        "reproduce",
-    ),
+    "Studies": ("sweep", "collect", *sorted(_STUDIES)),
     "Setting up": ("schema", "completion"),
 }
 """Commands by job: those of `workflow.commands`, and the folders of `workflow.studies`."""
@@ -60,7 +56,7 @@ FIRST = ("show", "run", "analyze", "view", "sweep")
 
 ALIASES = {"analyse": "analyze"}
 
-PRINTED = ("scenes", "show", "cite", "help", "status", "bench", "schema", "completion")
+PRINTED = ("scenes", "show", "cite", "help", "status", "schema", "completion")
 """Commands that make nothing but what they print."""
 
 

@@ -1,5 +1,5 @@
-"""Runs of several engines: impulses along the chains, velocities of a few rows, and how equally two gapped chains share
-a pulse, over the gap (rigid beads) and along the chain (rigid and elastic ones).
+"""Rigid and elastic beads: impulses along the chains, velocities of a few rows, and how equally two gapped chains share
+a pulse, over the gap (rigid beads) and along the chain (both).
 """
 
 from collections.abc import Sequence
@@ -30,12 +30,10 @@ from lammps_inputs import Problem
 ENGINE_LOOKS: tuple[dict[str, Any], ...] = (
     {"linestyle": "-", "linewidth": 3.5, "alpha": 0.35},
     {"linestyle": "-", "linewidth": 1.2},
-    {"linestyle": (0, (2, 3)), "linewidth": 2.2},
 )
-"""Wide and pale, thin, and dots: each is seen where all lie on one another."""
+"""Wide and pale, and thin: each is seen where both lie on one another."""
 
 CHAIN_MARKERS = "o^sDv<>P"
-MOST_ROWS = 3
 
 
 @dataclass(frozen=True)
@@ -57,20 +55,16 @@ class Curve:
 
 @styled
 def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve]) -> Figure:
-    """First impulses of all rows above, one panel an engine; below the velocities of up to three rows.
+    """First impulses of all rows above, one panel an engine; below the velocities of a few rows.
 
     A colour and, above, a marker is a chain; below, a line style is an engine.
     """
     chains = shown_chains(problem)
-    few = len(rows) <= MOST_ROWS
-    chosen = list(range(len(rows))) if few else [1, len(rows) // 2, len(rows) - 1]
-    spans = [_window(curves, position) for position in chosen]
+    spans = [_window(curves, position) for position in range(len(rows))]
     time = axis_unit(problem, "time", max(high for _, high in spans))
-    velocity = axis_unit(
-        problem, "velocity", max(float(np.abs(curve.velocity[:, :, chosen]).max(initial=0.0)) for curve in curves)
-    )
-    figure = new_figure(3.0 + 1.8 * len(chosen), 7.5)
-    grid = figure.add_gridspec(1 + len(chosen), len(curves), height_ratios=[1.3] + [1.0] * len(chosen))
+    velocity = axis_unit(problem, "velocity", max(float(np.abs(curve.velocity).max(initial=0.0)) for curve in curves))
+    figure = new_figure(3.0 + 1.8 * len(rows), 7.5)
+    grid = figure.add_gridspec(1 + len(rows), len(curves), height_ratios=[1.3] + [1.0] * len(rows))
     first = None
     for column, curve in enumerate(curves):
         first = figure.add_subplot(grid[0, column], sharey=first)
@@ -82,14 +76,14 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
         if column == 0:
             first.set_ylabel("first impulse $I / (m V)$")
         first.set_xlim(0, problem.beads + 1)
-    for line, (position, span) in enumerate(zip(chosen, spans, strict=True), 1):
-        axis = figure.add_subplot(grid[line, :])
+    for position, (row, span) in enumerate(zip(rows, spans, strict=True)):
+        axis = figure.add_subplot(grid[1 + position, :])
         for number, curve in enumerate(curves):
             for place, chain in enumerate(chains):
                 values = curve.velocity[:, chain, position] * velocity.worth
                 axis.plot(curve.time * time.worth, values, color=_colour(place), label=curve.engine, **_look(number))
         axis.set_xlim(span[0] * time.worth, span[1] * time.worth)
-        axis.set_title(f"bead {rows[position]}", loc="left")
+        axis.set_title(f"bead {row}", loc="left")
         axis.set_ylabel(velocity.label(Frames, "velocity"))
     letter(figure.axes)
     axis.set_xlabel(time.label(Frames, "time"))

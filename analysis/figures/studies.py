@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike
 from analysis.figures.style import (
     CHAIN_COLOURS,
     CHAIN_DASHES,
-    STYLE,
     head,
     label_log_axis,
     legend_below,
@@ -353,50 +352,6 @@ def _even(values: Sequence[float] | Floats) -> bool:
     """Whether no two values are so close that their labels would run into each other."""
     gaps = np.diff(np.asarray(values))
     return len(gaps) == 0 or bool(gaps.min() > 0.5 * gaps.max())
-
-
-DECAY_LENGTH = 2.709
-"""n* kappa: where a pulse that leaves half the energy of its springs behind has spent itself (V = 1, two chains)."""
-
-
-@mpl.rc_context(STYLE)
-def map_figure(columns: dict[str, Floats]) -> Figure:
-    """Distance (beads to 1%) and final amplitude over kappa.
-
-    Args:
-        columns: ``chains``, ``kappa``, ``ten``, ``one``, ``amplitude``, one number a case; NaN where there is none.
-    """
-    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
-    distance, amplitude = figure.subplots(1, 2)
-    numbers = np.unique(columns["chains"])
-    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(numbers)))
-    markers = "osD^v<>"
-    for k, number in enumerate(numbers):
-        here = np.flatnonzero(columns["chains"] == number)
-        here = here[np.argsort(columns["kappa"][here])]
-        kappa, ten, one, final = (columns[name][here] for name in ("kappa", "ten", "one", "amplitude"))
-        look = {"color": colours[k], "marker": markers[k % len(markers)], "markersize": 4}
-        distance.plot(kappa, one, label=f"$N$ = {int(number)}", **look)
-        distance.plot(kappa, ten, **{**look, "marker": "", "linestyle": ":"})
-        amplitude.plot(kappa, final, label=f"$N$ = {int(number)}", **look)
-        missed = np.isnan(ten)
-        amplitude.plot(kappa[missed], final[missed], "x", color="black", markersize=6)
-    kappa = np.geomspace(columns["kappa"].min(), columns["kappa"].max(), 50)
-    distance.plot(kappa, DECAY_LENGTH / kappa, color="black", linewidth=1.0, linestyle=(0, (5, 2)))
-    distance.text(kappa[34], DECAY_LENGTH / kappa[34], "decay law:\n$n^* = 2.709/\\kappa$  ", ha="right", va="top")
-    for axis in (distance, amplitude):
-        axis.set_xscale("log")
-        if len(couplings := np.unique(columns["kappa"])) <= _MOST_TICKS:  # else labels overlap
-            _ticks_at(axis.xaxis, couplings)
-        axis.set_xlabel("coupling $\\kappa$ (at $V$ = 1)")
-    distance.set_yscale("log")
-    distance.set_ylabel("bead from which the chains agree")
-    distance.set_title("(a) distance to 1% (solid) and 10% (dotted)")
-    amplitude.set_ylabel(r"mean leading peak $v_\mathrm{max} / V$")
-    amplitude.set_title("(b) amplitude at the end (x: chains differ by over 10%)")
-    amplitude.set_ylim(bottom=0.0)
-    amplitude.legend(ncols=2)
-    return figure
 
 
 # --- a search among designs -------------------------------------------------------------------------------------------

@@ -219,7 +219,7 @@ class Writer:
             rows[:, place] = memory[:, place - 3 : memory.shape[1] + place - 4].ravel()
         x = rows[:, 1]
         box = (x.min(), x.max(), *self._lateral)
-        head = header(step, step * self._timestep, x.size, box, (), self._names)
+        head = header(step, step * self._timestep, x.size, box, self._names)
         self._file.write(head + rows.tobytes())
         self._file.flush()
 

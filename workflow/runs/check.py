@@ -71,17 +71,18 @@ def closing(problem: Problem) -> Iterator[StepHalving]:
 
 
 def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
-    """Of the frames of a run, or of its snapshots, with the steps that the run itself took if it is the reference's.
+    """Of the frames of a run, or of some of them, with the steps that the run itself took if it is the reference's.
 
     Args:
         directory: the run.
-        problem: of the frames.
+        problem: of these frames.
     """
     uncertainty = directory.account.uncertainty  # only the reference's runs have one
     if uncertainty is None or uncertainty.steps_per_frame is None:
         return Accountant(problem)
     most = 2**MOST_HALVINGS * engine.default_steps_per_frame(problem)
-    return Accountant(problem, min(uncertainty.steps_per_frame, most))
+    steps = uncertainty.steps_per_frame * round(problem.every / directory.problem.every)
+    return Accountant(problem, min(steps, most))
 
 
 LITTLE = 100_000

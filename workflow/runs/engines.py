@@ -235,7 +235,7 @@ LAMMPS, REFERENCE, RIGID = _Lammps(), _Reference(), _Collisions()
 ENGINES: dict[str, Engine] = {engine.name: engine for engine in (LAMMPS, REFERENCE, RIGID)}
 
 
-def engine_called(name: str, where: str = "--engine") -> Engine:
+def engine_called(name: str) -> Engine:
     """An engine by its name.
 
     Raises:
@@ -243,7 +243,7 @@ def engine_called(name: str, where: str = "--engine") -> Engine:
     """
     if name not in ENGINES:
         *most, last = ENGINES
-        raise InputError(f"{where}: {name!r} given; {', '.join(most)} or {last}")
+        raise InputError(f"--engine: {name!r} given; {', '.join(most)} or {last}")
     return ENGINES[name]
 
 

@@ -14,7 +14,7 @@ Every file is written whole, except the dump, whose frames are whole one by one,
 something runs in it (`files`). Which files are ours, and may be replaced: see `own_files`.
 
 Here is also what ``run.json`` records of a run: where and with what it was computed, its input's fingerprint, and its
-results: a few numbers, enough to determine whether another run is the same, or by how much it differs.
+results: the number and the fingerprint of its frames, enough to determine whether these are the ones that it wrote.
 """
 
 import functools
@@ -180,11 +180,11 @@ class RunDirectory:
             texts = "; ".join(differences)
             raise RunError(f"{self.path}: its frames are not those of {file_names.SCENE}: {texts}; {_ADVICE}")
 
-    def snapshots(self) -> Iterator[Trajectory]:
-        """The snapshots of all beads, in blocks of bounded size; none where the scene asks for none."""
+    def snapshots(self, stride: int = 1) -> Iterator[Trajectory]:
+        """The snapshots of all beads, or every stride-th of them, in blocks of bounded size; none if there are none."""
         files = parts(self.path, "snapshots")
         if self.problem.frames_per_snapshot is not None and files:
-            yield from recording.blocks(files, self.problem.snapshots())
+            yield from recording.blocks(files, self.problem.snapshots(), stride)
 
     @property
     def trajectory(self) -> Trajectory:
@@ -256,10 +256,6 @@ def _state(dumps: list[Path]) -> list[tuple[int, int, int]]:
     return [(one.st_ino, one.st_size, one.st_mtime_ns) for one in found]
 
 
-SAMPLES = 32
-"""Beads whose state at the end is kept."""
-
-
 class Fingerprint:
     """Of frames that are given block by block, see `results`."""
 
@@ -270,7 +266,7 @@ class Fingerprint:
         """Take the next frames."""
         found = states(block)
         if block.problem.window is None:
-            self._digest.update(found.data)
+            self._digest.update(np.ascontiguousarray(found).data)
         else:
             for state in found:
                 self._digest.update(np.int64(block.first).tobytes() + state.tobytes())
@@ -281,7 +277,7 @@ class Fingerprint:
 
 
 def results(directory: RunDirectory) -> dict[str, Any]:
-    """For ``run.json``: the number of frames, a fingerprint of them, and the last state of some beads, dimensionless.
+    """For ``run.json``: the number of frames, and a fingerprint of them.
 
     The fingerprint is the SHA-256 of displacement and velocity [chain, bead] (of a window, after the number of its
     first row) as little-endian float64, frame after frame, and then those of the snapshots likewise, where there are
@@ -290,15 +286,13 @@ def results(directory: RunDirectory) -> dict[str, Any]:
     Raises:
         InputError: there are no frames.
     """
-    fingerprint, frames, last = Fingerprint(), 0, None
+    fingerprint, frames = Fingerprint(), 0
     for block in directory.blocks():
         fingerprint.add(block)
         frames += block.frames
-        last = block
     for block in directory.snapshots():
         fingerprint.add(block)
-    assert last is not None
-    return {"frames": frames, "sha256": fingerprint.sha256(), "samples": samples(last)}
+    return {"frames": frames, "sha256": fingerprint.sha256()}
 
 
 def states(block: Trajectory) -> Floats:
@@ -306,22 +300,6 @@ def states(block: Trajectory) -> Floats:
     found = np.stack([block.displacement, block.velocity], axis=1)
     found += 0.0
     return found
-
-
-def samples(block: Trajectory) -> list[dict[str, float]]:
-    """State of some beads in the last frame of a block."""
-    chains, beads = block.velocity.shape[1:]
-    chosen = np.unique(np.linspace(0, chains * beads - 1, min(SAMPLES, chains * beads)).astype(int))
-    return [
-        {
-            "time": float(block.time[-1]),
-            "chain": int(place // beads) + 1,
-            "bead": int(block.beads[place % beads]),
-            "displacement": float(block.displacement[-1].flat[place]),
-            "velocity": float(block.velocity[-1].flat[place]),
-        }
-        for place in chosen
-    ]
 
 
 def fingerprint(files: dict[str, str]) -> str:

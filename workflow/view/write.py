@@ -1,4 +1,4 @@
-"""The pages of a directory, of a run, of a sweep or of a comparison: files of HTML that need no other."""
+"""The page of a directory, of a run or of a sweep: files of HTML that need no other."""
 
 import warnings
 from collections.abc import Iterable
@@ -161,23 +161,19 @@ FINE = 0.5
 """Time between frames up to which a pulse is followed closely, in units of T."""
 
 
-def write(directory: Path) -> list[Path]:
-    """Write ``view.html`` into a directory; of a comparison, into that of each of its runs.
+def write(directory: Path) -> Path:
+    """Write ``view.html`` into a directory.
 
     Raises:
         InputError: there is nothing to be seen in it.
     """
     if not directory.is_dir():
         raise InputError(f"{directory}: no such directory")
-    compared = (directory / "compare.json").is_file()  # beside the scene that was compared
-    if (directory / file_names.SCENE).is_file() and not compared:
-        return [_run(directory)]
-    inside = sorted(path for path in directory.iterdir() if (path / file_names.SCENE).is_file())
-    if not inside:
+    if (directory / file_names.SCENE).is_file():
+        return _run(directory)
+    if not any((path / file_names.SCENE).is_file() for path in directory.iterdir()):
         raise InputError(f"{directory}: neither a run nor a sweep; it has no {file_names.SCENE}")
-    if compared:
-        return [_run(path) for path in inside]
-    return [_sweep(directory)]
+    return _sweep(directory)
 
 
 def _run(path: Path) -> Path:

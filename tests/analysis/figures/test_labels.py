@@ -17,7 +17,7 @@ from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figur
 from analysis.figures.forces import force_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
 from analysis.figures.spectra import dispersion_figure, spectra_figure
-from analysis.figures.studies import Objective, front_figure, history_figure, logarithmic, map_figure
+from analysis.figures.studies import Objective, front_figure, history_figure, logarithmic
 from analysis.figures.style import CHAIN_COLOURS, shown_chains, title
 from analysis.figures.waves import distance_figure, response_figure, shape_figure
 from analysis.files.traces import Channel, Traces
@@ -232,18 +232,6 @@ def test_each_front_is_of_what_its_legend_says():
     lines = {line.get_label(): line for line in axis.get_lines()}
     assert lines["front to the left"].get_xydata().tolist() == [[3.0, 2.0], [5.0, 1.0]]
     assert lines["front to the right"].get_xydata().tolist() == [[5.0, 1.0], [9.0, 3.0]]
-
-
-def test_the_map_has_one_per_cent_solid_and_ten_dotted():
-    columns = {"chains": [2, 2], "kappa": [0.2, 0.1], "one": [40, 60], "ten": [20, np.nan], "amplitude": [0.34, 0.4]}
-    distance, amplitude = map_figure({name: np.array(column, float) for name, column in columns.items()}).axes
-    solid, dotted = (next(line for line in distance.get_lines() if line.get_linestyle() == style) for style in "-:")
-    assert "1% (solid) and 10% (dotted)" in distance.get_title()
-    assert solid.get_xydata().tolist() == [[0.1, 60.0], [0.2, 40.0]]
-    assert dotted.get_ydata().tolist()[1] == 20.0
-    assert [label.get_text() for label in amplitude.get_xticklabels(which="both")] == ["0.1", "0.2"]
-    crossed = next(line for line in amplitude.get_lines() if line.get_marker() == "x")
-    assert crossed.get_xydata().tolist() == [[0.1, 0.4]]  # not level at 10%
 
 
 def test_a_scan_has_a_panel_for_each_row_that_it_names_with_the_published_point():

@@ -64,8 +64,7 @@ CROSSING = [{"from": 0.6, "to": 1.4, "times": [1.37, 7.63]}, {"from": 1.4, "to":
 @pytest.mark.slow
 def test_growth_and_tunnelling_have_the_numbers_that_were_found_independently(tmp_path):
     """Floquet's exponent, the chain of 60 beads, and the share of the action, by LAMMPS and the reference."""
-    words = [word for name in ("parametric", "landau-zener") for word in ("--only", name)]
-    assert main(["gallery", "-o", str(tmp_path), "--quiet", *words]) == 0
+    assert main(["gallery", "parametric", "landau-zener", "-o", str(tmp_path), "--quiet"]) == 0
     page = (tmp_path / "index.html").read_text()
     assert "reference 0.02499268" in page
     assert "LAMMPS 0.668106, reference 0.668106" in page

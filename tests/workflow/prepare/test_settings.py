@@ -339,7 +339,7 @@ def beyond(factor, scene=SMALL["one chain"]):
     return scene.model_copy(update={"timestep": step, "output": Output(every=step)})
 
 
-@pytest.mark.parametrize("command", ["run", "deck", "validate", "compare"])
+@pytest.mark.parametrize("command", ["run", "deck", "validate"])
 def test_a_step_above_the_stability_bound_is_refused_in_one_line_before_anything_is_written(tmp_path, capsys, command):
     path, out = written(tmp_path, beyond(1.01)), tmp_path / "out"
     told = refusal([command, path, "-o", out], capsys)

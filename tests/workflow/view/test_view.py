@@ -281,18 +281,10 @@ def test_a_plot_is_saved_under_its_name_in_print_resolution_and_a_wheel_over_it_
 
 
 @pytest.mark.slow
-def test_each_run_of_a_comparison_has_a_page_that_is_readable_in_dark_mode(ran, tmp_path, capsys, look):
-    for name in ("collisions", "reference"):
-        shutil.copytree(ran.directory.path, tmp_path / name)
-    shutil.copy(ran.directory.path / "scene.yaml", tmp_path)
-    (tmp_path / "compare.json").write_text("{}")
-    assert main(["view", str(tmp_path), "--no-open"]) == 0
-    said = capsys.readouterr().out
-    for name in ("collisions", "reference"):
-        assert (tmp_path / name / "view.html").is_file()
-        assert f"{name}/view.html" in said
-    assert not (tmp_path / "view.html").exists()
-    page = look(tmp_path / "reference" / "view.html", color_scheme="dark")
+def test_the_page_of_a_run_is_readable_in_dark_mode(ran, tmp_path, look):
+    shutil.copytree(ran.directory.path, tmp_path / "run")
+    assert main(["view", str(tmp_path / "run"), "--no-open"]) == 0
+    page = look(tmp_path / "run" / "view.html", color_scheme="dark")
     page.wait_for_function(
         "() => [...Bokeh.documents[0]._all_models.values()].filter(one => one.type == 'Figure')"
         ".every(one => one.background_fill_color == '#1b1d21')"

@@ -14,7 +14,8 @@ from workflow.studies.gallery.entries import (
 )
 from workflow.studies.gallery.entry import Entry
 
-PAPER = ("paper-touching", "paper-gapped")
+GROUPS = {"paper": ("paper-touching", "paper-gapped")}
+"""Name of a group -> its entries."""
 
 ENTRIES: dict[str, Entry] = {
     "paper-touching": paper_touching.ENTRY,
