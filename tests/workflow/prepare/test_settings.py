@@ -22,7 +22,8 @@ from workflow.engines.reference.step_halving import accurate_reference
 from workflow.errors import RunError
 from workflow.prepare import pilot
 from workflow.prepare.pilot import stride
-from workflow.prepare.settings import Settings, settle
+from workflow.prepare.settings import settle
+from workflow.prepare.step_choice import Settings
 from workflow.runs import resume
 from workflow.runs.check import check
 from workflow.runs.run import run
