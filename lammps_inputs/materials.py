@@ -4,13 +4,13 @@ A row never changes, as stored scenes may name it; other values of a material ge
 """
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field, WithJsonSchema
 
+from lammps_inputs import plugins
 from lammps_inputs.units import Unit
 
-Name = Literal["steel", "steel-420c", "steel-52100", "brass", "aluminium", "titanium", "glass", "ptfe"]
 CONSTANTS = ("youngs_modulus", "poisson_ratio", "density")
 
 OF_THE_CATALOGUE = "catalogue"
@@ -50,6 +50,15 @@ CATALOGUE: dict[str, Solid] = {
     "glass": Solid(70e9, 0.2, 2500.0, "en572", "Soda lime silicate glass"),
     "ptfe": Solid(1.46e9, 0.46, 2178.0, "daraio2005", "Polytetrafluoroethylene"),
 }
+
+for _name in plugins.declared("materials"):
+    CATALOGUE |= plugins.load("materials", _name)
+
+if TYPE_CHECKING:
+    Name = str
+else:
+    Name = Literal[tuple(CATALOGUE)]
+    """Name of a material, of ours or of another distribution's."""
 
 
 def completed(given: Any, key: str) -> Any:

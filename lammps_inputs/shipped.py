@@ -3,13 +3,16 @@
 import importlib.resources
 from pathlib import Path
 
-from lammps_inputs import strict_yaml
+from lammps_inputs import plugins, strict_yaml
 
 
 def installed() -> dict[str, Path]:
-    """Name -> file of the scenes that come with the package."""
-    folder = Path(str(importlib.resources.files("lammps_inputs") / "scenes"))
-    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    """Name -> file of the scenes that come with granchain, and then with other distributions (`plugins`)."""
+    files: dict[str, Path] = {}
+    for point in plugins.declared("scenes").values():
+        paths = [Path(str(path)) for path in importlib.resources.files(point.value).iterdir()]
+        files |= {path.stem: path for path in sorted(paths) if path.suffix == ".yaml" and path.stem not in files}
+    return files
 
 
 def descriptions() -> dict[str, str]:

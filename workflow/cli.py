@@ -7,6 +7,7 @@ import argparse
 import ast
 import contextlib
 import importlib
+import importlib.util
 import io
 import os
 import signal
@@ -18,7 +19,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 try:
-    from lammps_inputs import InputError
+    from lammps_inputs import InputError, plugins
     from workflow import formats, screen
     from workflow.errors import RunError
     from workflow.runs.files import as_json
@@ -37,17 +38,14 @@ except (ImportError, SyntaxError):
 
 _HERE = Path(__file__).parent
 
-_STUDIES = {path.parent.name: path for path in _HERE.glob("studies/*/study.py")}
-"""Command of a study -> its module."""
-
 GROUPS: dict[str, tuple[str, ...]] = {
     "Scenes": ("scenes", "show", "new", "cite", "help"),
     "Runs": ("run", "deck", "status"),
     "Analysis": ("analyze", "view", "validate"),
-    "Studies": ("sweep", "collect", *sorted(_STUDIES)),
+    "Studies": ("sweep", "collect", *plugins.declared("studies")),
     "Setting up": ("schema", "completion"),
 }
-"""Commands by job: those of `workflow.commands`, and the folders of `workflow.studies`."""
+"""Commands by job: those of `workflow.commands`, and the studies that installed distributions declare."""
 
 COMMANDS = tuple(name for names in GROUPS.values() for name in names)
 
@@ -201,11 +199,20 @@ def _listed() -> str:
 
 def module_of(name: str) -> Any:
     """The module of a command."""
-    return importlib.import_module(".".join(("workflow", *_source(name).relative_to(_HERE).with_suffix("").parts)))
+    if name in plugins.declared("studies"):
+        return plugins.load("studies", name)
+    return importlib.import_module(f"workflow.commands.{name}")
 
 
 def _source(name: str) -> Path:
-    return _STUDIES.get(name, _HERE / "commands" / f"{name}.py")
+    """File of a command, found without importing it."""
+    study = plugins.declared("studies").get(name)
+    if study is None:
+        return _HERE / "commands" / f"{name}.py"
+    specification = importlib.util.find_spec(study.module)
+    if specification is None or specification.origin is None:
+        raise InputError(f"{study.value}: is declared as the study {name!r} and is no module; mend or uninstall it")
+    return Path(specification.origin)
 
 
 def _fill(one: argparse.ArgumentParser, module: Any) -> None:

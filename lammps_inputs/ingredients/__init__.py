@@ -1,4 +1,4 @@
-"""What a scene may be made of, one ingredient a file; this is the one place that lists them.
+"""What a scene may be made of, one ingredient a file: those that installed distributions declare (`plugins`).
 
 An ingredient is a key of the scene (a frozen, validated class), the links between beads that it makes of it, and what
 it cannot go with. Which force a link has, and how LAMMPS spells that, is its law's (`lammps_inputs.laws`).
@@ -12,16 +12,10 @@ import os
 import sys
 from pathlib import Path
 
+from lammps_inputs import plugins
 from lammps_inputs.errors import InputError
 from lammps_inputs.ingredients.base import Ingredient
-from lammps_inputs.ingredients.contact import Contact, contacts
-from lammps_inputs.ingredients.coupling import Coupling
-from lammps_inputs.ingredients.damping import Damping
-from lammps_inputs.ingredients.foundation import Foundation
-from lammps_inputs.ingredients.on_bead import Drive, Push
-from lammps_inputs.ingredients.preload import Gravity, Precompression
-from lammps_inputs.ingredients.resonators import Resonators
-from lammps_inputs.ingredients.walls import Walls
+from lammps_inputs.ingredients.contact import contacts
 from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across, Link
 
@@ -31,16 +25,7 @@ OWN_INGREDIENTS = "GRANCHAIN_INGREDIENTS"
 __all__ = ["INGREDIENTS", "OWN_INGREDIENTS", "Ingredient", "contacts", "coupled_chains", "environment_of_children"]
 
 INGREDIENTS: dict[str, type[Ingredient]] = {
-    "contact": Contact,
-    "coupling": Coupling,
-    "damping": Damping,
-    "drive": Drive,
-    "foundation": Foundation,
-    "gravity": Gravity,
-    "precompression": Precompression,
-    "push": Push,
-    "resonators": Resonators,
-    "walls": Walls,
+    name: plugins.load("ingredients", name) for name in plugins.declared("ingredients")
 }
 """Key of the scene -> what may stand there."""
 

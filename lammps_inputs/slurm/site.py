@@ -13,7 +13,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from lammps_inputs import strict_yaml
+from lammps_inputs import schema, strict_yaml
 from lammps_inputs.errors import InputError
 from lammps_inputs.library import describe
 from lammps_inputs.output import Limits
@@ -199,3 +199,8 @@ def options(given: dict[str, Any], site: Path | None = None) -> JobOptions:
 
 OPTIONS = {"modules": "module"}
 """Names on the command line that differ from the file's."""
+
+
+def schema_of_site() -> dict[str, Any]:
+    """JSON schema of a site's file."""
+    return schema.of(JobOptions, "site")

@@ -2,8 +2,7 @@
 
 import argparse
 
-from lammps_inputs import schema
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs import plugins
 from workflow.runs.files import as_json
 
 EXAMPLES = (
@@ -13,25 +12,12 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Of what."""
-    parser.add_argument(
-        "of", choices=("scene", "sweep", "design", "site"), nargs="?", default="scene", help="default scene"
-    )
+    """The kind of file."""
+    names = tuple(plugins.declared("schemas"))
+    parser.add_argument("of", choices=names, nargs="?", default="scene", help="default scene")
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Print it."""
-    if arguments.of == "scene":
-        made = schema.scene()
-    elif arguments.of == "site":
-        made = schema.of(JobOptions, "site")
-    elif arguments.of == "sweep":
-        from workflow.sweep import file as sweep  # takes a while to import
-
-        made = sweep.schema_of_file()
-    else:
-        from workflow.studies.design import file as design  # likewise
-
-        made = design.schema_of_file()
-    print(as_json(made))
+    """Print the schema of a kind of file."""
+    print(as_json(plugins.load("schemas", arguments.of)()))
     return 0

@@ -1,0 +1,70 @@
+"""Parts that installed distributions declare as entry points: ingredients, materials, scenes, quantities and studies.
+
+Those of granchain itself are declared in its ``pyproject.toml`` like those of anybody else:
+
+- ``granchain.ingredients``: key of a scene = class derived from `lammps_inputs.ingredients.Ingredient`;
+- ``granchain.materials``: any name = dictionary from names to `lammps_inputs.materials.Solid`;
+- ``granchain.scenes``: any name = package in whose folder scenes stand as ``*.yaml``;
+- ``granchain.quantities``: place in the printed analysis, and name = class derived from
+  `workflow.verdicts.findings.Finding`;
+- ``granchain.studies``: command = module with ``add_arguments``, ``execute`` and ``EXAMPLES``;
+- ``granchain.schemas``: what `granchain schema` prints = function without arguments.
+"""
+
+import functools
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from lammps_inputs.errors import InputError
+
+DISTRIBUTION = "granchain"
+"""Distribution whose parts come first."""
+
+
+@functools.cache
+def declared(kind: str) -> dict[str, EntryPoint]:
+    """Name -> entry point of one kind, such as ``studies``: granchain's, then those of others, each sorted by name.
+
+    Raises:
+        InputError: granchain is not installed, or two distributions declare the same name.
+    """
+    points = sorted(entry_points(group=f"granchain.{kind}"), key=lambda point: (_provider(point), point.name))
+    if not any(_provider(point) == "" for point in points):
+        raise InputError(
+            f"granchain: its installation declares no {kind}; install it again: `pip install -e .` in its sources, or "
+            "`pip install --force-reinstall --no-deps granchain`"
+        )
+    by_name: dict[str, EntryPoint] = {}
+    for point in points:
+        earlier = by_name.setdefault(point.name, point)
+        if earlier.value != point.value:
+            raise InputError(
+                f"{point.name!r} is declared twice as one of granchain.{kind}: {earlier.value} of "
+                f"{_provider(earlier) or DISTRIBUTION} and {point.value} of {_provider(point) or DISTRIBUTION}; "
+                "uninstall one of them"
+            )
+    return by_name
+
+
+def load(kind: str, name: str) -> Any:
+    """What an entry point names.
+
+    Raises:
+        InputError: it cannot be imported; says which distribution declares it.
+    """
+    point = declared(kind)[name]
+    try:
+        return point.load()
+    except (Exception, SystemExit) as error:
+        if _provider(point) == "":
+            raise
+        raise InputError(
+            f"{_provider(point)}: {point.value}, declared as {name!r} of granchain.{kind}, cannot be imported "
+            f"({type(error).__name__}: {error}); mend or uninstall it"
+        ) from error
+
+
+def _provider(point: EntryPoint) -> str:
+    """Name of the distribution that declares an entry point; empty for granchain, which sorts first."""
+    name = "" if point.dist is None else point.dist.name
+    return "" if name == DISTRIBUTION else name
