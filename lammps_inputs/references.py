@@ -71,7 +71,8 @@ def _place(entry: dict[str, str]) -> str:
 
 def of_models() -> dict[str, list[str]]:
     """Laws and schemes that a scene can choose: subject -> keys of `bibtex`."""
-    from lammps_inputs.ingredients import INGREDIENTS, damping, plastic
+    from lammps_inputs.ingredients import damping, plastic
+    from lammps_inputs.ingredients.registry import INGREDIENTS
 
     found = {"contacts of spheres": [HERTZ], "`contact.exponent`": [*POWER_LAW], "`contact.strength`": [GRADED]}
     found |= {"`contact.force`": [MAGNETS]}

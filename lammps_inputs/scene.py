@@ -15,9 +15,10 @@ from lammps_inputs import html, laws, physics, strict_yaml
 from lammps_inputs import scheme as schemes
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import INGREDIENTS, OWN_INGREDIENTS, contacts, plastic
+from lammps_inputs.ingredients import contacts, plastic
 from lammps_inputs.ingredients.base import Count, Ingredient, Part, Positive, refuse_outside
 from lammps_inputs.ingredients.material import Material
+from lammps_inputs.ingredients.registry import INGREDIENTS, OWN_INGREDIENTS
 from lammps_inputs.ingredients.unequal import (
     Disorder,
     Kinds,

@@ -23,6 +23,7 @@ STAIRS = {  # the lowest first
         "verdicts",
         "sweep",
         "view",
+        "study_kit",
         "studies",
         "commands",
     ),

@@ -27,7 +27,7 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.core import event
 
-from lammps_inputs.ingredients import INGREDIENTS
+from lammps_inputs.ingredients.registry import INGREDIENTS
 from workflow import screen
 
 _config: Any = numba.config

@@ -8,7 +8,7 @@ import pytest
 
 import lammps_inputs
 from lammps_inputs import handbook, library, references, shipped
-from lammps_inputs.ingredients import INGREDIENTS
+from lammps_inputs.ingredients.registry import INGREDIENTS
 from lammps_inputs.scene import BaseScene, Scene
 
 

@@ -12,8 +12,9 @@ from typing import Any
 from pydantic import BaseModel
 
 from lammps_inputs import materials, references, schema
-from lammps_inputs.ingredients import INGREDIENTS, contact, coupling, foundation, plastic, unequal
+from lammps_inputs.ingredients import contact, coupling, foundation, plastic, unequal
 from lammps_inputs.ingredients.preload import Gravity
+from lammps_inputs.ingredients.registry import INGREDIENTS
 from lammps_inputs.output import Forces, Limits, Output, Spectra
 from lammps_inputs.scene import Kick, Material, Scene
 from lammps_inputs.units import Unit

@@ -8,7 +8,7 @@ from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
 from workflow.screen import Answer, one_line
-from workflow.studies.options import add_output
+from workflow.study_kit.options import add_output
 from workflow.sweep import carry_out, file
 
 ANSWERS = "how many cases there are, are done, have failed"

@@ -13,9 +13,9 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from lammps_inputs import InputError, Scene, library
-from lammps_inputs.ingredients import INGREDIENTS
 from lammps_inputs.ingredients.base import Part
 from lammps_inputs.ingredients.by_formula import ByFormula
+from lammps_inputs.ingredients.registry import INGREDIENTS
 from lammps_inputs.scene import SEVERAL
 from lammps_inputs.units import Label, Unit
 

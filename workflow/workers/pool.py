@@ -1,7 +1,7 @@
 """Worker processes that stay warm: tasks go in, answers come out; a process that dies is one failed task.
 
 A task names a function of this project, whose arguments and value are plain data (JSON):
-``Task("workflow.studies.map.study:run_case", {"chains": 2, "kappa": 0.1})``.
+``Task("workflow.sweep.carry_out:run_case", {"path": "two-chains"})``.
 """
 
 import contextlib
@@ -16,7 +16,7 @@ import time
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
-from lammps_inputs.ingredients import environment_of_children
+from lammps_inputs.ingredients.registry import environment_of_children
 from workflow import screen
 from workflow.engines.lammps.mpi import cores
 from workflow.errors import complaint, how_it_ended

@@ -22,7 +22,7 @@ from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.errors import RunError
 from workflow.runs.run import run
-from workflow.studies.measures import by_reference
+from workflow.study_kit.scene_quantities import by_reference
 from workflow.verdicts.analyse import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")

@@ -21,7 +21,7 @@ from workflow.runs.job import load
 from workflow.runs.own_files import claim, prepared, refuse_unusable, refuse_unwritable, remove_leftovers, replacing
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.study import Study
+from workflow.study_kit.directory import Study
 
 Printed, Patch = pytest.CaptureFixture[str], pytest.MonkeyPatch
 

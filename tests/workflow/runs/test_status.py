@@ -23,7 +23,7 @@ from lammps_inputs.slurm.site import JobOptions
 from workflow.cli import main
 from workflow.runs.files import RECORD, write_json
 from workflow.runs.status import MEANING, Queue, Queued, parsed_queue, status, statuses
-from workflow.studies.study import Study
+from workflow.study_kit.directory import Study
 
 CASE = scene(chains=2, beads=8, kappa=0.1, duration=10.0, every=0.1)
 STEPS = CASE.problem().steps

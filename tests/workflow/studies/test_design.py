@@ -14,11 +14,11 @@ from lammps_inputs import library, physics, strict_yaml
 from workflow import api
 from workflow.cli import main
 from workflow.runs.run import run
-from workflow.studies import measures
 from workflow.studies.design import file
 from workflow.studies.design.file import Variable
 from workflow.studies.design.found import Found, Sensitivity, Verified, sensitivity
 from workflow.studies.design.search import Record, computed, search, worth
+from workflow.study_kit import scene_quantities
 from workflow.sweep.collect import collect
 from workflow.workers.evaluate import Results, values
 from workflow.workers.pool import Pool
@@ -197,8 +197,8 @@ def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, 
 def test_a_design_that_ends_at_a_bead_waits_for_what_is_wanted_at_the_wall():
     plain = {"name": "a", "beads": 30, "walls": {"right": {"stiffness": 0.1}}, "kick": {"velocity": 1.0}}
     names = ("wall_force", "delay", "transmitted_energy")
-    found = measures.by_reference({**plain, "until_bead": 10}, names, "scene")
-    assert found == pytest.approx(measures.by_reference({**plain, "duration": 90.0}, names, "scene"), rel=1e-6)
+    found = scene_quantities.by_reference({**plain, "until_bead": 10}, names, "scene")
+    assert found == pytest.approx(scene_quantities.by_reference({**plain, "duration": 90.0}, names, "scene"), rel=1e-6)
 
 
 def test_manufacture_is_off_to_both_sides_by_the_spread_at_most(tmp_path):
@@ -307,7 +307,7 @@ def test_quantities_are_those_of_an_analysis(tmp_path):
         "delay",
         "transmitted_energy",
     )
-    found = measures.by_reference(plain, names, "scene")
+    found = scene_quantities.by_reference(plain, names, "scene")
     run(library.from_plain(plain, "scene"), tmp_path / "r", engine="reference")
     assert main(["analyze", str(tmp_path / "r"), "--no-figures"]) == 0
     row = collect(tmp_path).rows[0]
@@ -326,7 +326,7 @@ def test_quantities_are_those_of_an_analysis(tmp_path):
     ],
 )
 def test_the_short_cut_is_for_one_pulse_from_the_first_bead(changes, plain):
-    assert measures._is_plain(library.from_plain({**SCENE, **changes}, "scene").problem()) == plain
+    assert scene_quantities._is_plain(library.from_plain({**SCENE, **changes}, "scene").problem()) == plain
 
 
 def test_lammps_differs_from_the_reference_by_a_share_of_its_number():

@@ -74,7 +74,7 @@ def test_the_fitted_scene_is_a_scene_that_lammps_has_run_with_its_error(found):
 @pytest.mark.timeout(240 * int(os.environ.get("GRANCHAIN_SEEDS", "3")))
 def test_intervals_hold_the_truth_and_fits_are_rejected_as_often_as_stated(tmp_path, monkeypatch):
     """$GRANCHAIN_SEEDS tables (3) that differ in their noise; binomial numbers of them, of 95% and at most 1%."""
-    monkeypatch.setattr("workflow.studies.study.write_figure", lambda *_: ())
+    monkeypatch.setattr("workflow.study_kit.directory.write_figure", lambda *_: ())
     monkeypatch.setattr(study, "STARTS", 1)
     monkeypatch.setattr(study, "BEGUN", 1)
     seeds = int(os.environ.get("GRANCHAIN_SEEDS", "3"))

@@ -9,10 +9,10 @@ import pytest
 
 from lammps_inputs import InputError, strict_yaml
 from workflow.cli import main
-from workflow.studies import measures
-from workflow.studies import study as studying
 from workflow.studies.threshold import study
 from workflow.studies.threshold.bracket import Axis, crossings, wanted
+from workflow.study_kit import directory as studying
+from workflow.study_kit import scene_quantities
 
 pytestmark = pytest.mark.usefixtures("pool_here")
 
@@ -221,4 +221,4 @@ def test_the_examples_of_its_help_find_thresholds(example, tmp_path, monkeypatch
 @pytest.mark.parametrize("name", ["in_resonators", "permanent", "residual_energy"])
 def test_a_quantity_that_only_the_analysis_of_a_run_directory_finds_is_refused(name):
     with pytest.raises(InputError, match=f"'{name}' is no quantity; known are mass, wall_force"):
-        measures.refuse_unknown(name, "--quantity", "quantity")
+        scene_quantities.refuse_unknown(name, "--quantity", "quantity")

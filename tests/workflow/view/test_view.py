@@ -15,7 +15,7 @@ from analysis.figures.spacetime import STILL, largest_afar
 from workflow import api
 from workflow.cli import main
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.page import HOLDS, Section, Statement, render
+from workflow.study_kit.page import HOLDS, Section, Statement, render
 
 SCENE = {
     "name": "seen",

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import Problem
-from lammps_inputs.ingredients import environment_of_children
+from lammps_inputs.ingredients.registry import environment_of_children
 from workflow.engines.lammps import files_on_disk, mpi
 from workflow.errors import EndedError, RunError, complaint, how_it_ended
 

@@ -28,7 +28,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, PlainValidator, model_validator
 
 from lammps_inputs import InputError, schema, strict_yaml
-from workflow.studies.measures import AT_BEAD, KNOWN, heading, refuse_unknown
+from workflow.study_kit.scene_quantities import AT_BEAD, KNOWN, heading, refuse_unknown
 from workflow.sweep import fields
 from workflow.sweep.file import Part, number, scene_in, scene_of_file, validated
 

@@ -15,8 +15,8 @@ from lammps_inputs.units import Label
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.design.found import SET_AGAINST, Found
 from workflow.studies.design.search import RULED_OUT, worth
-from workflow.studies.measures import label
-from workflow.studies.page import Picture, document, drawn, shown, table
+from workflow.study_kit.page import Picture, document, drawn, shown, table
+from workflow.study_kit.scene_quantities import label
 
 
 def page(found: Found) -> str:

@@ -15,8 +15,8 @@ from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
 from analysis.trajectory import Floats
-from workflow.studies import measures
 from workflow.studies.design.file import Design, Variable, values_of
+from workflow.study_kit import scene_quantities
 from workflow.sweep import fields
 from workflow.workers.evaluate import key_of
 
@@ -58,17 +58,17 @@ def computed(
     Args:
         design: the objective.
         designs: each field -> value.
-        evaluated: cases -> their values (`workflow.studies.study.Study.evaluating`).
+        evaluated: cases -> their values (`workflow.study_kit.directory.Study.evaluating`).
         limited: whether no more than the mass is computed of those that it rules out.
         **shown: options of ``evaluated``.
 
     Raises:
         RunError: a process was killed.
     """
-    limit = design.asked.where.get(measures.MASS) if limited else None
-    masses = (limit.low, limit.high) if limit else measures.NO_LIMIT
+    limit = design.asked.where.get(scene_quantities.MASS) if limited else None
+    masses = (limit.low, limit.high) if limit else scene_quantities.NO_LIMIT
     scenes = [fields.put_all(design.scene, values) for values in designs]
-    cases = [measures.case(scene, design.names, design.source, masses) for scene in scenes]
+    cases = [scene_quantities.case(scene, design.names, design.source, masses) for scene in scenes]
     found = evaluated(cases, **shown)
     return [
         Record(values, one.get("quantities", {}), one.get("refused", ""), one["seconds"])

@@ -29,9 +29,9 @@ from workflow.studies.design import file
 from workflow.studies.design.file import Design
 from workflow.studies.design.found import Found, Verified, sensitivity
 from workflow.studies.design.search import RULED_OUT, Compute, Record, computed, search, worth
-from workflow.studies.measures import by_reference, of_frames, scene_to_run
-from workflow.studies.options import add_jobs, add_output, as_job, interrupted
-from workflow.studies.study import Study, csv_text, kept_run
+from workflow.study_kit.directory import Study, csv_text, kept_run
+from workflow.study_kit.options import add_jobs, add_output, as_job, interrupted
+from workflow.study_kit.scene_quantities import by_reference, of_frames, scene_to_run
 from workflow.sweep import fields
 
 REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "index.html", "beside"

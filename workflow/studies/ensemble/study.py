@@ -23,9 +23,9 @@ from lammps_inputs import InputError, Scene, library
 from lammps_inputs.units import Label
 from workflow.formats import figure_files
 from workflow.screen import Answer, cell, one_line, print_table
-from workflow.studies import options
-from workflow.studies.measures import case, heading, label, refuse_unknown, scene_to_run
-from workflow.studies.study import Study, csv_text, floats
+from workflow.study_kit import options
+from workflow.study_kit.directory import Study, csv_text, floats
+from workflow.study_kit.scene_quantities import case, heading, label, refuse_unknown, scene_to_run
 from workflow.sweep import fields
 from workflow.sweep.file import MAX_CASES
 
@@ -105,7 +105,7 @@ class Question:
     Attributes:
         source: what the scene is called in messages.
         scene: its plain data.
-        quantities: by the names of `workflow.studies.measures`.
+        quantities: by the names of `workflow.study_kit.scene_quantities`.
         seeds: of the random ingredients of the scene.
         precision: wished half-width of the 95 % interval of a mean over the mean.
         over: a second field, one ensemble for each of its values.

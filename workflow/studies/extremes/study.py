@@ -30,8 +30,8 @@ from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import one_line
 from workflow.studies.extremes.cells import PARTS, Cell, grid, scaled
-from workflow.studies.options import add_parts, refuse_unknown_parts
-from workflow.studies.study import Study, print_records, to_csv
+from workflow.study_kit.directory import Study, print_records, to_csv
+from workflow.study_kit.options import add_parts, refuse_unknown_parts
 from workflow.verdicts.validate import TOLERANCES
 from workflow.workers import evaluate
 from workflow.workers.evaluate import key_of

@@ -32,8 +32,8 @@ from workflow.screen import Answer, one_line, print_table
 from workflow.studies.fit.estimate import Estimate, estimate
 from workflow.studies.fit.found import Fit, InLammps, judged
 from workflow.studies.fit.model import NO_SCENE, Model, aligned, squares
-from workflow.studies.options import add_output, as_job
-from workflow.studies.study import Study
+from workflow.study_kit.directory import Study
+from workflow.study_kit.options import add_output, as_job
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

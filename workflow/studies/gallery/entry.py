@@ -27,8 +27,8 @@ from analysis.trajectory import Floats, Trajectory, watch
 from lammps_inputs import library
 from workflow.runs.engines import ENGINES as KNOWN_ENGINES
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.page import Picture, Section, Statement, drawn
-from workflow.studies.study import kept_run
+from workflow.study_kit.directory import kept_run
+from workflow.study_kit.page import Picture, Section, Statement, drawn
 
 ENGINES = ("lammps", "reference")
 COLOURS = CHAIN_COLOURS

@@ -11,10 +11,10 @@ from pathlib import Path
 from lammps_inputs import InputError, html
 from lammps_inputs.library import suggestion
 from workflow.screen import Answer, count_bar, one_line, print_table
-from workflow.studies import page
 from workflow.studies.gallery.criteria import RULE
 from workflow.studies.gallery.entries import ENTRIES, GROUPS
-from workflow.studies.study import Study
+from workflow.study_kit import page
+from workflow.study_kit.directory import Study
 from workflow.workers import evaluate
 from workflow.workers.pool import Task
 

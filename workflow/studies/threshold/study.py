@@ -20,10 +20,10 @@ from lammps_inputs import InputError, library
 from lammps_inputs.units import REDUCED
 from workflow.formats import figure_files
 from workflow.screen import Answer, cell, one_line, print_table
-from workflow.studies import options
-from workflow.studies.measures import case, heading, label, refuse_unknown
-from workflow.studies.study import Study, floats, to_csv
 from workflow.studies.threshold.bracket import Axis, Crossing, crossings, wanted
+from workflow.study_kit import options
+from workflow.study_kit.directory import Study, floats, to_csv
+from workflow.study_kit.scene_quantities import case, heading, label, refuse_unknown
 from workflow.sweep import fields
 from workflow.sweep.collect import UNCERTAINTIES
 from workflow.workers import evaluate

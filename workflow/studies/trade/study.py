@@ -30,9 +30,9 @@ from workflow.prepare.settings import settle
 from workflow.runs.files import as_json
 from workflow.runs.run_directory import provenance
 from workflow.screen import count_bar, one_line
-from workflow.studies.study import Study, print_records, to_csv
 from workflow.studies.trade.points import Findings, Limits, Order, Points, measure, sentences
 from workflow.studies.trade.settings import QUANTITIES, WINDOW, Interval, Truth, intervals, make_truth, run, settings
+from workflow.study_kit.directory import Study, print_records, to_csv
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

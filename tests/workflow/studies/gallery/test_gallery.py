@@ -18,7 +18,7 @@ from workflow.cli import main
 from workflow.studies.gallery import entries, sources
 from workflow.studies.gallery.entries import ENTRIES, GROUPS
 from workflow.studies.gallery.entry import Entry
-from workflow.studies.page import FAILS, kept
+from workflow.study_kit.page import FAILS, kept
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
 

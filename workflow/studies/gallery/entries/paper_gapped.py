@@ -27,7 +27,7 @@ from workflow.engines.collisions.modes import THETA_OF_EQ_5
 from workflow.engines.reference import engine as reference
 from workflow.studies.gallery.criteria import Measured, at_least, at_most, near, state
 from workflow.studies.gallery.entry import Entry, Results, Statements
-from workflow.studies.page import Picture, drawn
+from workflow.study_kit.page import Picture, drawn
 
 AGREE = 0.01
 """Relative difference of the chains' impulses up to which they count as equal (the paper: "identical")."""

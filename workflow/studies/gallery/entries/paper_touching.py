@@ -13,7 +13,7 @@ from analysis.trajectory import watch
 from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, by_engine, near, state
 from workflow.studies.gallery.entry import Entry, Ran, Results, Statements, each
 from workflow.studies.gallery.equipartition_distance import distance_map, equipartition_distance
-from workflow.studies.page import Picture, drawn
+from workflow.study_kit.page import Picture, drawn
 
 CASES = (("two-chains", 55, "1", "2"), ("two-chains-strong", 55, "3", "4"), ("three-chains", 90, "5", "6"))
 """Scene, the bead of the paper's figure, and the numbers of its figures in space and time and of that bead."""

@@ -15,8 +15,8 @@ from lammps_inputs.units import Label
 from workflow.runs.files import write_text
 from workflow.runs.own_files import claim, make_directory
 from workflow.screen import Answer
-from workflow.studies.measures import label
-from workflow.studies.study import floats
+from workflow.study_kit.directory import floats
+from workflow.study_kit.scene_quantities import label
 from workflow.sweep import fields
 
 if TYPE_CHECKING:

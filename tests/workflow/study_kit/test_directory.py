@@ -17,7 +17,7 @@ from workflow import studies
 from workflow.cli import main
 from workflow.errors import RunError
 from workflow.runs.status import status
-from workflow.studies.study import Study
+from workflow.study_kit.directory import Study
 from workflow.workers.evaluate import Results, case, evaluate, values
 from workflow.workers.pool import Answer, Pool
 
@@ -144,7 +144,7 @@ def test_a_study_that_was_interrupted_keeps_what_it_computed_and_ends_as_one_tha
         yield from itertools.islice(answers(pool, tasks), 2)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("workflow.studies.study.write_figure", lambda *_: None)
+    monkeypatch.setattr("workflow.study_kit.directory.write_figure", lambda *_: None)
     scene = {**SMALL, "kinds": {"a": {"mass": 1.0}}, "pattern": ["a"], "disorder": {"mass": 0.1}}
     (tmp_path / "s.yaml").write_text(strict_yaml.dump(scene))
     words = [command, str(tmp_path / "s.yaml"), *SEARCHES[command], "-o"]

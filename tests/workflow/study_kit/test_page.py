@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from lammps_inputs import references
 from workflow import provenance
-from workflow.studies.page import FAILS, HEADS, HOLDS, SECTION, Section, Statement, drawn, keep, kept, render
+from workflow.study_kit.page import FAILS, HEADS, HOLDS, SECTION, Section, Statement, drawn, keep, kept, render
 
 SOME = Section(
     "Waves",

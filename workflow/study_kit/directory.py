@@ -15,7 +15,7 @@
   search evaluates as often as it plans, in one open directory.
 - **Report**: a table is a list of records whose class declares its columns once (`analysis.quantity.result`): meaning,
   unit, and how they are printed. `to_csv` and `print_records` follow from it. `write` writes tables, pages and figures;
-  `workflow.studies.page` makes a page of statements.
+  `workflow.study_kit.page` makes a page of statements.
 
 `opened` creates or resumes the directory, refuses files of others, keeps other commands out of it, and records for
 ``granchain status`` whether the study came to its end. A command adds arguments and prints.

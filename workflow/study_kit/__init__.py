@@ -1,0 +1,1 @@
+"""What studies are made of: their directories, options, pages, and quantities of scenes without a run directory."""
