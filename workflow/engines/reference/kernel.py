@@ -262,8 +262,8 @@ class _Writer:
         """A section for each contact or wall with a memory, with the velocities that it reads."""
         terms, row, lines = self._terms, self._terms.row, []
         moving = "actual" if terms.dashpots == "drift" else "v"
-        for term in (_of(term, v=moving) for term in terms.with_memory):
-            behind = "" if term.row else terms.per_mass.replace("[k]", f"[k - {row}]")
+        for term in (replace(term, v=moving) for term in terms.with_memory):
+            behind = "" if term.row else terms.per_mass_at(f"k - {row}")
             begin, end = (f"max(low, {term.row} * {row})", f"min(high, ({term.row} + uint64(1)) * {row})")
             lines += self._lines(
                 section,
@@ -272,8 +272,8 @@ class _Writer:
                 strain=term.strain,
                 rate=term.rate,
                 memory=term.memory,
-                was=term.memory.replace("memory", "was"),
-                closing=term.memory.replace("memory", "closing"),
+                was=term.in_memories("was"),
+                closing=term.in_memories("closing"),
                 after=self._call(replace(term, sign=""), "remember", "late"),
                 top=self._call(replace(term, sign=""), "remember", "top"),
                 more=self._force_with(term, "largest"),
@@ -398,7 +398,7 @@ class _Writer:
     def _taken_in_kicks(self) -> list[str]:
         found = []
         for kind, terms in list(enumerate(self._terms.dampers))[1:]:
-            loops, held = self._sum([_of(term, v="trial") for term in terms], "damping", rate=True)
+            loops, held = self._sum([replace(term, v="trial") for term in terms], "damping", rate=True)
             if held:
                 found += loops + _counted(kind, f"taken = count * trial[k] * ({held})")
         return found
@@ -412,7 +412,7 @@ class _Writer:
         for kind, terms in list(enumerate(self._terms.dampers))[1:]:
             lines = []
             for number, (name, x) in enumerate((("since", "place"), ("half", "trial"), ("until", "x"))):
-                loops, given = self._sum([_of(term, x=x) for term in terms], "impulse", number=number)
+                loops, given = self._sum([replace(term, x=x) for term in terms], "impulse", number=number)
                 taken += loops
                 lines.append(f"{name} = {given}")
             if terms:
@@ -458,9 +458,3 @@ def _counted(kind: int, *lines: str) -> list[str]:
     """A loop that counts what dashpots of a kind have taken, of all of which the first kind has the rest."""
     taken = [f"lost[{kind}, k] += taken", "lost[0, k] -= taken"]
     return ["for k in range(low, high):", *(f"    {line}" for line in (*lines, *taken))]
-
-
-def _of(term: Term, x: str = "x", v: str = "v") -> Term:
-    """The same with other arrays as displacements and velocities."""
-    strain, rate = (re.sub(r"\bx\[", f"{x}[", re.sub(r"\bv\[", f"{v}[", text)) for text in (term.strain, term.rate))
-    return replace(term, strain=strain, rate=rate)

@@ -29,26 +29,48 @@ class Term:
 
     Attributes:
         law: its class.
-        strain, rate: source of both at k; empty of a law in time.
+        strain_text, rate_text: source of both at k, with ``{x}`` and ``{v}`` for the arrays; empty of a law in time.
         parameters: source of each at k.
         over: array that the term is a loop over: distances to other beads, or the places of a law in time.
         sums: scratch array of three sums over distances, [sum, place].
-        memory: where the memory of the law is in the array of memories; empty of a law without.
+        memory_at: index of the law's memory in arrays of memories, in brackets; empty of a law without.
         row: of a wall with a memory, the bead's; empty of others.
         sign: source of a factor of what the law gives; empty of 1.
         time: source of the time, on which the law depends; empty of one that does not.
+        x, v: names of the arrays of displacements and velocities that it reads.
     """
 
     law: Any
-    strain: str
-    rate: str
+    strain_text: str
+    rate_text: str
     parameters: tuple[str, ...]
     over: str = ""
     sums: str = ""
-    memory: str = ""
+    memory_at: str = ""
     row: str = ""
     sign: str = ""
     time: str = ""
+    x: str = "x"
+    v: str = "v"
+
+    @property
+    def strain(self) -> str:
+        """Source of the strain at k."""
+        return self.strain_text.format(x=self.x)
+
+    @property
+    def rate(self) -> str:
+        """Source of the rate of the strain at k."""
+        return self.rate_text.format(v=self.v)
+
+    def in_memories(self, array: str) -> str:
+        """Source of the law's entry in an array of one number for each memory; empty of a law without."""
+        return f"{array}{self.memory_at}" if self.memory_at else ""
+
+    @property
+    def memory(self) -> str:
+        """Source of the law's memory; empty of a law without."""
+        return self.in_memories("memory")
 
 
 @dataclass(frozen=True)
@@ -59,7 +81,7 @@ class Terms:
         contacts, across, ground: laws of force.
         dampers: laws of damping along, across, to the ground and of walls.
         loads, motions: laws in time, of forces on beads and of the acceleration of beads whose motion is given.
-        per_mass: source of what makes a force at k an acceleration; empty where all masses are 1.
+        inverse_mass: name of one over the masses; empty where all are 1.
         dashpots: how they act: as in LAMMPS with those of half a step before, in the kicks, or in the drifts.
         as_lammps: whether loads act as LAMMPS has them.
         bends: array of times at which stiffnesses change abruptly, where steps are split; empty if there are none.
@@ -74,7 +96,7 @@ class Terms:
     dampers: tuple[tuple[Term, ...], ...]
     loads: tuple[Term, ...]
     motions: tuple[Term, ...]
-    per_mass: str
+    inverse_mass: str
     dashpots: Literal["none", "half step", "kick", "drift"]
     as_lammps: bool
     counts_work: bool
@@ -95,6 +117,15 @@ class Terms:
         """Contacts and walls whose force depends on the past."""
         return tuple(term for term in (*self.contacts, *self.ground) if term.memory)
 
+    def per_mass_at(self, place: str) -> str:
+        """Source of what makes a force at a place an acceleration; empty where all masses are 1."""
+        return f" * {self.inverse_mass}[{place}]" if self.inverse_mass else ""
+
+    @property
+    def per_mass(self) -> str:
+        """Source of what makes a force at k an acceleration."""
+        return self.per_mass_at("k")
+
     @property
     def pushed_in_drifts(self) -> bool:
         """Whether loads or motions act while beads drift."""
@@ -105,7 +136,7 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     """The terms of a system and their parameters; with LAMMPS's step where masses depend on it."""
     taken = _Parameters(system)
     row, gap = taken.add("row", np.uint64(physics.lines(system))), taken.add("gap", physics.gap(system))
-    between = f"x[k - {row}] - x[k] - {gap}", f"v[k - {row}] - v[k]"
+    between = f"{{x}}[k - {row}] - {{x}}[k] - {gap}", f"{{v}}[k - {row}] - {{v}}[k]"
     ends = {kind: [link for link in system.dampers if isinstance(link, kind)] for kind in (Along, Across, Ground)}
     walls = [link for link in ends[Ground] if isinstance(link, Wall)]
     beads = [link for link in ends[Ground] if not isinstance(link, Wall)]
@@ -113,7 +144,7 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     bends = np.unique([time for link in system.ground if laws.varies(link.law) for time in link.law.bends])  # type: ignore[attr-defined]
     inverse = _inverse_mass(system, step if as_lammps and physics.velocity_at_full_steps(system) else 0.0)
     terms = Terms(
-        contacts=tuple(taken.term(link.law, *between, first=2, memory="memory[k]") for link in system.along),
+        contacts=tuple(taken.term(link.law, *between, first=2, memory_at="[k]") for link in system.along),
         across=taken.terms((*system.across, *system.inner_links)),
         ground=taken.terms(system.ground),
         dampers=(
@@ -122,7 +153,7 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
         ),
         loads=taken.acting(system.loads),
         motions=taken.acting(system.motions),
-        per_mass="" if inverse is None else f" * {taken.add('inverse_mass', inverse)}[k]",
+        inverse_mass="" if inverse is None else taken.add("inverse_mass", inverse),
         dashpots="none" if not system.dampers else "half step" if as_lammps else "kick" if cut else "drift",
         as_lammps=as_lammps,
         counts_work=physics.acted_on(system) and not as_lammps,
@@ -148,13 +179,13 @@ class _Parameters:
         self.values.append(value)
         return self.names[-1]
 
-    def term(self, law: Any, strain: str, rate: str, *, first: int, memory: str = "") -> Term:
+    def term(self, law: Any, strain: str, rate: str, *, first: int, memory_at: str = "") -> Term:
         """A law on links of which that of the first bead is in row ``first``, and its memory, if it has one, there."""
         found = []
         chains = self._system.chains
         for label, value in zip(law._fields, law, strict=True):
             if label == "memory":
-                found.append(memory)
+                found.append(f"memory{memory_at}")
                 continue
             if self._lines > chains and label not in _one_number(law):
                 # inner atoms have none of it: without parameters a law exerts no force
@@ -162,7 +193,7 @@ class _Parameters:
             differs = np.ndim(value) > 0
             name = self.add(label, self._laid(value, first) if differs else float(value))
             found.append(f"{name}[k]" if differs else name)
-        return Term(type(law), strain, rate, tuple(found), memory=memory if laws.remembers(law) else "")
+        return Term(type(law), strain, rate, tuple(found), memory_at=memory_at if laws.remembers(law) else "")
 
     def terms(self, links: Sequence[Link]) -> tuple[Term, ...]:
         """Of links to the ground, or across."""
@@ -172,12 +203,12 @@ class _Parameters:
                 found += self._across(link)
             elif isinstance(link, Wall):
                 side, gap = self.add("side", link.side), self.add("gap", link.gap)
-                at = f"memory[k + {self.names[0]}]" if link.side > 0.0 else "memory[k]"
-                term = self.term(link.law, f"{side} * x[k] - {gap}", f"{side} * v[k]", first=1, memory=at)
+                at = f"[k + {self.names[0]}]" if link.side > 0.0 else "[k]"
+                term = self.term(link.law, f"{side} * {{x}}[k] - {gap}", f"{side} * {{v}}[k]", first=1, memory_at=at)
                 row = self.add("end", np.uint64(self._system.beads if link.side > 0.0 else 1)) if term.memory else ""
                 found.append(replace(term, sign=side, row=row))
             else:
-                term = self.term(link.law, "x[k]", "v[k]", first=1)
+                term = self.term(link.law, "{x}[k]", "{v}[k]", first=1)
                 found.append(replace(term, time="time" * laws.varies(link.law)))
         return tuple(found)
 
@@ -239,7 +270,7 @@ def _one_number(law: Any) -> tuple[str, ...]:
 
 def _relative(apart: str) -> tuple[str, str]:
     """Strain and its rate of a spring to the bead at a distance in memory."""
-    return f"x[k] - x[k + {apart}]", f"v[k] - v[k + {apart}]"
+    return f"{{x}}[k] - {{x}}[k + {apart}]", f"{{v}}[k] - {{v}}[k + {apart}]"
 
 
 def _shape(load: Load | Motion) -> tuple[Any, ...]:
