@@ -62,7 +62,5 @@ def execute(arguments: argparse.Namespace) -> int:
         print(f"submit there: sbatch {file_names.JOB}; state: granchain status {one_line(arguments.output)}")
         return 0
     print(f"{size.sentence()} on one core")
-    if scene.output.peaks:
-        print("output.peaks: found by `granchain run` only; lmp alone leaves no peaks.csv")
     print(f"run there: lmp -in {file_names.DECK}; then: granchain analyze {one_line(arguments.output)}")
     return 0
