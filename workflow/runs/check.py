@@ -74,7 +74,7 @@ def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
         problem: of these frames.
     """
     uncertainty = directory.account.uncertainty  # only the reference's runs have one
-    if uncertainty is None or uncertainty.steps_per_frame is None:
+    if uncertainty is None:
         return Accountant(problem)
     most = 2**MOST_HALVINGS * engine.default_steps_per_frame(problem)
     steps = uncertainty.steps_per_frame * round(problem.every / directory.problem.every)

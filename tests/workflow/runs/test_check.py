@@ -246,18 +246,21 @@ def test_steps_are_doubled_until_the_reference_is_sure_or_hardly_gets_surer(fall
     assert [one.steps for one in checking.references_of(problem(), ASKED)] == steps
 
 
+def uncertainty_with(steps_per_frame):
+    return Uncertainty(steps_per_frame=steps_per_frame, velocity=None, arrival=None, energy=None, momentum=None)
+
+
 @pytest.mark.parametrize(
     ("taken", "steps"),
     [(6, 6), (None, None), (10**12, 2**12 * engine.default_steps_per_frame(problem()))],
 )
 def test_frames_of_the_reference_are_followed_with_its_own_steps_as_far_as_it_would_take_them(taken, steps):
     """A run of another engine has no uncertainty."""
-    uncertainty = None if taken is None else Uncertainty(steps_per_frame=taken, velocity=None, arrival=None)
+    uncertainty = None if taken is None else uncertainty_with(taken)
     directory = SimpleNamespace(account=Job(uncertainty=uncertainty), problem=problem())
     assert accountant(directory, problem()).steps_per_frame == steps
 
 
 def test_every_other_frame_of_the_reference_is_followed_with_twice_its_own_steps():
-    uncertainty = Uncertainty(steps_per_frame=6, velocity=None, arrival=None)
-    directory = SimpleNamespace(account=Job(uncertainty=uncertainty), problem=problem())
+    directory = SimpleNamespace(account=Job(uncertainty=uncertainty_with(6)), problem=problem())
     assert accountant(directory, problem().coarser(2)).steps_per_frame == 12

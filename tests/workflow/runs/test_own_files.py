@@ -177,6 +177,8 @@ def test_nothing_is_written_through_a_link(tmp_path: Path, name: str, capsys: Pr
         '{"host": "\\ud800"}',
         '{"results": ' + "[" * 100_000,
         '{"files": ["../../home"]}',
+        '{"force": true}',
+        '{"check": {"velocity": 1e-4, "amplitude": 1e-4, "arrival": 1e-4, "seconds": 1.0}}',
         "[]",
     ],
 )
