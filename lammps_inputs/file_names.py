@@ -9,7 +9,6 @@ DECK = "in.chains"
 DATA = "data.chains"
 DUMP = "chains.dump.bin"
 SNAPSHOTS = "chains.snapshots.bin"
-PEAKS, PEAKS_STATE = "peaks.csv", "chains.peaks.npz"
 LOG = "log.lammps"
 
 CONTINUE = "in.continue"

@@ -136,8 +136,6 @@ class Output(Part):
     """Recorded beads of every chain."""
     snapshots: Annotated[Positive, Unit("s")] | None = None
     """Time between snapshots of all beads, in addition to the frames of the recorded ones."""
-    peaks: Literal[True] | None = None
-    """Find the leading pulse at every bead during a local run of LAMMPS, from all beads at the times of the frames."""
     forces: Forces | None = None
     """Where forces are evaluated."""
     spectra: Spectra | None = None

@@ -28,8 +28,6 @@ class Problem:
     recorded: tuple[int, ...] | None
     """Beads of every chain that are recorded, ascending; None for all."""
     scale: Scale
-    peaks: bool = False
-    """Whether the leading pulse is found at every bead while LAMMPS runs, whichever beads are recorded."""
     frames_per_snapshot: int | None = None
     """Frames from one snapshot of all beads to the next; None where there are none."""
     scheme: SchemeName = "verlet"
@@ -122,4 +120,4 @@ class Problem:
         """
         if self.frames_per_snapshot is None:
             raise ValueError("this problem has no snapshots")
-        return replace(self.coarser(self.frames_per_snapshot), recorded=None, peaks=False, frames_per_snapshot=None)
+        return replace(self.coarser(self.frames_per_snapshot), recorded=None, frames_per_snapshot=None)

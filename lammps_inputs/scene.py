@@ -198,8 +198,6 @@ class BaseScene(Part):
         """Refuse a window where what leaves it matters."""
         if self.window is None:
             return
-        if self.output.peaks:
-            raise ValueError("output.peaks: a window records the rows near the front anyway; leave one of them out")
         if self.output.beads != "all" or self.output.snapshots is not None:
             raise ValueError("window: records the rows that exist; leave output.beads and output.snapshots out")
         for number, kick in enumerate(self.kicks):
@@ -566,7 +564,6 @@ class BaseScene(Part):
             frames=max(1, math.ceil(self.duration / every * (1.0 - 1e-9))),
             recorded=None if self.output.beads == "all" else self.output.beads,
             scale=scale,
-            peaks=self.output.peaks is True,
             frames_per_snapshot=None if self.output.snapshots is None else round(self.output.snapshots / every),
             scheme=self.scheme or "verlet",
             window=None if self.window is None or self.window >= self.beads else self.window,

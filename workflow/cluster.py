@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, Problem, file_names, physics
-from lammps_inputs.laws import plastic_lines
 from lammps_inputs.laws.in_time import Table
 from lammps_inputs.laws.written import AcrossChains, AlongChains
 from lammps_inputs.numbers import size_text, time_text
@@ -114,9 +113,6 @@ class Cost:
 YIELDING = 2e-6
 """Seconds a bead and step of contacts that yield (`lammps_inputs.laws.plastic_lines`)."""
 
-HOST, HOSTED = 25e-6, 10e-9
-"""Seconds a step, and a bead and step, where the host computes them (`lammps_inputs.laws.plastic_lines`)."""
-
 
 def bead_seconds(problem: Problem) -> float:
     """Seconds a bead and step."""
@@ -133,7 +129,7 @@ def _more(problem: Problem, beads: int) -> float:
         seconds += LEPTON
     seconds += WRITTEN * sum(isinstance(link.law, AlongChains | AcrossChains) for link in system.links)
     if physics.remembering(system):
-        seconds += HOST + beads * HOSTED if plastic_lines.needs_host(system) else beads * YIELDING
+        seconds += beads * YIELDING
     return seconds + beads * (LOADED * physics.loaded(system) + DAMPED * (physics.contact_loss(system) is not None))
 
 

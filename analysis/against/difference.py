@@ -8,7 +8,7 @@ import numpy as np
 
 from analysis.against.common_times import paired
 from analysis.conservation import Conservation
-from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages
+from analysis.tracking.leading_waves import leading_finder, leading_passages
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem
@@ -31,24 +31,6 @@ def matched(own: Peaks, other: Peaks, beads: int) -> tuple[Peaks, Peaks]:
     clear = [(peaks.velocity > 2.0 * THRESHOLD) & (peaks.bead != last) & (peaks.time > 0.0) for peaks in (own, other)]
     both = np.intersect1d(keys[0][clear[0]], keys[1][clear[1]])
     return own.where(np.isin(keys[0], both)), other.where(np.isin(keys[1], both))
-
-
-def waves_apart(own: Waves, other: Waves) -> tuple[float, float]:
-    """Largest differences of peak velocity and arrival of two runs' leading waves, at beads that both reached.
-
-    Left out are the kicked beads' start and peaks not twice as high as `analysis.tracking.peaks.THRESHOLD`. NaN where
-    nothing is left, or no arrival that is defined.
-    """
-    one, two = (waves.chain * 2**40 + waves.bead for waves in (own, other))
-    _, here, there = np.intersect1d(one, two, assume_unique=True, return_indices=True)
-    own, other = own.where(here), other.where(there)
-    clear = (np.minimum(own.peak_velocity, other.peak_velocity) > 2.0 * THRESHOLD) & (other.time > 0.0)
-    found = []
-    for name in ("peak_velocity", "arrival"):
-        size = np.abs(getattr(own, name) - getattr(other, name))[clear]
-        size = size[np.isfinite(size)]
-        found.append(float(size.max()) if len(size) else math.nan)
-    return found[0], found[1]
 
 
 @dataclass(frozen=True)

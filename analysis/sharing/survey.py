@@ -27,7 +27,6 @@ from analysis.tracking.leading_waves import (
     mirrored_waves,
     of_pulses,
     opposed,
-    succession_of,
     usual_arrival,
 )
 from analysis.tracking.peaks import PeakFinder, Peaks
@@ -94,14 +93,13 @@ class Survey:
 
     def leads(self, pulse: Pulse) -> bool:
         """Whether a pulse is the leading wave of its chain where it was last seen."""
-        return _leads(pulse, self.waves, self.direction, self.problem)
+        return _leads(pulse, self.waves, self.direction)
 
 
-def _leads(pulse: Pulse, waves: Waves, direction: int, problem: Problem) -> bool:
+def _leads(pulse: Pulse, waves: Waves, direction: int) -> bool:
     own = waves.of_chain(pulse.chain)
-    # waves found at every bead while LAMMPS ran have the same maxima but for rounding and interpolation
-    same = np.abs(own.time - pulse.arrival[-1]) < 0.5 * problem.every
-    return pulse.direction == direction and bool(np.any((own.bead == pulse.bead[-1]) & same))
+    same = (own.bead == pulse.bead[-1]) & (own.time == pulse.arrival[-1])
+    return pulse.direction == direction and bool(np.any(same))
 
 
 def _numbered(verdict: Verdict, direction: int) -> Verdict:
@@ -119,7 +117,7 @@ def _distinct_from_sound(
     if not physics.loaded(problem.system):
         return tracks, ()
     loaded = LoadedSpeed(problem.system)
-    keep = [_leads(track, waves, direction, problem) or ahead_of_sound(track, loaded) for track in tracks]
+    keep = [_leads(track, waves, direction) or ahead_of_sound(track, loaded) for track in tracks]
     pulses, crests = (
         tuple(track for track, kept in zip(tracks, keep, strict=True) if kept == wanted) for wanted in (True, False)
     )
@@ -133,7 +131,6 @@ def survey(
     watchers: Sequence[Watcher] = (),
     tolerances: Tolerances | None = None,
     arrival: Arrival | None = None,
-    leading: Waves | None = None,
     counted: Callable[[Trajectory], Trajectory] | None = None,
     impulses: Impulses | None = None,
 ) -> Survey:
@@ -146,7 +143,6 @@ def survey(
         tolerances: within which a pulse counts as solitary.
         arrival: what counts as the arrival of a leading wave; by default
             `analysis.tracking.leading_waves.usual_arrival`.
-        leading: the leading waves with that arrival, where they were found at more beads than are recorded.
         counted: gives frames of all beads their exchange (`analysis.trajectory.EXCHANGES`) where they have none.
         impulses: of rigid beads, along the way of the leading waves; else they are measured where chains are compared
             by them.
@@ -171,25 +167,20 @@ def survey(
         wave_of(system),
     )
     arrival = usual_arrival(problem) if arrival is None else arrival
-    if leading is None:
-        ahead = of_pulses(peaks[direction], tracks) if opposed(problem) else peaks[direction]
-        ahead = beyond_kicks(ahead, problem)
-        succession = changes(ahead, problem)
-        waves = leading_waves(ahead, problem, arrival, succession)
-        sharp = np.isfinite(ahead.first().time_error)
-    else:
-        waves, succession = leading, succession_of(leading, direction)
-        sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # the time of the maximum of others is unknown
-    every_bead = along if leading is None else replace(along, recorded=None)
-    shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, impulses)
+    ahead = of_pulses(peaks[direction], tracks) if opposed(problem) else peaks[direction]
+    ahead = beyond_kicks(ahead, problem)
+    succession = changes(ahead, problem)
+    waves = leading_waves(ahead, problem, arrival, succession)
+    sharp = np.isfinite(ahead.first().time_error)
+    shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), along, impulses)
     shared = replace(shared, energy=energy)
     pulses, crests = _distinct_from_sound(tracks, waves, direction, problem)
     back = {direction: returns(waves, problem, direction), -direction: np.full((problem.chains, problem.beads), np.inf)}
     clear = tuple(clear_of_ends(pulse, problem, back[pulse.direction]) for pulse in pulses)
     at = [measured_at(pulse, problem, last_time, mask) for pulse, mask in zip(pulses, clear, strict=True)]
 
-    seen = np.isfinite(waves.time) & np.isin(waves.bead, problem.recorded_beads)
-    chosen = np.flatnonzero(seen & (waves.bead % max(1, -(-int(seen.sum()) // MAX_PASSAGES)) == 0))
+    stride = max(1, -(-len(waves) // MAX_PASSAGES))
+    chosen = np.flatnonzero(waves.bead % stride == 0)
     waveforms = Waveforms(problem, _passages(waves.where(chosen), direction, pulses, at))
     energies = EnergyShares(along, shared)
     for block in read():

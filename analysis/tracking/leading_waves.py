@@ -4,8 +4,6 @@ With kicks both ways not every first maximum of a bead is the leading pulse's (`
 where one leading pulse ends and another one leads.
 """
 
-import csv
-import io
 from dataclasses import replace
 from typing import Literal
 
@@ -13,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.columns import Columns
-from analysis.quantity import declare, declared, in_units, result, table
+from analysis.quantity import declare, declared, result, table
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, local_speed, track_pulses
 from analysis.tracking.succession import Change, changes, numbers
@@ -164,51 +162,10 @@ def with_speeds(
     return waves
 
 
-def succession_of(waves: Waves, direction: int) -> tuple[Change, ...]:
-    """Ends of leading pulses after which another one leads, by the numbers of the pulses alone.
-
-    Args:
-        waves: leading waves, sorted by chain, then bead.
-        direction: 1 if they run towards higher bead numbers, -1 towards lower ones.
-    """
-    ends = []
-    for at in waves.ends[::direction].tolist():
-        last, first = (at, at + 1) if direction > 0 else (at + 1, at)
-        beads = int(waves.bead[last]), int(waves.bead[first])
-        ends.append(Change(int(waves.chain[last]), *beads, float(waves.peak_velocity[last]), np.nan))
-    return tuple(ends)
-
-
 def mirrored_waves(waves: Waves, problem: Problem) -> Waves:
     """The same waves as numbered in the mirror; twice is the waves themselves."""
     bead = mirrored_bead(problem, waves.bead)
     return replace(waves, bead=bead).where(np.lexsort((bead, waves.chain)))
-
-
-def from_csv(text: str, scale: Scale) -> Waves:
-    """The waves of a table in the scene's units; an arrival that is not given is not defined.
-
-    Args:
-        text: the table.
-        scale: of the scene.
-
-    Raises:
-        ValueError: it is no such table.
-    """
-    rows = list(csv.DictReader(io.StringIO(text)))
-    try:
-        chain, bead, pulse = (
-            np.array([int(row[name]) for row in rows], dtype=np.int64) for name in ("chain", "bead", "pulse")
-        )
-        names = "arrival", "peak_velocity", "speed", "arrival_error", "peak_velocity_error"
-        units = [declared(Waves)[name][0].unit for name in names]
-        arrival, peak, speed, late, off = (
-            np.array([float(row[scale.heading(name, unit)] or "nan") for row in rows]) / in_units(1.0, unit, scale)
-            for name, unit in zip(names, units, strict=True)
-        )
-    except (KeyError, TypeError) as error:
-        raise ValueError(f"no table of waves ({error})") from None
-    return Waves(chain, bead, pulse, arrival, peak, speed, np.where(np.isnan(arrival), np.inf, late), off, time=arrival)
 
 
 def opposed(problem: Problem) -> bool:

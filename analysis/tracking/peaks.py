@@ -4,12 +4,10 @@
 with the number of frames; nothing depends on where the blocks begin.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import hermite
 from analysis.columns import Columns, together
@@ -22,7 +20,6 @@ from analysis.trajectory import (
     direction_of,
     joined,
     mirrored_bead,
-    of_atoms,
     watch,
 )
 from lammps_inputs import Problem
@@ -145,35 +142,6 @@ class PeakFinder:
         """Continue from another one, given the same frames last, which dropped what it had found, and found more."""
         self._found += later._found
         self._carried = later._carried
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """What `resumed` needs to continue later with the frames that follow, as arrays.
-
-        Raises:
-            ValueError: there was no frame.
-        """
-        if self._carried is None:
-            raise ValueError("no frames to continue from")
-        found, (displacement, velocity) = together(self._found), self._carried.atoms
-        return {
-            **{f"found_{name}": column for name, column in found.arrays().items()},
-            "time": self._carried.time,
-            "displacement": displacement,
-            "velocity": velocity,
-            "first": np.array(self._carried.first),
-            "started": np.array(self._started),
-            "passed": np.zeros((0, 0), dtype=bool) if self._passed is None else self._passed,
-        }
-
-    def resumed(self, problem: Problem, state: Mapping[str, NDArray[Any]]) -> "PeakFinder":
-        """Continue, still unused, from the `state` of another."""
-        self._found = [Brackets(**{name: state[f"found_{name}"] for name in no_maxima().arrays()})]
-        self._carried = of_atoms(
-            problem, state["time"], state["displacement"], state["velocity"], first=int(state["first"])
-        )
-        self._started = bool(state["started"])
-        self._passed = state["passed"] if state["passed"].size else None
-        return self
 
     def _way(self, block: Trajectory) -> int:
         return direction_of(block.problem) if self._direction is None else self._direction

@@ -31,8 +31,7 @@ class Change:
         last: number of the last bead at which the pulse leads.
         first: number of the recorded bead after it, at which another one leads.
         peak_velocity: of the pulse that ends at its last bead, in units of V.
-        behind: peak velocity of the other pulse at that bead, where it follows there; NaN where it forms ahead, or
-            where maxima behind the first are not known.
+        behind: peak velocity of the other pulse at that bead, where it follows there; NaN where it forms ahead.
     """
 
     chain: int

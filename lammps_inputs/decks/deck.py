@@ -249,11 +249,10 @@ def output_lines(problem: Problem, dump: str, snapshots: str = file_names.SNAPSH
 def _thermo_lines(problem: Problem) -> list[str]:
     """Columns of the log: kinetic energy and momentum where a line is written every many steps.
 
-    Not where each substep, or each frame, is a run of its own, which LAMMPS begins and ends with a line; nor where its
-    masses are not those of the beads.
+    Not where each substep is a run of its own, which LAMMPS begins and ends with a line; nor where its masses are not
+    those of the beads.
     """
-    seldom = problem.scheme == "verlet" and not problem.peaks
-    if seldom and all(lines.heavier is None for lines in spelling(problem)):
+    if problem.scheme == "verlet" and all(lines.heavier is None for lines in spelling(problem)):
         return [
             "# in the log: sums of m vx^2/2 and of m vx over all atoms",
             "compute kinetic all temp/partial 1 0 0",

@@ -171,8 +171,6 @@ class Drive(OnBead):
     def refuse(self, scene: SceneParts) -> None:
         """Refuse a bead outside the array, too, and what does not go with motion for ever."""
         super().refuse(scene)
-        if scene.output.peaks:
-            raise ValueError("output.peaks: finds the pulse that leads, which a drive makes none of; leave it out")
         if self.displacement is not None and any(
             (kick.chain, kick.bead) == (self.chain, self.bead) for kick in scene.kicks
         ):

@@ -1,15 +1,11 @@
-"""How LAMMPS has contacts that yield: by stock commands, or by `fix external` where there are too many beads for that.
+"""LAMMPS commands for contacts that yield: pairs of beads as chunks, and a fix that stores memories.
 
-Stock commands are pairs of beads as chunks, and a fix that stores memories. Every bead has two contacts: one in the
-first pairs (beads 1 and 2, 3 and 4, ...), one in the second (2 and 3, ...). A chunk holds the beads of a pair, the sum
-of their places with alternating sign is their overlap, and each bead takes it from there. Where a bead at the end is in
-no pair, a wall takes that place. At the end of a step the memories are updated, and what follows from them; each number
-is computed once, for LAMMPS evaluates a variable wherever it is named. Under a static load the forces found at rest,
-with the memories of that state, are stored and subtracted, in a continued run as well, so that rest is exactly rest.
-
-Forces of `fix external` are computed by a function of the process that hosts LAMMPS
-(`workflow.engines.lammps.yielding`), on one rank. The memories are numbers of every bead (`fix property/atom`), so they
-are in frames and restarts.
+Every bead has two contacts: one in the first pairs (beads 1 and 2, 3 and 4, ...), one in the second (2 and 3, ...). A
+chunk holds the beads of a pair, the sum of their places with alternating sign is their overlap, and each bead takes it
+from there. Where a bead at the end is in no pair, a wall takes that place. At the end of a step the memories are
+updated, and what follows from them; each number is computed once, for LAMMPS evaluates a variable wherever it is named.
+Under a static load the forces found at rest, with the memories of that state, are stored and subtracted, in a continued
+run as well, so that rest is exactly rest.
 """
 
 from typing import Any
@@ -22,32 +18,10 @@ from lammps_inputs.deck_lines import BeadLayout, Lines, WallLinks
 from lammps_inputs.laws.contact import faces
 from lammps_inputs.numbers import text
 
-MOST_STOCK = 4000
-"""Beads up to which stock commands are worth while: a step takes 0.7 to 2 us a bead, fifty times elastic ones'."""
-
-FIX = "contacts"
-
-EXTERNAL = f"fix {FIX} all external pf/callback 1 1   # forces of contacts: computed by granchain run, on one rank"
-"""The line after which the host gives LAMMPS its function."""
-
-MEMORY, AHEAD = "d_memory", "d_memory_ahead"
-"""Largest overlap of the contact behind each bead, and of that between the last bead and a wall."""
-
-
-def needs_host(system: Any) -> bool:
-    """Whether the forces of a system's contacts in LAMMPS are those of a function of its host."""
-    return system.chains * system.beads > MOST_STOCK and any(laws.remembers(link.law) for link in system.links)
-
-
-def refusal(system: Any, ranks: int | None = None) -> str:
-    """Why a deck runs neither in another program nor on several ranks; empty where it does, or it is on one rank."""
-    if ranks == 1 or not needs_host(system):
-        return ""
-    return (
-        f"contacts that yield of more than {MOST_STOCK} beads: their forces are computed by `granchain run`, on one "
-        "rank; use that or the reference engine"
-    )
-
+MOST_BEADS = 4000
+"""Beads up to which these commands are worth while: a step takes 0.7 to 2 us a bead, a hundred times as long as one of
+the reference integrator.
+"""
 
 COLUMNS = ("d_strength1", "d_strength2", "d_onset1", "d_onset2")
 """Per-atom numbers of the first and of the second pairs, where contacts differ."""
@@ -57,16 +31,14 @@ def contacts(law: Any, name: str, layout: BeadLayout) -> Lines:
     """Contacts along chains, and with walls, that yield by Thornton's law.
 
     Raises:
-        ValueError: a static load and too many beads, or walls that are not at one place for all chains.
+        ValueError: more than `MOST_BEADS` beads, or walls that are not at one place for all chains.
     """
     walls, loaded = _walls(layout.system), bool(np.any(laws.load(law)))
-    if needs_host(layout.system):
-        if loaded:
-            raise ValueError(
-                f"{name}: LAMMPS has contacts that yield under a static load up to {MOST_STOCK} beads only; use the "
-                "reference engine"
-            )
-        return _lines_of_host(layout)
+    if (beads := layout.chains * layout.beads) > MOST_BEADS:
+        raise ValueError(
+            f"{name}: LAMMPS has contacts that yield for at most {MOST_BEADS} beads, {beads} given; use the reference "
+            "engine"
+        )
     if any(len({face for _, face in faces(wall, layout)}) > 1 for wall in walls):
         raise ValueError(
             f"{name}: LAMMPS has walls that yield at one place for all chains only; use the reference engine"
@@ -92,7 +64,7 @@ def contacts(law: Any, name: str, layout: BeadLayout) -> Lines:
     ]
     return Lines(
         variables=variables,
-        interactions=_no_forces(", but neighbours", layout),
+        interactions=_no_forces(layout),
         motion=tuple(lines),
         numbers=_columns(layout) if differ else None,
     )
@@ -168,9 +140,9 @@ def _at_wall(wall: WallLinks, n: int, layout: BeadLayout) -> str:
     return f"+((id-1)%{beads}=={end - 1})*{strain}"
 
 
-def _no_forces(but: str, layout: BeadLayout) -> tuple[str, ...]:
+def _no_forces(layout: BeadLayout) -> tuple[str, ...]:
     return (
-        f"# contacts: no forces of LAMMPS's own{but}; see fix contacts",
+        "# contacts: no forces of LAMMPS's own, but neighbours; see fix contacts",
         f"pair_style zero {text(layout.diameter)} nocoeff",
         "pair_coeff * *",
     )
@@ -183,39 +155,25 @@ def _walls(system: Any) -> list[Any]:
 
 def _columns(layout: BeadLayout) -> NDArray[np.float64]:
     """[column, chain, bead] `COLUMNS`; a strength of 0 where there is no contact."""
-    table, _ = table_of_host(layout)
+    table = _strength_and_onset(layout)
     odd, before, behind = np.arange(layout.beads) % 2 == 1, table[..., :-1], table[..., 1:]
     pairs = np.stack([np.where(odd, before, behind), np.where(odd, behind, before)], axis=1)
     return pairs.reshape(4, layout.chains, layout.beads)
 
 
-def _lines_of_host(layout: BeadLayout) -> Lines:
-    """Contacts along chains, and with walls, whose forces the host computes."""
-    return Lines(
-        interactions=_no_forces("", layout),
-        motion=(
-            f"fix memory all property/atom {MEMORY} {AHEAD}",
-            f"variable memory atom {MEMORY}",
-            f"variable memory_ahead atom {AHEAD}",
-            EXTERNAL,
-        ),
-    )
+def _strength_and_onset(layout: BeadLayout) -> NDArray[np.float64]:
+    """Strength and onset of each contact, [strength or onset, chain, contact], the first and the last with walls.
 
-
-def table_of_host(layout: BeadLayout) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """[strength or onset, chain, contact], where the first and the last contacts are with walls; a strength of 0 where
-    there is no contact. And [chain, side] the places at which the first bead and the last touch walls.
+    A strength of 0 stands where there is no contact.
     """
     system = layout.system
     law = system.along[0].law
-    found = np.zeros((2, layout.chains, layout.beads + 1))
-    found[1] = 1.0
-    for row, value in zip(found, (law.strength, law.onset), strict=True):
+    numbers = np.zeros((2, layout.chains, layout.beads + 1))
+    numbers[1] = 1.0
+    for row, value in zip(numbers, (law.strength, law.onset), strict=True):
         row[:, 1:-1] = value
-    touched = np.zeros((layout.chains, 2))
     for wall in _walls(system):
         end = -1 if wall.side > 0.0 else 0
-        for row, value in zip(found, (wall.law.strength, wall.law.onset), strict=True):
+        for row, value in zip(numbers, (wall.law.strength, wall.law.onset), strict=True):
             row[:, end] = np.broadcast_to(value, (layout.chains, layout.beads))[:, end]
-        touched[:, end] = [face - wall.side * layout.diameter / 2.0 for _, face in faces(wall, layout)]
-    return found, touched
+    return numbers

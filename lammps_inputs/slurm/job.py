@@ -55,8 +55,6 @@ def case_files(problem: Problem) -> dict[str, str]:
     Raises:
         InputError: the scene asks for what only `granchain run` does.
     """
-    if problem.peaks:
-        raise InputError("output.peaks: only `granchain run` finds them, not a job of lmp alone; leave it out")
     return {file_names.JOB_INPUT: render_input(problem), file_names.CONTINUE: render_continuation(problem)}
 
 

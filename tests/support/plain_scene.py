@@ -29,14 +29,11 @@ def scene(**changes: Any) -> Scene:
     return library.from_plain({key: value for key, value in {**plain, **changes}.items() if value is not None}, "test")
 
 
-def goes_on_bit_for_bit(case: Scene, folder: Path, *, after: int = 2000, **options: Any) -> None:
-    """Assert that a run that is interrupted after some steps ends with the frames of one that is not.
-
-    Options are those of `resume`.
-    """
+def goes_on_bit_for_bit(case: Scene, folder: Path, *, after: int = 2000) -> None:
+    """Assert that a run that is interrupted after some steps ends with the frames of one that is not."""
     run(case, folder / "whole", check=False)
     run(case, folder / "cut", check=False, lammps=lammps_here.interrupted_after(after))
     assert RunDirectory(folder / "cut").job.outcome == "interrupted"
-    assert resume(folder / "cut", check=False, **options).outcome == "done"
+    assert resume(folder / "cut", check=False).outcome == "done"
     assert RunDirectory(folder / "cut").job.resumed[0].from_step > 0
     np.testing.assert_array_equal(frames(folder / "cut"), frames(folder / "whole"))

@@ -5,7 +5,6 @@ from pathlib import Path
 
 from lammps_inputs import InputError, file_names, library
 from lammps_inputs.decks import deck
-from lammps_inputs.laws import plastic_lines
 from lammps_inputs.slurm import job
 from workflow import cluster
 from workflow.prepare.settings import settle
@@ -34,7 +33,7 @@ def execute(arguments: argparse.Namespace) -> int:
     """Write deck, data and scene, and the job."""
     options = cluster.job_options(arguments)
     scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=arguments.force)
-    if why := deck.refusal(scene.system) or plastic_lines.refusal(scene.system):
+    if why := deck.refusal(scene.system):
         raise InputError(f"{arguments.scene}: {why}")
     files = deck.render(scene)
     if options is not None:
@@ -62,7 +61,5 @@ def execute(arguments: argparse.Namespace) -> int:
         print(f"submit there: sbatch {file_names.JOB}; state: granchain status {one_line(arguments.output)}")
         return 0
     print(f"{size.sentence()} on one core")
-    if scene.output.peaks:
-        print("output.peaks: found by `granchain run` only; lmp alone leaves no peaks.csv")
     print(f"run there: lmp -in {file_names.DECK}; then: granchain analyze {one_line(arguments.output)}")
     return 0

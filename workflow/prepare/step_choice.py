@@ -50,8 +50,8 @@ class Settings:
         seconds: what the choice cost, the compiler apart.
         asked: whether the scene names the accuracy.
         unreached: why no step keeps the default accuracy, where none does.
-        rule_timestep: step for the accuracy by the rule (`lammps_inputs.limits.rates.timestep_for`); None in records
-            of earlier versions.
+        rule_timestep: step for the accuracy by the rule (`lammps_inputs.limits.rates.timestep_for`); NaN
+            while a pilot run tries steps.
         reference: the pilot run's, for the check of the run; not recorded.
     """
 
@@ -66,7 +66,7 @@ class Settings:
     seconds: float = 0.0
     asked: bool = True
     unreached: str = ""
-    rule_timestep: float | None = None
+    rule_timestep: float = math.nan
     reference: Kept | None = field(default=None, repr=False, compare=False)
 
     def plain(self) -> dict[str, Any]:
@@ -95,7 +95,7 @@ class Settings:
                 and (physics.coupled(problem.system) or physics.gap(problem.system) > 0.0)
             ):
                 how += "; larger behind the front in a long run, where repeated contacts amplify errors"
-        if not self.unreached and self.rule_timestep is not None and self.timestep < _USUAL * self.rule_timestep:
+        if not self.unreached and self.timestep < _USUAL * self.rule_timestep:
             how += (
                 f"; {self.rule_timestep / self.timestep:.0f} times as short as where errors grow in proportion to "
                 "time: repeated contacts or growing oscillations amplify them; a larger `accuracy` allows a longer step"

@@ -9,13 +9,9 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 
-import numpy as np
-
-from analysis.against.difference import Deviation, Place, errors_of, waves_apart
-from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages, leading_waves
-from analysis.trajectory import Trajectory, watch
+from analysis.against.difference import Deviation, Place, errors_of
+from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, html, physics
-from lammps_inputs.facts import Fact
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.engines.reference.step_halving import MOST_HALVINGS, StepHalving, Uncertainty
@@ -78,7 +74,7 @@ def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
         problem: of these frames.
     """
     uncertainty = directory.account.uncertainty  # only the reference's runs have one
-    if uncertainty is None or uncertainty.steps_per_frame is None:
+    if uncertainty is None:
         return Accountant(problem)
     most = 2**MOST_HALVINGS * engine.default_steps_per_frame(problem)
     steps = uncertainty.steps_per_frame * round(problem.every / directory.problem.every)
@@ -99,8 +95,7 @@ class Check:
         where: at which bead and time.
         arrival: largest error of an arrival of the leading pulse, where `analysis.tracking.peaks.sharp`; NaN where none
             is.
-        amplitude: largest error of a peak velocity of the leading pulse; NaN where none was seen. Both also of the
-            beads in ``peaks.csv`` that were not recorded.
+        amplitude: largest error of a peak velocity of the leading pulse; NaN where none was seen.
         reference: uncertainty of the reference.
         seconds: what the check cost.
     """
@@ -155,16 +150,6 @@ def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
         velocity = max(velocity, others["velocity"], key=lambda deviation: deviation.largest)
         uncertainty = replace(uncertainty, velocity=max(uncertainty.velocity, of_snapshots.velocity))
     amplitude, arrival = (found[name].largest if name in found else math.nan for name in ("amplitude", "arrival"))
-    waves = directory.peaks_table() if problem.system.holds(Fact.PULSE) else None
-    if waves is not None:
-        true, of_waves = _leading(replace(problem, recorded=None), settings)
-        more = waves_apart(waves, true)
-        amplitude, arrival = (float(np.fmax(*pair)) for pair in zip((amplitude, arrival), more, strict=True))
-        uncertainty = replace(
-            uncertainty,
-            velocity=max(uncertainty.velocity, of_waves.velocity),
-            arrival=max(uncertainty.arrival, of_waves.arrival),
-        )
     return Check(
         velocity=velocity.largest,
         where=velocity.where,
@@ -188,10 +173,3 @@ def _references(problem: Problem, settings: Settings | None) -> Iterable[StepHal
     """The pilot run's reference where it has the same frames, else new ones."""
     kept = None if settings is None else settings.reference
     return (kept.of(problem),) if kept is not None and kept.is_of(problem) else references_of(problem, settings)
-
-
-def _leading(problem: Problem, settings: Settings | None) -> tuple[Waves, Uncertainty]:
-    """The reference's own leading waves, found at the same times as LAMMPS's, and its uncertainty."""
-    for halving in references_of(problem, settings):
-        finder = watch(leading_finder(problem), halving.blocks())
-    return leading_waves(leading_passages(finder.result(), problem), problem), halving.uncertainty

@@ -14,7 +14,6 @@ from analysis.quantity import csv_of
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene, file_names, physics
 from lammps_inputs.decks import deck
-from lammps_inputs.laws import plastic_lines
 from lammps_inputs.system import System
 from workflow import cluster as model
 from workflow.engines.lammps import engine as lammps_engine
@@ -112,7 +111,7 @@ class _Lammps(Engine):
         return deck.refusal(scene.system)
 
     def refused_ranks(self, ranks: int, system: System) -> str:
-        return lammps_engine.refused_ranks(ranks, system.beads) or plastic_lines.refusal(system, ranks)
+        return lammps_engine.refused_ranks(ranks, system.beads)
 
     def begins_with(self, scene: Scene, problem: Problem | None = None) -> dict[str, str]:
         return deck.render(scene, problem)

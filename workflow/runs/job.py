@@ -39,9 +39,9 @@ Date = Annotated[str, AfterValidator(_date)]
 
 
 class _Part(BaseModel):
-    """Keys that are not named here stay as they are."""
+    """Keys and their values; other keys are refused."""
 
-    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False, extra="allow")
+    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False, extra="forbid")
 
     def plain(self) -> dict[str, Any]:
         """What the file holds."""
@@ -67,26 +67,37 @@ class StepChoice(_Part):
     measured: Number
     limited: bool
     seconds: Seconds
-    asked: bool = True
-    unreached: str = ""
-    rule_timestep: Number | None = None
-    model_config = ConfigDict(extra="forbid")
+    asked: bool
+    unreached: str
+    rule_timestep: Number
 
 
 class Uncertainty(_Part):
     """Uncertainty of a run by the reference, dimensionless."""
 
-    steps_per_frame: Count | None = None
+    steps_per_frame: Count
     velocity: Number | None
     arrival: Number | None
+    energy: Number | None
+    momentum: Number | None
+
+
+class ErrorPlace(_Part):
+    """A bead of a chain at a time: an `analysis.against.difference.Place`."""
+
+    chain: Count
+    bead: Count
+    time: Number | None
 
 
 class Error(_Part):
     """Measured error of a run, dimensionless: a `workflow.runs.check.Check`."""
 
     velocity: Number | None
+    where: ErrorPlace | None
     amplitude: Number | None
     arrival: Number | None
+    reference: Uncertainty
     seconds: Seconds
 
 

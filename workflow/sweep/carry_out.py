@@ -41,9 +41,6 @@ from workflow.workers.pool import Answer, Pool, Task
 
 # --- directory --------------------------------------------------------------------------------------------------------
 
-EARLIER = "case.json"
-"""Where the request stood before ``run.json`` held it."""
-
 
 @dataclass(frozen=True)
 class Asked:
@@ -75,7 +72,7 @@ def read_json(path: Path) -> dict[str, Any]:
 
 def asked(path: Path) -> Asked | None:
     """What the case in a directory was asked to be; None if it is no case's directory."""
-    data = job.account(path).request or read_json(path / EARLIER)
+    data = job.account(path).request or {}
     swept, scene, engine = data.get("swept"), data.get("scene"), data.get("engine")
     if isinstance(swept, dict) and isinstance(scene, dict) and isinstance(engine, str):
         return Asked(swept, scene, engine)

@@ -6,7 +6,6 @@ from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, file_names, library, load
 from lammps_inputs.decks import deck
-from lammps_inputs.laws import plastic_lines
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster import with_ranks
@@ -155,8 +154,6 @@ def _write_case(path: Path, wanted: Asked, scene: Scene, source: str) -> Problem
 
 
 def _write_deck(path: Path, wanted: Asked, scene: Scene, source: str) -> None:
-    if why := plastic_lines.refusal(scene.system):
-        raise InputError(f"{source}: {why}")
     settled, _ = settle(scene, source=source)
     files = deck.render(settled)
     begin(path, wanted, scene)

@@ -17,7 +17,7 @@ from analysis.sharing.equipartition import runs_exact_waves
 from analysis.sharing.impulses import Impulses, from_events
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
-from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
+from analysis.tracking.leading_waves import Arrival, Waves
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Trajectory, along_the_way, direction_of
 from lammps_inputs import InputError, Problem, html, physics
@@ -141,7 +141,6 @@ def analyse(
         watchers=watchers,
         tolerances=allowed,
         arrival=arrival,
-        leading=directory.peaks_table() if arrival in (None, usual_arrival(problem)) else None,
         counted=exchange.of,
         impulses=_of_collisions(directory, problem),
     )

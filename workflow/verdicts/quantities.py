@@ -10,8 +10,6 @@ from typing import Any
 
 from analysis.files.events import Events
 from analysis.quantity import Column, Quantity, declare, result, walk
-from analysis.tracking.leading_waves import Waves
-from lammps_inputs import file_names
 from lammps_inputs.units import SI, Label
 from workflow.runs.files import EVENTS, RECORD
 from workflow.verdicts import terms
@@ -121,7 +119,7 @@ class CollectColumn:
 def tables() -> dict[str, Any]:
     """CSV file -> type whose fields are its columns."""
     found = {one.table[0]: one.table[1] for one in FINDINGS if one.table is not None}
-    return {WAVES: WavesTable, file_names.PEAKS: Waves, **found, EVENTS: Events}
+    return {WAVES: WavesTable, **found, EVENTS: Events}
 
 
 def places() -> Iterator[Place]:

@@ -247,7 +247,6 @@ def _recorded_by_both(runs: Runs, *, snapshots: bool = False) -> _Recorded:
         frames=frames,
         recorded=None if len(beads) == first.beads else tuple(beads.tolist()),
         window=min((each.window for each in (first, second) if each.window is not None), default=None),
-        peaks=False,
         frames_per_snapshot=None,
     )
     return _Recorded(problem, strides, snapshots, same_window=first.window == second.window)

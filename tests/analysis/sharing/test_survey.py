@@ -9,13 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic_waves import exact_waves, of_keys, problem, reference, surveyed
 
-from analysis.quantity import csv_of
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.long_waves import sound_speed
 from analysis.shape.waveforms import Passages, Waveforms
 from analysis.sharing.is_solitary import Tolerances, characterise
 from analysis.sharing.survey import survey
-from analysis.tracking.leading_waves import from_csv, leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Trajectory, blocks, mirrored, mirrored_problem, watch
@@ -209,18 +207,6 @@ def test_with_kicks_from_both_ends_the_leading_wave_is_a_pulse_and_not_what_the_
     found = surveyed(reference(1, 0.0, 100, 140.0, kicks=[Kick(velocity=1.0), Kick(bead=100, velocity=-0.7)]))
     assert np.all(np.diff(found.waves.arrival) > 0.0)
     assert {pulse.direction for pulse in found.pulses} == {1, -1}
-
-
-@pytest.mark.parametrize("gap", [0.0, 0.5])
-def test_of_waves_found_on_the_way_those_have_a_shape_whose_maximum_is_known(gap):
-    whole = engine.run(problem(1, 0.0, 20, 60.0, gap=gap))
-    waves = leading_waves(find_peaks(blocks(whole)), whole.problem)
-    scale = whole.problem.scale
-    few = problem(1, 0.0, 20, 60.0, recorded=(10, 20), gap=gap)
-    seen = Trajectory(few, whole.time, whole.displacement[..., [9, 19]], whole.velocity[..., [9, 19]])
-    found = surveyed(seen, leading=from_csv(csv_of(waves, scale), scale))
-    shown = set(found.waves.bead[np.isfinite(found.shape.residual)].tolist())
-    assert shown == ({10} if gap == 0.0 else set())  # bead 20 flies off at its largest velocity
 
 
 def under_load(force, **changes):

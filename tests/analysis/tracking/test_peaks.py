@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 from synthetic_waves import of_keys, problem, reference
 
-from analysis.quantity import csv_of
 from analysis.tracking.brackets import DOUBT, MARGIN, unfollowed
-from analysis.tracking.leading_waves import from_csv, leading_waves, with_speeds
+from analysis.tracking.leading_waves import leading_waves, with_speeds
 from analysis.tracking.peaks import PeakFinder, Peaks, find_peaks, in_mirror, sharp
 from analysis.trajectory import Trajectory, blocks, watch
 from lammps_inputs import Kick, Problem
@@ -148,23 +147,6 @@ def test_an_impulse_of_constant_strength_has_its_centre_in_its_middle():
     run = Trajectory(what, time, displacement[:, None, None], velocity[:, None, None])
     (centre,) = leading_waves(find_peaks([run]), what, "impulse").arrival
     assert centre == pytest.approx(4.0, abs=0.01)
-
-
-def test_a_table_of_waves_reads_as_it_was_written(gapped):
-    for name in ("maximum", "impulse"):
-        waves = leading_waves(find_peaks(blocks(gapped)), gapped.problem, name)
-        read = from_csv(csv_of(waves, gapped.problem.scale), gapped.problem.scale)
-        for column in (
-            "chain",
-            "bead",
-            "pulse",
-            "arrival",
-            "peak_velocity",
-            "speed",
-            "arrival_error",
-            "peak_velocity_error",
-        ):
-            assert np.array_equal(getattr(read, column), getattr(waves, column), equal_nan=True), column
 
 
 @pytest.mark.parametrize("recorded", [None, (2,)])

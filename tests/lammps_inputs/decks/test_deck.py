@@ -300,7 +300,7 @@ def test_the_log_holds_kinetic_energy_and_momentum(tmp_path):
 def test_the_decks_of_installed_scenes_are_read_by_lammps(name, tmp_path, monkeypatch):
     deck.write(find(name), tmp_path)
     monkeypatch.chdir(tmp_path)
-    worker.instance(find(name).problem(), part=1).close()
+    worker.instance(part=1).close()
     warnings = [line for line in (tmp_path / file_names.LOG).read_text().splitlines() if "WARNING" in line]
     # of `hybrid sphere bond`, and of beads whose motion is given: both as meant
     meant = "only per-atom masses will be used|are time integrated more than once"

@@ -2,10 +2,8 @@
 
 import json
 import math
-from contextlib import contextmanager
 from dataclasses import replace
 
-import lammps_here
 import numpy as np
 import pytest
 from plain_scene import goes_on_bit_for_bit
@@ -18,23 +16,16 @@ from analysis import motion
 from analysis.conservation import Conservation
 from analysis.gauges.gauge import at_frames, gauges
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import InputError, laws, library, materials, physics, references
+from lammps_inputs import laws, library, materials, physics, references
 from lammps_inputs.decks import deck
-from lammps_inputs.laws import plastic_lines
 from lammps_inputs.laws.plastic import Thornton, restitution_of
-from workflow.engines.lammps import engine as lammps_engine
-from workflow.engines.lammps import yielding
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
-from workflow.errors import RunError
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
-
-IN_A_PROCESS = lammps_engine.run
-"""LAMMPS in a process of its own."""
 
 YIELD = {"yield": {"overlap": 0.1}}
 WALTON = {"yield": {"law": "walton-braun", "restitution": 0.8}}
@@ -276,12 +267,17 @@ def test_ranks_and_the_release_of_2021_compute_the_same_bits(tmp_path):
             np.testing.assert_allclose(old.velocity, one.velocity, rtol=0.0, atol=1e-11)
 
 
-def test_lammps_refuses_many_beads_under_a_static_load_and_the_other_law_in_one_line():
-    for case, why in (
-        (plastic(beads=4001, precompression={"force": 0.1}), "under a static load up to 4000 beads only"),
-        (plastic(WALTON), "LAMMPS has no such force"),
-    ):
-        assert why in deck.refusal(case.system)
+def test_lammps_refuses_walton_and_braun_s_law_in_one_line():
+    assert "LAMMPS has no such force" in deck.refusal(plastic(WALTON).system)
+
+
+@pytest.mark.parametrize("command", [["run", "--engine", "lammps"], ["deck"]], ids=lambda words: words[0])
+def test_lammps_refuses_more_than_4000_beads_whose_contacts_yield_in_one_line(command, tmp_path, capsys):
+    few, many = (plastic(beads=beads) for beads in (4000, 4001))
+    assert deck.refusal(few.system) == ""
+    (tmp_path / "many.yaml").write_text(deck.render_scene(many))
+    line = refusal([*command, tmp_path / "many.yaml", "-o", tmp_path / "out"], capsys)
+    assert "contacts that yield for at most 4000 beads, 4001 given; use the reference engine" in line
 
 
 @pytest.mark.slow
@@ -290,64 +286,6 @@ def test_a_deck_whose_contacts_yield_elsewhere_fails_and_no_cause_is_named(tmp_p
     found = validate(deck_run(case, tmp_path / "run", edit))
     assert found.causes == ()
     assert found.remarks[-1].startswith("no cause could be determined")
-
-
-@contextmanager
-def by_host(beads=0):
-    """The process that hosts LAMMPS computes the forces of contacts that yield of more than so many beads."""
-    with pytest.MonkeyPatch.context() as patch:
-        deck._of_links.cache_clear()
-        patch.setattr(plastic_lines, "MOST_STOCK", beads)
-        yield
-    deck._of_links.cache_clear()
-
-
-def same_by_host_and_stock(case, host, stock):
-    np.testing.assert_allclose(host.velocity, stock.velocity, rtol=0.0, atol=1e-12)
-    # places of LAMMPS, of which overlaps are differences, are some 5 a bead
-    np.testing.assert_allclose(host.memory, stock.memory, rtol=0.0, atol=1e-14 * max(1, case.beads))
-
-
-@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) for name in IN_LAMMPS])
-def test_forces_of_the_host_are_those_of_the_stock_deck(name, tmp_path):
-    case = in_lammps(name, beads=20)
-    with by_host():
-        host = run(case, tmp_path / "host", check=False)
-        assert plastic_lines.EXTERNAL in (tmp_path / "host" / "in.chains").read_text()
-    same_by_host_and_stock(case, host.trajectory, run(case, tmp_path / "stock", check=False).trajectory)
-
-
-@pytest.mark.slow
-def test_forces_of_the_host_are_those_of_the_stock_deck_with_many_beads(tmp_path):
-    case = plastic(beads=2001, chains=2, coupling={"stiffness": 0.2}, kick={"velocity": 1.0, "bead": 99}, duration=3.0)
-    host = run(case, tmp_path / "host", check=False, lammps=IN_A_PROCESS).trajectory
-    with by_host(2 * 2001):
-        stock = run(case, tmp_path / "stock", check=False).trajectory
-    same_by_host_and_stock(case, host, stock)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", IN_LAMMPS)
-def test_a_run_with_forces_of_the_host_goes_on_bit_for_bit(name, tmp_path):
-    with by_host():
-        goes_on_bit_for_bit(in_lammps(name, duration=20.0), tmp_path, after=500, lammps=lammps_here.run)
-
-
-def test_more_beads_than_the_stock_deck_is_for_run_on_one_rank_and_in_no_other_program(tmp_path, capsys):
-    few, many = (plastic(beads=beads) for beads in (4000, 4001))
-    assert plastic_lines.refusal(few.system) == plastic_lines.refusal(many.system, 1) == deck.refusal(many.system) == ""
-    with pytest.raises(InputError, match=r"^--ranks: .*of more than 4000 beads.* on one rank"):
-        run(many, tmp_path / "run", ranks=2)
-    (tmp_path / "many.yaml").write_text(deck.render_scene(many))
-    said = refusal(["deck", tmp_path / "many.yaml", "-o", tmp_path / "deck"], capsys)
-    assert "their forces are computed by `granchain run`, on one rank" in said
-
-
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-def test_an_error_in_forces_of_the_host_ends_the_run(tmp_path, monkeypatch):
-    monkeypatch.setattr(yielding, "_contacts", None)
-    with by_host(), pytest.raises(RunError, match="no longer a finite number"):
-        run(plastic(beads=12), tmp_path / "run", check=False)
 
 
 @pytest.mark.slow

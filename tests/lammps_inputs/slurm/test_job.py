@@ -1,7 +1,6 @@
 """Job scripts: what stands in them whatever a user says, and what they do where there is no Slurm to submit to."""
 
 import contextlib
-import dataclasses
 import hashlib
 import os
 import re
@@ -451,12 +450,6 @@ def test_an_array_refuses_another_list_of_cases_than_it_was_made_for(tmp_path):
         (tmp_path / name).write_text(text)
     (tmp_path / file_names.CASES).write_text("b\na\n")
     assert "not the list that this array was made for" in go(tmp_path, SLURM_ARRAY_TASK_ID=0)
-
-
-def test_peaks_that_only_a_run_of_granchain_finds_are_refused_and_not_left_out():
-    asked = dataclasses.replace(scene(beads=4).problem(), peaks=True)
-    with pytest.raises(InputError, match=r"output\.peaks: only `granchain run` finds them"):
-        job.case_files(asked)
 
 
 def test_more_ranks_than_rows_are_refused():

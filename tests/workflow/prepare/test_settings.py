@@ -24,7 +24,6 @@ from workflow.prepare import pilot
 from workflow.prepare.pilot import stride
 from workflow.prepare.settings import settle
 from workflow.prepare.step_choice import Settings
-from workflow.runs import resume
 from workflow.runs.check import check
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -189,15 +188,6 @@ def test_a_check_with_the_reference_of_the_pilot_run_finds_what_a_new_one_does(t
     for name in ("velocity", "arrival", "amplitude"):
         assert getattr(done.check, name) == pytest.approx(getattr(again, name), rel=1e-6)
     assert done.check.reference.velocity == pytest.approx(again.reference.velocity, rel=1e-6)
-
-
-def test_settings_recorded_before_there_was_a_default_accuracy_were_asked_for(tmp_path):
-    directory = run(asking(SMALL["one chain"], 1e-3), tmp_path / "run", check=False).directory
-    before = resume.settings_of(directory.job)
-    settings = directory.job.settings.plain()
-    directory.update(settings={key: value for key, value in settings.items() if key not in ("asked", "unreached")})
-    assert resume.settings_of(directory.job) == before
-    assert resume.settings_of(directory.job).asked
 
 
 @pytest.mark.parametrize("step", [5.0, 0.07, 0.003])

@@ -13,8 +13,6 @@ from stock_lammps import scene
 
 from analysis.against.common_times import paired
 from analysis.against.difference import Difference, Place
-from analysis.tracking.leading_waves import leading_passages, leading_waves
-from analysis.tracking.peaks import find_peaks
 from lammps_inputs import Kick, Material, Output, strict_yaml
 from workflow.cli import main
 from workflow.commands.run import _checked, _exit_code
@@ -168,36 +166,9 @@ def test_no_time_step_is_named_where_none_keeps_it_or_a_shorter_run_stood_for_th
     assert "no time step is known to leave less, since rounding" in better_timestep(far)
 
 
-def test_its_wave_errors_are_also_those_of_peaks_csv_at_beads_that_are_not_recorded(tmp_path):
-    kicks = (Kick(bead=6, velocity=-0.2), Kick(bead=2, velocity=0.5))  # of bead 3 the first maximum does not lead
-    output = Output(every=0.25, beads=(1, 4), peaks=True)
-    done = run(scene(beads=8, kick=kicks, duration=15.0, output=output, timestep=0.025), tmp_path / "run")
-    problem = replace(done.directory.problem, recorded=None)
-    exact = leading_waves(leading_passages(find_peaks(accurate_reference(problem, 1e-9).blocks()), problem), problem)
-    table = done.directory.peaks_table()
-    assert len(table) == len(exact) > 4
-    clear = exact.peak_velocity > 0.1
-    for name, found, sure in (
-        ("peak_velocity", done.check.amplitude, done.check.reference.velocity),
-        ("arrival", done.check.arrival, done.check.reference.arrival),
-    ):
-        true = np.nanmax(np.abs(getattr(table, name) - getattr(exact, name))[clear])
-        assert found == pytest.approx(true, abs=sure + 1e-9)
-        assert true > 1e-5
-
-
-@pytest.mark.parametrize("other", [(0.5, 0.25), (0.0, 0.0)])
-def test_the_worse_of_frames_and_peaks_csv_counts(other, finished, monkeypatch):
-    monkeypatch.setattr(RunDirectory, "peaks_table", lambda _: ())
-    monkeypatch.setattr(checking, "waves_apart", lambda *_: other)
-    found, own = check(finished.directory), finished.check
-    assert own.amplitude > 0.0
-    assert (found.amplitude, found.arrival) == (max(own.amplitude, other[0]), max(own.arrival, other[1]))
-
-
-@pytest.mark.parametrize(("wrong", "peaks"), [(0.0, None), (0.1, None), (0.0, True)])
-def test_snapshots_are_checked_as_frames_are(wrong, peaks, tmp_path, monkeypatch):
-    output = Output(every=0.2, beads=(8,), snapshots=2.0, peaks=peaks)
+@pytest.mark.parametrize("wrong", [0.0, 0.1])
+def test_snapshots_are_checked_as_frames_are(wrong, tmp_path, monkeypatch):
+    output = Output(every=0.2, beads=(8,), snapshots=2.0)
     directory = run(scene(beads=8, duration=8.0, output=output), tmp_path / "run", check=False).directory
     snapshots = list(directory.snapshots())
     moved = (replace(block, velocity=block.velocity + wrong) for block in snapshots)
@@ -275,18 +246,21 @@ def test_steps_are_doubled_until_the_reference_is_sure_or_hardly_gets_surer(fall
     assert [one.steps for one in checking.references_of(problem(), ASKED)] == steps
 
 
+def uncertainty_with(steps_per_frame):
+    return Uncertainty(steps_per_frame=steps_per_frame, velocity=None, arrival=None, energy=None, momentum=None)
+
+
 @pytest.mark.parametrize(
     ("taken", "steps"),
     [(6, 6), (None, None), (10**12, 2**12 * engine.default_steps_per_frame(problem()))],
 )
 def test_frames_of_the_reference_are_followed_with_its_own_steps_as_far_as_it_would_take_them(taken, steps):
     """A run of another engine has no uncertainty."""
-    uncertainty = None if taken is None else Uncertainty(steps_per_frame=taken, velocity=None, arrival=None)
+    uncertainty = None if taken is None else uncertainty_with(taken)
     directory = SimpleNamespace(account=Job(uncertainty=uncertainty), problem=problem())
     assert accountant(directory, problem()).steps_per_frame == steps
 
 
 def test_every_other_frame_of_the_reference_is_followed_with_twice_its_own_steps():
-    uncertainty = Uncertainty(steps_per_frame=6, velocity=None, arrival=None)
-    directory = SimpleNamespace(account=Job(uncertainty=uncertainty), problem=problem())
+    directory = SimpleNamespace(account=Job(uncertainty=uncertainty_with(6)), problem=problem())
     assert accountant(directory, problem().coarser(2)).steps_per_frame == 12

@@ -42,7 +42,7 @@ def contents(directory: Path) -> dict[str, bytes]:
 @pytest.mark.parametrize("command", ["run", "run --overwrite", "deck", "deck --overwrite"])
 def test_a_project_folder_is_left_as_it_is(tmp_path: Path, command: str, monkeypatch: Patch) -> None:
     scene_file(tmp_path / "scene.yaml")
-    for name in (".scene.yaml.swp", ".log.lammps.bak", ".run.json.orig", "waves.csv", "peaks.csv", "shape.png"):
+    for name in (".scene.yaml.swp", ".log.lammps.bak", ".run.json.orig", "waves.csv", "shape.png"):
         (tmp_path / name).write_text("mine")
     before = contents(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -177,6 +177,8 @@ def test_nothing_is_written_through_a_link(tmp_path: Path, name: str, capsys: Pr
         '{"host": "\\ud800"}',
         '{"results": ' + "[" * 100_000,
         '{"files": ["../../home"]}',
+        '{"force": true}',
+        '{"check": {"velocity": 1e-4, "amplitude": 1e-4, "arrival": 1e-4, "seconds": 1.0}}',
         "[]",
     ],
 )

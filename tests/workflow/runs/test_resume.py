@@ -373,20 +373,6 @@ def test_a_damaged_restart_is_not_gone_on_with(tmp_path):
     assert not files_on_disk.intact(restart)
 
 
-@pytest.mark.slow
-def test_with_damaged_peaks_a_run_starts_again(tmp_path):
-    one = a_scene(recorded=(3, 7))
-    one = one.model_copy(update={"output": one.output.model_copy(update={"peaks": True})})
-    run(one, tmp_path / "whole", check=False)
-    path = interrupted_after(2000, one, tmp_path / "cut").path / file_names.PEAKS_STATE
-    raw = bytearray(path.read_bytes())
-    raw[len(raw) // 3] ^= 1
-    path.write_bytes(bytes(raw))
-    again = resume(tmp_path / "cut", check=False)
-    assert again.directory.job.resumed[-1].from_step == 0
-    assert (tmp_path / "cut" / file_names.PEAKS).read_bytes() == (tmp_path / "whole" / file_names.PEAKS).read_bytes()
-
-
 def test_with_another_atom_in_a_frame_a_run_starts_again(cut):
     raw = bytearray(cut.dump.read_bytes())
     where = raw.rindex(np.float64(5.0).tobytes())

@@ -16,7 +16,7 @@ from small_problems import problem
 from stock_lammps import scene
 
 from analysis.files.recording import Writer
-from lammps_inputs import Output, file_names, physics
+from lammps_inputs import file_names, physics
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
@@ -269,14 +269,6 @@ def test_it_is_said_from_which_step_a_run_goes_on(tmp_path):
     assert " starts again, for the restart is of another version" in status(with_record(directory, **older)).why
     (directory / RECORD).unlink()
     assert status(with_state(directory, "incomplete", step=430), alps()).why.endswith("there resumes at step 400")
-
-
-def test_without_the_maxima_until_its_restart_a_run_starts_again(tmp_path):
-    """Version 0.1 did not keep them."""
-    directory = with_restart(with_deck(tmp_path / "x", output=Output(peaks=True)), 400)
-    account = {"outcome": "interrupted", "steps_done": 430, "versions": {"lammps": metadata.version("lammps")}}
-    found = status(with_record(directory, **account))
-    assert found.why.endswith(f" starts again, for {file_names.PEAKS_STATE} does not hold the maxima until the restart")
 
 
 def test_a_local_run_under_way_holds_its_directory_and_a_killed_one_does_not(tmp_path):

