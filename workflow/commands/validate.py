@@ -103,7 +103,7 @@ def _print(found: validation.Validation) -> None:
     for name, deviation in found.deviations.items():
         where = ""
         if deviation.where is not None:
-            where = f"bead {deviation.where.bead}, chain {deviation.where.chain}"
+            where = deviation.where.words
             if deviation.where.time is not None:
                 where += f", t = {scale.written(deviation.where.time, 'time', '.5g')}"
         rms = f"{deviation.rms:.1e}" if np.isfinite(deviation.rms) else ""
@@ -127,9 +127,7 @@ def _print(found: validation.Validation) -> None:
     ]
     if firsts:
         time, name, place = min(firsts, key=lambda first: first[0])
-        print(
-            f"first deviation: {name} of bead {place.bead}, chain {place.chain}, at t = {scale.written(time, 'time')}"
-        )
+        print(f"first deviation: {name} of {place.words}, at t = {scale.written(time, 'time')}")
     if not found.complete:
         print(f"incomplete: {found.frames} of {found.problem.frames + 1} frames")
     for remark in found.remarks:

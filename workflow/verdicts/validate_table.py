@@ -142,11 +142,10 @@ def validate_traces(
 
 
 def _part(run: Trajectory, problem: Problem, beads: Sequence[int] | Integers) -> Trajectory:
-    """A run at some of its recorded beads; ``problem`` records only those."""
+    """A run at some of its recorded beads, without resonators; ``problem`` records only those beads."""
     columns = np.searchsorted(run.problem.recorded_beads, beads)
-    return replace(
-        run, problem=problem, displacement=run.displacement[:, :, columns], velocity=run.velocity[:, :, columns]
-    )
+    x, v = run.displacement[:, :, columns], run.velocity[:, :, columns]
+    return replace(run, problem=problem, displacement=x, velocity=v, inner=None)
 
 
 def _deviation(channel: Channel, apart: Floats, times: Floats, tolerance: float, problem: Problem) -> Deviation:
