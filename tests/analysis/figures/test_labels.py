@@ -199,7 +199,9 @@ def test_samples_from_before_the_peak_are_drawn_ahead_of_it():
     """Velocity falls in time, from 0.3 to 0.1 in chain 1 and half of that in chain 2; peaks of 1, at t = 3."""
     what = scene(chains=2, beads=10)
     both = np.array([1, 2])
-    passages = Passages(both, np.array([5, 5]), np.full(2, 3.0), np.ones(2), np.ones(2), np.ones(2, dtype=np.int64))
+    passages = Passages(
+        both, np.array([5, 5]), np.full(2, 3.0), np.ones(2), np.ones(2), np.ones(2, dtype=np.int64), np.zeros(2)
+    )
     time, velocity = np.tile([2.0, 3.0, 4.0], (2, 1)), np.outer([1.0, 0.5], [0.3, 0.2, 0.1])
     waveforms = SimpleNamespace(passages=passages, time=time, velocity=velocity)
     above, below = shape_figure(what.problem(), waveforms, [5]).axes
