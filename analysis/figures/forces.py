@@ -21,7 +21,7 @@ def force_figure(problem: Problem, readings: Readings) -> Figure:
     Left over the whole run, right the passages of its largest pulses, their time from the peak.
     """
     time = axis_unit(problem, "time", float(readings.time[-1]))
-    force = axis_unit(problem, "force", float(np.max(readings.largest)))
+    force = axis_unit(problem, "force", float(np.max(readings.force)))
     count, chains = min(len(readings.gauges), MOST_GAUGES), shown_chains(problem)
     size = np.max(np.abs(readings.force - readings.static), axis=1)  # [frame, gauge]
     spans = [pulses(readings.time, size[:, place]) for place in range(count)]
@@ -43,7 +43,9 @@ def force_figure(problem: Problem, readings: Readings) -> Figure:
             column[place].remove()
         axis.set_ylabel(f"{'total ' if readings.loaded else ''}{force.label(ForceTable, 'force')}")
         largest = f"largest {float(np.max(readings.largest[:, place])) * force.worth:.4g}"
-        if readings.loaded:
+        if np.isnan(readings.largest[:, place]).any():
+            largest = "largest unknown between frames"
+        elif readings.loaded:
             dynamic = float(np.fmax.reduce(readings.dynamic[:, place])) * force.worth
             largest += f", dynamic {dynamic:.4g}" if np.isfinite(dynamic) else ", never above the static force"
         axis.set_title(readings.gauges[place].name, loc="left")

@@ -1,28 +1,19 @@
 """Force over time as it is measured: on walls, in contacts, and inside a bead, with what a gauge there would report.
 
-Force follows from displacements. Between two frames a displacement is the polynomial of degree five through its value
-and two derivatives there (degree three, where the beads around were not recorded), so that a force is known at any
-time: its impulse is an integral by Gauss rules, cut where a contact opens or closes; its largest value lies between
-frames, and so do the moments at which contacts open and close.
+Between frames a force and bounds on it follow from the strain of its contact (`analysis.gauges.curve`): its impulse is
+an integral by Gauss rules, cut where a contact opens or closes; its largest value lies between frames, and so do the
+moments at which contacts open and close. Each has an uncertainty by the time between frames.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from analysis import hermite
-from analysis.gauges.gauge import (
-    Curve,
-    Gauge,
-    at_frames,
-    borders,
-    excursion,
-    maximum,
-    memory_at_frames,
-    strain_at_frames,
-)
+from analysis.gauges.curve import GaugeCurve, between_frames, borders, excursion, excursion_error, fastest, maximum
+from analysis.gauges.gauge import Gauge, at_frames
 from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
@@ -32,8 +23,16 @@ PULSE = 0.01
 """Share of its largest value, above the static one, from which a force is that of a pulse."""
 
 
+LARGEST_UNCERTAINTY = 0.05
+"""Uncertainty of the largest force, in its excess over the static one, beyond which it is not stated; that of an
+impulse, in the integral of the size of that excess; and that of a dwell, in itself.
+"""
+
 NOT_ABOVE = "the force never exceeds the static one by more than the numerical noise"
 NO_LOAD = "there is no static load"
+TOO_COARSE = "frames are so far apart that its uncertainty exceeds a twentieth of"
+COARSE_FORCE = f"{TOO_COARSE} the largest excess over the static force"
+BY_FRAMES = "by the time between frames"
 
 
 @result
@@ -44,18 +43,30 @@ class Reading:
     name: str = declare("name of the gauge, with which its columns in ``forces.csv`` begin")
     chain: int = declare("number of the chain")
     bead: int = declare("bead at the wall; the first bead of a contact; the bead with the sensor")
-    largest: float = declare("largest total force, between frames too", "force", symbol="F_m")
-    at: float = declare("time of the largest force", "time", NOT_ABOVE)
+    largest: float = declare("largest total force, at frames and between them", "force", COARSE_FORCE, symbol="F_m")
+    largest_error: float = declare(f"uncertainty of ``largest`` and ``dynamic`` {BY_FRAMES}", "force", "as ``largest``")
+    at: float = declare("time of the largest force", "time", f"{NOT_ABOVE}; {COARSE_FORCE}")
+    at_error: float = declare(
+        f"uncertainty of ``at`` {BY_FRAMES}: how far from it the force may be as large", "time", "as ``at``"
+    )
     static: float | None = declare("force at rest, which ``largest`` includes", "force", NO_LOAD, "F_0")
-    dynamic: float | None = declare("largest force above the static one", "force", f"{NO_LOAD}, or {NOT_ABOVE}")
-    impulse: float = declare("integral over time of the total force minus the static one", "momentum")
+    dynamic: float | None = declare(
+        "largest force above the static one", "force", f"{NO_LOAD}; {NOT_ABOVE}; {COARSE_FORCE}"
+    )
+    impulse: float = declare(
+        "integral over time of the total force minus the static one",
+        "momentum",
+        f"{TOO_COARSE} the integral of the size of that difference",
+    )
+    impulse_error: float = declare(f"uncertainty of ``impulse`` {BY_FRAMES}", "momentum", "as ``impulse``")
     dwell: float = declare(
         "duration of the contact in which the force was largest; under a static load, of the time around the maximum "
         "in which the force exceeded the static one by 1 % of its largest excess; until the end of the record where it "
         "had not ended",
         "time",
-        "under a static load, frames are too far apart to show it",
+        f"{TOO_COARSE} it, or leave open in which contact the force was largest",
     )
+    dwell_error: float = declare(f"uncertainty of ``dwell`` {BY_FRAMES}", "time", "as ``dwell``")
     dwell_ended: bool | None = declare("whether the dwell had ended by the end of the record", undefined=NOT_ABOVE)
     last: float = declare(
         "force above the static one at the end of the record over the largest: from 0.01 on the record ends inside a "
@@ -97,7 +108,9 @@ class Readings:
         impulse: [chain, gauge] integral over time of the total force minus the static one.
         dwell: [chain, gauge] how long the contact lasted in which the force was largest; under a static load, for how
             long the force exceeded the static one by more than `PULSE` of its largest excess, around its maximum. So
-            far, where that has not ended; NaN under a load where frames are too far apart to show it.
+            far, where that has not ended.
+        largest_error, at_error, impulse_error, dwell_error: [chain, gauge] uncertainties of these by the time between
+            frames. A number and its uncertainty are NaN where that exceeds `LARGEST_UNCERTAINTY`.
         ended: [chain, gauge] whether that has ended before the last frame.
         contacts: [chain, gauge] how often the contact has closed; one that is closed at the start counts.
     """
@@ -110,13 +123,18 @@ class Readings:
     at: Floats
     impulse: Floats
     dwell: Floats
+    largest_error: Floats
+    at_error: Floats
+    impulse_error: Floats
+    dwell_error: Floats
     ended: Flags
     contacts: Integers
 
     def entries(self, reflected: Mapping[str, Sequence[Reflection | None]]) -> list[Reading]:
         """Gauge by gauge, and chain by chain; ``reflected`` by the wall of each side, chain by chain."""
-        names = ("largest", "at", "impulse", "dwell", "last", *(("static", "dynamic") if self.loaded else ()))
-        columns = {name: getattr(self, name) for name in names}
+        stated = ("largest", "at", "impulse", "dwell")
+        names = (*stated, *(f"{name}_error" for name in stated), "last")
+        columns = {name: getattr(self, name) for name in (*names, *(("static", "dynamic") if self.loaded else ()))}
         unloaded: dict[str, Any] = {"static": None, "dynamic": None}
         return [
             Reading(
@@ -177,45 +195,120 @@ round enough for a panel to hide 0.2%.
 _JUST = 1e-9
 """Of the time between frames: how long after a contact has closed its force is taken."""
 
+AT_ONCE = 1e-10
+"""Of the time between frames: how long after the start dashpots of beads that touch act, with forces below `CLOSED`."""
+
+FAINT = 1e-5
+"""Uncertainty of forces and impulses, in m V / T and m V, up to which they are stated however small they are."""
+
+FINE = 32
+"""Parts of the time between two frames in which the largest force may lie."""
+
+STEEP = 10.0
+"""Slope of what a force between frames may be off by, in that over the time between them."""
+
 MOST_ENTRIES = 4000
 """Stretches from frame to frame that are looked at together, which bounds the memory."""
 
 
+@dataclass(frozen=True)
+class _Changes:
+    """Moments at which contacts close or open, each [change].
+
+    Attributes:
+        chain: whose, from 0.
+        time: when.
+        closes: whether it closes.
+        error: uncertainty of the time.
+    """
+
+    chain: Integers
+    time: Floats
+    closes: Flags
+    error: Floats
+
+
+@dataclass(frozen=True)
+class _Candidates:
+    """Stretches from frame to frame in which a force may be largest.
+
+    Attributes:
+        curve: their forces.
+        start: [stretch] times of the first frames.
+        high: [stretch] bound on the force from above.
+        jump: [stretch] where the contact has just closed, so that its dashpot's force has set in, in s; NaN elsewhere.
+    """
+
+    curve: GaugeCurve
+    start: Floats
+    high: Floats
+    jump: Floats
+
+    def above(self, level: Floats) -> "_Candidates":
+        """Those whose bound reaches a level of their chain, [chain]."""
+        chosen = np.flatnonzero(self.high >= level[self.curve.chain])
+        return _Candidates(self.curve.of(chosen), self.start[chosen], self.high[chosen], self.jump[chosen])
+
+    def tops(self, border: Floats) -> tuple[Floats, Floats]:
+        """Where each force is largest, in s, and how large it is there; ``border`` of panels with one maximum each."""
+        forces = np.stack([self.curve(np.full(len(self.start), s)) for s in border])
+        top = np.argmax(forces, axis=0)
+        at = maximum(self.curve, border[np.maximum(top - 1, 0)], border[np.minimum(top + 1, len(border) - 1)])
+        value, at_border = self.curve(at), np.max(forces, axis=0)
+        at, value = np.where(at_border > value, border[top], at), np.maximum(at_border, value)
+        after = self.curve(np.where(np.isfinite(self.jump), self.jump, at))
+        return np.where(after > value, self.jump, at), np.maximum(after, value)
+
+
+class _Largest(NamedTuple):
+    """Largest force of a gauge in each chain, and when, each [chain], with their uncertainties."""
+
+    value: Floats
+    at: Floats
+    error: Floats
+    at_error: Floats
+
+
 class ForceMeter:
-    """Reads gauges in a run that is given piece by piece; holds one frame and what it found."""
+    """Reads gauges in a run that is given piece by piece; holds one frame, and stretches with large forces."""
 
     def __init__(self, problem: Problem, gauges: tuple[Gauge, ...]) -> None:
         self.problem = problem
         self.gauges = gauges
         shape = (problem.chains, len(gauges))
+        self._frequency = fastest(problem)
+        self._spacing = problem.every
         self._time: list[Floats] = []
         self._force: list[Floats] = []
         self._static = np.stack([gauge.static for gauge in gauges], axis=-1)
-        self._largest, self._impulse = np.full(shape, -np.inf), np.zeros(shape)
-        self._largest_at = np.full(shape, np.nan)
+        self._impulse, self._impulse_error, self._size = np.zeros((3, *shape))
+        self._lower = np.full(shape, -np.inf)
+        """[chain, gauge] what the largest force is not below."""
         self._closed = np.zeros(shape, dtype=bool)
-        self._changes: list[list[tuple[Integers, Floats, Flags]]] = [[] for _ in gauges]
+        self._changes: list[list[_Changes]] = [[] for _ in gauges]
+        self._candidates: list[list[_Candidates]] = [[] for _ in gauges]
         self._carried: Trajectory | None = None
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, evenly spaced in time with those before."""
         self._time.append(block.time.copy())
         self._force.append(at_frames(block, self.gauges))
+        self._lower = np.maximum(self._lower, self._force[-1].max(axis=0))
         if self._carried is not None:
             block = joined([self._carried, block])
         else:
-            self._largest = self._force[0][0].copy()
-            self._largest_at[:] = block.time[0]
             self._closed = at_frames(block[:1], self.gauges, dashpots=False)[0] > CLOSED
+            block = _begun(block)
         step = max(1, MOST_ENTRIES // self.problem.chains)
         for start in range(0, block.frames - 1, step):
             part = block[start : start + step + 1]
+            self._spacing = part.spacing
             for place, gauge in enumerate(self.gauges):
                 self._read(part, place, gauge)
         self._carried = block.last()
 
     def result(self) -> Readings:
-        """Of the frames so far.
+        """Readings of the frames so far.
 
         Raises:
             ValueError: there was none.
@@ -223,97 +316,186 @@ class ForceMeter:
         if not self._time:
             raise ValueError("no frames to read forces from")
         time, force = np.concatenate(self._time), np.concatenate(self._force)
-        largest = self._largest.copy()
-        risen = largest - self._static > CLOSED * np.maximum(1.0, self._static)
-        largest_at = np.where(risen, self._largest_at, np.nan)
-        dwell, ended = np.zeros(largest.shape), np.zeros(largest.shape, dtype=bool)
-        contacts = np.zeros(largest.shape, dtype=np.int64)
-        for place, changes in enumerate(self._changes):
-            for chain in range(self.problem.chains):
-                starts = [when[(of == chain) & closes] for of, when, closes in changes]
-                ends = [when[(of == chain) & ~closes] for of, when, closes in changes]
-                start = np.sort(np.concatenate([time[:1][self._closed[chain, place : place + 1]], *starts]))
-                end = np.sort(np.concatenate([*ends, [np.inf]]))
-                contacts[chain, place] = len(start)
-                at, static = largest_at[chain, place], self._static[chain, place]
-                if np.isnan(at) or len(start) == 0:
-                    continue
-                at_largest = max(int(np.searchsorted(start, at, side="right")) - 1, 0)
-                span = start[at_largest], end[at_largest]
-                if static > 0.0:
-                    above = PULSE * (largest[chain, place] - static)
-                    span = excursion(time, force[:, chain, place] - static, float(at), above)
-                ended[chain, place] = span[1] <= time[-1]
-                dwell[chain, place] = min(span[1], time[-1]) - max(span[0], time[0])
+        by_gauge = [self._largest(place, time, force[..., place]) for place in range(len(self.gauges))]
+        largest = _Largest(*(np.stack(values, axis=-1) for values in zip(*by_gauge, strict=True)))
+        excess = np.max(np.abs(force - self._static), axis=0)
+        excess = np.maximum(excess, np.abs(largest.value - self._static))
+        stated = largest.error <= np.maximum(LARGEST_UNCERTAINTY * excess, FAINT)
+        risen = stated & (largest.value - self._static > CLOSED * np.maximum(1.0, self._static))
+        at = np.where(risen, largest.at, np.nan)
+        certain = self._impulse_error <= np.maximum(LARGEST_UNCERTAINTY * self._size, FAINT)
+        dwell, dwell_error, ended, contacts = self._dwells(time, force, largest._replace(at=at))
+        dwell, dwell_error = np.where(stated, [dwell, dwell_error], np.nan)
         return Readings(
-            self.gauges, time, force, self._static, largest, largest_at, self._impulse.copy(), dwell, ended, contacts
+            gauges=self.gauges,
+            time=time,
+            force=force,
+            static=self._static,
+            largest=np.where(stated, largest.value, np.nan),
+            at=at,
+            impulse=np.where(certain, self._impulse, np.nan),
+            dwell=dwell,
+            largest_error=np.where(stated, largest.error, np.nan),
+            at_error=np.where(risen, largest.at_error, np.nan),
+            impulse_error=np.where(certain, self._impulse_error, np.nan),
+            dwell_error=dwell_error,
+            ended=ended,
+            contacts=contacts,
+        )
+
+    def _dwells(self, time: Floats, force: Floats, largest: _Largest) -> tuple[Floats, Floats, Flags, Integers]:
+        """Dwell, its uncertainty, whether it ended, and how often contacts closed, each [chain, gauge].
+
+        Args:
+            time: [frame].
+            force: [frame, chain, gauge].
+            largest: of all gauges, each [chain, gauge].
+        """
+        dwell, error = np.zeros((2, *self._static.shape))
+        ended, contacts = np.zeros(dwell.shape, dtype=bool), np.zeros(dwell.shape, dtype=np.int64)
+        for chain, place in np.ndindex(*dwell.shape):
+            shut, opened = self._moments(chain, place, float(time[0]))
+            contacts[chain, place] = len(shut)
+            at, off, static = largest.at[chain, place], largest.at_error[chain, place], self._static[chain, place]
+            if np.isnan(at) or len(shut) == 0:
+                continue
+            number = max(int(np.searchsorted(shut[:, 0], at, side="right")) - 1, 0)
+            (start, early), (end, late) = shut[number], opened[number]
+            if static > CLOSED:
+                above, level = force[:, chain, place] - static, PULSE * float(largest.value[chain, place] - static)
+                start, end = excursion(time, above, float(at), level)
+                early, late = 0.0, excursion_error(time, above, (start, end), level, float(CLOSED - static))
+            ended[chain, place] = end <= time[-1]
+            dwell[chain, place] = min(end, time[-1]) - max(start, time[0])
+            before = opened[number - 1, 0] if number > 0 else -np.inf
+            after = shut[number + 1, 0] if number + 1 < len(shut) else np.inf
+            # else the force may have been largest in another contact
+            error[chain, place] = early + late if before <= at - off and at + off <= after else np.inf
+        stated = error <= LARGEST_UNCERTAINTY * dwell
+        return np.where(stated, dwell, np.nan), np.where(stated, error, np.nan), ended, contacts
+
+    def _moments(self, chain: int, place: int, begin: float) -> tuple[Floats, Floats]:
+        """Times at which the contact of a chain closes and opens, and their uncertainties, each [change, 0 or 1].
+
+        It opens at infinity where that was not seen.
+        """
+        parts = self._changes[place]
+        moments = np.concatenate([np.stack([part.time, part.error, part.closes], axis=1) for part in parts] or [_NEVER])
+        chains = np.concatenate([part.chain for part in parts]) if parts else np.zeros(0)
+        moments = moments[chains == chain]
+        moments = moments[np.argsort(moments[:, 0], kind="stable")]
+        closes = moments[:, 2] > 0.0
+        at_start = np.array([[begin, 0.0]] * int(self._closed[chain, place])).reshape(-1, 2)
+        return (
+            np.concatenate([at_start, moments[closes, :2]]),
+            np.concatenate([moments[~closes, :2], [[np.inf, 0.0]]]),
         )
 
     def _read(self, block: Trajectory, place: int, gauge: Gauge) -> None:
         """Take in what one gauge reads from the first frame of a block to its last."""
-        spacing, chains = block.spacing, np.arange(self.problem.chains)
-        curves = [
-            Curve.between(probe, strain_at_frames(block, probe), memory_at_frames(block, probe), chains, spacing)
-            for probe in gauge.probes
-        ]
-        chain = curves[0].chain
-        moving = np.flatnonzero(np.any([np.any(curve.polynomial != 0.0, axis=0) for curve in curves], axis=0))
-        border = borders(spacing)
-        static = gauge.static[chain]
-        forces = np.tile(static, (len(border), 1))
-        forces[:, moving] = 0.0
-        pressing = forces.copy() if gauge.damped else forces
-        impulse = np.zeros(len(chain))
-        for curve in curves:
-            single = curve.of(moving)
-            at_borders = [np.full(len(moving), s) for s in border]
-            forces[:, moving] += np.stack([single(s) for s in at_borders]) / len(curves)
-            if gauge.damped:
-                pressing[:, moving] += np.stack([single.elastic(s) for s in at_borders]) / len(curves)
-            impulse[moving] += (single.integral(border) - curve.probe.static[chain[moving]]) * spacing / len(curves)
+        spacing, border = block.spacing, borders(block.spacing, self._frequency)
+        curves = between_frames(block, gauge, self._frequency)
+        stretch = np.flatnonzero(curves.moving)
+        curve, start = curves.of(stretch), np.repeat(block.time[:-1], self.problem.chains)[stretch]
+        chain, static = curve.chain, gauge.static[curve.chain]
+        at_borders = [np.full(len(stretch), s) for s in border]
+        force = np.stack([curve(s) for s in at_borders])
+        middles = 0.5 * (border[:-1] + border[1:])
+        low, high = np.stack([curve.bounds(np.full(len(stretch), s)) for s in middles], axis=1)
         # term by term: the order must not depend on how many there are at once
-        np.add.at(self._impulse[:, place], chain, impulse)
+        np.add.at(self._impulse[:, place], chain, curve.impulse(border))
+        np.add.at(self._impulse_error[:, place], chain, 0.5 * spacing * np.mean(high - low, axis=0))
+        np.add.at(self._size[:, place], chain, spacing * np.mean(np.abs(0.5 * (low + high) - static), axis=0))
+        pressing = np.stack([curve.elastic(s) for s in at_borders]) if gauge.damped else force
+        at, entry = self._take_changes(place, curve, start, pressing > CLOSED)
+        bound, jump = np.maximum(force.max(axis=0), high.max(axis=0)), np.full(len(stretch), np.nan)
+        if gauge.damped and len(entry):  # a dashpot's force may jump to its largest where a contact closes
+            jump[entry] = np.minimum(at + _JUST, 1.0)
+            bound[entry] = np.maximum(bound[entry], curve.of(entry).bounds(jump[entry])[1])
+        np.maximum.at(self._lower[:, place], chain, low.max(axis=0))
+        risen = bound - static > CLOSED * np.maximum(1.0, static)
+        candidates = _Candidates(curve, start, np.where(risen, bound, -np.inf), jump)
+        self._candidates[place].append(candidates.above(self._level(place)))
 
-        def mean(entry: Integers, s: Floats) -> Floats:
-            return np.asarray(sum(curve.of(entry)(s) for curve in curves)) / len(curves)
-
-        shut = pressing > CLOSED
+    def _take_changes(self, place: int, curve: GaugeCurve, start: Floats, shut: Flags) -> tuple[Floats, Integers]:
+        """Find where contacts close and open, [border, stretch]; where, in s, and in which stretches they close."""
+        border = borders(self._spacing, self._frequency)
         panel, entry = np.nonzero(shut[:-1] != shut[1:])
-        before, changing = shut[panel, entry], [curve.of(entry) for curve in curves]
+        before, changing = shut[panel, entry], curve.of(entry)
+        at = hermite.change(lambda s: changing.elastic(s) > CLOSED, before, border[panel], border[panel + 1])
+        error = changing.late(at) * self._spacing
+        moments = start[entry] + at * self._spacing
+        self._changes[place].append(_Changes(curve.chain[entry], moments, ~before, error))
+        return at[~before], entry[~before]
 
-        def closed(s: Floats) -> Flags:
-            return np.asarray(sum(curve.elastic(s) for curve in changing)) / len(curves) > CLOSED
+    def _level(self, place: int) -> Floats:
+        """[chain] bound from above that a stretch must reach for the force to be largest in it."""
+        lower = self._lower[:, place]
+        return np.asarray(lower - NEARLY * np.abs(lower - self._static[:, place]))
 
-        at = hermite.change(closed, before, border[panel], border[panel + 1])
-        start = np.repeat(block.time[:-1], self.problem.chains)[entry]
-        self._changes[place].append((entry % self.problem.chains, start + at * spacing, ~before))
-        if gauge.damped:  # a dashpot's force may jump to its largest where a contact closes
-            entry, after = entry[~before], np.minimum(at[~before] + _JUST, 1.0)
-            self._take_values(place, entry, start[~before] + after * spacing, mean(entry, after))
-        self._take_largest(place, block, forces.reshape(len(border), -1, self.problem.chains), border, mean)
+    def _largest(self, place: int, time: Floats, force: Floats) -> _Largest:
+        """Largest force of a gauge, by the frames, [frame, chain], and what is between them."""
+        chains, border = np.arange(self.problem.chains), borders(self._spacing, self._frequency)
+        first = np.argmax(force, axis=0)
+        largest, at = force[first, chains], time[first]
+        lower, upper, late = largest.copy(), largest.copy(), np.zeros(len(chains))
+        parts = [candidates.above(self._level(place)) for candidates in self._candidates[place]]
+        parts = [candidates for candidates in parts if len(candidates.start)]
+        tops = [candidates.tops(border) for candidates in parts]
+        bounds = [candidates.curve.bounds(s) for candidates, (s, _) in zip(parts, tops, strict=True)]
+        for candidates, (s, value), (low, high) in zip(parts, tops, bounds, strict=True):
+            chain = candidates.curve.chain
+            np.maximum.at(lower, chain, low)
+            np.maximum.at(upper, chain, np.maximum(high, candidates.high))
+            for number in np.unique(chain).tolist():
+                entry = int(np.argmax(np.where(chain == number, value, -np.inf)))
+                if value[entry] > largest[number]:
+                    largest[number], at[number] = value[entry], candidates.start[entry] + s[entry] * self._spacing
+        for candidates, (s, _) in zip(parts, tops, strict=True):
+            np.maximum.at(late, candidates.curve.chain, self._late(candidates, s, lower, at))
+        return _Largest(largest, at, np.maximum(upper - largest, largest - lower), late)
 
-    def _take_values(self, place: int, entry: Integers, time: Floats, value: Floats) -> None:
-        """Take values at times for the largest, where they are larger than those so far."""
-        chain = entry % self.problem.chains
-        for k in np.argsort(value):
-            if value[k] > self._largest[chain[k], place]:
-                self._largest[chain[k], place] = value[k]
-                self._largest_at[chain[k], place] = time[k]
+    def _late(self, candidates: _Candidates, s: Floats, lower: Floats, at: Floats) -> Floats:
+        """How far from a time forces may reach a level, [stretch]; 0 where they do not.
 
-    def _take_largest(
-        self,
-        place: int,
-        block: Trajectory,
-        forces: Floats,
-        border: Floats,
-        mean: Callable[[Integers, Floats], Floats],
-    ) -> None:
-        """Refine what is nearly the largest of the values at borders, [border, interval, chain]."""
-        value = forces.max(axis=0)
-        most = np.maximum(value.max(axis=0), self._largest[:, place])
-        interval, chain = np.nonzero(value > most - NEARLY * np.abs(most))
-        top = np.argmax(forces[:, interval, chain], axis=0)
-        low, high = border[np.maximum(top - 1, 0)], border[np.minimum(top + 1, len(border) - 1)]
-        entry = interval * forces.shape[2] + chain
-        at = maximum(lambda s: mean(entry, s), low, high)
-        self._take_values(place, entry, block.time[interval] + at * block.spacing, mean(entry, at))
+        Args:
+            candidates: the stretches.
+            s: [stretch] where each force is largest.
+            lower: [chain] the level.
+            at: [chain] the time.
+        """
+        curve, spacing = candidates.curve, self._spacing
+        level, time = lower[curve.chain], at[curve.chain] - candidates.start
+        grid = np.linspace(0.0, 1.0, FINE + 1)
+        reached = np.stack([curve.bounds(np.full(len(s), place))[1] >= level for place in grid])
+        between = ~reached.any(axis=0)
+        first, last = np.argmax(reached, axis=0) - 1, FINE + 1 - np.argmax(reached[::-1], axis=0)
+        low, high = curve.bounds(s)
+        first, last = (np.where(between, s * FINE + step, end) for step, end in ((-1.0, first), (1.0, last)))
+        ends = (np.clip(end / FINE, 0.0, 1.0) * spacing - time for end in (first, last))
+        late = np.where(between & (high < level), 0.0, np.max(np.abs([*ends]), axis=0))
+        # about the maximum itself the slope of what the force may be off by decides
+        step = 1.0 / FINE
+        bend = -(curve(s - step) - 2.0 * curve(s) + curve(s + step)) / step**2
+        by_slope = np.where(bend > 0.0, STEEP * 0.5 * (high - low) / np.where(bend > 0.0, bend, 1.0), np.inf) * spacing
+        return np.where(
+            (np.abs(s * spacing - time) < step * spacing) & (late <= 3.0 * step * spacing),
+            np.minimum(late, by_slope),
+            late,
+        )
+
+
+def _begun(block: Trajectory) -> Trajectory:
+    """Frames from the start of a run with dashpots, of which the first is that just after the start.
+
+    Beads that touch at the start are closed then, and their dashpots act.
+    """
+    if not block.problem.system.dampers or block.frames < 2:
+        return block
+    displacement = block.displacement.copy()
+    displacement[0] += AT_ONCE * block.spacing * block.velocity[0]
+    return replace(block, displacement=displacement)
+
+
+_NEVER = np.zeros((0, 3))
+"""Moments where nothing closes or opens."""

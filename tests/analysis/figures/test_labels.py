@@ -95,7 +95,7 @@ def test_the_force_figure_has_each_gauge_and_chain_where_it_says(problem):
     time = np.array([0.0, 1.0])
     force = np.add.outer(np.arange(1.0, CHAINS + 1.0), 100.0 * np.arange(1.0, 4.0))  # [chain, gauge]
     nothing = np.zeros(force.shape)
-    rest = (nothing, nothing, nothing, nothing > 0.0, nothing)
+    rest = (*[nothing] * 7, nothing > 0.0, nothing)
     readings = Readings(places, time, np.stack([nothing, force]), nothing, force, *rest)
     axes = force_figure(problem, readings).axes
     assert [axis.get_title(loc="left") for axis in axes] == ["(a) contact 2", "(b) contact 7", "(c) sensor 5"]
