@@ -139,9 +139,9 @@ class Trajectory:
         system = physics.at(self.problem.system, self.time[frames])
         return system if self.memory is None else physics.with_memory(system, self.memory[frames])
 
-    def last(self) -> "Trajectory":
-        """The last frame, copied, so that it keeps no others in memory."""
-        return self[-1:]._each(np.copy)
+    def last(self, frames: int = 1) -> "Trajectory":
+        """The last frame or frames, copied, so that they keep no others in memory."""
+        return self[-frames:]._each(np.copy)
 
     @cached_property
     def moving(self) -> slice:

@@ -10,8 +10,16 @@ import numpy as np
 
 from analysis import hermite, motion
 from analysis.conservation import energy_input
-from analysis.gauges.curve import Curve, crossing, maximum
-from analysis.gauges.gauge import Gauge, at_frames, far_wall, memory_at_frames, strain_at_frames
+from analysis.gauges.gauge import (
+    Curve,
+    Gauge,
+    at_frames,
+    crossing,
+    far_wall,
+    maximum,
+    memory_at_frames,
+    strain_at_frames,
+)
 from analysis.quantity import declare, result
 from analysis.trajectory import Floats, Integers, Trajectory, direction_of
 from lammps_inputs import Problem, System, physics

@@ -1,19 +1,34 @@
 """Force over time as it is measured: on walls, in contacts, and inside a bead, with what a gauge there would report.
 
-Between frames a force and bounds on it follow from the strain of its contact (`analysis.gauges.curve`): its impulse is
-an integral by Gauss rules, cut where a contact opens or closes; its largest value lies between frames, and so do the
-moments at which contacts open and close. Each has an uncertainty by the time between frames.
+Force follows from displacements. Between two frames a displacement is the polynomial of degree five through its value
+and two derivatives there (degree three, where the beads around were not recorded), so that a force is known at any
+time: its impulse is an integral by Gauss rules, cut where a contact opens or closes; its largest value lies between
+frames, and so do the moments at which contacts open and close.
+
+How far a force between frames may be off is measured at every frame: the polynomial from the frame before to the frame
+after it leaves out the frame between them. The uncertainty between frames half as far apart is a quarter of the
+difference there, with a margin, as polynomials are off by the square of the time between frames or by a higher power of
+it. The uncertainties of the largest force, its time, impulses and dwells follow from that. A number that is too
+uncertain is not stated.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from analysis import hermite
-from analysis.gauges.curve import GaugeCurve, between_frames, borders, excursion, excursion_error, fastest, maximum
-from analysis.gauges.gauge import Gauge, at_frames
+from analysis.gauges.gauge import (
+    Curve,
+    Gauge,
+    at_frames,
+    borders,
+    excursion,
+    maximum,
+    memory_at_frames,
+    strain_at_frames,
+)
 from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
@@ -24,9 +39,12 @@ PULSE = 0.01
 
 
 LARGEST_UNCERTAINTY = 0.05
-"""Uncertainty of the largest force, in its excess over the static one, beyond which it is not stated; that of an
-impulse, in the integral of the size of that excess; and that of a dwell, in itself.
+"""Uncertainty beyond which a number is not stated: of a largest force, as a share of its excess over the static one; of
+an impulse, as a share of the integral of the size of that excess; of a dwell, as a share of the dwell.
 """
+
+FAINT = 1e-5
+"""Uncertainty of forces and impulses, in m V / T and m V, up to which they are stated however small they are."""
 
 NOT_ABOVE = "the force never exceeds the static one by more than the numerical noise"
 NO_LOAD = "there is no static load"
@@ -132,8 +150,8 @@ class Readings:
 
     def entries(self, reflected: Mapping[str, Sequence[Reflection | None]]) -> list[Reading]:
         """Gauge by gauge, and chain by chain; ``reflected`` by the wall of each side, chain by chain."""
-        stated = ("largest", "at", "impulse", "dwell")
-        names = (*stated, *(f"{name}_error" for name in stated), "last")
+        uncertain = ("largest", "at", "impulse", "dwell")
+        names = (*uncertain, *(f"{name}_error" for name in uncertain), "last")
         columns = {name: getattr(self, name) for name in (*names, *(("static", "dynamic") if self.loaded else ()))}
         unloaded: dict[str, Any] = {"static": None, "dynamic": None}
         return [
@@ -192,120 +210,121 @@ NEARLY = 0.01
 round enough for a panel to hide 0.2%.
 """
 
+HIDDEN = 0.002
+"""Share of the largest force by which the ends of a panel may be below a maximum in it."""
+
+HALF_AS_FAR = 0.3
+"""Error of a polynomial between frames half as far apart, in that between the others: a quarter, where it falls with
+the square of the time between them, and a margin. With a quarter, 4 of 3000 numbers are off by more, by up to a fifth.
+"""
+
 _JUST = 1e-9
 """Of the time between frames: how long after a contact has closed its force is taken."""
-
-AT_ONCE = 1e-10
-"""Of the time between frames: how long after the start dashpots of beads that touch act, with forces below `CLOSED`."""
-
-FAINT = 1e-5
-"""Uncertainty of forces and impulses, in m V / T and m V, up to which they are stated however small they are."""
-
-FINE = 32
-"""Parts of the time between two frames in which the largest force may lie."""
-
-STEEP = 10.0
-"""Slope of what a force between frames may be off by, in that over the time between them."""
 
 MOST_ENTRIES = 4000
 """Stretches from frame to frame that are looked at together, which bounds the memory."""
 
 
-@dataclass(frozen=True)
-class _Changes:
+class _Changes(NamedTuple):
     """Moments at which contacts close or open, each [change].
 
     Attributes:
-        chain: whose, from 0.
+        chain: number of the chain, from 0.
         time: when.
         closes: whether it closes.
-        error: uncertainty of the time.
+        rate: size of the rate of the strain then, in units of L / T.
     """
 
     chain: Integers
     time: Floats
     closes: Flags
-    error: Floats
+    rate: Floats
 
 
 @dataclass(frozen=True)
-class _Candidates:
-    """Stretches from frame to frame in which a force may be largest.
+class _Dwells:
+    """Contacts, or times above the static force, in which the force was largest; each array [chain, gauge].
 
     Attributes:
-        curve: their forces.
-        start: [stretch] times of the first frames.
-        high: [stretch] bound on the force from above.
-        jump: [stretch] where the contact has just closed, so that its dashpot's force has set in, in s; NaN elsewhere.
+        duration: of the contact, so far where it has not ended; 0 where the force never exceeds the static one.
+        error: uncertainty of the duration.
+        earliest, latest: time before and after which the force belongs to another contact.
+        ended: whether the contact has ended by the last frame.
+        contacts: how often the contact has closed.
     """
 
-    curve: GaugeCurve
-    start: Floats
-    high: Floats
-    jump: Floats
-
-    def above(self, level: Floats) -> "_Candidates":
-        """Those whose bound reaches a level of their chain, [chain]."""
-        chosen = np.flatnonzero(self.high >= level[self.curve.chain])
-        return _Candidates(self.curve.of(chosen), self.start[chosen], self.high[chosen], self.jump[chosen])
-
-    def tops(self, border: Floats) -> tuple[Floats, Floats]:
-        """Where each force is largest, in s, and how large it is there; ``border`` of panels with one maximum each."""
-        forces = np.stack([self.curve(np.full(len(self.start), s)) for s in border])
-        top = np.argmax(forces, axis=0)
-        at = maximum(self.curve, border[np.maximum(top - 1, 0)], border[np.minimum(top + 1, len(border) - 1)])
-        value, at_border = self.curve(at), np.max(forces, axis=0)
-        at, value = np.where(at_border > value, border[top], at), np.maximum(at_border, value)
-        after = self.curve(np.where(np.isfinite(self.jump), self.jump, at))
-        return np.where(after > value, self.jump, at), np.maximum(after, value)
-
-
-class _Largest(NamedTuple):
-    """Largest force of a gauge in each chain, and when, each [chain], with their uncertainties."""
-
-    value: Floats
-    at: Floats
+    duration: Floats
     error: Floats
-    at_error: Floats
+    earliest: Floats
+    latest: Floats
+    ended: Flags
+    contacts: Integers
+
+
+@dataclass(frozen=True)
+class _Frames:
+    """Forces at frames, and what polynomials between frames are off by; each array but time [frame, chain, gauge].
+
+    Attributes:
+        time: [frame].
+        force: at the frames.
+        force_error: uncertainty of the force around each frame.
+        strain_error: uncertainty of the strain around each frame.
+    """
+
+    time: Floats
+    force: Floats
+    force_error: Floats
+    strain_error: Floats
+
+    def around(self, errors: Floats, time: float) -> float:
+        """Larger one of errors, [frame], at the two frames around a time."""
+        second = int(np.clip(np.searchsorted(self.time, time), 1, len(self.time) - 1))
+        return float(np.max(errors[second - 1 : second + 1]))
 
 
 class ForceMeter:
-    """Reads gauges in a run that is given piece by piece; holds one frame, and stretches with large forces."""
+    """Reads gauges in a run that is given piece by piece; holds two frames and the numbers of the gauges."""
 
     def __init__(self, problem: Problem, gauges: tuple[Gauge, ...]) -> None:
         self.problem = problem
         self.gauges = gauges
         shape = (problem.chains, len(gauges))
-        self._frequency = fastest(problem)
-        self._spacing = problem.every
         self._time: list[Floats] = []
         self._force: list[Floats] = []
+        self._residuals: list[Floats] = []
+        """Differences of strain and force at frames that polynomials leave out, [0 or 1, frame, chain, gauge]."""
         self._static = np.stack([gauge.static for gauge in gauges], axis=-1)
-        self._impulse, self._impulse_error, self._size = np.zeros((3, *shape))
-        self._lower = np.full(shape, -np.inf)
-        """[chain, gauge] what the largest force is not below."""
+        self._largest, self._at = np.full(shape, -np.inf), np.full(shape, np.nan)
+        self._impulse, self._size = np.zeros(shape), np.zeros(shape)
         self._closed = np.zeros(shape, dtype=bool)
         self._changes: list[list[_Changes]] = [[] for _ in gauges]
-        self._candidates: list[list[_Candidates]] = [[] for _ in gauges]
+        self._tops: list[list[Floats]] = [[] for _ in gauges]
+        """Largest of the values at borders of each stretch, [interval, chain], by gauge and block."""
         self._carried: Trajectory | None = None
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, evenly spaced in time with those before."""
+        force = at_frames(block, self.gauges)
+        first = np.argmax(force, axis=0)
+        largest = np.max(force, axis=0)
+        self._at = np.where(largest > self._largest, block.time[first], self._at)
+        self._largest = np.maximum(self._largest, largest)
         self._time.append(block.time.copy())
-        self._force.append(at_frames(block, self.gauges))
-        self._lower = np.maximum(self._lower, self._force[-1].max(axis=0))
+        self._force.append(force)
+        before = 0
         if self._carried is not None:
+            before = self._carried.frames
             block = joined([self._carried, block])
         else:
             self._closed = at_frames(block[:1], self.gauges, dashpots=False)[0] > CLOSED
-            block = _begun(block)
+        self._residuals.append(np.stack([left_out(block, gauge) for gauge in self.gauges], axis=-1))
         step = max(1, MOST_ENTRIES // self.problem.chains)
-        for start in range(0, block.frames - 1, step):
+        for start in range(max(0, before - 1), block.frames - 1, step):
             part = block[start : start + step + 1]
-            self._spacing = part.spacing
             for place, gauge in enumerate(self.gauges):
                 self._read(part, place, gauge)
-        self._carried = block.last()
+        self._carried = block.last(2)
 
     def result(self) -> Readings:
         """Readings of the frames so far.
@@ -315,187 +334,231 @@ class ForceMeter:
         """
         if not self._time:
             raise ValueError("no frames to read forces from")
-        time, force = np.concatenate(self._time), np.concatenate(self._force)
-        by_gauge = [self._largest(place, time, force[..., place]) for place in range(len(self.gauges))]
-        largest = _Largest(*(np.stack(values, axis=-1) for values in zip(*by_gauge, strict=True)))
-        excess = np.max(np.abs(force - self._static), axis=0)
-        excess = np.maximum(excess, np.abs(largest.value - self._static))
-        stated = largest.error <= np.maximum(LARGEST_UNCERTAINTY * excess, FAINT)
-        risen = stated & (largest.value - self._static > CLOSED * np.maximum(1.0, self._static))
-        at = np.where(risen, largest.at, np.nan)
-        certain = self._impulse_error <= np.maximum(LARGEST_UNCERTAINTY * self._size, FAINT)
-        dwell, dwell_error, ended, contacts = self._dwells(time, force, largest._replace(at=at))
-        dwell, dwell_error = np.where(stated, [dwell, dwell_error], np.nan)
+        frames = self._frames()
+        excess = np.max(np.abs(frames.force - self._static), axis=0)
+        excess = np.maximum(excess, np.abs(self._largest - self._static))
+        largest_error, at_error = self._largest_errors(frames)
+        stated = largest_error <= np.maximum(LARGEST_UNCERTAINTY * excess, FAINT)
+        risen = stated & self._risen()
+        spacing = self.problem.every if len(frames.time) < 2 else float(frames.time[1] - frames.time[0])
+        impulse_error = spacing * np.sum(frames.force_error, axis=0)
+        certain = impulse_error <= np.maximum(LARGEST_UNCERTAINTY * self._size, FAINT)
+        dwells = self._dwells(frames)
+        same_contact = (dwells.earliest <= self._at - at_error) & (self._at + at_error <= dwells.latest) | ~risen
+        lasting = stated & same_contact & (dwells.error <= LARGEST_UNCERTAINTY * dwells.duration)
         return Readings(
             gauges=self.gauges,
-            time=time,
-            force=force,
+            time=frames.time,
+            force=frames.force,
             static=self._static,
-            largest=np.where(stated, largest.value, np.nan),
-            at=at,
+            largest=np.where(stated, self._largest, np.nan),
+            at=np.where(risen, self._at, np.nan),
             impulse=np.where(certain, self._impulse, np.nan),
-            dwell=dwell,
-            largest_error=np.where(stated, largest.error, np.nan),
-            at_error=np.where(risen, largest.at_error, np.nan),
-            impulse_error=np.where(certain, self._impulse_error, np.nan),
-            dwell_error=dwell_error,
-            ended=ended,
-            contacts=contacts,
+            dwell=np.where(lasting, dwells.duration, np.nan),
+            largest_error=np.where(stated, largest_error, np.nan),
+            at_error=np.where(risen, at_error, np.nan),
+            impulse_error=np.where(certain, impulse_error, np.nan),
+            dwell_error=np.where(lasting, dwells.error, np.nan),
+            ended=dwells.ended,
+            contacts=dwells.contacts,
         )
 
-    def _dwells(self, time: Floats, force: Floats, largest: _Largest) -> tuple[Floats, Floats, Flags, Integers]:
-        """Dwell, its uncertainty, whether it ended, and how often contacts closed, each [chain, gauge].
+    def _frames(self) -> _Frames:
+        """All frames, with uncertainties around the first and the last frame as around those beside them."""
+        time, force = np.concatenate(self._time), np.concatenate(self._force)
+        residuals = np.concatenate(self._residuals, axis=1)
+        if residuals.shape[1] == 0:
+            unknown = np.full(force.shape, np.inf)
+            return _Frames(time, force, unknown, unknown)
+        strain, size = np.pad(HALF_AS_FAR * residuals, ((0, 0), (1, 1), (0, 0), (0, 0)), mode="edge")
+        return _Frames(time, force, size, strain)
 
-        Args:
-            time: [frame].
-            force: [frame, chain, gauge].
-            largest: of all gauges, each [chain, gauge].
-        """
-        dwell, error = np.zeros((2, *self._static.shape))
-        ended, contacts = np.zeros(dwell.shape, dtype=bool), np.zeros(dwell.shape, dtype=np.int64)
-        for chain, place in np.ndindex(*dwell.shape):
-            shut, opened = self._moments(chain, place, float(time[0]))
-            contacts[chain, place] = len(shut)
-            at, off, static = largest.at[chain, place], largest.at_error[chain, place], self._static[chain, place]
-            if np.isnan(at) or len(shut) == 0:
+    def _risen(self) -> Flags:
+        """Whether the force has exceeded the static one by more than the numerical noise, [chain, gauge]."""
+        return np.asarray(self._largest - self._static > CLOSED * np.maximum(1.0, self._static))
+
+    def _largest_errors(self, frames: _Frames) -> tuple[Floats, Floats]:
+        """Uncertainties of the largest forces and of their times, each [chain, gauge]."""
+        error, late = np.full(self._largest.shape, np.inf), np.full(self._largest.shape, np.inf)
+        if len(frames.time) < 3:
+            return error, late
+        spacing = float(frames.time[1] - frames.time[0])
+        between = np.maximum(frames.force_error[:-1], frames.force_error[1:])  # [interval, chain, gauge]
+        for place, blocks in enumerate(self._tops):
+            tops = np.concatenate(blocks)
+            for chain in range(self.problem.chains):
+                at, largest = float(self._at[chain, place]), self._largest[chain, place]
+                nearest = frames.around(frames.force_error[:, chain, place], at)
+                margin = nearest + HIDDEN * abs(largest - self._static[chain, place])
+                top, off = tops[:, chain], between[:, chain, place]
+                possible = top + off >= largest - margin
+                error[chain, place] = np.max(off[possible], initial=nearest)
+                # the force is a parabola about its maximum
+                middle = int(np.clip(round((at - frames.time[0]) / spacing), 1, len(frames.time) - 2))
+                before, there, after = frames.force[middle - 1 : middle + 2, chain, place]
+                bend = 2.0 * there - before - after
+                width = np.sqrt(4.0 * error[chain, place] / bend) if bend > 0.0 else 1.0
+                beside = np.pad(top, 1, constant_values=-np.inf)
+                peaks = possible & (top >= beside[:-2]) & (top >= beside[2:])
+                distance = np.abs(frames.time[:-1] + 0.5 * spacing - at) + 0.5 * spacing
+                others = distance[peaks & (distance > 2.0 * spacing)]
+                late[chain, place] = np.max(others, initial=spacing * min(float(width), 1.0))
+        return error, late
+
+    def _dwells(self, frames: _Frames) -> _Dwells:
+        """Contacts in which the force was largest."""
+        shape = self._largest.shape
+        start, end, error = np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(shape)
+        earliest, latest = np.full(shape, -np.inf), np.full(shape, np.inf)
+        contacts, risen, time = np.zeros(shape, dtype=np.int64), self._risen(), frames.time
+        for chain, place in np.ndindex(*shape):
+            strain_error = frames.strain_error[:, chain, place]
+            closing, opening = self._moments(chain, place, frames, strain_error)
+            contacts[chain, place] = len(closing)
+            if not risen[chain, place] or len(closing) == 0:
                 continue
-            number = max(int(np.searchsorted(shut[:, 0], at, side="right")) - 1, 0)
-            (start, early), (end, late) = shut[number], opened[number]
-            if static > CLOSED:
-                above, level = force[:, chain, place] - static, PULSE * float(largest.value[chain, place] - static)
-                start, end = excursion(time, above, float(at), level)
-                early, late = 0.0, excursion_error(time, above, (start, end), level, float(CLOSED - static))
-            ended[chain, place] = end <= time[-1]
-            dwell[chain, place] = min(end, time[-1]) - max(start, time[0])
-            before = opened[number - 1, 0] if number > 0 else -np.inf
-            after = shut[number + 1, 0] if number + 1 < len(shut) else np.inf
-            # else the force may have been largest in another contact
-            error[chain, place] = early + late if before <= at - off and at + off <= after else np.inf
-        stated = error <= LARGEST_UNCERTAINTY * dwell
-        return np.where(stated, dwell, np.nan), np.where(stated, error, np.nan), ended, contacts
+            at, static = float(self._at[chain, place]), self._static[chain, place]
+            number = max(int(np.searchsorted(closing[:, 0], at, side="right")) - 1, 0)
+            first, last = closing[number], opening[number]
+            start[chain, place], end[chain, place], error[chain, place] = first[0], last[0], first[1] + last[1]
+            if number > 0:
+                earliest[chain, place] = opening[number - 1][0]
+            if number + 1 < len(closing):
+                latest[chain, place] = closing[number + 1][0]
+            if static > 0.0:
+                above = frames.force[:, chain, place] - static
+                level = PULSE * float(self._largest[chain, place] - static)
+                span = excursion(time, above, at, level)
+                start[chain, place], end[chain, place] = earliest[chain, place], latest[chain, place] = span
+                error[chain, place] = _excursion_error(time, above, at, level, span)
+        duration = np.where(risen & (contacts > 0), np.minimum(end, time[-1]) - np.maximum(start, time[0]), 0.0)
+        return _Dwells(duration, error, earliest, latest, end <= time[-1], contacts)
 
-    def _moments(self, chain: int, place: int, begin: float) -> tuple[Floats, Floats]:
-        """Times at which the contact of a chain closes and opens, and their uncertainties, each [change, 0 or 1].
+    def _moments(self, chain: int, place: int, frames: _Frames, strain_error: Floats) -> tuple[Floats, Floats]:
+        """Times at which a contact closes and opens, ascending, and their uncertainties, each [change, 0 or 1].
 
         It opens at infinity where that was not seen.
         """
-        parts = self._changes[place]
-        moments = np.concatenate([np.stack([part.time, part.error, part.closes], axis=1) for part in parts] or [_NEVER])
-        chains = np.concatenate([part.chain for part in parts]) if parts else np.zeros(0)
-        moments = moments[chains == chain]
-        moments = moments[np.argsort(moments[:, 0], kind="stable")]
-        closes = moments[:, 2] > 0.0
-        at_start = np.array([[begin, 0.0]] * int(self._closed[chain, place])).reshape(-1, 2)
-        return (
-            np.concatenate([at_start, moments[closes, :2]]),
-            np.concatenate([moments[~closes, :2], [[np.inf, 0.0]]]),
-        )
+        closing = [(float(frames.time[0]), 0.0)] if self._closed[chain, place] else []
+        opening: list[tuple[float, float]] = []
+        for changes in self._changes[place]:
+            for entry in np.flatnonzero(changes.chain == chain):
+                time, rate = float(changes.time[entry]), float(changes.rate[entry])
+                off = frames.around(strain_error, time)
+                moment = (time, off / rate if rate > 0.0 else np.inf)
+                (closing if changes.closes[entry] else opening).append(moment)
+        return np.array(sorted(closing)).reshape(-1, 2), np.array([*sorted(opening), (np.inf, 0.0)])
 
     def _read(self, block: Trajectory, place: int, gauge: Gauge) -> None:
         """Take in what one gauge reads from the first frame of a block to its last."""
-        spacing, border = block.spacing, borders(block.spacing, self._frequency)
-        curves = between_frames(block, gauge, self._frequency)
-        stretch = np.flatnonzero(curves.moving)
-        curve, start = curves.of(stretch), np.repeat(block.time[:-1], self.problem.chains)[stretch]
-        chain, static = curve.chain, gauge.static[curve.chain]
-        at_borders = [np.full(len(stretch), s) for s in border]
-        force = np.stack([curve(s) for s in at_borders])
-        middles = 0.5 * (border[:-1] + border[1:])
-        low, high = np.stack([curve.bounds(np.full(len(stretch), s)) for s in middles], axis=1)
+        spacing, chains = block.spacing, np.arange(self.problem.chains)
+        curves = [
+            Curve.between(probe, strain_at_frames(block, probe), memory_at_frames(block, probe), chains, spacing)
+            for probe in gauge.probes
+        ]
+        chain = curves[0].chain
+        moving = np.flatnonzero(np.any([np.any(curve.polynomial != 0.0, axis=0) for curve in curves], axis=0))
+        border = borders(spacing)
+        static = gauge.static[chain]
+        forces = np.tile(static, (len(border), 1))
+        forces[:, moving] = 0.0
+        pressing = forces.copy() if gauge.damped else forces
+        impulse = np.zeros(len(chain))
+        for curve in curves:
+            single = curve.of(moving)
+            at_borders = [np.full(len(moving), s) for s in border]
+            forces[:, moving] += np.stack([single(s) for s in at_borders]) / len(curves)
+            if gauge.damped:
+                pressing[:, moving] += np.stack([single.elastic(s) for s in at_borders]) / len(curves)
+            impulse[moving] += (single.integral(border) - curve.probe.static[chain[moving]]) * spacing / len(curves)
         # term by term: the order must not depend on how many there are at once
-        np.add.at(self._impulse[:, place], chain, curve.impulse(border))
-        np.add.at(self._impulse_error[:, place], chain, 0.5 * spacing * np.mean(high - low, axis=0))
-        np.add.at(self._size[:, place], chain, spacing * np.mean(np.abs(0.5 * (low + high) - static), axis=0))
-        pressing = np.stack([curve.elastic(s) for s in at_borders]) if gauge.damped else force
-        at, entry = self._take_changes(place, curve, start, pressing > CLOSED)
-        bound, jump = np.maximum(force.max(axis=0), high.max(axis=0)), np.full(len(stretch), np.nan)
-        if gauge.damped and len(entry):  # a dashpot's force may jump to its largest where a contact closes
-            jump[entry] = np.minimum(at + _JUST, 1.0)
-            bound[entry] = np.maximum(bound[entry], curve.of(entry).bounds(jump[entry])[1])
-        np.maximum.at(self._lower[:, place], chain, low.max(axis=0))
-        risen = bound - static > CLOSED * np.maximum(1.0, static)
-        candidates = _Candidates(curve, start, np.where(risen, bound, -np.inf), jump)
-        self._candidates[place].append(candidates.above(self._level(place)))
+        np.add.at(self._impulse[:, place], chain, impulse)
 
-    def _take_changes(self, place: int, curve: GaugeCurve, start: Floats, shut: Flags) -> tuple[Floats, Integers]:
-        """Find where contacts close and open, [border, stretch]; where, in s, and in which stretches they close."""
-        border = borders(self._spacing, self._frequency)
+        def mean(entry: Integers, s: Floats) -> Floats:
+            return np.asarray(sum(curve.of(entry)(s) for curve in curves)) / len(curves)
+
+        shut = pressing > CLOSED
         panel, entry = np.nonzero(shut[:-1] != shut[1:])
-        before, changing = shut[panel, entry], curve.of(entry)
-        at = hermite.change(lambda s: changing.elastic(s) > CLOSED, before, border[panel], border[panel + 1])
-        error = changing.late(at) * self._spacing
-        moments = start[entry] + at * self._spacing
-        self._changes[place].append(_Changes(curve.chain[entry], moments, ~before, error))
-        return at[~before], entry[~before]
+        before, changing = shut[panel, entry], [curve.of(entry) for curve in curves]
 
-    def _level(self, place: int) -> Floats:
-        """[chain] bound from above that a stretch must reach for the force to be largest in it."""
-        lower = self._lower[:, place]
-        return np.asarray(lower - NEARLY * np.abs(lower - self._static[:, place]))
+        def closed(s: Floats) -> Flags:
+            return np.asarray(sum(curve.elastic(s) for curve in changing)) / len(curves) > CLOSED
 
-    def _largest(self, place: int, time: Floats, force: Floats) -> _Largest:
-        """Largest force of a gauge, by the frames, [frame, chain], and what is between them."""
-        chains, border = np.arange(self.problem.chains), borders(self._spacing, self._frequency)
-        first = np.argmax(force, axis=0)
-        largest, at = force[first, chains], time[first]
-        lower, upper, late = largest.copy(), largest.copy(), np.zeros(len(chains))
-        parts = [candidates.above(self._level(place)) for candidates in self._candidates[place]]
-        parts = [candidates for candidates in parts if len(candidates.start)]
-        tops = [candidates.tops(border) for candidates in parts]
-        bounds = [candidates.curve.bounds(s) for candidates, (s, _) in zip(parts, tops, strict=True)]
-        for candidates, (s, value), (low, high) in zip(parts, tops, bounds, strict=True):
-            chain = candidates.curve.chain
-            np.maximum.at(lower, chain, low)
-            np.maximum.at(upper, chain, np.maximum(high, candidates.high))
-            for number in np.unique(chain).tolist():
-                entry = int(np.argmax(np.where(chain == number, value, -np.inf)))
-                if value[entry] > largest[number]:
-                    largest[number], at[number] = value[entry], candidates.start[entry] + s[entry] * self._spacing
-        for candidates, (s, _) in zip(parts, tops, strict=True):
-            np.maximum.at(late, candidates.curve.chain, self._late(candidates, s, lower, at))
-        return _Largest(largest, at, np.maximum(upper - largest, largest - lower), late)
+        at = hermite.change(closed, before, border[panel], border[panel + 1])
+        start = np.repeat(block.time[:-1], self.problem.chains)[entry]
+        rate = np.sum([curve.of(entry).rate(at) for curve in curves], axis=0) / len(curves)
+        self._changes[place].append(_Changes(entry % self.problem.chains, start + at * spacing, ~before, np.abs(rate)))
+        if gauge.damped:  # a dashpot's force may jump to its largest where a contact closes
+            entry, after = entry[~before], np.minimum(at[~before] + _JUST, 1.0)
+            self._take_values(place, entry, start[~before] + after * spacing, mean(entry, after))
+        np.add.at(self._size[:, place], chain, np.mean(np.abs(forces - static), axis=0) * spacing)
+        self._take_largest(place, block, forces.reshape(len(border), -1, self.problem.chains), border, mean)
 
-    def _late(self, candidates: _Candidates, s: Floats, lower: Floats, at: Floats) -> Floats:
-        """How far from a time forces may reach a level, [stretch]; 0 where they do not.
+    def _take_values(self, place: int, entry: Integers, time: Floats, value: Floats) -> None:
+        """Take values at times for the largest, where they are larger than those so far."""
+        chain = entry % self.problem.chains
+        for k in np.argsort(value):
+            if value[k] > self._largest[chain[k], place]:
+                self._largest[chain[k], place] = value[k]
+                self._at[chain[k], place] = time[k]
 
-        Args:
-            candidates: the stretches.
-            s: [stretch] where each force is largest.
-            lower: [chain] the level.
-            at: [chain] the time.
-        """
-        curve, spacing = candidates.curve, self._spacing
-        level, time = lower[curve.chain], at[curve.chain] - candidates.start
-        grid = np.linspace(0.0, 1.0, FINE + 1)
-        reached = np.stack([curve.bounds(np.full(len(s), place))[1] >= level for place in grid])
-        between = ~reached.any(axis=0)
-        first, last = np.argmax(reached, axis=0) - 1, FINE + 1 - np.argmax(reached[::-1], axis=0)
-        low, high = curve.bounds(s)
-        first, last = (np.where(between, s * FINE + step, end) for step, end in ((-1.0, first), (1.0, last)))
-        ends = (np.clip(end / FINE, 0.0, 1.0) * spacing - time for end in (first, last))
-        late = np.where(between & (high < level), 0.0, np.max(np.abs([*ends]), axis=0))
-        # about the maximum itself the slope of what the force may be off by decides
-        step = 1.0 / FINE
-        bend = -(curve(s - step) - 2.0 * curve(s) + curve(s + step)) / step**2
-        by_slope = np.where(bend > 0.0, STEEP * 0.5 * (high - low) / np.where(bend > 0.0, bend, 1.0), np.inf) * spacing
-        return np.where(
-            (np.abs(s * spacing - time) < step * spacing) & (late <= 3.0 * step * spacing),
-            np.minimum(late, by_slope),
-            late,
-        )
+    def _take_largest(
+        self,
+        place: int,
+        block: Trajectory,
+        forces: Floats,
+        border: Floats,
+        mean: Callable[[Integers, Floats], Floats],
+    ) -> None:
+        """Refine what is nearly the largest of the values at borders, [border, interval, chain]."""
+        value = forces.max(axis=0)
+        self._tops[place].append(value)
+        most = np.maximum(value.max(axis=0), self._largest[:, place])
+        interval, chain = np.nonzero(value > most - NEARLY * np.abs(most))
+        top = np.argmax(forces[:, interval, chain], axis=0)
+        low, high = border[np.maximum(top - 1, 0)], border[np.minimum(top + 1, len(border) - 1)]
+        entry = interval * forces.shape[2] + chain
+        at = maximum(lambda s: mean(entry, s), low, high)
+        self._take_values(place, entry, block.time[interval] + at * block.spacing, mean(entry, at))
 
 
-def _begun(block: Trajectory) -> Trajectory:
-    """Frames from the start of a run with dashpots, of which the first is that just after the start.
+def left_out(block: Trajectory, gauge: Gauge) -> Floats:
+    """What polynomials from the frame before to the frame after each one are off by there.
 
-    Beads that touch at the start are closed then, and their dashpots act.
+    Args:
+        block: evenly spaced frames.
+        gauge: where.
+
+    Returns:
+        Differences of the strain, the largest of any contact, and of the force from those at the frame, of all frames
+        but the first and the last, [0 or 1, frame, chain].
     """
-    if not block.problem.system.dampers or block.frames < 2:
-        return block
-    displacement = block.displacement.copy()
-    displacement[0] += AT_ONCE * block.spacing * block.velocity[0]
-    return replace(block, displacement=displacement)
+    chains = np.arange(block.problem.chains)
+    difference = np.zeros((2, max(0, block.frames - 2), len(chains)))
+    exact = at_frames(block, (gauge,))[..., 0]
+    for first in (0, 1):
+        part = block[first::2]
+        if part.frames < 2:
+            continue
+        force = np.zeros((part.frames - 1) * len(chains))
+        for probe in gauge.probes:
+            strain = strain_at_frames(part, probe)
+            curve = Curve.between(probe, strain, memory_at_frames(part, probe), chains, part.spacing)
+            middle = np.full(len(force), 0.5)
+            force += curve(middle) / len(gauge.probes)
+            between = strain_at_frames(block, probe)[0, first + 1 : block.frames - 1 : 2]
+            off = np.abs(hermite.value(curve.polynomial, middle).reshape(between.shape) - between)
+            difference[0, first::2] = np.maximum(difference[0, first::2], off)
+        between = exact[first + 1 : block.frames - 1 : 2]
+        difference[1, first::2] = np.abs(force.reshape(between.shape) - between)
+    return difference
 
 
-_NEVER = np.zeros((0, 3))
-"""Moments where nothing closes or opens."""
+def _excursion_error(time: Floats, values: Floats, at: float, level: float, span: tuple[float, float]) -> float:
+    """Uncertainty of the duration of an `excursion`: its difference from that of every second frame.
+
+    The larger one, from the first frame or from the second on; NaN where every second frame shows none.
+    """
+    ends = np.isfinite(span)
+    others = [excursion(time[first::2], values[first::2], at, level) for first in (0, 1)]
+    return float(np.max([np.sum(np.abs(np.array(other)[ends] - np.array(span)[ends])) for other in others]))

@@ -3,16 +3,17 @@
 The force of a damped contact is all of it, that of its dashpot included, at the velocities that frames hold: those of
 the moment of their positions. (LAMMPS itself takes the dashpot's at velocities of half a step before.)
 
-Between frames: `analysis.gauges.curve`.
+Between frames: the force of a contact (`Curve`), its integral and maximum; the maximum and crossings of samples.
 """
 
+import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
-from analysis import motion
+from analysis import hermite, motion
 from analysis.against import common_times
 from analysis.files.traces import Channel
 from analysis.trajectory import Floats, Integers, Trajectory
@@ -161,11 +162,10 @@ def memory_at_frames(block: Trajectory, probe: Probe) -> Floats | None:
 
 
 def strain_at_frames(block: Trajectory, probe: Probe) -> Floats:
-    """Strain of a contact, [derivative, frame, chain]: with three derivatives if all beads are recorded, else one."""
+    """Strain of a contact and its derivatives, [derivative, frame, chain]; the second where all beads are recorded."""
     found = _strain_and_rate(block, probe)
     if block.forces_known:
-        behind, ahead = (_acceleration_and_rate(block, bead) for bead in (probe.behind, probe.ahead))
-        found += [one - other for one, other in zip(behind, ahead, strict=True)]
+        found.append(_acceleration(block, probe.behind) - _acceleration(block, probe.ahead))
     return np.array(found)
 
 
@@ -181,12 +181,146 @@ def _column(block: Trajectory, values: Floats, bead: int) -> Floats:
     return np.asarray(values[:, :, int(np.searchsorted(block.problem.recorded_beads, bead))])
 
 
-def _acceleration_and_rate(block: Trajectory, bead: int) -> tuple[Floats, Floats]:
-    """Second and third derivative of the displacement of a bead, each [frame, chain]; 0 for what is at rest."""
+def _acceleration(block: Trajectory, bead: int) -> Floats:
     frame, chain = np.indices((block.frames, block.problem.chains))
     if bead == 0:
-        return np.zeros(frame.shape), np.zeros(frame.shape)
-    return motion.acceleration_and_rate(block, frame, chain, np.full(frame.shape, bead - 1))
+        return np.zeros(frame.shape)
+    return motion.acceleration_and_rate(block, frame, chain, np.full(frame.shape, bead - 1))[0]
+
+
+# --- between frames ---------------------------------------------------------------------------------------------------
+
+TOUCH = 1e-18
+"""Force from which on there is an impulse to add up, of an overlap of 1e-12."""
+
+PANEL = 0.05
+"""Largest stretch of time for one Gauss rule of four nodes."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Force of one contact over s, in many stretches from frame to frame.
+
+    Attributes:
+        probe: the contact.
+        polynomial: its strain, [power, stretch].
+        chain: [stretch] whose.
+        spacing: time from s = 0 to s = 1.
+        memory: [frame before or after, stretch], of a contact whose force depends on it.
+    """
+
+    probe: Probe
+    polynomial: Floats
+    chain: Integers
+    spacing: float
+    memory: Floats | None = None
+
+    @classmethod
+    def between(cls, probe: Probe, strain: Floats, memory: Floats | None, chains: Integers, spacing: float) -> "Curve":
+        """From frame to frame, stretches [interval * chains + chain].
+
+        Args:
+            probe: the contact.
+            strain: [derivative, frame, chain].
+            memory: [frame, chain]; None where no force depends on it.
+            chains: [chain] whose.
+            spacing: time between frames.
+        """
+        ends = np.stack([strain[:, :-1], strain[:, 1:]]).reshape(2, len(strain), -1)
+        if memory is not None:
+            memory = np.stack([memory[:-1], memory[1:]]).reshape(2, -1)
+        chain = np.tile(chains, strain.shape[1] - 1)
+        return cls(probe, hermite.coefficients((0, 1), ends, spacing), chain, spacing, memory)
+
+    def of(self, stretch: Integers) -> "Curve":
+        """In chosen stretches."""
+        memory = None if self.memory is None else self.memory[:, stretch]
+        return replace(self, polynomial=self.polynomial[:, stretch], chain=self.chain[stretch], memory=memory)
+
+    def rate(self, s: Floats) -> Floats:
+        """Rate of the strain at s, a number for each stretch, in units of L / T."""
+        return hermite.value(hermite.derivative(self.polynomial), s) / self.spacing
+
+    def elastic(self, s: Floats) -> Floats:
+        """Force at s, a number for each stretch, but for the dashpot's: positive where the contact is closed."""
+        strain, memory = hermite.value(self.polynomial, s), self.memory
+        if memory is not None:  # what opens has reached its largest overlap
+            rate = hermite.value(hermite.derivative(self.polynomial), s)
+            memory = np.where(rate >= 0.0, memory[0], memory[1])
+        return self.probe.force(strain, self.chain, memory)
+
+    def __call__(self, s: Floats) -> Floats:
+        """Force at s, a number for each stretch."""
+        if self.probe.loss is None:
+            return self.elastic(s)
+        return self.elastic(s) + self.probe.loss(hermite.value(self.polynomial, s), self.rate(s), self.chain)
+
+    def integral(self, border: Floats) -> Floats:
+        """Over s from 0 to 1.
+
+        In a panel where the contact opens or closes, the force is a power 3/2 from there on, of which no rule makes
+        much: with the square root of the time from there as variable it is smooth.
+        """
+        node, weight = np.polynomial.legendre.leggauss(4)
+        node, weight = 0.5 * (node + 1.0), 0.5 * weight
+        size = self.polynomial.shape[1]
+        total = np.zeros(size)
+        closed = np.stack([self.elastic(np.full(size, s)) for s in border]) > TOUCH
+        for panel, (low, high) in enumerate(itertools.pairwise(border.tolist())):
+            whole = closed[panel] & closed[panel + 1]
+            for s, w in zip(node, weight, strict=True):
+                total += np.where(whole, w * (high - low) * self(np.full(size, low + s * (high - low))), 0.0)
+        panel_of, entry = np.nonzero(closed[:-1] != closed[1:])
+        one = self.of(entry)
+        low, high, before = border[panel_of], border[panel_of + 1], closed[panel_of, entry]
+        at = hermite.change(lambda s: one.elastic(s) > TOUCH, before, low, high)
+        width = np.sqrt(np.where(before, at - low, high - at))
+        way = np.where(before, -1.0, 1.0)
+        for s, w in zip(node, weight, strict=True):
+            root = width * s
+            np.add.at(total, entry, w * width * 2.0 * root * one(at + way * root * root))
+        return total
+
+
+def borders(spacing: float) -> Floats:
+    """Borders of panels, from 0 to 1."""
+    return np.linspace(0.0, 1.0, max(1, int(np.ceil(spacing / PANEL * (1.0 - 1e-9)))) + 1)
+
+
+def maximum(value: Callable[[Floats], Floats], low: Floats, high: Floats) -> Floats:
+    """Where something with one maximum between low and high is largest."""
+    for _ in range(2 * hermite.HALVINGS):
+        one, two = low + (high - low) / 3.0, high - (high - low) / 3.0
+        rising = value(one) < value(two)
+        low, high = np.where(rising, one, low), np.where(rising, high, two)
+    return 0.5 * (low + high)
+
+
+def crossing(time: Floats, values: Floats, k: int, level: float) -> float:
+    """When evenly sampled values cross a level between samples k - 1 and k: of a cubic through the four around them."""
+    first = min(max(k - 2, 0), max(len(values) - 4, 0))
+    around = values[first : first + 4] - level
+    curve = np.polynomial.Polynomial.fit(np.arange(len(around)), around, len(around) - 1, domain=[-1, 1])
+    roots = curve.roots()
+    within = np.real(roots[(np.abs(np.imag(roots)) < 1e-9) & (np.abs(np.real(roots) - (k - 0.5 - first)) <= 0.5)])
+    before, after = values[k - 1] - level, values[k] - level
+    place = within[0] if len(within) == 1 else k - 1 - first + before / (before - after)
+    return float(time[first] + place * (time[k] - time[k - 1]))
+
+
+def excursion(time: Floats, values: Floats, at: float, level: float) -> tuple[float, float]:
+    """From when to when evenly sampled values exceed a level around a time; infinite where the record has no end of it.
+
+    NaN where none of the samples does.
+    """
+    first = max(int(np.argmin(np.abs(time - at))) - 1, 0)
+    k = first + int(np.argmax(values[first : first + 3]))
+    if not values[k] > level:
+        return np.nan, np.nan
+    before, after = np.flatnonzero(values[:k] <= level), np.flatnonzero(values[k:] <= level)
+    start = crossing(time, values, int(before[-1]) + 1, level) if len(before) else -np.inf
+    end = crossing(time, values, k + int(after[0]), level) if len(after) else np.inf
+    return start, end
 
 
 # --- traces as they would have been measured --------------------------------------------------------------------------

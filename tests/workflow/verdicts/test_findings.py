@@ -77,14 +77,14 @@ def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
         assert set(one) == {*expected, "kind", "name", "chain", "bead", "contacts"}
 
 
-def test_forces_that_frames_do_not_show_are_named_with_the_time_between_frames_that_would(problem):
+def test_gauges_whose_force_frames_do_not_show_are_named(problem):
     seen = readings(problem, 5.0)
     seen.largest[1, 2] = seen.impulse[1, 2] = np.nan
     _, sentence, *_ = finding_of(seen, problem).said()
     every = problem.scale.written(problem.every, "time", ".3g")
-    assert sentence.startswith(f"frames {every} apart do not show the force between them at sensor 5, chain 2; ")
-    named = float(sentence.split("`output.every: ")[1].split("`")[0])
-    assert 0.0 < named < problem.every * problem.scale.time
+    assert sentence == (
+        f"frames {every} apart do not show the force between them at sensor 5, chain 2; take a smaller `output.every`"
+    )
 
 
 def test_the_uncertainty_of_forces_is_printed_where_it_matters(problem):

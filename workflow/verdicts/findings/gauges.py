@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from analysis import quantity
 from analysis.contacts import LargestOverlap, Yielded, YieldMeter, YieldTable, shown_by_frames
-from analysis.gauges.curve import fastest
 from analysis.gauges.far_end import FarEnd as Collected
 from analysis.gauges.far_end import Transmitted
 from analysis.gauges.forces import PULSE, ForceMeter, ForceTable, Reading, Readings
@@ -45,9 +44,6 @@ _LOADED_WORDS = {
 
 SMALLEST_UNCERTAINTY = 1e-4
 """Uncertainty of a largest force, in its excess over the static one, above which it is printed."""
-
-SLOW = 2.5
-"""Phase of the fastest motion from frame to frame up to which forces between frames are known."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -103,10 +99,9 @@ class Forces(Finding):
         every = scale.written(self.problem.every, "time", ".3g")
         coarse = np.isnan(readings.largest) | np.isnan(readings.impulse)
         if np.any(coarse):
-            needed = min(SLOW / fastest(self.problem), 0.5 * self.problem.every)
             yield (
                 f"frames {every} apart do not show the force between them at {self._places(coarse)}; "
-                f"`output.every: {scale.measured(needed, 'time'):.2g}` would"
+                "take a smaller `output.every`"
             )
         excess = np.abs(readings.dynamic) if readings.loaded else readings.largest
         relative = np.divide(readings.largest_error, excess, out=np.zeros_like(excess), where=excess > 0.0)
