@@ -382,28 +382,37 @@ class ForceMeter:
         error, late = np.full(self._largest.shape, np.inf), np.full(self._largest.shape, np.inf)
         if len(frames.time) < 3:
             return error, late
-        spacing = float(frames.time[1] - frames.time[0])
-        between = np.maximum(frames.force_error[:-1], frames.force_error[1:])  # [interval, chain, gauge]
         for place, blocks in enumerate(self._tops):
             tops = np.concatenate(blocks)
             for chain in range(self.problem.chains):
-                at, largest = float(self._at[chain, place]), self._largest[chain, place]
-                nearest = frames.around(frames.force_error[:, chain, place], at)
-                margin = nearest + HIDDEN * abs(largest - self._static[chain, place])
-                top, off = tops[:, chain], between[:, chain, place]
-                possible = top + off >= largest - margin
-                error[chain, place] = np.max(off[possible], initial=nearest)
-                # the force is a parabola about its maximum
-                middle = int(np.clip(round((at - frames.time[0]) / spacing), 1, len(frames.time) - 2))
-                before, there, after = frames.force[middle - 1 : middle + 2, chain, place]
-                bend = 2.0 * there - before - after
-                width = np.sqrt(4.0 * error[chain, place] / bend) if bend > 0.0 else 1.0
-                beside = np.pad(top, 1, constant_values=-np.inf)
-                peaks = possible & (top >= beside[:-2]) & (top >= beside[2:])
-                distance = np.abs(frames.time[:-1] + 0.5 * spacing - at) + 0.5 * spacing
-                others = distance[peaks & (distance > 2.0 * spacing)]
-                late[chain, place] = np.max(others, initial=spacing * min(float(width), 1.0))
+                error[chain, place], late[chain, place] = self._largest_error(frames, tops[:, chain], chain, place)
         return error, late
+
+    def _largest_error(self, frames: _Frames, tops: Floats, chain: int, place: int) -> tuple[float, float]:
+        """Uncertainties of the largest force of one gauge and chain, and of its time.
+
+        Args:
+            frames: all of them.
+            tops: [interval] largest of the values at borders between two frames.
+            chain: number of the chain, from 0.
+            place: position of the gauge.
+        """
+        at, largest = float(self._at[chain, place]), float(self._largest[chain, place])
+        spacing, errors = float(frames.time[1] - frames.time[0]), frames.force_error[:, chain, place]
+        between = np.maximum(errors[:-1], errors[1:])
+        nearest = frames.around(errors, at)
+        margin = nearest + HIDDEN * abs(largest - self._static[chain, place])
+        possible = tops + between >= largest - margin
+        error = float(np.max(between[possible], initial=nearest))
+        # about its maximum the force is a parabola
+        middle = int(np.clip(round((at - frames.time[0]) / spacing), 1, len(frames.time) - 2))
+        bend = -float(np.diff(frames.force[middle - 1 : middle + 2, chain, place], 2)[0])
+        width = spacing * min(np.sqrt(4.0 * error / bend), 1.0) if bend > 0.0 else spacing
+        neighbours = np.pad(tops, 1, constant_values=-np.inf)
+        peaks = possible & (tops >= neighbours[:-2]) & (tops >= neighbours[2:])
+        distance = np.abs(frames.time[:-1] + 0.5 * spacing - at) + 0.5 * spacing
+        other_peaks = distance[peaks & (distance > 2.0 * spacing)]
+        return error, float(np.max(other_peaks, initial=width))
 
     def _dwells(self, frames: _Frames) -> _Dwells:
         """Contacts in which the force was largest."""
