@@ -61,9 +61,9 @@ def test_smaller_balls_press_as_hard_as_hertz_says_of_them():
 
 
 @pytest.mark.parametrize(
-    ("kind", "flatness", "stiffness"), [("rigid", 1.0, 1.0), ("flat", 1.0, 0.5), ("bead", 0.5, 0.5)]
+    ("kind", "radius_share", "stiffness"), [("rigid", 1.0, 1.0), ("flat", 1.0, 0.5), ("bead", 0.5, 0.5)]
 )
-def test_a_sphere_presses_on_a_wall_as_hard_as_hertz_says(kind, flatness, stiffness, tmp_path):
+def test_a_sphere_presses_on_a_wall_as_hard_as_hertz_says(kind, radius_share, stiffness, tmp_path):
     """A sphere flies at a wall (Chung and Ooi 2011, test 2): overlap ``(15 m v**2 / (16 E* R*^0.5))**0.4``.
 
     Frames are at most 0.01 T from the maximum, where the overlap is less by ``1e-4 T**2 * overlap**1.5 * 2**1.5 / 2``.
