@@ -38,16 +38,26 @@ class LargestOverlap:
     Attributes:
         value: largest overlap so far, in units of L; negative where none has touched, -inf before the first frame.
         each: the same of every contact, [chain, contact], where beads differ; else None.
+        walls: the same of the contacts with each wall, [chain], in the order of `physics.walls`.
     """
 
     def __init__(self) -> None:
         self.value = -math.inf
         self.each: Floats | None = None
+        self.walls: list[Floats] = []
 
     def add(self, block: Trajectory) -> None:
         """Take more frames into account."""
         problem = block.problem
         system = problem.system
+        walls = physics.walls(system)
+        if not self.walls:
+            self.walls = [np.full(problem.chains, -math.inf) for _ in walls]
+        for largest, link in zip(self.walls, walls, strict=True):
+            place = problem.beads - 1 if link.side > 0.0 else 0
+            law = laws.at(link.law, np.arange(problem.chains), place)
+            strain = np.max(link.side * block.displacement[..., place], axis=0)
+            np.maximum(largest, strain - link.gap + laws.rest(law), out=largest)
         moving = slice(0, problem.beads) if physics.loaded(system) else block.moving  # beads at rest touch, or overlap
         x = block.displacement[..., moving]
         if not physics.one_kind(system) and self.each is None:

@@ -139,9 +139,9 @@ class Trajectory:
         system = physics.at(self.problem.system, self.time[frames])
         return system if self.memory is None else physics.with_memory(system, self.memory[frames])
 
-    def last(self) -> "Trajectory":
-        """The last frame, copied, so that it keeps no others in memory."""
-        return self[-1:]._each(np.copy)
+    def last(self, frames: int = 1) -> "Trajectory":
+        """The last frame or frames, copied, so that they keep no others in memory."""
+        return self[-frames:]._each(np.copy)
 
     @cached_property
     def moving(self) -> slice:
@@ -149,10 +149,15 @@ class Trajectory:
 
         Nothing runs ahead of a pulse, so most of a long chain has nothing to compute for most of a run.
         """
-        moved = np.flatnonzero(np.any(self.velocity, axis=(0, 1)) | np.any(self.displacement, axis=(0, 1)))
-        if len(moved) == 0:
+        return self.moving_at(slice(None))
+
+    def moving_at(self, frames: slice | Integers) -> slice:
+        """Range of positions of the beads that chosen frames show displaced or moving, and one on either side."""
+        moved = np.any(self.velocity[frames], axis=(0, 1)) | np.any(self.displacement[frames], axis=(0, 1))
+        places = np.flatnonzero(moved)
+        if len(places) == 0:
             return slice(0, 1)
-        return slice(max(0, int(moved[0]) - 1), int(moved[-1]) + 2)
+        return slice(max(0, int(places[0]) - 1), int(places[-1]) + 2)
 
     def on(self, first: int, last: int, *, behind: float = 0.0) -> "Trajectory":
         """The same frames of other rows: those ahead of a window are at rest, those it has left as is said."""
@@ -275,6 +280,7 @@ def mirrored(block: Trajectory) -> Trajectory:
         -block.displacement[..., ::-1],
         -block.velocity[..., ::-1],
         first=1 if block.problem.window is None else mirrored_bead(block.problem, int(block.beads[-1])),
+        memory=None if block.memory is None else block.memory[..., ::-1],
         inner=None if block.inner is None else -block.inner[..., ::-1],
     )
 

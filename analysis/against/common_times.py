@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from analysis import hermite
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Floats, Trajectory, of_atoms
 from lammps_inputs import InputError, Problem
 
 
@@ -35,8 +35,30 @@ def near_the_front(block: Trajectory) -> Trajectory:
     return block.on(head - window // 2 + 1, head)
 
 
+def of_common_atoms(first: Trajectory, second: Trajectory) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+    """Displacements and velocities of two trajectories, each [frame, line, bead], of the atoms that both hold.
+
+    These are the beads, and the resonators where both have recorded them.
+    """
+    (x, v), (other_x, other_v) = first.atoms, second.atoms
+    lines = slice(min(x.shape[1], other_x.shape[1]))
+    return (x[:, lines], v[:, lines]), (other_x[:, lines], other_v[:, lines])
+
+
+def velocity_error(run: Trajectory, reference: Trajectory) -> float:
+    """Largest difference of any velocity, of beads or resonators, at the same times and rows; in units of V.
+
+    NaN where a velocity is not a number.
+    """
+    (_, velocity), (_, right) = of_common_atoms(run, reference)
+    return float(np.max(np.abs(velocity - right)))
+
+
 def of_recorded(trajectory: Trajectory, problem: Problem) -> Trajectory:
-    """Frames of a run at the beads that another problem records, which are some or all of those that it recorded."""
+    """Frames of a run at the beads that another problem records, which are some or all of those that it recorded.
+
+    Without resonators where beads are left out.
+    """
     if problem.recorded is None:
         return replace(trajectory, problem=problem)
     columns = np.searchsorted(trajectory.problem.recorded_beads, problem.recorded_beads)
@@ -45,6 +67,7 @@ def of_recorded(trajectory: Trajectory, problem: Problem) -> Trajectory:
         problem=problem,
         displacement=trajectory.displacement[:, :, columns],
         velocity=trajectory.velocity[:, :, columns],
+        inner=None,
     )
 
 
@@ -118,14 +141,16 @@ def at_times(trajectory: Trajectory, times: Floats) -> Trajectory:
         )
     start = np.clip(np.searchsorted(own, times, side="right") - 2, 0, trajectory.frames - len(_NODES))
     before = np.clip(np.searchsorted(own, times, side="right") - 1, 0, trajectory.frames - 1)
-    data = np.array([(trajectory.displacement[start + node], trajectory.velocity[start + node]) for node in _NODES])
+    x, v = trajectory.atoms
+    data = np.array([(x[start + node], v[start + node]) for node in _NODES])
     polynomials = hermite.coefficients(_NODES, data, float(spacing))
-    s = ((times - own[start]) / spacing)[:, np.newaxis, np.newaxis] * np.ones(trajectory.displacement.shape[1:])
-    return replace(
-        trajectory,
-        time=times,
-        displacement=hermite.value(polynomials, s),
-        velocity=hermite.value(hermite.derivative(polynomials), s) / spacing,
+    s = ((times - own[start]) / spacing)[:, np.newaxis, np.newaxis] * np.ones(x.shape[1:])
+    return of_atoms(
+        trajectory.problem,
+        times,
+        hermite.value(polynomials, s),
+        hermite.value(hermite.derivative(polynomials), s) / spacing,
+        trajectory.first,
         memory=None if trajectory.memory is None else trajectory.memory[before],
     )
 

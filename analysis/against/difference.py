@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.against.common_times import paired
+from analysis.against.common_times import of_common_atoms, paired
 from analysis.conservation import Conservation
 from analysis.tracking.leading_waves import leading_finder, leading_passages
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
@@ -35,11 +35,24 @@ def matched(own: Peaks, other: Peaks, beads: int) -> tuple[Peaks, Peaks]:
 
 @dataclass(frozen=True)
 class Place:
-    """A bead of a chain at a time (dimensionless); time is None for what belongs to no instant."""
+    """A bead of a chain, or a resonator at it, at a time.
+
+    Attributes:
+        chain, bead: counted from 1.
+        time: dimensionless; None for what belongs to no instant.
+        resonator: number of the resonator at the bead, in the order of the scene; 0 for the bead itself.
+    """
 
     chain: int
     bead: int
     time: float | None
+    resonator: int = 0
+
+    @property
+    def words(self) -> str:
+        """The bead or resonator in words, such as "bead 7 of chain 2"."""
+        bead = f"bead {self.bead} of chain {self.chain}"
+        return f"resonator {self.resonator} at {bead}" if self.resonator else bead
 
 
 @dataclass(frozen=True)
@@ -79,25 +92,28 @@ class _Running:
     first: Place | None = None
 
     def add(self, block: Trajectory, difference: Floats) -> None:
+        """Take the differences [frame, line, bead] of the next frames."""
         size = np.abs(difference)
         worst = int(np.argmax(size))
         if not (size.flat[worst] <= self.largest or np.isnan(self.largest)):  # NaN counts as largest
             self.largest = float(size.flat[worst])
-            self.where = _place(block, worst)
+            self.where = _place(block, worst, size.shape)
         for square in np.sum(difference * difference, axis=(1, 2)).tolist():  # the order does not depend on blocks
             self.squares += square
         self.count += difference.size
         if self.first is None and not self.largest <= self.tolerance:
             exceeding = ~(size <= self.tolerance)
-            self.first = _place(block, int(np.argmax(exceeding)))
+            self.first = _place(block, int(np.argmax(exceeding)), size.shape)
 
     def result(self) -> Deviation:
         return Deviation(self.largest, float(np.sqrt(self.squares / max(1, self.count))), self.where, self.first)
 
 
-def _place(block: Trajectory, position: int) -> Place:
-    frame, chain, bead = np.unravel_index(position, block.velocity.shape)
-    return Place(int(chain) + 1, int(block.beads[bead]), float(block.time[frame]))
+def _place(block: Trajectory, position: int, shape: tuple[int, ...]) -> Place:
+    """Place of a position in the flattened values [frame, line, bead] of a block's atoms."""
+    frame, line, bead = np.unravel_index(position, shape)
+    resonator, chain = divmod(int(line), block.problem.chains)
+    return Place(chain + 1, int(block.beads[bead]), float(block.time[frame]), resonator)
 
 
 class Difference:
@@ -122,9 +138,10 @@ class Difference:
     def add(self, block: Trajectory, reference: Trajectory) -> None:
         """Take the next frames of both, at the same times."""
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
-            difference = block.velocity - reference.velocity
+            (x, v), (right_x, right_v) = of_common_atoms(block, reference)
+            difference = v - right_v
             self._velocity.add(block, difference)
-            self._displacement.add(block, block.displacement - reference.displacement)
+            self._displacement.add(block, x - right_x)
             if self._peaks is None:
                 self._peaks = leading_finder(block.problem), leading_finder(block.problem)
             for finder, frames in zip(self._peaks, (block, reference), strict=True):
@@ -135,7 +152,7 @@ class Difference:
         self._add_to_map(block, difference)
 
     def _add_to_map(self, block: Trajectory, difference: Floats) -> None:
-        """Keep the largest |velocity difference| over chains, in at most some hundred cells either way."""
+        """Keep the largest |velocity difference| [frame, line, bead] of a row, in some hundred cells either way."""
         frames_a_cell = max(1, -(-(block.problem.frames + 1) // MAP_CELLS))
         beads = block.problem.recorded_beads
         thin = max(1, -(-len(beads) // MAP_CELLS))
@@ -205,7 +222,7 @@ def errors_of(blocks: Iterable[Trajectory], reference: Iterable[Trajectory]) -> 
 
 @dataclass(frozen=True)
 class ErrorMap:
-    """Largest |velocity difference| of any chain in cells of space and time.
+    """Largest |velocity difference| of any chain, resonators included, in cells of space and time.
 
     Attributes:
         time: of the first frame of each cell and of the last frame of all, [cell + 1].

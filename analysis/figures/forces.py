@@ -31,7 +31,7 @@ def force_figure(problem: Problem, readings: Readings) -> Figure:
     the peak.
     """
     time = axis_unit(problem, "time", float(readings.time[-1]))
-    force = axis_unit(problem, "force", float(np.max(readings.largest)))
+    force = axis_unit(problem, "force", float(np.max(readings.force)))
     count, chains = min(len(readings.gauges), MOST_GAUGES), shown_chains(problem)
     size = np.max(np.abs(readings.force - readings.static), axis=1)  # [frame, gauge]
     spans = [pulses(readings.time, size[:, place]) for place in range(count)]
@@ -54,7 +54,9 @@ def force_figure(problem: Problem, readings: Readings) -> Figure:
         for column in close[len(spans[place]) :]:
             column[place].remove()
         largest = f"largest {float(np.max(readings.largest[:, place])) * force.worth:.4g}"
-        if readings.loaded:
+        if np.isnan(readings.largest[:, place]).any():
+            largest = "largest unknown between frames"
+        elif readings.loaded:
             dynamic = float(np.fmax.reduce(readings.dynamic[:, place])) * force.worth
             largest += f", dynamic {dynamic:.4g}" if np.isfinite(dynamic) else ", never above the static force"
         axis.set_title(readings.gauges[place].name, loc="left")

@@ -72,7 +72,8 @@ class Transmitted:
     )
     transmitted_energy: float = declare(
         "largest share at any time of the energy input until then (kicks, work of pushes, drives and "
-        "springs that vary) that is in the last tenth of the beads, the contacts between them and that of the wall",
+        "springs that vary) that is in the last tenth of the beads: their kinetic energy and that of the contacts "
+        "between them, of the wall's contact and of their springs to the ground, not of springs between chains",
         undefined=f"{UNPASSED}, {ACTED_ON}, or the work is not known",
         column="largest energy at the far end / energy input",
     )

@@ -124,11 +124,17 @@ def _between(system: System, bead: int) -> Probe:
     return Probe(bead, bead + 1, force, static, loss, bead)
 
 
+TOUCHING = 1e-12
+"""Overlap, in units of L, from which on a dashpot acts: one that is rounding does not close a contact."""
+
+
 def _loss(damper: Any, place: int, gap: float) -> Callable[[Floats, Floats, Integers], Floats] | None:
     """The force of a dashpot, if there is one."""
 
     def loss(strain: Floats, rate: Floats, chain: Integers) -> Floats:
-        return np.asarray(dashpot.damping(laws.at(damper, chain, place), strain - gap, rate))
+        law: Any = laws.at(damper, chain, place)
+        closed = strain - gap + law.rest > TOUCHING
+        return np.where(closed, dashpot.damping(law, strain - gap, rate), 0.0)
 
     return None if damper is None else loss
 
@@ -231,6 +237,10 @@ class Curve:
         memory = None if self.memory is None else self.memory[:, stretch]
         return replace(self, polynomial=self.polynomial[:, stretch], chain=self.chain[stretch], memory=memory)
 
+    def rate(self, s: Floats) -> Floats:
+        """Rate of the strain at s, a number for each stretch, in units of L / T."""
+        return hermite.value(hermite.derivative(self.polynomial), s) / self.spacing
+
     def elastic(self, s: Floats) -> Floats:
         """Force at s, a number for each stretch, but for the dashpot's: positive where the contact is closed."""
         strain, memory = hermite.value(self.polynomial, s), self.memory
@@ -243,8 +253,7 @@ class Curve:
         """Force at s, a number for each stretch."""
         if self.probe.loss is None:
             return self.elastic(s)
-        rate = hermite.value(hermite.derivative(self.polynomial), s) / self.spacing
-        return self.elastic(s) + self.probe.loss(hermite.value(self.polynomial, s), rate, self.chain)
+        return self.elastic(s) + self.probe.loss(hermite.value(self.polynomial, s), self.rate(s), self.chain)
 
     def integral(self, border: Floats) -> Floats:
         """Over s from 0 to 1.

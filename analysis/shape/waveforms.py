@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis import hermite
+from analysis import hermite, motion
+from analysis.between_frames import LARGEST_UNCERTAINTY, Instants, Pair, derivatives, interpolated, moments, steps_from
 from analysis.columns import Columns
 from analysis.shape.exact_wave import wave_of
 from analysis.shape.long_waves import length_of
@@ -35,7 +36,7 @@ class Passages(Columns):
 
     Attributes:
         chain, bead: counted from 1.
-        arrival, peak_velocity, speed, direction: of the passage, see `analysis.tracking.pulses.Pulse`.
+        arrival, peak_velocity, speed, direction, arrival_error: of the passage, see `analysis.tracking.pulses.Pulse`.
     """
 
     chain: Integers
@@ -44,6 +45,7 @@ class Passages(Columns):
     peak_velocity: Floats
     speed: Floats
     direction: Integers
+    arrival_error: Floats
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,8 @@ class Shape(Columns):
         energy: kinetic and of the contacts, within `reach` beads of the one that is passed, in units of m V**2; where
             only some beads are recorded, from the kinetic energy as in the exact wave (9/5 of it for spheres), and NaN
             where beads differ.
+        energy_error: uncertainty of the energy by the time between frames; NaN where only some beads are recorded.
+        residual: largest difference from the exact wave of the same peak velocity, in units of that.
         residual: largest difference from the exact wave of the same peak velocity, in units of that; NaN where a
             larger pulse overlaps.
     """
@@ -65,6 +69,7 @@ class Shape(Columns):
     width: Floats
     momentum: Floats
     energy: Floats
+    energy_error: Floats
     residual: Floats
 
     def entry(self, k: int) -> dict[str, float]:
@@ -80,15 +85,18 @@ def reach(problem: Problem) -> int:
 class Waveforms:
     """Collects the waveforms of passages from a run that is given piece by piece. Frames are evenly spaced.
 
+    Args:
+        problem: what was run.
+        passages: what is watched.
+        weighed: [passage] of which the energy is wanted, too; of all by default.
+
     Attributes:
         passages: what is watched.
         time: [passage, sample], in units of T; regularly spaced, also where there is no frame.
         velocity: [passage, sample] along the pulse's direction, in units of V; NaN where there is no frame.
-        energy: [passage] within `reach` beads of the one that is passed, at the frame nearest to the arrival, in units
-            of m V**2; NaN where not all of them are recorded.
     """
 
-    def __init__(self, problem: Problem, passages: Passages) -> None:
+    def __init__(self, problem: Problem, passages: Passages, weighed: Flags | None = None) -> None:
         self.problem = problem
         self.passages = passages
         every = problem.every
@@ -105,13 +113,19 @@ class Waveforms:
         self._first, self._last = centre - half * stride, centre + half * stride
         self.time = (centre[:, np.newaxis] + offset * stride[:, np.newaxis]) * every
         self.velocity = np.full(self._frame.shape, np.nan)
-        self.energy = np.full(len(passages), np.nan)
-        self._centre, self._reach = centre, reach(problem)
+        arrival = passages.arrival if weighed is None else np.where(weighed, passages.arrival, np.nan)
+        self._instants, self._reach = Instants(arrival, problem), reach(problem)
+        self._energy = np.full((2, 3, len(passages)), np.nan)
+        """Energy and its first two derivatives at the frames before and after a passage."""
         self._column = np.searchsorted(problem.recorded_beads, passages.bead)
         self._seen = 0
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
+        # what contacts store that yield depends on their largest overlap so far
+        if block.forces_known and not physics.remembering(self.problem.system):
+            for pair in self._instants.within(block):
+                self._measure_energy(pair)
         start, end = self._seen, self._seen + block.frames
         self._seen = end
         passing = np.flatnonzero((self._first < end) & (self._last >= start))
@@ -124,27 +138,51 @@ class Waveforms:
         frame, chain = self._frame[row, sample] - start, self.passages.chain[row] - 1
         bead = self._column[row] - (block.first - 1)
         self.velocity[row, sample] = self.passages.direction[row] * block.velocity[frame, chain, bead]
-        if self.problem.recorded is None:
-            now = passing[(self._centre[passing] >= start) & (self._centre[passing] < end)]
-            self.energy[now] = self._inside(block, now, self._centre[now] - start)
 
-    def _inside(self, block: Trajectory, row: Integers, frame: Integers) -> Floats:
-        """Energy near the beads of some passages, each in a frame of a block."""
+    def _measure_energy(self, pair: Pair) -> None:
+        """Take the energies at the frames around the passages between the frames of a pair."""
+        row, frame = pair.entry, np.concatenate([pair.frame, pair.frame + 1])
+        step = np.repeat(steps_from(pair.block), len(row))
+        energy = self._energies(pair.block, np.concatenate([row, row]), frame, step)
+        self._energy[..., row] = np.moveaxis(derivatives(energy, step).reshape((3, 2, len(row))), 1, 0)
+
+    def _energies(self, block: Trajectory, row: Integers, frame: Integers, step: Floats) -> Floats:
+        """Energy near the beads of some passages at three moments beside chosen frames, [moment, entry].
+
+        Args:
+            block: frames of all beads.
+            row: [entry] which passages.
+            frame: [entry] positions of the frames.
+            step: [entry] time from one moment to the next.
+        """
         problem, beads = self.problem, block.velocity.shape[2]
         system = problem.system
         place = (self.passages.bead[row] - block.first)[:, np.newaxis] + np.arange(-self._reach, self._reach + 1)
         there, near = (place >= 0) & (place < beads), np.clip(place, 0, beads - 1)
-        chain, bead = (self.passages.chain[row] - 1)[:, np.newaxis], block.first - 1 + near
-        x, v = (values[frame[:, np.newaxis], chain, near] for values in (block.displacement, block.velocity))
+        chain = np.broadcast_to((self.passages.chain[row] - 1)[:, np.newaxis], near.shape)
+        at, bead = np.broadcast_to(frame[:, np.newaxis], near.shape), block.first - 1 + near
+        x, v = (values[at, chain, near] for values in (block.displacement, block.velocity))
+        acceleration, rate = motion.acceleration_and_rate(block, at, chain, near)
+        x, v = moments(x, v, acceleration, rate, step[:, np.newaxis])
         kinetic = np.where(there, 0.5 * physics.mass_of(system, chain, bead) * v * v, 0.0)
-        overlap = x[:, :-1] - x[:, 1:] - physics.gap(system)
-        contact = chain, np.minimum(bead[:, :-1], problem.beads - 2)
+        overlap = x[..., :-1] - x[..., 1:] - physics.gap(system)
+        contact = chain[:, :-1], np.minimum(bead[:, :-1], problem.beads - 2)
         energy = sum(laws.energy(laws.at(link.law, *contact), overlap) for link in system.along)
         stored = np.where(there[:, :-1] & there[:, 1:], energy, 0.0)
         left_out = (place[:, 0] < 0) & (block.first > 1)  # by a window
-        if physics.remembering(system):  # what they store depends on their largest overlap so far
-            left_out[:] = True
-        return np.where(left_out, np.nan, kinetic.sum(axis=1) + stored.sum(axis=1))
+        return np.where(left_out, np.nan, kinetic.sum(axis=-1) + stored.sum(axis=-1))
+
+    def energy(self) -> tuple[Floats, Floats]:
+        """Energies at the arrivals and their uncertainties, each [passage], in units of m V**2.
+
+        The time between frames also leaves the arrival uncertain, by that time itself where a bead flies freely. NaN
+        where not all beads are recorded, or the uncertainty exceeds `LARGEST_UNCERTAINTY` of the energy.
+        """
+        found = interpolated(self._energy, self._instants.share, self.problem.every)
+        late = self.passages.arrival_error
+        error = found.uncertainty + np.where(np.isfinite(late), late, self.problem.every) * np.abs(found.rate)
+        stated = error <= LARGEST_UNCERTAINTY * found.value
+        return np.where(stated, found.value, np.nan), np.where(stated, error, np.nan)
 
     def shape(self) -> Shape:
         """What the waveforms say."""
@@ -165,7 +203,7 @@ class Waveforms:
         kinetic_share = (exact.exponent + 1.0) / (exact.exponent + 3.0)
         kinetic = travelled(0.5 * mass * self.velocity**2)
         alone = kinetic / kinetic_share if physics.alike(self.problem.system) else np.nan * kinetic
-        energy = self.energy if self.problem.recorded is None else alone
+        energy, error = self.energy() if self.problem.recorded is None else (alone, np.full_like(alone, np.nan))
         xi = exact.speed_at(peak) * late
         difference = np.abs(self.velocity / peak - exact.velocity(xi))
         compared = watched & (np.abs(xi) <= COMPARED)
@@ -175,6 +213,7 @@ class Waveforms:
             width=self._duration() * forward * sign,
             momentum=travelled(mass * self.velocity) if physics.alike(self.problem.system) else np.nan * kinetic,
             energy=energy,
+            energy_error=error,
             residual=np.where(overlapped, np.nan, np.max(difference, axis=1, initial=0.0) * sign),
         )
 

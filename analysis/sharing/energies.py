@@ -4,7 +4,8 @@
 pulse stays together, such as chains on a foundation; it makes sense of any. `EnergyShares` has the energy in each
 chain, and inside the waves, at the instants at which the waves pass chosen beads; they are picked out while the run is
 read a second time. The energy of a spring is shared by its two chains there. Inside a wave are the beads within
-`analysis.shape.waveforms.reach` of its peak, with the contacts between them.
+`analysis.shape.waveforms.reach` of its peak, with the contacts between them. Between frames they are interpolated
+(`analysis.between_frames`).
 
 Springs that vary in time: the action of the modes in which rows oscillate, energy over angular frequency, is an
 adiabatic invariant. Each mode keeps its action where stiffnesses change slowly, and modes exchange it where their
@@ -16,11 +17,21 @@ from dataclasses import replace
 import numpy as np
 
 from analysis import motion
+from analysis.between_frames import (
+    LARGEST_UNCERTAINTY,
+    Instants,
+    Pair,
+    derivatives,
+    interpolated,
+    moments_of_chains,
+    steps_from,
+    system_at,
+)
 from analysis.conservation import energy_input
 from analysis.quantity import declare, result
 from analysis.shape.waveforms import reach
 from analysis.sharing.equipartition import Sharing
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem, System, laws, physics
 from lammps_inputs.laws.spring import Linear, Varying
 
@@ -195,11 +206,15 @@ MAX_PLACES = 400
 class EnergyShares:
     """Collects energies when the chains' waves pass beads; for runs in which every bead is recorded.
 
+    Shares are of the energy input, and NaN where their uncertainty exceeds `LARGEST_UNCERTAINTY`.
+
     Attributes:
         place: [instant] positions in the `Sharing`, of those at which all arrivals are defined.
-        chain: [instant, chain] energy of a chain, over the energy input; NaN where not seen, as in a window.
+        chain: [instant, chain] energy of a chain; NaN where not seen, as in a window.
         wave: [instant, chain] energy inside its leading wave, likewise, and NaN where another pulse is
             as near. 0 where the chain has none that counts.
+        chain_error, wave_error: [instant, chain] uncertainties of both by the time between frames, which also leaves
+            the instant uncertain.
     """
 
     def __init__(self, problem: Problem, shared: Sharing) -> None:
@@ -209,35 +224,84 @@ class EnergyShares:
         known = np.flatnonzero(np.all(np.isfinite(arrival), axis=1)) if problem.recorded is None else np.arange(0)
         count = min(len(known), MAX_PLACES)
         self.place = known[np.unique(np.linspace(0, max(len(known) - 1, 0), count).round().astype(np.int64))]
-        self._known = known
-        instant = np.mean(arrival[self.place], axis=1) if count else np.zeros(0)
-        self._frame = np.round(instant / problem.every).astype(np.int64)
-        self.chain = np.full((len(self.place), problem.chains), np.nan)
-        self.wave = np.full((len(self.place), problem.chains), np.nan)
-        self._seen, self._reach = 0, reach(problem)
+        time = np.mean(arrival[self.place], axis=1) if count else np.zeros(0)
+        self._late = np.zeros(len(self.place))
+        if shared.arrival_error is not None and count:
+            self._late = np.mean(np.nan_to_num(shared.of_tied(shared.arrival_error)[self.place], posinf=0.0), axis=1)
+        self._instants, self._reach = Instants(time, problem), reach(problem)
+        self._peaks = np.array([self._beads_at_peaks(time + late, known) for late in (0.0, -self._late, self._late)])
+        shape = (len(self.place), problem.chains)
+        self.chain, self.wave, self.chain_error, self.wave_error = np.full((4, *shape), np.nan)
+
+    def _beads_at_peaks(self, time: Floats, known: Integers) -> Floats:
+        """[instant, chain] beads at which the waves are, by their arrivals at known places; NaN without arrivals."""
+        if len(time) == 0:
+            return np.zeros((0, self.problem.chains))
+        beads = self._shared.bead[known]
+        arrivals = np.maximum.accumulate(self._shared.arrival[known], axis=0)
+        return np.array([np.rint(np.interp(time, of_chain, beads)) for of_chain in arrivals.T]).T
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
-        start, self._seen = self._seen, self._seen + block.frames
-        for row in np.flatnonzero((self._frame >= start) & (self._frame < self._seen)):
-            frame = self._frame[row] - start
-            self.chain[row], self.wave[row] = self._energies(block, int(frame))
+        if not block.forces_known:
+            return
+        for pair in self._instants.within(block):
+            self._measure(pair)
 
-    def _energies(self, block: Trajectory, frame: int) -> tuple[Floats, Floats]:
-        x, v = block.displacement[frame], block.velocity[frame]
-        kinetic = motion.kinetic_energy(self.problem.system, v, block.first)
-        system = block.system_at(frame)
-        contacts = motion.contact_energy(system, x, block.first)
-        total = np.sum(kinetic, axis=1) + np.sum(contacts, axis=1)
-        for link in (*system.across, *system.ground):
-            link.add_chain_energy(total, link.energy(x, block.first))
-        inside = np.empty_like(total)
-        for chain in range(self.problem.chains):
-            arrivals = np.maximum.accumulate(self._shared.arrival[self._known, chain])
-            peak = np.interp(block.time[frame], arrivals, self._shared.bead[self._known])
-            near = np.abs(block.beads - np.rint(peak)) <= self._reach  # nowhere in a chain whose arrivals are NaN
-            between = near[:-1] & near[1:]
-            inside[chain] = np.sum(kinetic[chain, near]) + np.sum(contacts[chain, between])
+    def _measure(self, pair: Pair) -> None:
+        """Take the energies at the instants between the frames of a pair."""
+        block, entry = pair.block, pair.entry
+        peaks = self._peaks[:, entry]
+        if np.array_equal(peaks[1], peaks[0], equal_nan=True) and np.array_equal(peaks[2], peaks[0], equal_nan=True):
+            peaks = peaks[:1]
+        frame = np.concatenate([pair.frame, pair.frame + 1])
+        step = np.repeat(steps_from(block), len(entry))
+        energy = self._energies(block, frame, step, np.concatenate([peaks, peaks], axis=1))
+        of_frames = derivatives(energy, step[:, np.newaxis]).reshape((3, len(energy[0]), 2, len(entry), -1))
+        share = np.broadcast_to(pair.share[:, np.newaxis], (len(energy[0]), len(entry), self.problem.chains))
+        found = interpolated(np.moveaxis(of_frames, 2, 0), share, block.spacing)
+        chain, wave, *others = found.value / self._shared.energy
+        error = (found.uncertainty + self._late[entry, np.newaxis] * np.abs(found.rate))[:2] / self._shared.energy
+        error[1] += sum(np.abs(other - wave) for other in others)
         if self.problem.window is not None:
-            total[:] = np.nan
-        return total / self._shared.energy, inside / self._shared.energy
+            chain = np.full_like(chain, np.nan)
+        stated = (error <= LARGEST_UNCERTAINTY) & np.isfinite([chain, wave])
+        self.chain[entry], self.wave[entry] = np.where(stated, [chain, wave], np.nan)
+        self.chain_error[entry], self.wave_error[entry] = np.where(stated, error, np.nan)
+
+    def _energies(self, block: Trajectory, frame: Integers, step: Floats, peaks: Floats) -> Floats:
+        """Energies of the chains, and of their waves about each set of peaks, at three moments beside chosen frames.
+
+        Args:
+            block: frames of all beads.
+            frame: [entry] positions of the frames.
+            step: [entry] time from one moment to the next.
+            peaks: [set, entry, chain] beads at which the waves are.
+
+        Returns:
+            [moment, chains or set, entry, chain]
+        """
+        beads = block.moving_at(frame)
+        time, x, v = moments_of_chains(block, frame, step, beads)
+        x, v = x[..., : self.problem.chains, :], v[..., : self.problem.chains, :]
+        first = block.first + beads.start
+        system = system_at(block, frame, time)
+        kinetic = motion.kinetic_energy(system, v, first)
+        contacts = motion.contact_energy(system, x, first)
+        total = np.sum(kinetic, axis=-1) + np.sum(contacts, axis=-1)
+        for link in (*system.across, *system.ground):
+            link.add_chain_energy(total, link.energy(x, first))
+        found = np.zeros((3, 1 + len(peaks), *total.shape[1:]))
+        found[:, 0] = total
+        lowest, highest = np.fmin.reduce(peaks, axis=None), np.fmax.reduce(peaks, axis=None)
+        number = np.arange(first, first + x.shape[-1])
+        some = np.flatnonzero((number >= lowest - self._reach) & (number <= highest + self._reach))
+        if len(some):
+            columns = slice(int(some[0]), int(some[-1]) + 1)
+            kinetic, contacts = kinetic[..., columns], contacts[..., columns.start : columns.stop - 1]
+            for number_of_set, beads_of_peaks in enumerate(peaks, 1):  # none where there is no peak
+                inside = np.abs(number[columns] - beads_of_peaks[..., np.newaxis]) <= self._reach
+                between = inside[..., :-1] & inside[..., 1:]
+                found[:, number_of_set] += np.sum(np.where(inside, kinetic, 0.0), axis=-1)
+                found[:, number_of_set] += np.sum(np.where(between, contacts, 0.0), axis=-1)
+        return found

@@ -52,7 +52,14 @@ class Character:
         "momentum",
         f"{UNSEEN}; beads differ",
     )
-    energy: float = declare("energy of the beads near the peak", "energy", f"{UNSEEN}, or another pulse is near")
+    energy: float = declare(
+        "energy of the beads near the peak at the arrival",
+        "energy",
+        f"{UNSEEN}, another pulse is near, or frames are so far apart that its uncertainty exceeds a twentieth of it",
+    )
+    energy_error: float = declare(
+        "uncertainty of the energy by the time between frames", "energy", "as ``energy``; not all beads are recorded"
+    )
     residual: float = declare(
         "largest difference of the velocity from the exact wave of this peak velocity, over that",
         undefined=f"{UNSEEN}; a larger pulse overlaps; beads differ or are preloaded",
@@ -114,7 +121,7 @@ def characterise(
     Args:
         pulse: which.
         at: position of the passage.
-        shape: width, momentum, energy, residual of that passage.
+        shape: width, momentum, energy, its uncertainty, and residual of that passage.
         tolerances: what counts as equal.
         problem: what was run.
     """

@@ -65,7 +65,8 @@ class Survey:
             a pulse.
         succession: where one leading pulse ends and another one leads.
         waveforms: velocity over time around the passages of ``waves``, then of ``pulses``.
-        shape: what those waveforms say of each wave, entry by entry of ``waves``; NaN where not measured.
+        shape: what those waveforms say of each wave, entry by entry of ``waves``; NaN where not measured, as energies
+            are in chains of like beads.
         pulses: every pulse that was found, either way; under a static load the leading waves and what runs ahead of
             sound (`analysis.tracking.pulses.ahead_of_sound`).
         crests: of sound, under a static load; one may be taken for another on its way.
@@ -181,13 +182,15 @@ def survey(
 
     stride = max(1, -(-len(waves) // MAX_PASSAGES))
     chosen = np.flatnonzero(waves.bead % stride == 0)
-    waveforms = Waveforms(problem, _passages(waves.where(chosen), direction, pulses, at))
+    weighed = np.arange(len(chosen) + len(pulses)) >= (len(chosen) if physics.alike(system) else 0)
+    waveforms = Waveforms(problem, _passages(waves.where(chosen), direction, pulses, at), weighed)
     energies = EnergyShares(along, shared)
     for block in read():
         waveforms.add(block)
         energies.add(block if direction > 0 else mirrored(block))
     shapes = _of_one_pulse(waveforms.shape(), waveforms.passages, pulses, problem)
-    energies.wave[_of_others(shared.bead[energies.place], waves, pulses, problem, direction)] = np.nan
+    mixed = _of_others(shared.bead[energies.place], waves, pulses, problem, direction)
+    energies.wave[mixed] = energies.wave_error[mixed] = np.nan
     characters = tuple(
         characterise(pulse, place, shapes.entry(len(chosen) + number), tolerances, problem=problem)
         for number, (pulse, place) in enumerate(zip(pulses, at, strict=True))
@@ -217,20 +220,20 @@ def _of_waves(shapes: Shape, chosen: Integers, sharp: Flags) -> Shape:
     columns = {name: np.full(len(sharp), np.nan) for name in shapes.arrays()}
     for name, column in columns.items():
         column[chosen] = getattr(shapes, name)[: len(chosen)]
-        if name != "energy":
+        if name not in ("energy", "energy_error"):
             column[~sharp] = np.nan
     return Shape(**columns)
 
 
 def _of_one_pulse(shapes: Shape, passages: Passages, pulses: tuple[Pulse, ...], problem: Problem) -> Shape:
     """Shapes whose energy is not known where another pulse has part of what is near the peak."""
-    energy = shapes.energy.copy()
+    energy, error = shapes.energy.copy(), shapes.energy_error.copy()
     for chain in range(1, problem.chains + 1):
         own = passages.chain == chain
         bead, time = passages.bead[own], passages.arrival[own]
         clear = clear_of_others(chain, bead, time, pulses, problem.every, reach(problem) + HALF)
-        energy[own] = np.where(clear, energy[own], np.nan)
-    return replace(shapes, energy=energy)
+        energy[own], error[own] = np.where(clear, [energy[own], error[own]], np.nan)
+    return replace(shapes, energy=energy, energy_error=error)
 
 
 def _of_others(bead: Integers, waves: Waves, pulses: tuple[Pulse, ...], problem: Problem, direction: int) -> Flags:
@@ -283,9 +286,10 @@ def _first_reading(
 def _passages(waves: Waves, direction: int, pulses: tuple[Pulse, ...], at: list[int]) -> Passages:
     """Those of leading waves, followed by one of each pulse, at the positions given."""
     way = np.full(len(waves), direction)
-    parts = [Passages(waves.chain, waves.bead, waves.time, waves.peak_velocity, waves.speed, way)]
+    leading = waves.chain, waves.bead, waves.time, waves.peak_velocity, waves.speed, way, waves.arrival_error
+    parts = [Passages(*leading)]
     for pulse, k in zip(pulses, at, strict=True):
         one = pulse.where([k])
         chain, way = np.array([pulse.chain]), np.array([pulse.direction])
-        parts.append(Passages(chain, one.bead, one.arrival, one.peak_velocity, one.speed, way))
+        parts.append(Passages(chain, one.bead, one.arrival, one.peak_velocity, one.speed, way, one.arrival_error))
     return together(parts)

@@ -171,7 +171,7 @@ def _checked(check: Check, problem: Problem) -> str:
     where = ""
     if check.where is not None and check.where.time is not None:
         time = problem.scale.written(check.where.time, "time", ".5g")
-        where = f" (bead {check.where.bead} of chain {check.where.chain}, t = {time})"
+        where = f" ({check.where.words}, t = {time})"
     found = [f"velocities {check.velocity:.1e} V{where}"]
     found += [f"peaks {check.amplitude:.1e} V"] if math.isfinite(check.amplitude) else []
     uncertainty = f"{check.reference.velocity:.1e} V"

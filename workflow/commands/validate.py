@@ -131,7 +131,7 @@ def _print_quantities(found: validation.Validation) -> None:
     for name, deviation in found.deviations.items():
         where = ""
         if deviation.where is not None:
-            where = f"bead {deviation.where.bead}, chain {deviation.where.chain}"
+            where = deviation.where.words
             if deviation.where.time is not None:
                 where += f", t = {scale.written(deviation.where.time, 'time', '.5g')}"
         rms = f"{deviation.rms:.1e}" if np.isfinite(deviation.rms) else ""
@@ -156,9 +156,7 @@ def _print_quantities(found: validation.Validation) -> None:
     ]
     if firsts:
         time, name, place = min(firsts, key=lambda first: first[0])
-        print(
-            f"first deviation: {name} of bead {place.bead}, chain {place.chain}, at t = {scale.written(time, 'time')}"
-        )
+        print(f"first deviation: {name} of {place.words}, at t = {scale.written(time, 'time')}")
 
 
 def _print_chains(found: validation.Validation, chains: Sequence[ChainDifference]) -> None:

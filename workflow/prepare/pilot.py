@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from analysis.against.common_times import on_common_rows
+from analysis.against.common_times import on_common_rows, velocity_error
 from lammps_inputs import InputError, Problem, Scene, library, physics, scheme
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
@@ -96,7 +96,7 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Settings | N
 
     Args:
         problem: what is to be run; its own time step does not count.
-        accuracy: largest error of any recorded velocity.
+        accuracy: largest error of any recorded velocity, of beads and resonators.
         most_work: forces on beads that this may take.
 
     Returns:
@@ -190,13 +190,13 @@ def _reference(problem: Problem, steps: int) -> StepHalving | Kept:
 
 
 def _error(problem: Problem, cycles: int, reference: StepHalving | Kept) -> float:
-    """Largest difference of any velocity of the pilot run from the reference, at most 2."""
+    """Largest difference of any velocity, of beads and resonators, of the pilot run from the reference, at most 2."""
     runs = engine.blocks(problem, scheme=TABLES[problem.scheme], steps_per_frame=cycles)
     largest = 0.0
     with np.errstate(over="ignore", invalid="ignore"):
         for blocks in zip(runs, reference.blocks(), strict=True):
             own, right = on_common_rows(*blocks)
-            found = float(np.max(np.abs(own.velocity - right.velocity)))
+            found = velocity_error(own, right)
             largest = max(largest, found if found <= 2.0 else 2.0)  # a run that blew up, or NaN
     return largest
 

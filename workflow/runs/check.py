@@ -90,9 +90,9 @@ class Check:
     """What a run's error was found to be, dimensionless.
 
     Attributes:
-        velocity: largest error of any velocity, in snapshots and the frames that are compared: all of a little run,
-            else those that `workflow.prepare.pilot` chooses.
-        where: at which bead and time.
+        velocity: largest error of any velocity, of beads and resonators, in snapshots and the frames that are compared:
+            all of a little run, else those that `workflow.prepare.pilot` chooses.
+        where: at which bead or resonator, and time.
         arrival: largest error of an arrival of the leading pulse, where `analysis.tracking.peaks.sharp`; NaN where none
             is.
         amplitude: largest error of a peak velocity of the leading pulse; NaN where none was seen.

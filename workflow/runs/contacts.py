@@ -1,5 +1,7 @@
 """How hard the beads of an SI scene press on each other, and whether that is still Hertz's law."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -8,10 +10,12 @@ import numpy as np
 from analysis.contacts import LargestOverlap, shown_by_frames
 from analysis.quantity import declare, result
 from analysis.trajectory import watch
-from lammps_inputs import Scene, laws, physics
-from lammps_inputs.ingredients.unequal import sizes_and_moduli
+from lammps_inputs import Scene, System, laws, physics
+from lammps_inputs.ingredients.unequal import radii, sizes_and_moduli, unlike
+from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.laws.plastic import YIELD_PRESSURE
 from lammps_inputs.limits import solids
+from lammps_inputs.links import Wall
 from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
 
@@ -23,13 +27,14 @@ class Contacts:
     measured: bool = declare("whether the frames show it; else the numbers are what energy and momentum allow at most")
     radius: float = declare("radius of the reference bead", "m", symbol="R")
     overlap: float = declare(
-        "largest approach of two centres over the radius; of beads that differ, over their harmonic mean"
+        "largest approach of two centres over the radius, or of a bead and a wall; of beads that differ, over their "
+        "harmonic mean"
     )
     force: float = declare(
-        "largest force in a contact of two beads, static load included; walls are not", "N", symbol="F"
+        "largest force in a contact of two beads, or of a bead and a wall, static load included", "N", symbol="F"
     )
     pressure: float = declare("largest pressure in the middle of a contact", "Pa", symbol="p_0")
-    yield_strength: float = declare("least yield strength with which contacts of beads stay elastic", "Pa")
+    yield_strength: float = declare("least yield strength of the beads with which all contacts stay elastic", "Pa")
 
     def plain(self) -> dict[str, Any]:
         """For ``run.json`` and ``analysis.json``."""
@@ -74,14 +79,18 @@ def at_most(scene: Scene) -> Contacts | None:
         if laws.differs(law)
         else solids.overlap_bounds(system)[1]
     )
-    return _contacts(scene, high, measured=False)
+    energy, chain = physics.energy(system), np.arange(system.chains)
+    at_walls = (laws.at(link.law, chain, _place(link, system)) for link in physics.walls(system))
+    walls = [laws.rest(law) + law.max_strain(energy, *law) for law in at_walls]
+    return _contacts(scene, high, walls, measured=False)
 
 
 def of_overlap(scene: Scene, largest: LargestOverlap) -> Contacts | None:
     """What was found in the frames, or the bound where they do not show it; None without a material."""
     if not shown_by_frames(scene.problem()):
         return at_most(scene)
-    return _contacts(scene, np.maximum(largest.value if largest.each is None else largest.each, 0.0), measured=True)
+    beads = np.maximum(largest.value if largest.each is None else largest.each, 0.0)
+    return _contacts(scene, beads, [np.maximum(overlap, 0.0) for overlap in largest.walls], measured=True)
 
 
 def measure(directory: RunDirectory) -> Contacts | None:
@@ -108,20 +117,56 @@ def _of_spheres(scene: Scene, law: laws.Law) -> bool:
     return solids.is_of_spheres(law) and not any(ingredient.strength_key for ingredient in scene.ingredients)
 
 
-def _contacts(scene: Scene, overlap: Any, *, measured: bool) -> Contacts | None:
-    """Of the largest overlap of any contact, or that of each, [chain, contact]; the largest of each number."""
+def _contacts(scene: Scene, overlap: Any, walls: Sequence[Any], *, measured: bool) -> Contacts | None:
+    """The largest of each number, in all contacts.
+
+    Args:
+        scene: what was run.
+        overlap: largest of any contact of two beads, or that of each, [chain, contact]; dimensionless.
+        walls: largest with each wall, [chain].
+        measured: whether frames show them.
+    """
     ball = scene.material
     if ball is None:
         return None
     size, modulus = sizes_and_moduli(scene)
     metres = overlap * scene.scale.length / size
     pressures = modulus * solids.peak_pressure(metres, ball.radius, ball.youngs_modulus, ball.poisson_ratio)
-    pressure = float(np.max(pressures))
+    force = float(np.max(laws.whole_force(scene.system.along[0].law, overlap))) * scene.scale.force
+    pressure, approach = float(np.max(pressures)), float(np.max(metres)) / ball.radius
+    for link, at_wall in zip(physics.walls(scene.system), walls, strict=True):
+        of_wall = _at_wall(scene, link, at_wall)
+        force, pressure, approach = (max(*pair) for pair in zip((force, pressure, approach), of_wall, strict=True))
     return Contacts(
         measured=measured,
         radius=ball.radius,
-        overlap=float(np.max(metres)) / ball.radius,
-        force=float(np.max(laws.whole_force(scene.system.along[0].law, overlap))) * scene.scale.force,
+        overlap=approach,
+        force=force,
         pressure=pressure,
         yield_strength=pressure / YIELD_PRESSURE,
     )
+
+
+def _at_wall(scene: Scene, link: Wall, overlap: Any) -> tuple[float, float, float]:
+    """Largest force (N), pressure (Pa) and overlap over the bead's radius at a wall, by the overlaps [chain].
+
+    The pressure in the middle is ``3 F / (2 pi R* overlap)`` (Johnson, eq. 4.22-24). The relative radius R* is half the
+    bead's radius where the wall is a bead, else the bead's: walls of which only the stiffness is known count as flat.
+    """
+    assert scene.material is not None
+    place = _place(link, scene.system)
+    chain = np.arange(scene.system.chains)
+    force = laws.whole_force(laws.at(link.law, chain, place), overlap) * scene.scale.force
+    radius = scene.material.radius * (radii(scene)[:, place] if unlike(scene) else np.ones(len(chain)))
+    wall = next(one for one in scene.ingredients if isinstance(one, Walls))
+    kind = wall.right if link.side > 0.0 else wall.left
+    relative = 0.5 * radius if kind == "bead" else radius
+    metres = overlap * scene.scale.length
+    area = 2.0 * math.pi * relative * metres
+    pressure = np.divide(3.0 * force, area, out=np.zeros(len(chain)), where=area > 0.0)
+    return float(np.max(force)), float(np.max(pressure)), float(np.max(metres / radius))
+
+
+def _place(link: Wall, system: System) -> int:
+    """Position of the beads that meet a wall, from 0."""
+    return system.beads - 1 if link.side > 0.0 else 0

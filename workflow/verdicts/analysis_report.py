@@ -21,6 +21,8 @@ from lammps_inputs.facts import Fact
 
 WAVES = "waves.csv"
 
+TOO_COARSE = "frames are so far apart that its uncertainty exceeds a twentieth of the energy input"
+
 
 @result
 class WavesTable(Waves):
@@ -35,22 +37,27 @@ class WavesTable(Waves):
         undefined="the passage is not recorded completely, a larger pulse overlaps, or there is no exact wave",
     )
     chain_energy: Floats = declare(
-        "energy of the chain, with half of its springs', in the frame nearest to when the waves (on average) pass this "
-        "bead",
+        "energy of the chain, with half of its springs', when the waves (on average) pass this bead",
         "energy",
-        "not all beads are recorded, or not all waves passed",
+        f"not all beads are recorded, not all waves passed, or {TOO_COARSE}",
     )
     wave_energy: Floats = declare(
-        "kinetic energy in that frame of the beads within 3 beads of the wave's peak (more where pulses are longer), "
+        "kinetic energy at that time of the beads within 3 beads of the wave's peak (more where pulses are longer), "
         "and energy of the contacts between them",
         "energy",
-        "not all beads are recorded, not all waves passed, or another pulse is as near",
+        f"not all beads are recorded, not all waves passed, another pulse is as near, or {TOO_COARSE}",
+    )
+    chain_energy_error: Floats = declare(
+        "uncertainty of ``chain_energy`` by the time between frames", "energy", "as ``chain_energy``"
+    )
+    wave_energy_error: Floats = declare(
+        "uncertainty of ``wave_energy`` by the time between frames", "energy", "as ``wave_energy``"
     )
 
 
 def waves_csv(found: Survey) -> str:
     """The contents of ``waves.csv``, in the scene's units; errors stand last."""
-    chain_energy, wave_energy = (share * found.shared.energy for share in _energies(found))
+    chain_energy, wave_energy, chain_error, wave_error = _energies(found)
     shape = found.shape
     made = WavesTable(
         **vars(found.waves),
@@ -59,9 +66,11 @@ def waves_csv(found: Survey) -> str:
         residual=shape.residual,
         chain_energy=chain_energy,
         wave_energy=wave_energy,
+        chain_energy_error=chain_error,
+        wave_energy_error=wave_error,
     )
     columns = table(made, found.problem.scale)
-    for heading in [heading for heading in columns if heading.startswith(("arrival_error", "peak_velocity_error"))]:
+    for heading in [heading for heading in columns if "_error" in heading]:
         columns[heading] = columns.pop(heading)
     return to_csv(columns)
 
@@ -74,15 +83,18 @@ def _lag(found: Survey) -> Floats:
     return waves.arrival - np.array([arrival.get(bead, np.nan) for bead in waves.bead.tolist()], dtype=np.float64)
 
 
-def _energies(found: Survey) -> tuple[Floats, Floats]:
-    """[wave] shares of the energy, see `analysis.sharing.energies`; NaN where not measured."""
-    waves, problem = found.waves, found.problem
-    bead = found.shared.bead[found.energies.place]
+def _energies(found: Survey) -> tuple[Floats, Floats, Floats, Floats]:
+    """Energies of chains and waves at each wave's passage, [wave], and the uncertainties of both; NaN if unknown."""
+    waves, problem, energies = found.waves, found.problem, found.energies
+    bead = found.shared.bead[energies.place]
     if found.direction < 0:
         bead = mirrored_bead(problem, bead)
-    tables = np.full((2, problem.chains, problem.beads + 1), np.nan)
-    tables[0][:, bead], tables[1][:, bead] = found.energies.chain.T, found.energies.wave.T
-    return tables[0, waves.chain - 1, waves.bead], tables[1, waves.chain - 1, waves.bead]
+    shares = [energies.chain, energies.wave, energies.chain_error, energies.wave_error]
+    tables = np.full((len(shares), problem.chains, problem.beads + 1), np.nan)
+    for of_beads, share in zip(tables, shares, strict=True):
+        of_beads[:, bead] = share.T
+    chain, wave, chain_error, wave_error = tables[:, waves.chain - 1, waves.bead] * found.shared.energy
+    return chain, wave, chain_error, wave_error
 
 
 REPORT = "analysis.json"
@@ -206,8 +218,14 @@ class EnergyShare:
     measured: float | None = declare(
         "energy within three beads of the peaks",
         "energy input",
-        "not all beads are recorded, another pulse is as near, or no pulse keeps its shape",
+        f"not all beads are recorded, another pulse is as near, no pulse keeps its shape, or {TOO_COARSE}",
         columns=(Column("energy_share", "share of the energy in the leading waves"),),
+    )
+    measured_error: float | None = declare(
+        "uncertainty of ``measured`` by the time between frames",
+        "energy input",
+        "as ``measured``",
+        columns=(Column("energy_share_uncertainty", "uncertainty of the share of the energy in the leading waves"),),
     )
 
 
@@ -397,7 +415,7 @@ def equipartition(found: Survey) -> Equipartition:
     pulse = system.holds(Fact.PULSE)
     seen = pulse and resolved(shared, system)
     final, span = shared.final, shared.span if pulse else None
-    measured = np.sum(found.energies.wave, axis=1)
+    measured, error = (np.sum(energy, axis=1) for energy in (found.energies.wave, found.energies.wave_error))
     return Equipartition(
         verdict=verdict.sentence,
         state=verdict.state.value,
@@ -410,6 +428,7 @@ def equipartition(found: Survey) -> Equipartition:
         energy_share=EnergyShare(
             exact=float(np.sum(shared.wave_share[-1])) if len(shared) and runs_exact_waves(system) else None,
             measured=float(measured[-1]) if len(measured) and pulse else None,
+            measured_error=float(error[-1]) if len(error) and pulse else None,
         ),
         beat_length=shared.regular_beat if seen else None,
         decay_law=decay,

@@ -27,7 +27,7 @@ class RunErrors:
     """Errors of a run in `workflow.runs.job`, which loads no numbers."""
 
     velocity: float = declare(
-        "largest error of any velocity in the frames that were compared with the reference",
+        "largest error of any velocity, of beads and resonators, in the frames that were compared with the reference",
         "V",
         "the run was not checked",
         columns=(Column("error_velocity", "error of velocities"),),

@@ -51,6 +51,15 @@ def between(every):
     return np.sort(np.random.default_rng(1).uniform(0.0, 40.0 * every, 1000))
 
 
+def test_resonators_are_at_the_same_times_as_beads():
+    both = problem(chains=1, beads=2, timestep=0.1, steps_per_frame=1, frames=40)
+    run = written_down(both, oscillating(2.0, 0.3))
+    run = replace(run, inner=np.stack([run.displacement, run.velocity], axis=1))
+    found = at_times(run, between(0.1))
+    np.testing.assert_array_equal(found.inner[:, 0], found.displacement)
+    np.testing.assert_array_equal(found.inner[:, 1], found.velocity)
+
+
 def test_a_polynomial_of_degree_seven_is_found_exactly():
     factors = np.array([0.3, -1.0, 0.7, 0.2, -0.4, 0.1, 0.05, -0.02])
     x = np.polynomial.Polynomial(factors)

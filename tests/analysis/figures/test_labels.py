@@ -98,7 +98,7 @@ def test_the_force_figure_has_each_gauge_and_chain_where_it_says(problem):
     time = np.array([0.0, 1.0])
     force = np.add.outer(np.arange(1.0, CHAINS + 1.0), 100.0 * np.arange(1.0, 4.0))  # [chain, gauge]
     nothing = np.zeros(force.shape)
-    rest = (nothing, nothing, nothing, nothing > 0.0, nothing)
+    rest = (*[nothing] * 7, nothing > 0.0, nothing)
     readings = Readings(places, time, np.stack([nothing, force]), nothing, force, *rest)
     axes = force_figure(problem, readings).axes
     assert [axis.get_title(loc="left") for axis in axes] == ["(a) contact 2", "(b) contact 7", "(c) sensor 5"]
@@ -204,7 +204,9 @@ def test_samples_from_before_the_peak_are_drawn_ahead_of_it():
     """Velocity falls in time, from 0.3 to 0.1 in chain 1 and half of that in chain 2; peaks of 1, at t = 3."""
     what = scene(chains=2, beads=10)
     both = np.array([1, 2])
-    passages = Passages(both, np.array([5, 5]), np.full(2, 3.0), np.ones(2), np.ones(2), np.ones(2, dtype=np.int64))
+    passages = Passages(
+        both, np.array([5, 5]), np.full(2, 3.0), np.ones(2), np.ones(2), np.ones(2, dtype=np.int64), np.zeros(2)
+    )
     time, velocity = np.tile([2.0, 3.0, 4.0], (2, 1)), np.outer([1.0, 0.5], [0.3, 0.2, 0.1])
     waveforms = SimpleNamespace(passages=passages, time=time, velocity=velocity)
     above, below = shape_figure(what.problem(), waveforms, [5]).axes

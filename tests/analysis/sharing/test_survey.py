@@ -26,7 +26,7 @@ EXACT = solitary_wave()
 def shape_of(trajectory: Trajectory, peak: float, arrival: float, bead: int = 20, direction: int = 1):
     speed = float(EXACT.speed_at(peak))
     at = arrival + (bead - 1 if direction > 0 else trajectory.problem.beads - bead) / speed
-    passages = Passages(*(np.array([number]) for number in (1, bead, at, peak, speed, direction)))
+    passages = Passages(*(np.array([number]) for number in (1, bead, at, peak, speed, direction, 0.0)))
     return watch(Waveforms(trajectory.problem, passages), blocks(trajectory)).shape()
 
 
@@ -57,7 +57,7 @@ def test_with_few_beads_recorded_the_energy_is_that_of_the_virial_theorem():
 
 @pytest.mark.parametrize("speed", [-0.8, np.inf])
 def test_maxima_in_reverse_order_or_at_one_time_have_no_width(speed):
-    passages = Passages(*(np.array([number]) for number in (1, 20, 30.0, 0.5, speed, 1)))
+    passages = Passages(*(np.array([number]) for number in (1, 20, 30.0, 0.5, speed, 1, 0.0)))
     trajectory = exact_waves([(0.5, 8.0)])
     shape = watch(Waveforms(trajectory.problem, passages), [trajectory]).shape()
     assert np.isnan([shape.width, shape.momentum]).all()
@@ -124,7 +124,7 @@ def test_speed_is_compared_with_the_exact_wave_and_the_amplitude_with_itself_ove
     bead = np.arange(1, count + 1)
     peak = 0.6 - 0.01 * (count - bead)
     pulse = Pulse(1, 1, bead, bead / 0.8, peak, 1.002 * EXACT.speed_at(peak), *np.zeros((2, count)))
-    shape = {"width": 1.6, "momentum": 1.0, "energy": 1.0, "residual": 0.005}
+    shape = {"width": 1.6, "momentum": 1.0, "energy": 1.0, "energy_error": 0.0, "residual": 0.005}
     found = characterise(pulse, count - 1, shape, problem=problem(1, 0.0))
     assert found.speed_excess == pytest.approx(0.002, rel=1e-9)
     assert found.variation == pytest.approx(variation, nan_ok=True)
@@ -153,7 +153,9 @@ def test_a_run_in_pieces_of_any_size_gives_the_same():
     for name in ("arrival", "peak_velocity", "speed"):
         assert np.allclose(getattr(whole.waves, name), getattr(parts.waves, name), rtol=1e-11, atol=1e-12)
     assert np.allclose(whole.shape.residual, parts.shape.residual, rtol=0, atol=1e-11, equal_nan=True)
-    assert np.allclose(whole.energies.wave, parts.energies.wave, rtol=0, atol=1e-12, equal_nan=True)
+    # second derivatives of energies are differences over a thousandth of the time between frames: a rounding of 1e-16
+    # of a sum, whose order may differ, is multiplied by 1e6
+    assert np.allclose(whole.energies.wave, parts.energies.wave, rtol=0, atol=1e-10, equal_nan=True)
     assert whole.verdict.since == parts.verdict.since
 
 

@@ -154,6 +154,6 @@ def test_a_wave_that_a_larger_one_overlaps_has_no_difference_from_the_exact_wave
     bead, speeds = 20, [float(EXACT.speed_at(peak)) for peak in (0.3, 0.5)]
     arrival = 8.0 + (bead - 1) / speeds[0]
     run = exact_waves([(0.3, 8.0), (0.5, arrival + apart - (bead - 1) / speeds[1])])
-    passage = Passages(*(np.array([number]) for number in (1, bead, arrival, 0.3, speeds[0], 1)))
+    passage = Passages(*(np.array([number]) for number in (1, bead, arrival, 0.3, speeds[0], 1, 0.0)))
     residual = watch(Waveforms(run.problem, passage), blocks(run)).shape().residual[0]
     assert np.isfinite(residual) == defined

@@ -3,7 +3,7 @@
 import json
 import math
 import re
-from dataclasses import replace
+from dataclasses import asdict, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,19 +13,22 @@ from stock_lammps import scene
 
 from analysis.against.common_times import paired
 from analysis.against.difference import Difference, Place
-from lammps_inputs import Kick, Material, Output, strict_yaml
+from analysis.trajectory import joined
+from lammps_inputs import Kick, Material, Output, library, strict_yaml
 from workflow.cli import main
 from workflow.commands.run import _checked, _exit_code
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving, accurate_reference
 from workflow.prepare import pilot
 from workflow.prepare.pilot import better_timestep
+from workflow.prepare.settings import settle
 from workflow.prepare.step_choice import Settings
 from workflow.runs import check as checking
 from workflow.runs.check import Check, accountant, check, stride
 from workflow.runs.job import Job, Uncertainty
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -53,7 +56,7 @@ def test_run_json_holds_the_check(finished):
     record = json.loads((finished.directory.path / "run.json").read_text(), parse_constant=pytest.fail)
     held, made = record["check"], finished.check
     assert (held["velocity"], held["arrival"], held["amplitude"]) == (made.velocity, made.arrival, made.amplitude)
-    assert held["where"] == {"chain": made.where.chain, "bead": made.where.bead, "time": made.where.time}
+    assert held["where"] == asdict(made.where)
     assert held["reference"]["velocity"] == made.reference.velocity
     assert held["seconds"] == made.seconds > 0.0
 
@@ -119,6 +122,45 @@ def test_its_wave_errors_are_the_full_ones(quantity, sampled, full):
 )
 def test_frames_are_taken_0_4_apart_or_four_in_a_swing_or_as_near_to_it_as_there_are_any(changes, frames):
     assert stride(problem(**{"frames": 600, **changes})) == frames
+
+
+@pytest.fixture(scope="module")
+def light_resonators(tmp_path_factory):
+    """Two beads with resonators of 1/100 of their mass, whose dashpots leave errors of first order in the step."""
+    keys = {"beads": 2, "resonators": {"mass": 0.01, "stiffness": 0.1, "damping": 0.005}, "kick": {"velocity": 1}}
+    made = library.from_plain({"name": "light", "duration": 4.0, **keys}, "light")
+    rough = made.model_copy(update={"timestep": 0.01})
+    return made, run(rough, tmp_path_factory.mktemp("check") / "light").directory
+
+
+def test_its_velocity_error_is_also_that_of_resonators(light_resonators):
+    _, directory = light_resonators
+    stated, exact = check(directory), joined(accurate_reference(directory.problem, 1e-9).blocks())
+    (of_beads, of_resonators) = (
+        np.max(np.abs(own - right))
+        for own, right in zip(
+            (directory.trajectory.velocity, directory.trajectory.inner[:, 1]),
+            (exact.velocity, exact.inner[:, 1]),
+            strict=True,
+        )
+    )
+    assert of_resonators > 10.0 * of_beads
+    assert stated.velocity == pytest.approx(of_resonators, abs=stated.reference.velocity + 1e-9)
+    assert stated.where.words.startswith("resonator 1 at bead ")
+
+
+def test_a_validation_compares_resonators(light_resonators):
+    stated, found = check(light_resonators[1]), validate(light_resonators[1])
+    uncertainty = stated.reference.velocity + found.uncertainty.velocity
+    assert found.deviations["velocity"].largest == pytest.approx(stated.velocity, abs=uncertainty)
+    assert not found.passed
+
+
+def test_a_time_step_for_an_accuracy_keeps_it_in_resonators(light_resonators, tmp_path):
+    scene, settings = settle(light_resonators[0])
+    directory = run(scene, tmp_path / "run", settings=settings).directory
+    assert settings.expected_error <= settings.accuracy
+    assert directory.job.check.velocity == pytest.approx(settings.measured_error, rel=0.1)
 
 
 @pytest.mark.parametrize("duration", [0.05, 0.35])

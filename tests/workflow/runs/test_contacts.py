@@ -52,12 +52,34 @@ def test_smaller_balls_press_as_hard_as_hertz_says_of_them():
     """Overlaps are told over the own radius, half of the material's."""
     small = {"kinds": {"small": {"radius": 0.5 * STEEL.radius}}, "pattern": ["small"]}
     balls = steel(beads=3, **small)
-    seen = SimpleNamespace(value=None, each=np.array([[0.2, 0.3]]))
+    seen = SimpleNamespace(value=None, each=np.array([[0.2, 0.3]]), walls=[])
     found = of_overlap(balls, seen)
     overlap, radius = 0.3 * balls.scale.length, 0.5 * STEEL.radius
     assert found.overlap == pytest.approx(overlap / radius, rel=1e-12)
     assert found.force == pytest.approx(hertz_constant(radius, 193e9, 0.3) * overlap**1.5, rel=1e-12)
     assert found.pressure == pytest.approx(solids.peak_pressure(overlap, radius, 193e9, 0.3), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "radius_share", "stiffness"), [("rigid", 1.0, 1.0), ("flat", 1.0, 0.5), ("bead", 0.5, 0.5)]
+)
+def test_a_sphere_presses_on_a_wall_as_hard_as_hertz_says(kind, radius_share, stiffness, tmp_path):
+    """A sphere flies at a wall (Chung and Ooi 2011, test 2): overlap ``(15 m v**2 / (16 E* R*^0.5))**0.4``.
+
+    Frames are at most 0.01 T from the maximum, where the overlap is less by ``1e-4 T**2 * overlap**1.5 * 2**1.5 / 2``.
+    """
+    gap = 1e-6
+    flying = steel(beads=2, gap=gap, walls={"right": kind}, kick=(Kick(bead=2, velocity=1.0),), every=0.02)
+    found = measure(run(flying, tmp_path / "run", check=False).directory)
+    modulus, radius = stiffness * 193e9 / (1.0 - 0.3**2), radius_share * STEEL.radius
+    mass = 4.0 / 3.0 * np.pi * STEEL.radius**3 * 8000.0
+    overlap = (15.0 * mass / (16.0 * modulus * radius**0.5)) ** 0.4
+    force = 4.0 / 3.0 * modulus * radius**0.5 * overlap**1.5
+    assert found.overlap == pytest.approx(overlap / STEEL.radius, rel=5e-4)
+    assert found.force == pytest.approx(force, rel=1e-3)
+    assert found.pressure == pytest.approx(1.5 * force / (np.pi * radius * overlap), rel=5e-4)
+    bound = at_most(flying)
+    assert (bound.overlap, bound.force) >= (found.overlap, found.force)
 
 
 def test_a_run_and_its_analysis_say_and_keep_the_same(tmp_path, capsys):

@@ -19,7 +19,7 @@ REPORT = {
         "arrivals": {"0.1": 25, "0.01": 45, "0.001": 55},
         "final": {"value": 0.34, "uncertainty": 0.01, "reduction": 0.66},
         "beat_length": {"value": 12.0, "uncertainty": 0.5},
-        "energy_share": {"exact": 0.97, "measured": 0.98},
+        "energy_share": {"exact": 0.97, "measured": 0.98, "measured_error": 2e-6},
         "state": "beating",
         "verdict": "they beat",
     },
@@ -36,7 +36,8 @@ RECORD = {
 }
 EXPECTED = {
     "amplitude": 0.34, "amplitude_uncertainty": 0.01, "agree_10": 20, "agree_1": 40, "in_step_1": 45,
-    "beat_length": 12.0, "beat_length_uncertainty": 0.5, "energy_share": 0.98, "state": "beating",
+    "beat_length": 12.0, "beat_length_uncertainty": 0.5, "energy_share": 0.98, "energy_share_uncertainty": 2e-6,
+    "state": "beating",
     "bead": 54, "arrival": 71.0, "peak_velocity": 0.32, "speed": 0.75, "residual_energy": 0.002,
     "transmissibility": 0.4,
     "wall_force": 1.3, "wall_force_chain": 0.9, "delay": 80.0, "transmitted_energy": 0.7, "front": 58,

@@ -29,6 +29,7 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 
 COLUMNS = ["chain", "bead", "pulse", "arrival", "peak_velocity", "speed", "lag", "width", "residual"]
 COLUMNS += ["chain_energy", "wave_energy", "arrival_error", "peak_velocity_error"]
+COLUMNS += ["chain_energy_error", "wave_energy_error"]
 
 
 def scene(**changes):
@@ -105,6 +106,7 @@ def test_waves_csv_of_an_si_scene_names_its_units(found):
     survey = replace(found.survey, problem=replace(found.problem, scale=scale))
     units = {"arrival": "s", "peak_velocity": "m/s", "speed": "beads/s", "lag": "s"}
     units |= {"chain_energy": "J", "wave_energy": "J", "arrival_error": "s", "peak_velocity_error": "m/s"}
+    units |= {"chain_energy_error": "J", "wave_energy_error": "J"}
     head, *lines = waves_csv(survey).splitlines()
     assert head.split(",") == [f"{name} ({units[name]})" if name in units else name for name in COLUMNS]
     assert float(lines[0].split(",")[3]) == found.waves.arrival[0] * scale.time

@@ -59,7 +59,9 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
         ),
         decay=decay,
         verdict=Verdict(State.BEATING, "they beat", expected=Estimate(62.0, 5.0)),
-        energies=SimpleNamespace(wave=np.array([[0.5, 0.4], [0.5, 0.48]])),
+        energies=SimpleNamespace(
+            wave=np.array([[0.5, 0.4], [0.5, 0.48]]), wave_error=np.array([[1e-3, 2e-3], [2e-3, 3e-3]])
+        ),
         problem=problem(),
     )
     told = plain(analysis_report.equipartition(found), found.problem.scale)
@@ -69,7 +71,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
     assert told["arrivals"] == {"0.1": 20, "0.01": 200, "0.001": 2000}
     assert told["final"] == pytest.approx({"value": 0.34, "uncertainty": 0.01, "reduction": 0.66})
     assert told["range"] == {"first": 6, "last": 7, "least": 0.33, "largest": 0.35}
-    assert told["energy_share"] == pytest.approx({"exact": 0.97, "measured": 0.98})
+    assert told["energy_share"] == pytest.approx({"exact": 0.97, "measured": 0.98, "measured_error": 5e-3})
     law = {"v0": 0.6, "n_star": 300.0, "n_star_error": 2.0, "n_star_expected": 270.9, "first": 10, "last": 90}
     assert told["decay_law"] == {**law, "deviation": 0.01}
 
@@ -172,6 +174,8 @@ def test_each_wave_has_its_own_lag_and_energies(direction):
             place=np.array([0, 1]),
             chain=np.array([[0.7, 0.3], [0.6, 0.4]]),  # [bead, chain]
             wave=np.array([[0.65, 0.25], [0.55, 0.35]]),
+            chain_error=np.array([[7e-3, 3e-3], [6e-3, 4e-3]]),
+            wave_error=np.array([[6.5e-3, 2.5e-3], [5.5e-3, 3.5e-3]]),
         ),
     )
     lines = {(int(one["chain"]), int(one["bead"])): one for one in csv.DictReader(io.StringIO(waves_csv(found)))}
@@ -182,3 +186,5 @@ def test_each_wave_has_its_own_lag_and_energies(direction):
             assert float(one["speed"]) > 0.0
             assert float(one["chain_energy"]) == pytest.approx(0.5 * found.energies.chain[place, chain - 1])
             assert float(one["wave_energy"]) == pytest.approx(0.5 * found.energies.wave[place, chain - 1])
+            for name in ("chain_energy", "wave_energy"):
+                assert float(one[f"{name}_error"]) == pytest.approx(0.01 * float(one[name]))

@@ -42,6 +42,8 @@ def readings(problem, static):
     force = np.stack([rest, rest + number])
     ended = number < 12.0  # chain 1's first
     seen = {"impulse": 2.0 * number, "dwell": 3.0 * number, "ended": ended, "contacts": np.ones((2, 3), dtype=np.int64)}
+    for place, name in enumerate(("largest", "at", "impulse", "dwell"), 1):
+        seen[f"{name}_error"] = 1e-6 * place * number
     return Readings(places, np.array([0.0, 4.0]), force, rest, rest + number, 0.1 * number, **seen)
 
 
@@ -61,6 +63,10 @@ def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
             "at": 0.1 * number * scale.time,
             "impulse": 2.0 * number * scale.momentum,
             "dwell": 3.0 * number * scale.time,
+            "largest_error": 1e-6 * number * scale.force,
+            "at_error": 2e-6 * number * scale.time,
+            "impulse_error": 3e-6 * number * scale.momentum,
+            "dwell_error": 4e-6 * number * scale.time,
             "dwell_ended": number < 12.0,
             "last": 1.0,
             "static": static * scale.force if static else None,
@@ -69,6 +75,24 @@ def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
         }
         assert {key: one[key] for key in expected} == pytest.approx(expected)
         assert set(one) == {*expected, "kind", "name", "chain", "bead", "contacts"}
+
+
+def test_gauges_whose_force_frames_do_not_show_are_named(problem):
+    seen = readings(problem, 5.0)
+    seen.largest[1, 2] = seen.impulse[1, 2] = np.nan
+    _, sentence, *_ = finding_of(seen, problem).said()
+    every = problem.scale.written(problem.every, "time", ".3g")
+    assert sentence == (
+        f"frames {every} apart do not show the force between them at sensor 5, chain 2; take a smaller `output.every`"
+    )
+
+
+def test_the_uncertainty_of_forces_is_printed_where_it_matters(problem):
+    seen = readings(problem, 0.0)
+    assert not any("uncertainty" in line for line in finding_of(seen, problem).said() if isinstance(line, str))
+    seen.largest_error[0, 1] = 1e-3 * seen.largest[0, 1]
+    _, sentence, *_ = finding_of(seen, problem).said()
+    assert "of largest forces up to 1.0e-03 of the excess over rest (contact 7, chain 1" in sentence
 
 
 @pytest.mark.parametrize("static", [0.0, 5.0])
@@ -219,6 +243,7 @@ def test_of_a_gauge_force_time_impulse_and_dwell_are_told(problem, printed):
     force = np.stack([0.0 * most, most])
     there = np.ones((2, 2), dtype=np.int64)
     seen = {"impulse": 2.0 * most, "dwell": 3.0 * most, "ended": there > 0, "contacts": there}
+    seen |= {f"{name}_error": 0.0 * most for name in ("largest", "at", "impulse", "dwell")}
     found = Readings(places, np.array([0.0, 4.0]), force, 0.0 * most, most, 0.1 * most, **seen)
     out = printed(finding_of(found, problem))
     for name, unit in (("largest", "N"), ("at", "s"), ("impulse", "kg m/s"), ("dwell", "s")):

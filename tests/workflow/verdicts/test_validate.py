@@ -145,7 +145,7 @@ def test_the_first_wrong_bead_and_time_are_named(good, tmp_path, capsys):
         return trajectory.displacement, velocity
 
     main(["validate", str(wrong_runs.rewritten(good, tmp_path / "run", struck).path)])
-    assert "first deviation: velocity of bead 7, chain 2, at t = 12.3" in capsys.readouterr().out.splitlines()
+    assert "first deviation: velocity of bead 7 of chain 2, at t = 12.3" in capsys.readouterr().out.splitlines()
 
 
 def test_every_cause_is_named_in_the_units_of_the_scene(tmp_path):

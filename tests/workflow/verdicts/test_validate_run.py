@@ -102,7 +102,7 @@ def test_the_frames_count_and_not_what_run_json_says_of_them(first, tmp_path, ca
     code, lines = printed(["validate", copy.path, "--against", first.path], capsys)
     assert code == 1
     assert f"not bitwise the same as {first.path}, from t = 20 on" in lines
-    assert any("velocity  2.50e-01" in line and "bead 12, chain 3, t = 20" in line for line in lines)
+    assert any("velocity  2.50e-01" in line and "bead 12 of chain 3, t = 20" in line for line in lines)
 
 
 @pytest.mark.parametrize("side", [0, 1])

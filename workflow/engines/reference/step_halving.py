@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.against.common_times import on_common_rows
+from analysis.against.common_times import on_common_rows, velocity_error
 from analysis.against.difference import matched
 from analysis.conservation import Conservation
 from analysis.tracking.leading_waves import leading_finder, leading_passages
@@ -33,8 +33,8 @@ class Uncertainty:
 
     Attributes:
         steps_per_frame: of the finer run.
-        velocity: its largest error is below this, in units of V, as far as `SAFETY` goes: so many times the largest
-            difference from the run with half as many steps.
+        velocity: the largest error of any velocity, of beads and resonators, is below this, in units of V, as far as
+            `SAFETY` goes: so many times the largest difference from the run with half as many steps.
         arrival: the same for the leading pulse's arrivals, in units of T, where `analysis.tracking.peaks.sharp`.
         energy, momentum: largest deviations from the kicks'.
     """
@@ -80,7 +80,7 @@ class StepHalving:
         for blocks in zip(*runs, strict=True):
             fine, coarse = on_common_rows(*blocks)
             with np.errstate(invalid="ignore"):
-                difference = float(np.max(np.abs(fine.velocity - coarse.velocity)))
+                difference = velocity_error(fine, coarse)
             if not math.isfinite(difference):
                 raise RunError(_not_finite(fine, coarse))
             self._velocity = max(self._velocity, difference)
@@ -111,7 +111,7 @@ class StepHalving:
 
 
 def _not_finite(*runs: Trajectory) -> str:
-    bad = ~np.all([np.isfinite(run.velocity) for run in runs], axis=(0, 2, 3))
+    bad = ~np.all([np.isfinite(run.atoms[1]) for run in runs], axis=(0, 2, 3))
     until = runs[0].problem.scale.written(runs[0].time[int(np.argmax(bad))], "time")
     return (
         f"by t = {until} velocities of the reference are no longer finite numbers: oscillations grow, or a force does "

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis import quantity
 from analysis.contacts import LargestOverlap, Yielded, YieldMeter, YieldTable, shown_by_frames
@@ -41,6 +42,10 @@ _LOADED_WORDS = {
 """Quantity -> heading of the printed table; under a static load."""
 
 
+SMALLEST_UNCERTAINTY = 1e-4
+"""Uncertainty of a largest force, in its excess over the static one, above which it is printed."""
+
+
 @dataclass(frozen=True, repr=False)
 class Forces(Finding):
     """Forces over time: an entry for each gauge and chain."""
@@ -61,6 +66,7 @@ class Forces(Finding):
         rows = [[one.name if one.chain == 1 else "", str(one.chain), *self._cells(one, words)] for one in shown]
         head = ["force at", "chain", *quantity.headings(Reading, scale, words)]
         yield Table(f"{problem.name}: forces", head, rows)
+        yield from self._uncertain()
         yield from self._unfinished()
         kinds = [gauge.kind for gauge in readings.gauges]
         which = "dynamic force" if loaded else "force"
@@ -86,6 +92,36 @@ class Forces(Finding):
             lasted = quantity.written(one, "dwell", self.problem.scale, ".4g")
             cells["dwell"] = lasted if one.dwell_ended else f"{lasted} so far"
         return list(cells.values())
+
+    def _uncertain(self) -> Iterator[str]:
+        """Where frames are too far apart for the force between them; else the uncertainties, if they matter."""
+        readings, scale = self.readings, self.problem.scale
+        every = scale.written(self.problem.every, "time", ".3g")
+        coarse = np.isnan(readings.largest) | np.isnan(readings.impulse)
+        if np.any(coarse):
+            yield (
+                f"frames {every} apart do not show the force between them at {self._places(coarse)}; "
+                "take a smaller `output.every`"
+            )
+        excess = np.abs(readings.dynamic) if readings.loaded else readings.largest
+        relative = np.divide(readings.largest_error, excess, out=np.zeros_like(excess), where=excess > 0.0)
+        if not np.nanmax(relative, initial=0.0) > SMALLEST_UNCERTAINTY:
+            return
+        chain, place = np.unravel_index(int(np.nanargmax(relative)), relative.shape)
+        late = scale.written(float(readings.at_error[chain, place]), "time", ".1e")
+        where = f"{readings.gauges[place].name}, chain {chain + 1}, its time {late}"
+        yield (
+            f"uncertainty by frames {every} apart: of largest forces up to {relative[chain, place]:.1e} of the excess "
+            f"over rest ({where}); of each force, impulse and dwell in analysis.json"
+        )
+
+    def _places(self, chosen: NDArray[np.bool_]) -> str:
+        """Gauges and chains, of [chain, gauge], in words; the first few."""
+        places = [
+            f"{self.readings.gauges[place].name}, chain {chain + 1}" for place, chain in np.argwhere(chosen.T).tolist()
+        ]
+        more = f" and {len(places) - MOST_CHAINS} more" if len(places) > MOST_CHAINS else ""
+        return ", ".join(places[:MOST_CHAINS]) + more
 
     def _unfinished(self) -> Iterator[str]:
         """Of every gauge at which a force still differs from that at rest at the end of the record."""

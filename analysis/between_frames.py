@@ -1,0 +1,182 @@
+"""Energies at instants between frames, with their uncertainty.
+
+What lies beyond some beads and contacts changes their energy slowly, by the work that it does on them. So that energy
+is interpolated itself, rather than the states of which it is made: by the polynomial of degree five through its value
+and its first two derivatives at the two frames around the instant. The derivatives are differences along the motion,
+which the acceleration and its rate continue for a moment (`moments`).
+
+The uncertainty is, with a margin, the largest difference between the frames from the polynomial of degree three, which
+has no second derivatives; and what the rates at the two frames leave unexplained of the change from one to the other.
+The latter shows forces that set in or jump in between, and velocities that belong to another moment than positions.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from analysis import hermite, motion
+from analysis.trajectory import Floats, Integers, Trajectory, joined
+from lammps_inputs import Problem, System, physics
+
+STEP = 1e-3
+"""Time from one moment to the next, in that between frames."""
+
+NUDGE = 1e-7
+"""Time from a frame to its first moment, in that between frames: what sets in at the frame itself, as contacts of beads
+that touch at the start do, has set in then.
+"""
+
+MARGIN = 2.0
+"""Measured against frames 4 to 80 times as dense in chains of all ingredients: without it, one energy in a thousand is
+off by more, mostly by less than twice as much.
+"""
+
+SAMPLES = 9
+"""Instants between two frames at which polynomials are compared."""
+
+LARGEST_UNCERTAINTY = 0.05
+"""Share of the energy input beyond which the uncertainty of an energy leaves no statement."""
+
+
+class Pair(NamedTuple):
+    """Instants that lie between two frames of a block.
+
+    Attributes:
+        block: the frames.
+        entry: [instant] positions among all instants.
+        frame: [instant] position of the first of its two frames in the block.
+        share: [instant] of the time between the two that has passed.
+    """
+
+    block: Trajectory
+    entry: Integers
+    frame: Integers
+    share: Floats
+
+
+class Instants:
+    """Finds the two frames around chosen instants in a run that is given block by block.
+
+    Args:
+        time: [instant] in units of T; an instant that is not finite is never found.
+        problem: what was run.
+
+    Attributes:
+        share: [instant] of the time between its two frames that has passed.
+    """
+
+    def __init__(self, time: Floats, problem: Problem) -> None:
+        frames = np.where(np.isfinite(time), time, -2.0 * problem.every) / problem.every
+        self._frame = np.floor(frames).astype(np.int64)
+        self.share = frames - self._frame
+        self._count = 0
+        self._last: Trajectory | None = None
+
+    def within(self, block: Trajectory) -> Iterator[Pair]:
+        """Instants since the last frame before a block, up to its own last frame; blocks come in order."""
+        first, self._count = self._count, self._count + block.frames
+        across = np.flatnonzero(self._frame == first - 1)
+        if self._last is not None and len(across):
+            yield Pair(joined([self._last, block[:1]]), across, np.zeros_like(across), self.share[across])
+        inside = np.flatnonzero((self._frame >= first) & (self._frame < self._count - 1))
+        if len(inside):
+            yield Pair(block, inside, self._frame[inside] - first, self.share[inside])
+        self._last = block.last()
+
+
+def steps_from(block: Trajectory) -> tuple[float, float]:
+    """Time from one moment to the next beside the first and beside the second of two frames, towards each other.
+
+    Contacts that yield know the largest overlap so far and none before, so that their moments are after both frames.
+    """
+    step = STEP * block.spacing
+    return step, -step if block.memory is None else step
+
+
+def moments(x: Floats, v: Floats, acceleration: Floats, rate: Floats, step: Floats) -> tuple[Floats, Floats]:
+    """Displacements and velocities now, and one and two steps later, each [moment, ...].
+
+    Args:
+        x, v, acceleration, rate: displacement and its first three derivatives, of one shape.
+        step: of that shape, or one that is broadcast to it.
+    """
+    time = np.array([0.0, 1.0, 2.0]).reshape((3,) + (1,) * x.ndim) * step
+    return (
+        x + time * (v + 0.5 * time * (acceleration + time / 3.0 * rate)),
+        v + time * (acceleration + 0.5 * time * rate),
+    )
+
+
+def moments_of_chains(block: Trajectory, frame: Integers, step: Floats, beads: slice) -> tuple[Floats, Floats, Floats]:
+    """States of all atoms at three moments beside chosen frames.
+
+    Args:
+        block: frames of all beads.
+        frame: [entry] positions of the frames.
+        step: [entry] time from one moment to the next.
+        beads: range of positions that includes, beside all beads that move, one at rest at either end.
+
+    Returns:
+        Time, [moment, entry]; displacement and velocity, each [moment, entry, line, bead].
+    """
+    first, nudge = block.first + beads.start, NUDGE / STEP * step
+    x, v = (values[frame][..., beads] for values in block.atoms)
+    of_atoms = step[:, np.newaxis, np.newaxis]
+
+    def acceleration(time: Floats, x: Floats, v: Floats) -> Floats:
+        return motion.acceleration(system_at(block, frame, time), x, first, time=time, velocity=v)
+
+    start = block.time[frame] + nudge
+    x = x + NUDGE / STEP * of_atoms * v
+    now = acceleration(start, x, v)
+    later = acceleration(start + step, x + of_atoms * (v + 0.5 * of_atoms * now), v + of_atoms * now)
+    time = start + np.arange(3.0)[:, np.newaxis] * step
+    return time, *moments(x, v, now, (later - now) / of_atoms, of_atoms)
+
+
+def system_at(block: Trajectory, frame: Integers, time: Floats) -> System:
+    """The system at times, [..., entry], with the memories of chosen frames of a block, [entry]."""
+    system = physics.at(block.problem.system, time)
+    return system if block.memory is None else physics.with_memory(system, block.memory[frame])
+
+
+def derivatives(energy: Floats, step: Floats) -> Floats:
+    """Energy and its first two derivatives, [derivative, ...], from its values at three moments, [moment, ...]."""
+    one, two, three = energy
+    return np.array([one, (4.0 * two - 3.0 * one - three) / (2.0 * step), (three - 2.0 * two + one) / step**2])
+
+
+class Interpolated(NamedTuple):
+    """Energies at instants, all of one shape.
+
+    Attributes:
+        value: the energies.
+        uncertainty: how far they may be off because of the time between frames.
+        rate: how fast they change.
+    """
+
+    value: Floats
+    uncertainty: Floats
+    rate: Floats
+
+
+def interpolated(known: Floats, share: Floats, spacing: float) -> Interpolated:
+    """Energies at instants between two frames.
+
+    Args:
+        known: energy and its first two derivatives at both frames, [frame, derivative, ...].
+        share: of the time between the frames that has passed by each instant, of the trailing shape.
+        spacing: time between the frames.
+    """
+    (one, one_rate, one_curvature), (two, two_rate, two_curvature) = known
+    curve, other = (hermite.coefficients((0, 1), known[:, :count], spacing) for count in (3, 2))
+    difference = curve.copy()
+    difference[: len(other)] -= other
+    sizes = [np.abs(hermite.value(difference, np.full_like(one, s))) for s in np.linspace(0.0, 1.0, SAMPLES)]
+    explained = 0.5 * spacing * (one_rate + two_rate) + spacing**2 / 12.0 * (one_curvature - two_curvature)
+    return Interpolated(
+        hermite.value(curve, share),
+        MARGIN * (np.max(sizes, axis=0) + np.abs(two - one - explained)),
+        hermite.value(hermite.derivative(curve), share) / spacing,
+    )
