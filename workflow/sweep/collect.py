@@ -143,7 +143,7 @@ class Table:
         """A column as numbers; NaN where it holds none."""
         values = (row[name] for row in self.rows)
         return np.array(
-            [math.nan if value is None or isinstance(value, str) else float(value) for value in values],
+            [float(value) if isinstance(value, int | float) else math.nan for value in values],
             dtype=np.float64,
         )
 

@@ -12,7 +12,7 @@ from lammps_inputs import InputError, library
 from lammps_inputs.units import Label
 from workflow import api
 from workflow.cli import main
-from workflow.studies.measures import mass_of
+from workflow.studies.measures import by_reference, mass_of
 from workflow.sweep import statistics as grouping
 from workflow.sweep.collect import QUANTITIES, Table
 
@@ -93,10 +93,20 @@ def test_the_figure_of_one_group_is_its_histogram_with_mean_and_median():
     assert axis.get_xlabel() == "speed at the last clear bead $c$ (reduced)"
 
 
-def test_groups_of_three_fields_have_no_figure():
-    many = table(["gap", "beads", "chains"], [(0.1, 4, 2, "done", 1.0), (0.2, 4, 2, "done", 1.0)])
-    with pytest.raises(InputError, match="at most two fields"):
-        grouping.drawn(many, grouping.grouped(many, "speed", many.fields))
+@pytest.mark.parametrize(
+    ("fields", "values", "says"),
+    [
+        (["gap", "beads", "chains"], [(0.1, 4, 2), (0.2, 4, 2)], "at most two fields"),
+        (["pattern"], [(["a"],), (["a", "b"],)], "pattern: is not a number in every case"),
+        (["gap", "beads"], [(0.1, beads) for beads in range(9)], "beads has 9 values; a figure has at most 8 lines"),
+    ],
+)
+def test_groups_that_cannot_be_drawn_are_refused_with_the_reason(fields, values, says):
+    undrawable = table(fields, [(*place, "done", 1.0) for place in values])
+    groups = grouping.grouped(undrawable, "speed", fields)
+    assert len(groups) == len(values)
+    with pytest.raises(InputError, match=says):
+        grouping.drawn(undrawable, groups)
 
 
 def test_a_quantity_at_a_bead_is_labelled_with_it():
@@ -168,22 +178,33 @@ def test_masses_of_disordered_chains_have_the_mean_and_deviation_of_the_random_n
         assert found.standard_deviation == pytest.approx(exact.std(ddof=1), rel=1e-12)
 
 
+OPPOSED = [{"velocity": 1.0}, {"bead": 24, "velocity": -0.5}]
+
+
+@pytest.mark.parametrize("kick", [SHORT["kick"], OPPOSED], ids=["one", "opposed"])
+def test_quantities_at_a_bead_without_a_run_directory_are_those_that_collect_reads_from_one(kick, tmp_path):
+    scene = {**SHORT, "kick": kick, "disorder": {**SHORT["disorder"], "seed": 5}}
+    names = ("peak_velocity@10", "speed@10", "participation")
+    (tmp_path / "s").mkdir()
+    api.analyse(api.run(scene, tmp_path / "s" / "run", engine="reference"))
+    (row,) = api.collect(tmp_path / "s", names[:2]).rows
+    assert by_reference(scene, names, "test") == pytest.approx({name: row[name] for name in names}, rel=1e-12)
+
+
 # digits given with these numbers
 HALF_SEVENTH, HALF_SIXTH = 0.5e-7, 0.5e-6
 
 
 @pytest.mark.slow
-def test_200_disordered_chains_have_the_statistics_of_an_independent_integration(tmp_path):
-    path = sweep_file(tmp_path, CHAIN, engine="reference", disorder__seed={"from": 0, "to": 199})
-    assert sweep(path, tmp_path / "s") == 0
-    found = api.collect(tmp_path / "s", ["peak_velocity@100"])
-    peaks = found.numbers("peak_velocity@100")
+def test_200_disordered_chains_have_the_statistics_of_an_independent_integration():
+    names = ("peak_velocity@100", "participation")
+    scenes = [{**CHAIN, "disorder": {"mass": 0.2, "seed": seed}} for seed in range(200)]
+    peaks, spread = np.array([list(by_reference(scene, names, "test").values()) for scene in scenes]).T
     assert peaks[:3] == pytest.approx([0.5755172, 0.5824558, 0.6120970], abs=HALF_SEVENTH)
-    (peak,) = api.statistics(found, "peak_velocity@100")
-    assert (peak.statistics.values, peak.statistics.undefined) == (200, 0)
-    assert peak.statistics.mean == pytest.approx(0.602358, abs=HALF_SIXTH)
-    assert 1.96 * peak.statistics.standard_error == pytest.approx(0.005721, abs=HALF_SIXTH)
-    assert peak.statistics.standard_deviation == pytest.approx(0.041282, abs=HALF_SIXTH)
+    found = statistics(peaks)
+    assert (found.values, found.undefined) == (200, 0)
+    assert found.mean == pytest.approx(0.602358, abs=HALF_SIXTH)
+    assert 1.96 * found.standard_error == pytest.approx(0.005721, abs=HALF_SIXTH)
+    assert found.standard_deviation == pytest.approx(0.041282, abs=HALF_SIXTH)
     assert np.quantile(peaks, [0.025, 0.975]) == pytest.approx([0.529943, 0.675352], abs=HALF_SIXTH)
-    (spread,) = api.statistics(found, "participation")
-    assert spread.statistics.mean == pytest.approx(3.98430, abs=0.5e-5)
+    assert statistics(spread).mean == pytest.approx(3.98430, abs=0.5e-5)
