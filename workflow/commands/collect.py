@@ -70,6 +70,8 @@ def execute(arguments: argparse.Namespace) -> Answer:
     output = arguments.output or arguments.directory / TABLE
     files = {output: b"case,"}
     files |= {output.parent / name: b"quantity" for name in ((STATISTICS, HISTOGRAM) if quantities else ())}
+    if quantities and output.name in (STATISTICS, HISTOGRAM):
+        raise InputError(f"-o: {output}: --statistics writes another table there; choose another FILE")
     for path, start in files.items():
         _refuse(path, start)
     at_beads = [name for name in filter(None, [arguments.plot, *quantities]) if "@" in name]

@@ -219,6 +219,7 @@ def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
         (["--statistics", "speeed"], "--statistics: 'speeed' given (did you mean `speed`?)"),
         (["--statistics", "speed", "--over", "bead"], "--over: 'bead' is not varied here; beads, coupling.stiffness"),
         (["--statistics", "speed", "--plot", "speed", "--over", "beads"], "--plot and --statistics: choose one"),
+        (["--statistics", "speed", "-o", "statistics.csv"], "--statistics writes another table there"),
         (["-o", "table.parquet"], "the table is CSV"),
         (["-o", "nowhere/table.csv"], "no such directory"),
     ],
