@@ -22,7 +22,8 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar, progress_bar
 from workflow.sweep import collect as collecting
 from workflow.sweep import file
-from workflow.sweep.collect import Table
+from workflow.sweep.collect import Table, named_fields
+from workflow.sweep.statistics import Group, default_fields, grouped
 from workflow.verdicts import analyse as analysing
 from workflow.verdicts import validate as validating
 from workflow.verdicts.analyse import Analysis
@@ -52,6 +53,7 @@ __all__ = [
     "load",
     "plot",
     "run",
+    "statistics",
     "sweep",
     "universe",
     "validate",
@@ -238,17 +240,42 @@ def sweep(
     return collect(directory)
 
 
-def collect(directory: Path | str) -> Table:
+def collect(directory: Path | str, at_beads: Sequence[str] = ()) -> Table:
     """Gather the cases of a sweep into one table, those that failed with the reason.
+
+    Args:
+        directory: of the sweep.
+        at_beads: further columns, of the leading wave at chosen beads, such as ``peak_velocity@100``.
 
     Raises:
         InputError: there are none.
     """
-    return collecting.collect(_path(directory))
+    return collecting.collect(_path(directory), at_beads)
+
+
+def statistics(table: Table, quantity: str, over: str | None = None) -> list[Group]:
+    """Statistics of a column of a sweep's table over its cases, as ``granchain collect --statistics`` computes them.
+
+    Args:
+        table: of a sweep.
+        quantity: a column of numbers.
+        over: fields of the groups, with commas between; all varied fields but seeds by default.
+
+    Raises:
+        InputError: no such column or field.
+    """
+    collecting.refuse_unless_numeric("statistics", quantity)
+    return grouped(table, quantity, default_fields(table) if over is None else named_fields("over", over, table))
 
 
 def plot(table: Table, quantity: str, over: str, beside: str | None = None) -> Picture:
     """Draw a column of a sweep's table over a varied field, or over two, as ``granchain collect --plot`` does.
+
+    Args:
+        table: of a sweep.
+        quantity: a column of numbers.
+        over: a varied field, or two with a comma between, for a map.
+        beside: a second field, with a line for each of its values.
 
     Raises:
         InputError: no such column or field, nothing to draw, or several cases at one point.

@@ -1,4 +1,4 @@
-"""Figures of many runs: one quantity over one swept field or over two, and what a search among designs found."""
+"""Figures of many runs: a quantity over one or two swept fields, its histogram, and the results of a design search."""
 
 import math
 import re
@@ -14,7 +14,8 @@ from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.patheffects import AbstractPathEffect, withStroke
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 from numpy.typing import ArrayLike
 
 from analysis.figures.style import (
@@ -27,6 +28,7 @@ from analysis.figures.style import (
     new_figure,
     styled,
 )
+from analysis.statistics import Histogram, Statistics
 from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs.units import REDUCED, Label
 
@@ -47,8 +49,10 @@ _HEIGHT = 48
 
 _BLUE = CHAIN_COLOURS[0]
 
-_NOTHING = "0.85"
-"""Colour of a place in a map that has no number."""
+_UNDEFINED: Any = {"facecolor": "white", "edgecolor": "0.6", "hatch": "////", "linewidth": 0.0}
+"""Look of a place in a map that has no number."""
+
+_MOST_CONTOURS = 7
 
 _SHADED = "0.9"
 """Colour of ranges in which no small waves pass."""
@@ -63,14 +67,14 @@ class Axis:
         values: one number a case; NaN where there is none.
         error: uncertainty of each; NaN where it is unknown, None where all are.
         unsettled: whether a case had not come to its end state; None where that means nothing.
-        bands: ranges around the values, the widest first, each [low or high, case]; NaN where undefined.
+        error_words: name of the errors in the legend; empty for none.
     """
 
     label: Label
     values: Floats
     error: Floats | None = None
     unsettled: Flags | None = None
-    bands: tuple[Floats, ...] = ()
+    error_words: str = ""
 
     @property
     def open(self) -> Flags:
@@ -83,8 +87,7 @@ class Axis:
         """The same with a prefix before an SI unit, such that numbers are short; and the factor."""
         label, worth = self.label.prefixed(largest_of(self.values))
         error = None if self.error is None else self.error * worth
-        bands = tuple(band * worth for band in self.bands)
-        return replace(self, label=label, values=self.values * worth, error=error, bands=bands), worth
+        return replace(self, label=label, values=self.values * worth, error=error), worth
 
 
 def largest_of(values: Floats) -> float:
@@ -126,20 +129,19 @@ def swept_figure(
     passed: Floats | None = None,
     sought: Sought | None = None,
 ) -> Figure:
-    """A quantity over a field, and over a second one as lines or, from nine values on, as the rows of a map.
+    """A quantity over a field, with a line for each value of a second one.
 
-    Bars are uncertainties (lines only); cases that are not settled are hollow marks, in a map crosses; those without a
-    number are ticks below the axis of the quantity, in a map grey.
+    Bars are uncertainties; cases that are not settled are hollow marks; those without a number are ticks below the axis
+    of the quantity.
 
     Args:
         quantity: the value of each case.
         over: the field along the horizontal axis.
-        beside: the second field.
+        beside: the second field, of at most `MOST_LINES` values.
         title: for the top.
         passed: ranges of the horizontal axis, [band, 2], that let small waves pass; all else is shaded.
         sought: a value of the quantity that is marked, and where the quantity has it.
     """
-    is_map = beside is not None and len(np.unique(beside.values)) > MOST_LINES
     if sought is not None:
         sought = _prefixed(sought, quantity, over)
     quantity, (over, worth) = quantity.prefixed[0], over.prefixed
@@ -148,39 +150,120 @@ def swept_figure(
     axis = figure.subplots()
     if beside is None:
         holes = int(_line(axis, quantity, over, np.ones(len(over.values), dtype=bool), color=_BLUE, marker="o"))
-    elif is_map:
-        holes = int(_map(figure, axis, quantity, over, beside))
     else:
         holes = _lines(axis, quantity, over, beside)
     _scale(axis, over, "x")
     if sought is not None:
         _mark(axis, sought, over)
-    if not is_map:
-        axis.set_ylabel(wrapped(quantity.label))
-        _scale_quantity(axis, quantity, holes)
+    axis.set_ylabel(wrapped(quantity.label))
+    _scale_quantity(axis, quantity, holes)
     if passed is not None:
         _shade_between(axis, passed)
     axis.set_xlabel(over.label.mathtext)
     head(figure, "\n".join(textwrap.wrap(title, _TITLE)))
     handles, labels = axis.get_legend_handles_labels()
     for shown, mark, words in (
-        (bool(np.any(quantity.open)), _unsettled_mark(is_map=is_map), "not settled"),
-        (holes > 0, _missing_mark(is_map=is_map), "no number"),
+        (bool(quantity.error_words), _mark_of("_", markersize=9), quantity.error_words),
+        (bool(np.any(quantity.open)), _mark_of("o"), "not settled"),
+        (holes > 0, _mark_of("|", markersize=7), "no number"),
         (passed is not None, Patch(color=_SHADED), "no small waves pass"),
     ):
         handles, labels = ([*handles, mark], [*labels, words]) if shown else (handles, labels)
-    (legend_below if beside is None or is_map else legend_beside)(figure, handles, labels)
+    (legend_below if beside is None else legend_beside)(figure, handles, labels)
     return figure
 
 
-def _unsettled_mark(*, is_map: bool) -> Line2D:
-    return Line2D([], [], linestyle="none", color="black", marker="x" if is_map else "o", markerfacecolor="white")
+def _mark_of(marker: str, **look: Any) -> Line2D:
+    """Black mark, white inside, of an entry in a legend."""
+    return Line2D([], [], linestyle="none", color="black", marker=marker, markerfacecolor="white", **look)
 
 
-def _missing_mark(*, is_map: bool) -> Patch | Line2D:
-    return (
-        Patch(color=_NOTHING) if is_map else Line2D([], [], linestyle="none", color="black", marker="|", markersize=7)
+@styled
+def map_figure(quantity: Axis, over: Axis, beside: Axis, title: str = "") -> Figure:
+    """Map with contours of a quantity over two fields, whose axes are logarithmic where the values are spaced so.
+
+    Places without a number are blank and hatched; cases that are not settled are crosses.
+
+    Args:
+        quantity: the value of each case.
+        over: the field along the horizontal axis.
+        beside: the field along the vertical axis.
+        title: for the top.
+    """
+    quantity, over, beside = (shown.prefixed[0] for shown in (quantity, over, beside))
+    figure = new_figure(3.8, 5.5)
+    axis = figure.subplots()
+    columns, rows = np.unique(over.values), np.unique(beside.values)
+    grid = np.full((len(rows), len(columns)), np.nan)
+    grid[np.searchsorted(rows, beside.values), np.searchsorted(columns, over.values)] = quantity.values
+    axis.patch.set(**_UNDEFINED)
+    log = _over_decades(grid)
+    mesh = axis.pcolormesh(
+        _edges(columns), _edges(rows), grid, cmap="viridis", norm="log" if log else None, rasterized=True
     )
+    for shown, name in ((over, "x"), (beside, "y")):
+        _scale(axis, shown, name)
+    _contours(axis, columns, rows, grid, log=log)
+    for colour, size in (("white", 5.0), ("black", 3.5)):
+        axis.plot(over.values[quantity.open], beside.values[quantity.open], "x", color=colour, markersize=size)
+    axis.set_xlabel(over.label.mathtext)
+    axis.set_ylabel(wrapped(beside.label))
+    figure.colorbar(mesh, ax=axis, label=wrapped(quantity.label))
+    head(figure, "\n".join(textwrap.wrap(title, _TITLE)))
+    marks: list[tuple[bool, Any, str]] = [
+        (bool(np.any(quantity.open)), _mark_of("x"), "not settled"),
+        (bool(np.isnan(grid).any()), Patch(**_UNDEFINED), "no number"),
+    ]
+    shown_marks = [(mark, words) for is_shown, mark, words in marks if is_shown]
+    legend_below(figure, [mark for mark, _ in shown_marks], [words for _, words in shown_marks])
+    return figure
+
+
+def _contours(axis: Axes, columns: Floats, rows: Floats, grid: Floats, *, log: bool) -> None:
+    """Draw labelled contours of a map [row, column] through the centres of its cells, where there are any."""
+    finite = grid[np.isfinite(grid)]
+    if min(grid.shape) < 2 or len(finite) == 0:
+        return
+    locator = LogLocator(subs=(1.0, 2.0, 5.0)) if log else MaxNLocator(_MOST_CONTOURS, steps=[1, 2, 5, 10])
+    levels = np.asarray(locator.tick_values(float(finite.min()), float(finite.max())))
+    levels = levels[(levels > finite.min()) & (levels < finite.max())]
+    if len(levels) == 0:
+        return
+    contours = axis.contour(columns, rows, np.ma.masked_invalid(grid), levels, colors="white", linewidths=0.9)
+    outline: list[AbstractPathEffect] = [withStroke(linewidth=2.0, foreground="0.15")]
+    contours.set_path_effects(outline)
+    for text in axis.clabel(contours, fontsize=7, fmt=lambda level: f"{level:g}"):
+        text.set_path_effects(outline)
+
+
+@styled
+def histogram_figure(label: Label, bins: Histogram, found: Statistics, title: str = "") -> Figure:
+    """Histogram of a quantity, with its mean, the standard error of that, and the median.
+
+    Args:
+        label: of the quantity.
+        bins: number of values in each bin.
+        found: statistics of the values.
+        title: for the top.
+    """
+    label, worth = label.prefixed(largest_of(np.array([bins.low[0], bins.high[-1]])))
+    figure = new_figure(3.2, 5.5)
+    axis = figure.subplots()
+    edges = np.append(bins.low, bins.high[-1]) * worth
+    if len(bins.low) == 1:  # all values are equal
+        edges = _edges(edges[:1])
+    axis.stairs(bins.count, edges, fill=True, color="0.8")
+    axis.axvline(found.mean * worth, color=_BLUE, label="mean")
+    if math.isfinite(found.standard_error):
+        low, high = ((found.mean + sign * found.standard_error) * worth for sign in (-1.0, 1.0))
+        axis.axvspan(low, high, color=_BLUE, alpha=0.25, linewidth=0.0, label="standard error of the mean")
+    axis.axvline(found.q50 * worth, color=CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="median")
+    axis.set_xlabel(label.mathtext)
+    axis.set_ylabel("number of cases")
+    axis.yaxis.set_major_locator(MaxNLocator(integer=True))
+    head(figure, "\n".join(textwrap.wrap(title, _TITLE)))
+    legend_below(figure, *axis.get_legend_handles_labels())
+    return figure
 
 
 def wrapped(label: Label) -> str:
@@ -215,7 +298,7 @@ def _mark(axis: Axes, sought: Sought, over: Axis) -> None:
 def _scale_quantity(axis: Axes, quantity: Axis, holes: int) -> None:
     """Scale the axis of a quantity, not below 0 for a margin alone; below it cases without a number have room."""
     finite = quantity.values[np.isfinite(quantity.values)]
-    if len(finite) and finite.min() > 0.0 and finite.max() / finite.min() > 30.0:
+    if _over_decades(finite):
         axis.set_yscale("log")
         label_log_axis(axis.yaxis)
     else:
@@ -227,13 +310,17 @@ def _scale_quantity(axis: Axes, quantity: Axis, holes: int) -> None:
         _leave_room(axis, holes * _LEVEL)
 
 
+def _over_decades(values: Floats) -> bool:
+    """Whether values are positive, but for those that are NaN, and differ by a factor of more than 30."""
+    finite = values[np.isfinite(values)]
+    return len(finite) > 0 and bool(finite.min() > 0.0 and finite.max() / finite.min() > 30.0)
+
+
 def _line(axis: Axes, quantity: Axis, over: Axis, here: Flags, level: int = 0, **look: Any) -> bool:
     """Draw some cases; those without a number as ticks below, on a level for each line. Whether there are any."""
     chosen = np.flatnonzero(here)[np.argsort(over.values[here], kind="stable")]
     x, y = over.values[chosen], quantity.values[chosen]
     axis.plot(x, y, markersize=5, **look)
-    for low, high in quantity.bands:
-        axis.fill_between(x, low[chosen], high[chosen], color=look["color"], alpha=0.2, linewidth=0.0)
     missing = x[~np.isfinite(y)]
     if len(missing):
         axis.plot(
@@ -280,21 +367,6 @@ def _leave_room(axis: Axes, share: float) -> None:
     for minor, places in ticks:
         axis.set_yticks(places[(places >= bottom) & (places <= top)], minor=minor)
     axis.spines["left"].set_bounds(bottom, top)
-
-
-def _map(figure: Figure, axis: Axes, quantity: Axis, over: Axis, beside: Axis) -> bool:
-    """Draw a map; whether it has holes."""
-    columns, rows = np.unique(over.values), np.unique(beside.values)
-    grid = np.full((len(rows), len(columns)), np.nan)
-    grid[np.searchsorted(rows, beside.values), np.searchsorted(columns, over.values)] = quantity.values
-    axis.plot(over.values[quantity.open], beside.values[quantity.open], "x", color="white", markersize=5)
-    axis.plot(over.values[quantity.open], beside.values[quantity.open], "x", color="black", markersize=3.5)
-    axis.set_facecolor(_NOTHING)
-    mesh = axis.pcolormesh(_edges(columns), _edges(rows), grid, cmap="viridis", rasterized=True)
-    _scale(axis, beside, "y")
-    axis.set_ylabel(beside.label.mathtext)
-    figure.colorbar(mesh, ax=axis, label=quantity.label.mathtext)
-    return bool(np.isnan(grid).any())
 
 
 def _shade_between(axis: Axes, passed: Floats) -> None:

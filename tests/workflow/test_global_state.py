@@ -41,6 +41,7 @@ CALLS = {
     "universe": lambda _, run: [*(ts.frame for ts in api.universe(run).trajectory), gc.collect()],
     "collect": lambda _, run: api.collect(run.parent),
     "plot": lambda _, run: api.plot(api.collect(run.parent), "peak_velocity", "kick.velocity"),
+    "statistics": lambda _, run: api.statistics(api.collect(run.parent), "peak_velocity"),
     "view": lambda _, run: api.view(run),
     "sweep": lambda path, _: api.sweep(SWEEP, path / "new", jobs=2),
     "fit": lambda path, _: api.fit(

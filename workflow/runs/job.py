@@ -83,11 +83,12 @@ class Uncertainty(_Part):
 
 
 class ErrorPlace(_Part):
-    """A bead of a chain at a time: an `analysis.against.difference.Place`."""
+    """A bead of a chain, or a resonator at it, at a time: an `analysis.against.difference.Place`."""
 
     chain: Count
     bead: Count
     time: Number | None
+    resonator: Count
 
 
 class Error(_Part):

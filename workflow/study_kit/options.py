@@ -174,9 +174,6 @@ class SecondField:
         return Axis(Label(f"value of {named.words}, by its number"), numbers)
 
 
-NO_SECOND_FIELD = SecondField()
-
-
 def second_field(text: str | None) -> SecondField:
     """Field and values of ``--over FIELD=A,B,...``.
 
@@ -184,7 +181,7 @@ def second_field(text: str | None) -> SecondField:
         InputError: there are no such values, or one is given twice.
     """
     if not text:
-        return NO_SECOND_FIELD
+        return SecondField()
     field, places = split(text, "--over", "chains=2,3,4")
     try:
         values = tuple(map(_hashable, strict_yaml.parse(f"values: [{places}]", "--over")["values"]))

@@ -26,7 +26,7 @@ from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.prepare.extent import with_duration
 from workflow.sweep import fields
-from workflow.sweep.collect import QUANTITIES, quantities
+from workflow.sweep.collect import AT_BEAD, QUANTITIES, at_bead, column_called, quantities
 from workflow.verdicts.analysis_report import REPORT, ChainSummary, Report, report
 from workflow.workers import evaluate
 
@@ -53,9 +53,6 @@ KNOWN = (
 )
 """Quantities that a design may be about."""
 
-AT_BEAD = tuple(name for name, quantity in QUANTITIES.items() if quantity.path[0] == "kicked" and name != "bead")
-"""Quantities of the kicked chain's leading wave; ``peak_velocity@100`` is that at bead 100."""
-
 _OF_SHARING = ("amplitude", "agree_10", "agree_1", "in_step_1", "beat_length")
 
 PARTICIPATION = "participation"
@@ -76,19 +73,12 @@ def refuse_unknown(name: str, where: str, what: str) -> None:
     Raises:
         InputError: it is not; says where it was given and what it is not.
     """
-    base, bead = _at_bead(name)
+    base, bead = at_bead(name)
     if base in AT_BEAD and not bead:
         raise InputError(f"{where}: {name[:60]!r} should end in the number of a bead, such as {base}@100")
     if not base and name not in KNOWN:
         hint = library.suggestion(name, KNOWN) or f"; known are {', '.join(KNOWN)}"
         raise InputError(f"{where}: {name[:60]!r} is no {what}{hint}")
-
-
-def _at_bead(name: str) -> tuple[str, int]:
-    """Quantity and bead of ``peak_velocity@100``; empty without a bead, and 0 where that is no number."""
-    base, at, bead = name.partition("@")
-    plain = bead.isascii() and bead.isdecimal() and len(bead) < 10
-    return (base, int(bead) if plain else 0) if at and base in AT_BEAD else ("", 0)
 
 
 def heading(name: str, scene: dict[str, Any]) -> str:
@@ -97,8 +87,8 @@ def heading(name: str, scene: dict[str, Any]) -> str:
     if name == MASS:
         unit = SI["mass"] if si else REDUCED
     else:
-        base = _at_bead(name)[0] or name
-        unit = QUANTITIES[base].unit(si=si) if base in QUANTITIES else fields.unit(fields.parse(name, scene), scene)
+        column = column_called(name)
+        unit = fields.unit(fields.parse(name, scene), scene) if column is None else column.unit(si=si)
     return name if unit in ("", REDUCED) else f"{name} ({unit})"
 
 
@@ -107,11 +97,8 @@ def label(name: str, scene: dict[str, Any]) -> Label:
     si = "material" in scene
     if name == MASS:
         return Label("mass of all beads", "", SI["mass"] if si else REDUCED)
-    base, bead = _at_bead(name)
-    if (base or name) not in QUANTITIES:
-        return fields.label(fields.parse(name, scene), scene)
-    axis = QUANTITIES[base or name].axis(si=si)
-    return dataclasses.replace(axis, words=axis.words.replace("the last clear bead", f"bead {bead}")) if base else axis
+    column = column_called(name)
+    return fields.label(fields.parse(name, scene), scene) if column is None else column.axis(si=si)
 
 
 def mass_of(scene: Scene) -> float:
@@ -131,7 +118,7 @@ def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> 
     if scene.window is not None:
         raise InputError(f"{source}: window: rows behind it count here; leave it out")
     for name in names:
-        if _at_bead(name)[1] > scene.beads:
+        if at_bead(name)[1] > scene.beads:
             raise InputError(f"{source}: {name}: the chains have {scene.beads} beads")
     return scene
 
@@ -172,7 +159,7 @@ def of_frames(
 def _at_beads(waves: Waves, problem: Problem, scene: Scene, names: tuple[str, ...]) -> dict[str, Any]:
     """Quantities of the kicked chain's leading wave at chosen beads."""
     found = {}
-    for name, (base, bead) in ((name, _at_bead(name)) for name in names if _at_bead(name)[0]):
+    for name, (base, bead) in ((name, at_bead(name)) for name in names if at_bead(name)[0]):
         here = [ChainSummary.of(waves.at(bead), problem, 1 + chain) for chain in range(problem.chains)]
         found[name] = quantities({"waves": quantity.plain(here, problem.scale)}, {}, scene.plain())[base]
     return found
@@ -187,7 +174,7 @@ def _quick(
     problem: Problem, frames: Callable[[], Iterable[Trajectory]], scene: Scene, names: tuple[str, ...]
 ) -> dict[str, float | None]:
     """What an analysis finds of the leading waves and of the last frame, without all else that it looks for."""
-    if not any(name in (*_OF_SHARING, PARTICIPATION) or _at_bead(name)[0] for name in names):
+    if not any(name in (*_OF_SHARING, PARTICIPATION) or at_bead(name)[0] for name in names):
         return {}
     finder, meter, last = PeakFinder(), meter_of(problem), None
     for last in frames():

@@ -1,7 +1,10 @@
 """The table of a sweep: its columns, with names, units and numbers; gathered from its cases, and drawn over fields."""
 
+import contextlib
+import csv
+import io
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,8 +24,8 @@ from workflow.runs.status import slurm_queue, status
 from workflow.screen import count_bar
 from workflow.sweep import fields
 from workflow.sweep.carry_out import Asked, asked, is_analysed, read_json, task
-from workflow.verdicts.analysis_report import REPORT
-from workflow.verdicts.quantities import OWN, collect_columns
+from workflow.verdicts.analysis_report import REPORT, WAVES
+from workflow.verdicts.quantities import OWN, CollectColumn, collect_columns
 from workflow.workers import evaluate
 from workflow.workers.pool import Pool
 
@@ -36,6 +39,27 @@ QUANTITIES = collect_columns()
 
 UNCERTAINTIES = {name.removesuffix("_uncertainty"): name for name in QUANTITIES if name.endswith("_uncertainty")}
 """Column -> the one that holds its uncertainty, in the same unit."""
+
+AT_BEAD = tuple(name for name, column in QUANTITIES.items() if column.path[0] == "kicked" and name != "bead")
+"""Quantities of the kicked chain's leading wave; ``peak_velocity@100`` is that at bead 100."""
+
+
+def at_bead(name: str) -> tuple[str, int]:
+    """Quantity and bead of ``peak_velocity@100``; empty without a bead, and 0 where that is no number."""
+    base, at, bead = name.partition("@")
+    plain = bead.isascii() and bead.isdecimal() and len(bead) < 10
+    return (base, int(bead) if plain else 0) if at and base in AT_BEAD else ("", 0)
+
+
+def column_called(name: str) -> CollectColumn | None:
+    """What a column holds, also one such as ``peak_velocity@100``; None for any other name."""
+    base, bead = at_bead(name)
+    if not bead:
+        return QUANTITIES.get(name)
+    column = QUANTITIES[base]
+    words = column.label.replace("the last clear bead", f"bead {bead}")
+    return replace(column, column=replace(column.column, name=name, label=words))
+
 
 SHOWN = {
     "amplitude": ".4f",
@@ -62,6 +86,7 @@ class Table:
         scene: name of the scenes; empty if they have several.
         labels: words, symbol and unit of the fields.
         bands: case -> lowest and highest frequencies at which small waves pass, [[low, high], ...]; where known.
+        at_beads: columns of the leading wave at chosen beads, such as ``peak_velocity@100``.
     """
 
     fields: list[str]
@@ -70,18 +95,19 @@ class Table:
     scene: str = ""
     labels: dict[str, Label] = field(default_factory=dict)
     bands: dict[str, list[list[float]]] = field(default_factory=dict)
+    at_beads: tuple[str, ...] = ()
 
     @property
     def columns(self) -> list[str]:
         """Names of the columns, in order."""
-        return ["case", *self.fields, "outcome", *QUANTITIES, "reason"]
+        return ["case", *self.fields, "outcome", *self.at_beads, *QUANTITIES, "reason"]
 
     def __repr__(self) -> str:
         return f"<table of {len(self.rows)} cases over {', '.join(self.fields)}>"
 
     def _repr_html_(self) -> str:
         own = [name for name, found in QUANTITIES.items() if found.file != RECORD]
-        names = [*self.fields, "outcome", *own, "reason"]
+        names = [*self.fields, "outcome", *self.at_beads, *own, "reason"]
         names = [name for name in names if any(row[name] not in (None, "") for row in self.rows)]
         rows = [[row[name] for name in names] for row in self.rows]
         return html.table(repr(self)[1:-1], [self.heading(name) for name in names], rows)
@@ -117,7 +143,7 @@ class Table:
         """A column as numbers; NaN where it holds none."""
         values = (row[name] for row in self.rows)
         return np.array(
-            [math.nan if value is None or isinstance(value, str) else float(value) for value in values],
+            [float(value) if isinstance(value, int | float) else math.nan for value in values],
             dtype=np.float64,
         )
 
@@ -146,14 +172,15 @@ class Table:
         """Words, symbol and unit of a column: ``.mathtext`` in figures, ``.plain`` in pages; of text its name."""
         if name in self.labels:
             return self.labels[name]
-        column = QUANTITIES.get(name)
+        column = column_called(name)
         return column.axis(si=self.si) if column is not None and column.label else Label(name)
 
     def _unit(self, name: str) -> str:
         """Of a column; empty where it has none, or the scenes do not agree on one."""
         if name in self.fields:
             return self.labels[name].unit if name in self.labels else ""
-        unit = "" if name not in QUANTITIES else QUANTITIES[name].unit(si=self.si is True)
+        column = column_called(name)
+        unit = "" if column is None else column.unit(si=self.si is True)
         return unit if self.si is not None or unit in OWN else ""
 
 
@@ -168,11 +195,12 @@ def _written(value: Any) -> str:
 # --- collect ----------------------------------------------------------------------------------------------------------
 
 
-def collect(directory: Path) -> Table:
+def collect(directory: Path, at_beads: Sequence[str] = ()) -> Table:
     """Gather all cases below a directory; those with frames but no analysis are analysed first, on all cores.
 
     Args:
         directory: of a sweep, or any that run directories lie in.
+        at_beads: further columns, of the leading wave at chosen beads, such as ``peak_velocity@100``.
 
     Raises:
         InputError: there is no run directory in it.
@@ -201,7 +229,7 @@ def collect(directory: Path) -> Table:
         unread = state.state == "done" and report.get("complete") is not True
         outcome, reason = ("not analysed", complaints.get(path.name)) if unread else (state.state, state.why or None)
         row = {"case": path.name, **swept, "outcome": outcome, **quantities(report, record, scene)}
-        rows.append({**row, "reason": reason})
+        rows.append({**row, **_at_beads(path, scene, at_beads), "reason": reason})
         spectra = report.get("spectra")
         if isinstance(spectra, dict) and _are_bands(spectra.get("bands")):
             bands[path.name] = spectra["bands"]
@@ -213,6 +241,7 @@ def collect(directory: Path) -> Table:
         scene=scenes.pop() if len(scenes) == 1 else "",
         labels={name: _shared_label(paths[name], requests.values()) for name in names},
         bands=bands,
+        at_beads=tuple(at_beads),
     )
 
 
@@ -272,12 +301,31 @@ def quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, 
 
 def _kicked(report: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
     """What ``analysis.json`` says of the leading wave in the chain with the largest excitation."""
-    kicks = [scene.get(key) for key in ("kick", "push", "striker")]
-    each = [kick for kick in kicks for kick in (kick if isinstance(kick, list | tuple) else [kick])]
-    chain = max((kick for kick in each if isinstance(kick, dict)), key=_size, default={}).get("chain", 1)
+    chain = _kicked_chain(scene)
     waves = report.get("waves")
     entries = waves if isinstance(waves, list) else []
     return next((entry for entry in entries if isinstance(entry, dict) and entry.get("chain") == chain), {})
+
+
+def _at_beads(directory: Path, scene: dict[str, Any], names: Sequence[str]) -> dict[str, float | None]:
+    """Quantities of the leading wave at chosen beads from ``waves.csv``; None where that has no such number."""
+    if not names:
+        return {}
+    waves: dict[int, dict[str, float | None]] = {}
+    with contextlib.suppress(OSError, ValueError, KeyError, TypeError, csv.Error):
+        text = (directory / WAVES).read_text(encoding="utf-8")
+        for row in csv.DictReader(io.StringIO(text)):
+            if int(row["chain"]) == _kicked_chain(scene):
+                numbers = {heading.partition(" (")[0]: value for heading, value in row.items()}
+                waves[int(row["bead"])] = {name: float(numbers[name]) if numbers[name] else None for name in AT_BEAD}
+    return {name: waves.get(bead, {}).get(base) for name, (base, bead) in ((name, at_bead(name)) for name in names)}
+
+
+def _kicked_chain(scene: dict[str, Any]) -> Any:
+    """Number of the chain with the largest excitation, from 1."""
+    kicks = [scene.get(key) for key in ("kick", "push", "striker")]
+    each = [kick for kick in kicks for kick in (kick if isinstance(kick, list | tuple) else [kick])]
+    return max((kick for kick in each if isinstance(kick, dict)), key=_size, default={}).get("chain", 1)
 
 
 def _size(kick: dict[str, Any]) -> float:
@@ -314,13 +362,49 @@ def _refuse_unless_varied(option: str, name: str, table: Table) -> None:
         raise InputError(f"{option}: {name!r} is not varied here; {', '.join(table.fields) or 'nothing'} is")
 
 
+def named_fields(option: str, text: str, table: Table) -> tuple[str, ...]:
+    """Varied fields of ``A,B``.
+
+    Raises:
+        InputError: one is not varied, or is given twice.
+    """
+    names = tuple(name.strip() for name in text.split(","))
+    for name in names:
+        _refuse_unless_varied(option, name, table)
+    if len(set(names)) < len(names):
+        raise InputError(f"{option}: {text}: a field is given twice")
+    return names
+
+
+def refuse_unless_numeric(option: str, name: str) -> None:
+    """Refuse a quantity that is no column of numbers.
+
+    Raises:
+        InputError: it is none; names those that are.
+    """
+    column = column_called(name)
+    if column is None or not column.label:
+        numeric = [name for name, found in QUANTITIES.items() if found.label]
+        hint = library.suggestion(name[:60], numeric)
+        raise InputError(
+            f"{option}: {name[:60]!r} given{hint}; should be one of {', '.join(numeric)}, or of the leading wave at a "
+            f"bead: {', '.join(f'{base}@100' for base in AT_BEAD)}"
+        )
+
+
+def file_name(*words: str) -> str:
+    """Name of a figure of quantities and fields, which are parted by hyphens, without brackets and ``@``."""
+    return "-".join(words).replace("[", "").replace("]", "").replace("@", "-at-")
+
+
 def plot(
     table: Table, directory: Path, quantity: str, over: str, beside: str | None, title: str = ""
 ) -> tuple[Path, ...]:
     """Draw a quantity over a field, or two, into a directory; see `drawn`."""
     figure = drawn(table, quantity, over, beside, title)
-    fields = "-and-".join(filter(None, (over, beside)))
-    return write_figure(directory, f"{quantity}-over-{fields}".replace("[", "").replace("]", ""), figure)
+    names = [*over.split(","), *filter(None, [beside])]
+    kind = "map-over" if "," in over else "over"
+    return write_figure(directory, file_name(quantity, kind, "-and-".join(names)), figure)
 
 
 def drawn(table: Table, quantity: str, over: str, beside: str | None = None, title: str = "") -> "Figure":
@@ -328,29 +412,26 @@ def drawn(table: Table, quantity: str, over: str, beside: str | None = None, tit
 
     Args:
         table: what to draw from; cases that are not done count as having no number.
-        quantity: one of `QUANTITIES`.
-        over: the field along the horizontal axis.
-        beside: a second field, as lines or as a map.
+        quantity: one of `QUANTITIES`, or one of the table's ``at_beads``.
+        over: the field along the horizontal axis; two with a comma between are the axes of a map.
+        beside: a second field, with a line for each of its values.
         title: which cases these are, where the table holds not all.
 
     Raises:
-        InputError: no such quantity or field, nothing to draw, or several cases at one point.
+        InputError: no such quantity or field, nothing to draw, too many lines, or several cases at one point.
     """
-    from analysis.figures.studies import Axis, swept_figure  # matplotlib takes half a second to import
+    from analysis.figures.studies import Axis, map_figure, swept_figure  # matplotlib takes half a second to import
 
-    shown = [name for name in (over, beside) if name is not None]
-    numeric = [name for name, found in QUANTITIES.items() if found.label]
-    if quantity not in numeric:
-        hint = library.suggestion(quantity, numeric)
-        raise InputError(f"--plot: {quantity!r} given{hint}; should be one of {', '.join(numeric)}")
-    for option, name in (("--over", over), ("--and", beside)):
-        if name is not None:
-            _refuse_unless_varied(option, name, table)
+    refuse_unless_numeric("--plot", quantity)
+    axes = named_fields("--over", over, table)
+    if len(axes) > (1 if beside else 2):
+        raise InputError("--over: one field and --and for lines, or two fields, A,B, for a map")
+    shown = (*axes, *(named_fields("--and", beside, table) if beside else ()))
     rows = [row for row in table.rows if row["outcome"] == "done"]
     done = replace(table, rows=rows)
-    for name in shown:
-        if rows and not np.all(np.isfinite(done.numbers(name))):
-            raise InputError(f"{name}: is not a number in every case, so it cannot be an axis")
+    refuse_axes(done, shown)
+    if beside:
+        refuse_lines("--and", done, beside, f"--over {over},{beside} draws a map")
     if not np.any(np.isfinite(done.numbers(quantity))):
         raise InputError(f"--plot: no case that is done has a number for {quantity}")
     points = {tuple(row[name] for name in shown) for row in rows}
@@ -358,9 +439,8 @@ def drawn(table: Table, quantity: str, over: str, beside: str | None = None, tit
         others = [name for name in table.fields if name not in shown and len({str(row[name]) for row in rows}) > 1]
         raise InputError(
             f"--plot: {len(rows)} cases lie at {len(points)} points; choose among {', '.join(others)} "
-            f"with --where {others[0] if others else 'FIELD'}=VALUE, or with --and"
+            f"with --where {others[0] if others else 'FIELD'}=VALUE, or with --and; --statistics has their mean"
         )
-    bands = done.passed(over)
     rest = replace(table, rows=[{**row, quantity: None} for row in table.rows if row["outcome"] != "done"])
     finite = np.all([np.isfinite(rest.numbers(name)) for name in shown], axis=0).tolist()
     placed = replace(table, rows=rows + [row for row, known in zip(rest.rows, finite, strict=True) if known])
@@ -373,4 +453,30 @@ def drawn(table: Table, quantity: str, over: str, beside: str | None = None, tit
         placed.unsettled(quantity),
     )
     title = ", ".join(filter(None, (table.scene, title)))
-    return swept_figure(upwards, along, second[0] if second else None, title, bands)
+    if len(axes) == 2:
+        return map_figure(upwards, along, second[0], title)
+    return swept_figure(upwards, along, second[0] if second else None, title, done.passed(over))
+
+
+def refuse_axes(table: Table, names: Sequence[str]) -> None:
+    """Refuse fields that cannot be axes.
+
+    Raises:
+        InputError: a field is not a number in every row.
+    """
+    for name in names:
+        if table.rows and not np.all(np.isfinite(table.numbers(name))):
+            raise InputError(f"{name}: is not a number in every case, so it cannot be an axis")
+
+
+def refuse_lines(option: str, table: Table, name: str, instead: str) -> None:
+    """Refuse a field that makes too many lines.
+
+    Raises:
+        InputError: it has too many values; names the limit, and what to do instead.
+    """
+    from analysis.figures.studies import MOST_LINES
+
+    count = len({row[name] for row in table.rows})
+    if count > MOST_LINES:
+        raise InputError(f"{option}: {name} has {count} values; a figure has at most {MOST_LINES} lines; {instead}")

@@ -1,4 +1,4 @@
-"""Every quantity that a run directory holds, as its type declares it: where it is found, for help and the manual.
+"""Every quantity that a run directory or a table of a sweep holds, as its type declares it, for help and the manual.
 
 ``python -m workflow.verdicts.quantities`` prints the manual's page, ``analysis/QUANTITIES.md``.
 """
@@ -10,11 +10,15 @@ from typing import Any
 
 from analysis.files.events import Events
 from analysis.quantity import Column, Quantity, declare, result, walk
+from analysis.statistics import Histogram, Statistics
 from lammps_inputs.units import SI, Label
 from workflow.runs.files import EVENTS, RECORD
 from workflow.verdicts import terms
 from workflow.verdicts.analysis_report import REPORT, WAVES, Report, WavesTable
 from workflow.verdicts.findings import FINDINGS
+
+STATISTICS, HISTOGRAM = "statistics.csv", "histogram.csv"
+"""Files of `granchain collect --statistics`."""
 
 OWN = ("V", "T")
 """A case's own units: of the largest excitation, and of time (`lammps_inputs.units`)."""
@@ -119,7 +123,7 @@ class CollectColumn:
 def tables() -> dict[str, Any]:
     """CSV file -> type whose fields are its columns."""
     found = {one.table[0]: one.table[1] for one in FINDINGS if one.table is not None}
-    return {WAVES: WavesTable, **found, EVENTS: Events}
+    return {WAVES: WavesTable, **found, EVENTS: Events, STATISTICS: Statistics, HISTOGRAM: Histogram}
 
 
 def places() -> Iterator[Place]:

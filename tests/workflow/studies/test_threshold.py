@@ -12,7 +12,7 @@ from workflow.cli import main
 from workflow.studies.threshold import study
 from workflow.studies.threshold.bracket import Axis, crossings, wanted
 from workflow.study_kit import directory as studying
-from workflow.study_kit import scene_quantities
+from workflow.study_kit import options, scene_quantities
 
 pytestmark = pytest.mark.usefixtures("pool_here")
 
@@ -198,6 +198,14 @@ def test_without_a_threshold_the_figure_shows_the_computed_values_for_each_value
     assert lines == {"$n_b$ = 24": [23.5, 24.75, 26.0], "$n_b$ = 25": [24.5, 25.75, 27.0]}
 
 
+def test_without_a_threshold_more_values_of_the_second_field_than_lines_are_a_map(tmp_path, drawn):
+    beads = ",".join(map(str, range(20, 29)))
+    assert asked(tmp_path, *BY_MASS, "--where", "mass=100", "--over", f"beads={beads}", scene=STRUCK) == (1, [])
+    mesh = drawn[0].axes[0].collections[0]
+    assert mesh.get_array().shape == (9, 3)
+    assert mesh.get_array()[4].tolist() == [23.5, 24.75, 26.0]
+
+
 def test_of_a_quantity_that_is_undefined_everywhere_only_the_value_sought_is_drawn(tmp_path, drawn):
     asked(tmp_path, *BY_MASS, "--where", "agree_1=3", scene=STRUCK)
     (axis,) = drawn[0].axes
@@ -222,3 +230,26 @@ def test_the_examples_of_its_help_find_thresholds(example, tmp_path, monkeypatch
 def test_a_quantity_that_only_the_analysis_of_a_run_directory_finds_is_refused(name):
     with pytest.raises(InputError, match=f"'{name}' is no quantity; known are mass, wall_force"):
         scene_quantities.refuse_unknown(name, "--quantity", "quantity")
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("speed@x", "should end in the number of a bead, such as speed@100"),
+        ("speeed", r"is no quantity \(did you mean `speed`\?\)"),
+        ("speed@25", "speed@25: the chains have 24 beads"),
+    ],
+)
+def test_a_quantity_at_a_bead_that_is_none_is_refused(name, says):
+    def refuse():
+        scene_quantities.refuse_unknown(name, "--where", "quantity")
+        scene_quantities.scene_to_run(CHAIN, (name,), "chain")
+
+    with pytest.raises(InputError, match=says):
+        refuse()
+
+
+@pytest.mark.parametrize("text", ["disorder={mass: 1}", "disorder.mass=0.1,1e-1", "beads="])
+def test_values_of_a_second_field_that_are_no_different_ones_are_refused(text):
+    with pytest.raises(InputError, match=r"--over: .*such as chains=2,3,4"):
+        options.second_field(text)

@@ -131,7 +131,6 @@ def test_ctrl_c_keeps_what_was_computed_and_leaves_neither_processes_nor_files_o
 
 SEARCHES = {
     "threshold": ["--where", "mass=12.5", "--vary", "kinds.a.mass=0.5:3", "--points", "3"],
-    "ensemble": ["--seeds", "0:3", "--quantity", "mass", "--over", "disorder.mass=0.1,0.2"],
 }
 
 
@@ -145,7 +144,7 @@ def test_a_study_that_was_interrupted_keeps_what_it_computed_and_ends_as_one_tha
         raise KeyboardInterrupt
 
     monkeypatch.setattr("workflow.study_kit.directory.write_figure", lambda *_: None)
-    scene = {**SMALL, "kinds": {"a": {"mass": 1.0}}, "pattern": ["a"], "disorder": {"mass": 0.1}}
+    scene = {**SMALL, "kinds": {"a": {"mass": 1.0}}, "pattern": ["a"]}
     (tmp_path / "s.yaml").write_text(strict_yaml.dump(scene))
     words = [command, str(tmp_path / "s.yaml"), *SEARCHES[command], "-o"]
     with monkeypatch.context() as patch:
@@ -163,4 +162,4 @@ def test_a_study_that_was_interrupted_keeps_what_it_computed_and_ends_as_one_tha
 
 
 def test_the_studies_that_are_known_are_found():
-    assert {study.command for study in declared()} >= {"extremes", "gallery", "threshold", "ensemble"}
+    assert {study.command for study in declared()} >= {"extremes", "gallery", "threshold"}

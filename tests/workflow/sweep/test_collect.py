@@ -13,8 +13,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from refusals import refusal
 
 from analysis.dispersion import cell_of
-from analysis.figures.studies import MOST_LINES, Axis, Sought, logarithmic, swept_figure
-from lammps_inputs import strict_yaml
+from analysis.figures.studies import MOST_LINES, Axis, Sought, logarithmic, map_figure, swept_figure
+from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.units import Label
 from workflow import api
 from workflow.cli import main
@@ -181,7 +181,9 @@ def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
     assert main([*words, "--and", "beads", "--formats", "pdf"]) == 0
     assert f"{name}-and-beads.pdf" in capsys.readouterr().out
     assert main([*words, "--where", "beads=24"]) == 0
-    for file in (f"{name}.png", f"{name}-and-beads.pdf"):
+    both = ["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness,beads"]
+    assert main(both) == 0
+    for file in (f"{name}.png", f"{name}-and-beads.pdf", "amplitude-map-over-coupling.stiffness-and-beads.png"):
         assert (copied / file).stat().st_size > 5_000
 
 
@@ -201,6 +203,18 @@ def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
         (["--plot", "amplitude", "--over", "beads", "--where", "beads"], "FIELD=VALUE"),
         (["--plot", "amplitude"], "go together"),
         (["--and", "beads"], "give --plot too"),
+        (["--over", "beads"], "--over needs a quantity"),
+        (["--plot", "amplitude", "--over", "beads,beads"], "--over: beads,beads: a field is given twice"),
+        (["--plot", "amplitude", "--over", "beads,gap"], "--over: 'gap' is not varied"),
+        (
+            ["--plot", "amplitude", "--over", "beads,coupling.stiffness", "--and", "beads"],
+            "--over: one field and --and for lines, or two fields, A,B, for a map",
+        ),
+        (["--plot", "speed@x", "--over", "beads"], "--plot: 'speed@x' given (did you mean `speed`?); should be"),
+        (["--statistics", "speeed"], "--statistics: 'speeed' given (did you mean `speed`?)"),
+        (["--statistics", "speed", "--over", "bead"], "--over: 'bead' is not varied here; beads, coupling.stiffness"),
+        (["--statistics", "speed", "--plot", "speed", "--over", "beads"], "--plot and --statistics: choose one"),
+        (["--statistics", "speed", "-o", "statistics.csv"], "--statistics writes another table there"),
         (["-o", "table.parquet"], "the table is CSV"),
         (["-o", "nowhere/table.csv"], "no such directory"),
     ],
@@ -281,19 +295,56 @@ def test_a_value_that_is_sought_and_the_places_where_it_is_are_marked_in_the_uni
     assert axis.get_xlabel() == "stiffness $k$ (kN/m)"
 
 
-def test_many_values_of_the_second_field_make_a_map_with_every_number_in_its_place_and_unsettled_ones_crossed():
+def test_a_map_has_every_number_in_its_place_crosses_unsettled_ones_and_hatches_places_without_a_number():
     x, y = (part.ravel() for part in np.meshgrid([0.1, 0.2, 0.4], np.arange(1.0, MOST_LINES + 2)))
     keep = ~((x == 0.2) & (y == 3.0))
-    figure = swept_figure(
+    figure = map_figure(
         Axis(Label("z"), (x * y)[keep], None, (y == 3.0)[keep]), Axis(Label("x"), x[keep]), Axis(Label("y"), y[keep])
     )
-    (mesh,) = figure.axes[0].collections
+    axis = figure.axes[0]
+    mesh = axis.collections[0]
     expected = np.arange(1.0, MOST_LINES + 2)[:, None] * np.array([0.1, 0.2, 0.4])
     expected[2, 1] = np.nan
     np.testing.assert_array_equal(np.ma.filled(mesh.get_array(), np.nan), expected)
+    assert (axis.get_xscale(), axis.get_yscale()) == ("log", "linear")
+    assert (axis.patch.get_hatch(), axis.patch.get_facecolor()) == ("////", (1.0, 1.0, 1.0, 1.0))
     assert legend(figure) == ["not settled", "no number"]
-    for line in figure.axes[0].get_lines():
+    for line in axis.get_lines():
         np.testing.assert_array_equal(line.get_xydata(), [[0.1, 3.0], [0.4, 3.0]])
+
+
+@pytest.mark.parametrize("factor", [1.0, 100.0])
+def test_contours_of_a_map_lie_where_the_quantity_has_their_value(factor):
+    x, y = (part.ravel() for part in np.meshgrid([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 2.0]))
+    z = 1.0 + factor * (x + 2.0 * y)  # linear, as the interpolation between the centres of cells is
+    figure = map_figure(Axis(Label("z"), z), Axis(Label("x"), x), Axis(Label("y"), y))
+    mesh, contours = figure.axes[0].collections
+    assert (type(mesh.norm).__name__ == "LogNorm") == (z.max() / z.min() > 30.0)
+    assert len(contours.levels) >= 3
+    for level, path in zip(contours.levels, contours.get_paths(), strict=True):
+        np.testing.assert_allclose(1.0 + factor * (path.vertices @ [1.0, 2.0]), level, rtol=1e-12)
+
+
+@pytest.mark.parametrize("values", [[1.0, 1.0, 1.0, 1.0], [np.nan, 2.0, np.nan, np.nan]])
+def test_a_map_of_one_value_has_no_contours(values):
+    x, y = np.array([1.0, 2.0, 1.0, 2.0]), np.array([1.0, 1.0, 2.0, 2.0])
+    figure = map_figure(Axis(Label("z"), np.array(values)), Axis(Label("x"), x), Axis(Label("y"), y))
+    figure.draw_without_rendering()
+    assert len(figure.axes[0].collections) == 1
+
+
+def test_a_field_of_more_values_than_lines_is_refused_with_the_limit_and_drawn_as_a_map():
+    blank = dict.fromkeys(collecting.QUANTITIES)
+    rows = [
+        {**blank, "case": f"{gap}-{beads}", "gap": gap, "beads": beads, "outcome": "done", "speed": gap * beads}
+        for gap in (1.0, 2.0)
+        for beads in range(10, 11 + MOST_LINES)
+    ]
+    found = collecting.Table(["gap", "beads"], rows, False)
+    with pytest.raises(InputError, match=r"9 values; a figure has at most 8 lines; --over gap,beads draws a map"):
+        collecting.drawn(found, "speed", "gap", "beads")
+    mesh = collecting.drawn(found, "speed", "gap,beads").axes[0].collections[0]
+    assert mesh.get_array().shape == (MOST_LINES + 1, 2)
 
 
 def test_uncertainties_are_bars_and_cases_that_are_not_settled_are_hollow():

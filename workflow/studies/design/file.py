@@ -28,8 +28,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, PlainValidator, model_validator
 
 from lammps_inputs import InputError, schema, strict_yaml
-from workflow.study_kit.scene_quantities import AT_BEAD, KNOWN, heading, refuse_unknown
+from workflow.study_kit.scene_quantities import KNOWN, heading, refuse_unknown
 from workflow.sweep import fields
+from workflow.sweep.collect import AT_BEAD
 from workflow.sweep.file import Part, number, scene_in, scene_of_file, validated
 
 # --- variables --------------------------------------------------------------------------------------------------------

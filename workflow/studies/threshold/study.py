@@ -218,8 +218,8 @@ def _threshold(question: Question, over: Any, crossing: Crossing, errors: list[f
 
 
 def _figure(found: Found) -> "Figure":
+    from analysis.figures.studies import MOST_LINES, Sought, map_figure, swept_figure
     from analysis.figures.studies import Axis as Shown  # matplotlib takes half a second to import
-    from analysis.figures.studies import Sought, swept_figure
 
     asked = found.question
     quantity, field = label(asked.quantity, asked.scene), label(asked.field, asked.scene)
@@ -237,10 +237,12 @@ def _figure(found: Found) -> "Figure":
         return swept_figure(Shown(crossing, place, error), over_field, title=asked.source)
     values = Shown(quantity, floats([point.quantity for point in found.points]))
     over_field = Shown(field, floats([point.value for point in found.points]))
+    beside = asked.over.axis([point.over for point in found.points], asked.scene)
+    if beside is not None and len(asked.over.values) > MOST_LINES:
+        return map_figure(values, over_field, beside, asked.source)
     places, errors = (
         floats([getattr(threshold, name) for threshold in found.thresholds]) for name in ("place", "uncertainty")
     )
-    beside = asked.over.axis([point.over for point in found.points], asked.scene)
     return swept_figure(values, over_field, beside, asked.source, sought=Sought(asked.level, places, errors))
 
 
