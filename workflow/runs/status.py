@@ -1,7 +1,7 @@
 """In what state a directory is: every one has a name, also after a kill, and what to do next is said.
 
-Derived from a local run's own account (``run.json``), a Slurm job's (``job.state``), or the files alone, and from the
-frames, the lock of a run under way, and what was just written. Slurm's queue is asked where there is one. Nothing is
+Derived from a local run's own account (``run.json``), a Slurm job's line (``job.state``), or the files alone, and from
+the frames, the lock of a run under way, and what was just written. Slurm's queue is asked where there is one. Nothing is
 written. Half-written and damaged files raise nothing here: what cannot be read is skipped.
 """
 
@@ -13,6 +13,7 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
 
@@ -260,44 +261,75 @@ def _of_files(directory: Path) -> Status:
     return Status(directory, "running", step, steps, why)
 
 
+_LINE = re.compile(r"(running|waiting|incomplete|failed|done) job=(\S*) cluster=(\S*) host=(\S*) at=(\S*) until=(\S*) (.*)")
+
+
+@dataclass(frozen=True)
+class _Report:
+    """The line of ``job.state``.
+
+    Attributes:
+        state: one of `MEANING`.
+        job: number of the job; where the state is "waiting", of the next one.
+        cluster: name of the cluster.
+        host: node that wrote the line.
+        at: when it was written, in seconds since 1970.
+        until: when the job reaches its time limit, in seconds since 1970.
+        reason: why the job ended; empty where it runs or is done.
+    """
+
+    state: str
+    job: str
+    cluster: str
+    host: str
+    at: float
+    until: float
+    reason: str
+
+
+def _report(path: Path) -> _Report | None:
+    """The line of a ``job.state``; None if it is none."""
+    with path.open(encoding="utf-8", errors="replace") as file:
+        fields = _LINE.match(file.read(1 << 12))
+    if fields is None:
+        return None
+    state, job, cluster, host, at, until, reason = map(_clean, fields.groups())
+    with suppress(ValueError, OverflowError):
+        times = (datetime.fromisoformat(text).timestamp() for text in (at, until))
+        return _Report(state, job, cluster, host, *times, reason)
+    return None
+
+
 def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queued | None) -> Status:
-    """A Slurm job, by its account; where the queue has the job, the queue is right."""
-    with account.open(encoding="utf-8", errors="replace") as file:
-        lines = file.read(1 << 14).splitlines()
-    reported = {key: _clean(value) for key, _, value in (line.partition(" ") for line in lines)}
-    state, reason, number = reported.get("state", ""), reported.get("reason", ""), reported.get("job", "")
-    step, steps, ends = (_number(reported.get(key)) for key in ("step", "steps", "ends"))
-    if state == "done":
-        return Status(directory, "done", step, steps)
-    here = queue is not None and queue.cluster == reported.get("cluster")
-    if queue is not None and here and queued is None:
-        queued = queue.job(number)
-    step = _latest(step, _last_step(directory))
+    """State of the directory of a Slurm job, by its account; where the queue has the job, the queue is right."""
+    report, steps = _report(account), _steps(directory)
+    if report is not None and report.state == "done":
+        return Status(directory, "done", steps, steps)
+    step = _latest(_last_step(directory), step_of(directory / file_names.RESTART), 0)
+    here = queue is not None and report is not None and queue.cluster == report.cluster
+    if queue is not None and report is not None and here and queued is None:
+        queued = queue.job(report.job)
     if queued is not None:
         if queued.waiting:
             return Status(directory, "waiting", step, steps, f"job {queued.number} is in the queue")
-        return Status(directory, "running", step, steps, f"job {queued.number}" + (f", {reason}" if reason else ""))
+        return Status(directory, "running", step, steps, f"job {queued.number}")
     again, goes_on = _sbatch(directory), _goes_on(directory)
-    if state in ("waiting", "running") and here:
-        why = f"job {number} is gone: killed, or its node lost; {again} {goes_on}"
+    if report is None:
+        return Status(directory, "failed", step, steps, f"{account.name} cannot be read; {again} tries again")
+    if report.state in ("waiting", "running") and here:
+        why = f"job {report.job} is gone: killed, or its node lost; {again} {goes_on}"
         return Status(directory, "incomplete", step, steps, why)
-    if state == "waiting":
-        return Status(directory, "waiting", step, steps, f"job {number} {reason}, {_as_reported(reported)}")
-    if state == "running":
-        if time.time() > (ends or 0) + GRACE:
-            why = f"job {number} is past its time limit, so it was killed; {again} {goes_on}"
+    reported = time.strftime("as reported on %Y-%m-%d %H:%M", time.localtime(report.at)) + f" by {report.host}"
+    if report.state == "waiting":
+        return Status(directory, "waiting", step, steps, f"job {report.job} {report.reason}, {reported}")
+    if report.state == "running":
+        if time.time() > report.until + GRACE:
+            why = f"job {report.job} is past its time limit, so it was killed; {again} {goes_on}"
             return Status(directory, "incomplete", step, steps, why)
-        return Status(directory, "running", step, steps, f"job {number}, {_as_reported(reported)}")
-    if state == "incomplete":
-        return Status(directory, "incomplete", step, steps, f"{reason}; {again} {goes_on}")
-    why = reason if state == "failed" else f"{file_names.JOB_STATE} cannot be read"
-    return Status(directory, "failed", step, steps, f"{why}; {again} tries again")
-
-
-def _as_reported(reported: dict[str, str]) -> str:
-    """When a job last wrote of itself, and where."""
-    moment = time.localtime(_number(reported.get("time")) or 0)
-    return time.strftime("as reported on %Y-%m-%d %H:%M", moment) + f" by {reported.get('host') or 'its node'}"
+        return Status(directory, "running", step, steps, f"job {report.job}, {reported}")
+    if report.state == "incomplete":
+        return Status(directory, "incomplete", step, steps, f"{report.reason}; {again} {goes_on}")
+    return Status(directory, "failed", step, steps, f"{report.reason}; {again} tries again")
 
 
 def _sbatch(directory: Path) -> str:
@@ -328,9 +360,9 @@ def _latest(*steps: int | None) -> int | None:
 
 
 def _goes_on(directory: Path, job: Job | None = None) -> str:
-    """The step from which an incomplete run resumes; a local one by its account."""
+    """The step from which an incomplete run resumes: a local one by its account, a Slurm job with a record of frames."""
     step = step_of(directory / file_names.RESTART)
-    if not step:
+    if not step or (job is None and not (directory / file_names.JOB_FRAMES).is_file()):
         return "starts again, as there is no restart"
     if job is not None and job.engine == "lammps":
         from workflow.runs.resume import restart_refused  # which imports what runs LAMMPS
@@ -358,10 +390,3 @@ def _clean(reason: Any) -> str:
     """One line that does nothing to a terminal."""
     return "".join(sign if sign.isprintable() else " " for sign in str(reason)[:300]).strip()
 
-
-def _number(value: str | None) -> int | None:
-    """A whole number from a file; None if it is none."""
-    try:
-        return int(value or "")
-    except ValueError:
-        return None
