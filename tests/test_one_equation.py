@@ -13,7 +13,6 @@ EXCEPT = {
     "analysis/shape/exact_wave.py": "its own theory, for any exponent",
     "lammps_inputs/limits/solids.py": "where that one law ends",
     "analysis/against/common_times.py": "how an interpolation errs where a contact opens",
-    "workflow/studies/bench/runs.py": "the deck that one writes by hand, to measure against",
 }
 FORCES = re.compile(r"laws ?\. ?hertz|Hertz ?\(|gran/hertz|bond_style|bond_coeff|pair_style|spring/self|\*\* ?1\.5\b")
 

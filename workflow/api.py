@@ -27,7 +27,7 @@ from workflow.verdicts import analyse as analysing
 from workflow.verdicts import validate as validating
 from workflow.verdicts.analyse import Analysis
 from workflow.verdicts.validate import Validation
-from workflow.verdicts.validate_table import validate_against
+from workflow.verdicts.validate_against import run_or_file, validate_against
 from workflow.view import need_bokeh
 
 if TYPE_CHECKING:
@@ -177,25 +177,26 @@ analyze = analyse
 def validate(
     run: AnyRun,
     *,
-    against: Path | str | None = None,
+    against: AnyRun | None = None,
     units: Literal["scene", "dimensionless"] = "scene",
     tolerances: Mapping[str, float] | None = None,
 ) -> Validation:
-    """Compare a run with an accurate reference, or with a table of your own.
+    """Compare a run with an accurate reference, with another run of its scene, or with a table or traces of your own.
 
     Args:
         run: what to validate.
-        against: a file of yours; the reference if omitted.
+        against: another run, or its directory, or a file of yours; the reference if omitted.
         units: of that file.
         tolerances: quantity -> tolerance in V, T and L, in place of the default, such as ``{"velocity": 1e-3}``.
 
     Raises:
-        InputError: frames or file cannot be used.
+        InputError: frames or file cannot be used, or the two runs are of different scenes.
     """
-    limits = dict(tolerances or {})
+    directory, limits = _directory(run), dict(tolerances or {})
     if against is None:
-        return validating.validate(_directory(run), limits)
-    return validate_against(_directory(run), Path(against), dimensionless=units == "dimensionless", tolerances=limits)
+        return validating.validate(directory, limits)
+    other = run_or_file(Path(against)) if isinstance(against, str | Path) else _directory(against)
+    return validate_against(directory, other, dimensionless=units == "dimensionless", tolerances=limits)
 
 
 def universe(run: AnyRun) -> Any:
@@ -321,7 +322,7 @@ def gallery(directory: Path | str, names: Sequence[str] = ()) -> "Sections":
 
 
 def view(what: AnyRun) -> Page:
-    """Write the page of a run, a sweep or a comparison (of a comparison the page of the first run is returned).
+    """Write the page of a run or a sweep.
 
     Raises:
         InputError: there are no frames or cases, or Bokeh is not installed.
@@ -332,7 +333,7 @@ def view(what: AnyRun) -> Page:
     if isinstance(what, running.Run):
         what = what.directory
     path = what.path if isinstance(what, RunDirectory) else _path(what)
-    return Page(write.write(path)[0])
+    return Page(write.write(path))
 
 
 def _directory(run: AnyRun) -> RunDirectory:

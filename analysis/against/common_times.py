@@ -7,7 +7,7 @@ import numpy as np
 
 from analysis import hermite
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import InputError
+from lammps_inputs import InputError, Problem
 
 
 class OtherFramesError(InputError):
@@ -35,11 +35,37 @@ def near_the_front(block: Trajectory) -> Trajectory:
     return block.on(head - window // 2 + 1, head)
 
 
+def of_recorded(trajectory: Trajectory, problem: Problem) -> Trajectory:
+    """Frames of a run at the beads that another problem records, which are some or all of those that it recorded."""
+    if problem.recorded is None:
+        return replace(trajectory, problem=problem)
+    columns = np.searchsorted(trajectory.problem.recorded_beads, problem.recorded_beads)
+    return replace(
+        trajectory,
+        problem=problem,
+        displacement=trajectory.displacement[:, :, columns],
+        velocity=trajectory.velocity[:, :, columns],
+    )
+
+
 def paired(first: Iterable[Trajectory], second: Iterable[Trajectory]) -> Iterator[tuple[Trajectory, Trajectory]]:
-    """Blocks of the two with the same times, until the shorter one ends.
+    """Blocks of a run and of a reference with the same times, until the shorter one ends; of a window its front half.
 
     Raises:
         OtherFramesError: the two do not have the same beads, or their frames differ in time.
+    """
+    for a, b in simultaneous(first, second):
+        a, b = on_common_rows(near_the_front(a), b)
+        if a.displacement.shape != b.displacement.shape or not np.array_equal(a.beads, b.beads):
+            raise OtherFramesError("the two trajectories have different beads")
+        yield a, b
+
+
+def simultaneous(first: Iterable[Trajectory], second: Iterable[Trajectory]) -> Iterator[tuple[Trajectory, Trajectory]]:
+    """Blocks of the two with the same times, until the shorter one ends; of a window all rows of each.
+
+    Raises:
+        OtherFramesError: their frames differ in time.
     """
     streams = (iter(first), iter(second))
     held: list[Trajectory | None] = [None, None]
@@ -54,9 +80,7 @@ def paired(first: Iterable[Trajectory], second: Iterable[Trajectory]) -> Iterato
         assert b is not None
         count = min(a.frames, b.frames)
         held = [a[count:], b[count:]]
-        a, b = on_common_rows(near_the_front(a[:count]), b[:count])
-        if a.displacement.shape != b.displacement.shape or not np.array_equal(a.beads, b.beads):
-            raise OtherFramesError("the two trajectories have different beads")
+        a, b = a[:count], b[:count]
         if not np.allclose(a.time, b.time, rtol=1e-9, atol=1e-9):
             k = int(np.argmin(np.isclose(a.time, b.time, rtol=1e-9, atol=1e-9)))
             raise OtherFramesError(

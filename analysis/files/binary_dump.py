@@ -58,7 +58,7 @@ class BinaryDump:
         path: the file.
         steps: [frame], time step numbers, int64.
         times: [frame], as LAMMPS wrote them with ``dump_modify time yes``, else None.
-        box: [frame, axis, end or tilt]: xlo xhi xy, ylo yhi xz, zlo zhi yz; without tilt for an orthogonal box.
+        box: [frame, axis, end]: xlo xhi, ylo yhi, zlo zhi.
         columns: names of the columns, such as ``("id", "x", "vx")``.
         ids: [atom], ascending; the order of atoms in everything that is read.
         cut: whether the file ends within a frame, which is left out.
@@ -157,8 +157,8 @@ class BinaryDump:
                     raise InputError(f"{self.path}: is not a LAMMPS binary dump of style custom: {error}") from None
                 raise self._damaged(frames, str(error), offset) from None
             known = next(iter(layouts), layout)
-            if (layout.atoms, layout.columns, layout.tilts) != (known.atoms, known.columns, known.tilts):
-                raise self._damaged(frames, "another number of atoms, other columns or another box", offset)
+            if (layout.atoms, layout.columns) != (known.atoms, known.columns):
+                raise self._damaged(frames, "another number of atoms or other columns", offset)
             template, fixed = np.frombuffer(raw, np.uint8, layout.header), _fixed(layout)
             batch, before = 1, frames
             while whole := min(batch, (end - offset) // layout.size):
@@ -173,7 +173,7 @@ class BinaryDump:
                 kinds.append(np.full(count, layouts.setdefault(layout, len(layouts))))
                 offsets.append(np.arange(count) * layout.size + offset)
                 steps.append(_field(headers, STEP_AT, "<i8", 1)[:, 0])
-                boxes.append(_field(headers, BOX_AT, "<f8", 6 + layout.tilts))
+                boxes.append(_field(headers, BOX_AT, "<f8", 6))
                 if layout.time_at is not None:
                     times.append(_field(headers, layout.time_at, "<f8", 1)[:, 0])
                 offset += count * layout.size
@@ -191,8 +191,7 @@ class BinaryDump:
         self._offsets: Integers = np.concatenate(offsets)
         self.columns = self._layouts[0].columns
         self.steps: Integers = np.concatenate(steps)
-        box: Floats = np.concatenate(boxes)
-        self.box: Floats = np.dstack([box[:, :6].reshape(-1, 3, 2), *([box[:, 6:]] if box.shape[1] > 6 else [])])
+        self.box: Floats = np.concatenate(boxes).reshape(-1, 3, 2)
         timed = all(layout.time_at is not None for layout in self._layouts)
         self.times: Floats | None = np.concatenate(times) if timed else None
 
@@ -284,7 +283,7 @@ def _fixed(layout: Layout) -> Flags:
     """Which bytes of the header are the same in all frames of this layout."""
     mask = np.ones(layout.header, dtype=bool)
     mask[STEP_AT : STEP_AT + 8] = False
-    mask[BOX_AT : BOX_AT + 8 * (6 + layout.tilts)] = False
+    mask[BOX_AT : BOX_AT + 48] = False
     if layout.time_at is not None:
         mask[layout.time_at : layout.time_at + 8] = False
     return mask

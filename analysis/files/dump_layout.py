@@ -7,8 +7,8 @@ One frame in the file (little endian, nothing is padded; revision 2, written by 
 | 8 + 10        | int64, char    | -10, ``DUMPCUSTOM``                                                |
 | 4 + 4         | int32          | 1 (byte order), 2 (revision)                                       |
 | 8 + 8         | int64          | step, number of atoms                                              |
-| 4 + 24        | int32          | triclinic or not, kinds of the 6 boundaries                        |
-| 48 or 72      | float64        | box: xlo xhi ylo yhi zlo zhi, and xy xz yz when triclinic          |
+| 4 + 24        | int32          | 0 for an orthogonal box, kinds of the 6 boundaries                 |
+| 48            | float64        | box: xlo xhi ylo yhi zlo zhi                                       |
 | 4             | int32          | number of columns                                                  |
 | 4 + n         | int32, char    | length and name of the units (in the first frame only, if at all)  |
 | 1 or 1 + 8    | int8, float64  | whether a time follows, the time                                   |
@@ -35,7 +35,6 @@ class Layout:
 
     atoms: int
     columns: tuple[str, ...]
-    tilts: int
     time_at: int | None
     header: int
     chunks: int
@@ -80,10 +79,11 @@ def parse(raw: bytes) -> Layout:
     if atoms < 1:
         raise ValueError(f"{atoms} atoms")
     triclinic, *boundary = take("7i")
-    if triclinic not in (0, 1) or not all(0 <= kind <= 3 for kind in boundary):
+    if triclinic == 1:
+        raise ValueError("its box is sheared (triclinic); decks of granchain have orthogonal boxes")
+    if triclinic != 0 or not all(0 <= kind <= 3 for kind in boundary):
         raise ValueError(f"box of kind {triclinic}, boundaries {boundary}")
-    tilts = 3 * triclinic
-    take(f"{6 + tilts}d")
+    take("6d")
     (columns,) = take("i")
     take_text(MAX_NAMES, "units")
     (timed,) = take("b")
@@ -97,7 +97,7 @@ def parse(raw: bytes) -> Layout:
     (chunks,) = take("i")
     if not 1 <= chunks <= _MAX_RANKS:
         raise ValueError(f"{chunks} chunks")
-    return Layout(atoms, names, tilts, time_at, at, chunks)
+    return Layout(atoms, names, time_at, at, chunks)
 
 
 def last_step(path: Path) -> int | None:
@@ -118,7 +118,7 @@ def last_step(path: Path) -> int | None:
     return int(struct.unpack_from("<q", head, STEP_AT)[0]) if head.startswith(MAGIC) else None
 
 
-def header(step: int, time: float, atoms: int, box: Iterable[float], tilt: Iterable[float], columns: str) -> bytes:
+def header(step: int, time: float, atoms: int, box: Iterable[float], columns: str) -> bytes:
     """What a frame begins with before the rows of its only chunk.
 
     Args:
@@ -126,15 +126,13 @@ def header(step: int, time: float, atoms: int, box: Iterable[float], tilt: Itera
         time: at that step.
         atoms: how many rows follow.
         box: xlo xhi ylo yhi zlo zhi.
-        tilt: xy xz yz; empty for an orthogonal box.
         columns: their names with a blank between two; one of them is ``id``.
     """
     names = columns.encode("ascii")
     count = len(names.split())
     boundary = (2, 2, 1, 1, 1, 1)  # s f f
-    bounds = (*box, *tilt)
-    fields = f"<2i2q7i{len(bounds)}d2ibdi{len(names)}s2i"
-    head = (1, 2, step, atoms, len(bounds) > 6, *boundary, *bounds, count, 0, 1, time, len(names), names)
+    fields = f"<2i2q7i6d2ibdi{len(names)}s2i"
+    head = (1, 2, step, atoms, 0, *boundary, *box, count, 0, 1, time, len(names), names)
     return MAGIC + struct.pack(fields, *head, 1, count * atoms)
 
 

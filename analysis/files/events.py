@@ -32,6 +32,11 @@ class Events:
         """[collision] momentum handed on, in units of m V; positive."""
         return self.striker - self.target
 
+    def until(self, time: float) -> "Events":
+        """The collisions up to a time, in units of T."""
+        count = int(np.searchsorted(self.time, time, side="right"))
+        return Events(*(getattr(self, name)[:count] for name in declared(Events)))
+
 
 def from_csv(path: Path, scale: Scale) -> Events:
     """The collisions that a table in the scene's units holds.

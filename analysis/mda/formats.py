@@ -1,6 +1,6 @@
-"""MDAnalysis reads and writes our files once this module is imported: ``mda.Universe("DIR/data.chains", DUMP)``.
+"""MDAnalysis reads the files of a run once this module is imported: ``mda.Universe("DIR/data.chains", DUMP)``.
 
-- `BinaryDumpReader`, `BinaryDumpWriter`: LAMMPS binary dumps (``.bin``), their float64 columns in ``ts.data``;
+- `BinaryDumpReader`: LAMMPS binary dumps (``.bin``), their float64 columns in ``ts.data``;
 - `ChainsParser`: ``data.chains``, with chains as segments, beads as residues, springs as bonds; recorded beads only.
 
 MDAnalysis has positions and velocities in float32, which is good for viewing; compute with ``ts.data``::
@@ -11,31 +11,25 @@ MDAnalysis has positions and velocities in float32, which is good for viewing; c
     universe = mda.Universe("DIR/data.chains", "DIR/chains.dump.bin")
     for ts in universe.trajectory[::10]:
         print(ts.time, ts.data["velocity"].max())
-    universe.atoms.write("part.bin", frames=universe.trajectory[::10])
+    universe.atoms.write("part.xyz", frames=universe.trajectory[::10])
 
 A run that was continued has several dumps; see `analysis.mda.universe` for all of a run at once.
-
-A box is [axis, end or tilt]: xlo xhi xy, ylo yhi xz, zlo zhi yz, or without tilt. The bounds are those of the whole
-sheared box, as LAMMPS writes them.
 """
 
 import re
 from collections.abc import Iterable, Sequence
-from io import BufferedWriter
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from MDAnalysis.coordinates.base import ReaderBase, WriterBase
+from MDAnalysis.coordinates.base import ReaderBase
 from MDAnalysis.core import topologyattrs as attributes
 from MDAnalysis.core.topology import Topology
-from MDAnalysis.lib.mdamath import triclinic_box, triclinic_vectors
 from MDAnalysis.lib.util import openany, store_init_arguments
 from MDAnalysis.topology.base import TopologyReaderBase
 from numpy.typing import ArrayLike
 
 from analysis.files.binary_dump import BinaryDump, Parts
-from analysis.files.dump_layout import header
 from analysis.trajectory import Flags, Floats, Integers, Measured
 from lammps_inputs import InputError, file_names
 from lammps_inputs.units import Scale, sphere_density
@@ -163,29 +157,9 @@ DERIVED = ("velocity", "displacement")
 
 
 def dimensions(box: Floats) -> Any:
-    """[frame, 6] lengths and angles of boxes [frame, axis, end or tilt]."""
+    """Lengths and angles, [frame, 6], of boxes [frame, axis, low or high end]."""
     lengths = box[:, :, 1] - box[:, :, 0]
-    if box.shape[2] == 2:
-        return np.concatenate([lengths, np.full_like(lengths, 90.0)], axis=1, dtype=np.float32, casting="same_kind")
-    xy, xz, yz = box[:, :, 2].T
-    zero = np.zeros_like(xy)
-    x = lengths[:, 0] - np.ptp([zero, xy, xz, xy + xz], axis=0)
-    y = lengths[:, 1] - np.ptp([zero, yz], axis=0)
-    edges = np.array([[x, zero, zero], [xy, y, zero], [xz, yz, lengths[:, 2]]]).transpose(2, 0, 1)
-    return np.array([triclinic_box(*vectors) for vectors in edges])
-
-
-def bounds(lengths_and_angles: Any) -> Floats:
-    """The box, from 0 on, of 6 lengths and angles."""
-    edges = np.asarray(triclinic_vectors(lengths_and_angles, dtype=np.float64))
-    high = np.diagonal(edges).copy()
-    if not np.any(edges - np.diag(high)):
-        return np.stack([np.zeros(3), high], axis=1)
-    xy, xz, yz = edges[1, 0], edges[2, 0], edges[2, 1]
-    shear_x, shear_y = (0.0, xy, xz, xy + xz), (0.0, yz)
-    low = np.array([min(shear_x), min(shear_y), 0.0])
-    high += [max(shear_x), max(shear_y), 0.0]
-    return np.stack([low, high, [xy, xz, yz]], axis=1)
+    return np.concatenate([lengths, np.full_like(lengths, 90.0)], axis=1, dtype=np.float32, casting="same_kind")
 
 
 def lines(box: Floats, n_atoms: int) -> Floats | None:
@@ -194,126 +168,13 @@ def lines(box: Floats, n_atoms: int) -> Floats | None:
 
     There the box ends one chain's distance beside the first and last chain; each chain has as many atoms, in a row.
     """
-    (y_low, y_high), (z_low, z_high) = box[1:, :2]
-    if box.shape[1] == 3 or y_low >= 0.0 or (z_low, z_high) != (y_low, -y_low):
+    (y_low, y_high), (z_low, z_high) = box[1:]
+    if y_low >= 0.0 or (z_low, z_high) != (y_low, -y_low):
         return None
     chains = round(float(-y_high / y_low))
     if chains < 1 or y_high != -y_low * chains or n_atoms % chains:
         return None
     return np.repeat(-y_low * np.arange(chains), n_atoms // chains)
-
-
-_FIRST = ("mol", *POSITION, *VELOCITY)
-
-
-class BinaryDumpWriter(WriterBase):  # type: ignore[misc]  # MDAnalysis has no types
-    """LAMMPS binary dumps of style custom, of some or all atoms, each frame with its step, time and box.
-
-    Columns are ``id`` and the arrays [atom] in ``ts.data``, to the last bit. Positions and velocities that are not
-    there (all of them, where another reader has read) are written as MDAnalysis has them, in float32; so is y where
-    fewer atoms are written than there were, as it then says which chain a bead is in.
-    """
-
-    format = FORMAT
-    multiframe = True
-    units = UNITS
-
-    def __init__(self, filename: Any, n_atoms: int | None = None, **_: Any) -> None:
-        """Write to a file, which is replaced when the first frame comes.
-
-        Args:
-            filename: the file.
-            n_atoms: how many atoms every frame has.
-
-        Raises:
-            TypeError: the number of atoms is not given.
-        """
-        if n_atoms is None:
-            raise TypeError("BinaryDumpWriter needs n_atoms")
-        self.filename = str(filename)
-        self.n_atoms = n_atoms
-        self._file: BufferedWriter | None = None
-        self._names = ""
-
-    def _write_next_frame(self, obj: Any) -> None:
-        """Write the current frame of an AtomGroup or a Universe.
-
-        Raises:
-            TypeError: it is neither.
-            ValueError: it has another number of atoms, atoms twice, or other columns than the frame before; ``ts.data``
-                and ``ts.positions`` (or velocities) disagree; or it is being read from the same file.
-        """
-        try:
-            atoms, trajectory = obj.atoms, obj.universe.trajectory
-        except AttributeError:
-            raise TypeError(f"{self.filename}: an AtomGroup or a Universe can be written, no {type(obj)}") from None
-        ids = atoms.ids if hasattr(atoms, "ids") else atoms.ix + 1
-        if len(ids) != self.n_atoms or len(np.unique(ids)) < len(ids):
-            raise ValueError(f"{self.filename}: {self.n_atoms} atoms are to be written, each once; not {len(ids)}")
-        ts = trajectory.ts
-        box = _box(ts)
-        columns = _columns(ts, atoms.ix, box)
-        names = " ".join(("id", *columns))
-        if self._file is None:
-            self._file = self._opened(trajectory)
-            self._names = names
-        if self._names != names:
-            raise ValueError(f"{self.filename}: a frame has columns {names}; before it was {self._names}")
-        rows = np.stack([ids, *columns.values()], axis=1).astype("<f8")
-        step = int(ts.data.get("step", ts.frame))
-        head = header(step, float(ts.time), len(ids), box[:, :2].reshape(-1), box[:, 2:].reshape(-1), names)
-        self._file.write(head + rows.tobytes())
-        self._file.flush()
-
-    def _opened(self, trajectory: Any) -> BufferedWriter:
-        path = Path(self.filename)
-        sources = getattr(trajectory, "filenames", None)
-        for source in (trajectory.filename,) if sources is None else sources:
-            if path.exists() and source is not None and Path(str(source)).exists() and path.samefile(str(source)):
-                raise ValueError(f"{path}: is what is being read; write to another file")
-        return path.open("wb")
-
-    def close(self) -> None:
-        """Close the file."""
-        if getattr(self, "_file", None) is not None:
-            self._file.close()  # type: ignore[union-attr]
-            self._file = None
-
-
-def _box(ts: Any) -> Floats:
-    """The box as it was read, unless it was changed; around the atoms where there is none."""
-    if ts.dimensions is None:
-        return np.stack([ts.positions.min(axis=0), ts.positions.max(axis=0)], axis=1).astype(np.float64)
-    read = ts.data.get("box")
-    if read is not None and np.array_equal(dimensions(read[np.newaxis])[0], ts.dimensions):
-        return np.asarray(read)
-    return bounds(ts.dimensions)
-
-
-def _columns(ts: Any, chosen: Any, box: Floats) -> dict[str, Any]:
-    """Name -> [atom] of all columns but ``id``."""
-    found = {
-        name: values[chosen]
-        for name, values in ts.data.items()
-        if name not in DERIVED and isinstance(values, np.ndarray) and values.shape == (ts.n_atoms,)
-    }
-    seen = [(name, ts.positions[chosen, axis]) for name, axis in POSITION.items()]
-    if ts.has_velocities:
-        seen += [(name, ts.velocities[chosen, axis]) for name, axis in VELOCITY.items()]
-    ours = "x" in found
-    for name, values in seen:
-        if name not in found:
-            implied = lines(box, len(chosen)) if name == "y" else None
-            if ours and np.array_equal(values, np.zeros(len(chosen)) if implied is None else np.float32(implied)):
-                continue
-            found[name] = values
-        elif not np.array_equal(np.float32(found[name]), values, equal_nan=True):
-            which = "positions" if name in POSITION else "velocities"
-            raise ValueError(
-                f"ts.data[{name!r}] and ts.{which} disagree: what changes one of them must change the other, or "
-                f"`del ts.data[{name!r}]`"
-            )
-    return dict(sorted(found.items(), key=lambda item: _FIRST.index(item[0]) if item[0] in _FIRST else len(_FIRST)))
 
 
 _AHEAD_BYTES = 1 << 17  # frames read ahead when they are asked for one after the other
@@ -402,10 +263,6 @@ class BinaryDumpReader(ReaderBase):  # type: ignore[misc]  # MDAnalysis has no t
 
     def close(self) -> None:
         """Nothing stays open between two frames."""
-
-    def Writer(self, filename: Any, n_atoms: int | None = None, **kwargs: Any) -> BinaryDumpWriter:  # noqa: N802
-        """A writer of the same format, and of as many atoms unless another number is given."""
-        return BinaryDumpWriter(filename, n_atoms=self.n_atoms if n_atoms is None else n_atoms, **kwargs)
 
     def _frame_times(self, timestep: float | None, dt: float | None) -> Floats:
         if timestep is not None and dt is not None:

@@ -88,7 +88,7 @@ def test_numbers_of_a_run_are_had_in_its_own_units(ran):
 def test_waves_are_a_structured_array(ran):
     waves = api.analyse(ran).waves
     found = waves.array()
-    assert found.dtype.names[:3] == ("chain", "bead", "arrival")
+    assert found.dtype.names[:3] == ("chain", "bead", "pulse")
     assert np.array_equal(found["peak_velocity"], waves.peak_velocity)
 
 

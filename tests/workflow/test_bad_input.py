@@ -101,14 +101,7 @@ COMMAND_LINES = [
     (f"{FIT} ,", "name at least one field"),
     ("trade s.yaml -o out --budget 0", "above 0"),
     ("trade s.yaml -o out --budget nan", "above 0"),
-    ("compare two-chains-gapped -o out --engines collisions,gromacs", "'gromacs' given"),
-    ("compare two-chains-gapped -o out --engines collisions,collisions", "named twice"),
-    ("compare two-chains-gapped -o out --engines ''", "'' given"),
-    ("compare two-chains -o out --engines reference,collisions", "`collisions` moves rigid beads, which need a gap"),
-    ("map -o out --couplings x", "--couplings"),
-    ("map -o out --couplings -1", "couplings are positive, and chains are 2 or more"),
-    ("map -o out --chains 1", "couplings are positive, and chains are 2 or more"),
-    ("gallery -o out --only dimer", "did you mean `dimers`?"),
+    ("gallery dimer -o out", "did you mean `dimers`?"),
     ("extremes exponent -o out", "extremes: 'exponent' given (did you mean `exponents`?)"),
 ]
 

@@ -1,12 +1,13 @@
-"""Compare a run with the reference integrator, or with a trajectory of your own."""
+"""Compare a run with the reference integrator, with another run, or with a trajectory of your own."""
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from analysis.files import traces
+from analysis.sharing.chain_differences import ChainDifference
 from lammps_inputs import InputError, library
 from workflow.formats import figure_files
 from workflow.prepare.settings import settle
@@ -14,12 +15,14 @@ from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Answer, one_line, print_table, progress_bar
 from workflow.verdicts import validate as validation
-from workflow.verdicts.validate_table import validate_against, validate_traces
+from workflow.verdicts.validate_against import run_or_file, validate_against
+from workflow.verdicts.validate_run import refuse_another_scene
 
 ANSWERS = "what validation.json holds"
 DRAWS = True
 EXAMPLES = (
     "validate demo",
+    "validate again --against demo   # another run of the same scene",
     "validate demo --against mine.csv --units dimensionless --tolerance velocity=1e-4   # in V",
 )
 
@@ -30,11 +33,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="run directory to make for a scene")
     parser.add_argument(
         "--against",
-        metavar="FILE",
+        metavar="DIR|FILE",
         type=Path,
-        help="your own trajectory (npz, CSV, blanks, or a text dump of LAMMPS), or traces: "
-        "time, force_wall_right, force_contact_10, "
-        "velocity_1_55 (chain, bead)",
+        help="another run of the same scene; or your own trajectory (npz, CSV, blanks, or a text dump of LAMMPS), or "
+        "traces: time, force_wall_right, force_contact_10, velocity_1_55 (chain, bead)",
     )
     parser.add_argument(
         "--units",
@@ -54,13 +56,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> Answer:
     """Print a table; exit code 1 when a tolerance is exceeded or something seems wrong."""
     tolerances = _tolerances(arguments.tolerance)
-    directory = _directory(arguments)
-    if arguments.against is None:
+    against = None if arguments.against is None else run_or_file(arguments.against)
+    directory = _directory(arguments, against)
+    if against is None:
         found = validation.validate(directory, tolerances)
     else:
         dimensionless = arguments.units == "dimensionless"
-        compare = validate_traces if traces.are_in(arguments.against) else validate_against
-        found = compare(directory, arguments.against, dimensionless=dimensionless, tolerances=tolerances)
+        found = validate_against(directory, against, dimensionless=dimensionless, tolerances=tolerances)
     print(f"{found.problem.name}: {directory.scene.units}")
     _print(found)
     print(f"{one_line(directory.path)}: {', '.join((validation.REPORT, *figure_files(validation.FIGURE)))}")
@@ -68,7 +70,8 @@ def execute(arguments: argparse.Namespace) -> Answer:
     return Answer(0 if found.passed else 1, data)
 
 
-def _directory(arguments: argparse.Namespace) -> RunDirectory:
+def _directory(arguments: argparse.Namespace, against: RunDirectory | Path | None) -> RunDirectory:
+    """The run directory that was named, or that of the scene, which is run."""
     if Path(arguments.what).is_dir():
         if arguments.output is not None:
             raise InputError("-o: is for a scene; a run directory gets its report inside")
@@ -76,6 +79,8 @@ def _directory(arguments: argparse.Namespace) -> RunDirectory:
     scene = library.find(arguments.what)
     if arguments.output is None:
         raise InputError(f"-o: {arguments.what} is a scene, so a directory for its run is needed")
+    if isinstance(against, RunDirectory):
+        refuse_another_scene(scene, arguments.what, against)  # before it is run
     scene, settings = settle(scene, source=arguments.what)
     if settings is not None:
         print(f"{scene.name}: {settings.sentence(scene.problem())}", flush=True)
@@ -99,6 +104,29 @@ def _tolerances(given: list[str]) -> dict[str, float]:
 
 
 def _print(found: validation.Validation) -> None:
+    runs, against = found.runs, one_line(found.against)
+    if runs is None:
+        _print_quantities(found)
+    elif runs.identical:
+        print(f"bitwise the same as {against} ({found.compared} frames, sha256 {runs.sha256[0][:12]}...)")
+    else:
+        since = "" if runs.since is None else f", from t = {found.problem.scale.written(runs.since, 'time', '.5g')} on"
+        print(f"not bitwise the same as {against}{since}")
+        _print_quantities(found)
+        _print_chains(found, runs.chains)
+    if runs is not None and runs.changes:
+        rows = [[name, *map(one_line, values)] for name, values in runs.changes.items()]
+        print_table("settings and versions that differ", ["", "this run", against], rows)
+    if not found.complete:
+        print(f"incomplete: {found.frames} of {found.problem.frames + 1} frames")
+    for remark in found.remarks:
+        print(f"note: {remark}")
+    for cause in found.causes:
+        print(f"likely cause: {cause}")
+    print("passed" if found.passed else "NOT passed")
+
+
+def _print_quantities(found: validation.Validation) -> None:
     rows, scale = [], found.problem.scale
     for name, deviation in found.deviations.items():
         where = ""
@@ -107,8 +135,9 @@ def _print(found: validation.Validation) -> None:
             if deviation.where.time is not None:
                 where += f", t = {scale.written(deviation.where.time, 'time', '.5g')}"
         rms = f"{deviation.rms:.1e}" if np.isfinite(deviation.rms) else ""
-        verdict = "EXCEEDED" if found.exceeded(name) else "ok"
-        rows.append([name, f"{deviation.largest:.2e}", rms, f"{found.tolerances[name]:.1e}", verdict, where])
+        tolerance = found.tolerances[name]
+        limit = f"{tolerance:.1e}" if np.isfinite(tolerance) else "none"
+        rows.append([name, f"{deviation.largest:.2e}", rms, limit, found.verdict(name), where])
     print_table(
         f"{found.problem.name} against {found.against} at {found.compared} instants; errors in V, T and L",
         ["quantity", "largest", "rms", "tolerance", "", "largest at"],
@@ -130,10 +159,20 @@ def _print(found: validation.Validation) -> None:
         print(
             f"first deviation: {name} of bead {place.bead}, chain {place.chain}, at t = {scale.written(time, 'time')}"
         )
-    if not found.complete:
-        print(f"incomplete: {found.frames} of {found.problem.frames + 1} frames")
-    for remark in found.remarks:
-        print(f"note: {remark}")
-    for cause in found.causes:
-        print(f"likely cause: {cause}")
-    print("passed" if found.passed else "NOT passed")
+
+
+def _print_chains(found: validation.Validation, chains: Sequence[ChainDifference]) -> None:
+    """Impulses and energy of each chain, where one of two runs has rigid beads."""
+    rows = []
+    for difference in chains:
+        sizes = (difference.impulse.largest, difference.impulse.rms, difference.share.largest, difference.share.rms)
+        impulse, impulse_rms, share, share_rms = (f"{size:.2g}" if np.isfinite(size) else "-" for size in sizes)
+        until = "none" if difference.agrees_until is None else str(difference.agrees_until)
+        rows.append([str(difference.chain), impulse, impulse_rms, until, share, share_rms])
+    if rows:
+        within = f"within {found.tolerances['impulse']:.0%} to bead"
+        print_table(
+            "differences of first impulses, over the row's largest, and of shares of energy",
+            ["chain", "first impulse: largest", "rms", within, "share of energy: largest", "rms"],
+            rows,
+        )

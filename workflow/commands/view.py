@@ -1,4 +1,4 @@
-"""Write an interactive HTML page of a run, sweep or comparison."""
+"""Write an interactive HTML page of a run or sweep."""
 
 import argparse
 import os
@@ -17,9 +17,7 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The directory."""
-    parser.add_argument(
-        "directory", metavar="DIR", type=Path, help="of a run (also a cut one), a sweep or a comparison"
-    )
+    parser.add_argument("directory", metavar="DIR", type=Path, help="of a run (also a cut one) or a sweep")
     parser.add_argument("--no-open", action="store_true", help="write the page only")
 
 
@@ -28,14 +26,13 @@ def execute(arguments: argparse.Namespace) -> int:
     need_bokeh()
     from workflow.view.write import write  # bokeh takes half a second to import
 
-    pages = write(arguments.directory)
-    for page in pages:
-        print(f"{one_line(page)}: {page.stat().st_size / 1e6:.1f} MB")
+    page = write(arguments.directory)
+    print(f"{one_line(page)}: {page.stat().st_size / 1e6:.1f} MB")
     screen = sys.stdout.isatty() and (
         sys.platform == "darwin" or "DISPLAY" in os.environ or "WAYLAND_DISPLAY" in os.environ
     )
     if screen and not arguments.no_open:
-        webbrowser.open(pages[0].resolve().as_uri())
+        webbrowser.open(page.resolve().as_uri())
     elif not arguments.no_open:
-        print(f"there is no screen here: open {one_line(pages[0])} in a browser")
+        print(f"there is no screen here: open {one_line(page)} in a browser")
     return 0

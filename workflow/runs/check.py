@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from analysis.against.difference import Deviation, Place, errors_of, waves_apart
-from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages, leading_waves, usual_arrival
+from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages, leading_waves
 from analysis.trajectory import Trajectory, watch
 from lammps_inputs import Problem, html, physics
 from lammps_inputs.facts import Fact
@@ -71,17 +71,18 @@ def closing(problem: Problem) -> Iterator[StepHalving]:
 
 
 def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
-    """Of the frames of a run, or of its snapshots, with the steps that the run itself took if it is the reference's.
+    """Of the frames of a run, or of some of them, with the steps that the run itself took if it is the reference's.
 
     Args:
         directory: the run.
-        problem: of the frames.
+        problem: of these frames.
     """
     uncertainty = directory.account.uncertainty  # only the reference's runs have one
     if uncertainty is None or uncertainty.steps_per_frame is None:
         return Accountant(problem)
     most = 2**MOST_HALVINGS * engine.default_steps_per_frame(problem)
-    return Accountant(problem, min(uncertainty.steps_per_frame, most))
+    steps = uncertainty.steps_per_frame * round(problem.every / directory.problem.every)
+    return Accountant(problem, min(steps, most))
 
 
 LITTLE = 100_000
@@ -193,4 +194,4 @@ def _leading(problem: Problem, settings: Settings | None) -> tuple[Waves, Uncert
     """The reference's own leading waves, found at the same times as LAMMPS's, and its uncertainty."""
     for halving in references_of(problem, settings):
         finder = watch(leading_finder(problem), halving.blocks())
-    return leading_waves(leading_passages(finder.result(), problem), usual_arrival(problem)), halving.uncertainty
+    return leading_waves(leading_passages(finder.result(), problem), problem), halving.uncertainty

@@ -69,6 +69,7 @@ class StepChoice(_Part):
     seconds: Seconds
     asked: bool = True
     unreached: str = ""
+    rule_timestep: Number | None = None
     model_config = ConfigDict(extra="forbid")
 
 
@@ -89,21 +90,11 @@ class Error(_Part):
     seconds: Seconds
 
 
-class Sample(_Part):
-    """State of a bead in the last frame, dimensionless."""
-
-    chain: Count
-    bead: Count
-    displacement: Number
-    velocity: Number
-
-
 class Results(_Part):
-    """Number of frames, their SHA-256, and the last state of some beads: `workflow.runs.run_directory.results`."""
+    """Number of frames, and their SHA-256: `workflow.runs.run_directory.results`."""
 
     frames: Count
     sha256: str
-    samples: list[Sample]
 
 
 class Study(_Part):
@@ -131,7 +122,6 @@ class Job(_Part):
         study: of the directory of another command than ``run``.
         outcome: state of the run: "running" also after a kill.
         reason: why it failed.
-        force: whether the time step may exceed the stability bound.
         files_sha256: of the input files.
         resumed: when, and from which step.
         lammps: its version as a date.
@@ -154,9 +144,7 @@ class Job(_Part):
     python: str | None = None
     versions: dict[str, str] = Field(default_factory=dict)
     files_sha256: str | None = None
-    scene: dict[str, Any] | None = None
     settings: StepChoice | None = None
-    force: bool = False
     resumed: list[Resumed] = Field(default_factory=list)
     lammps: int | None = None
     engine_seconds: Seconds = 0.0

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from analysis.files import recording
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
-from lammps_inputs import InputError, Problem, file_names, library
+from lammps_inputs import InputError, Problem, file_names
 from lammps_inputs.decks import continuation
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import files_on_disk, stepping
@@ -117,8 +117,8 @@ def _with_its_files(path: Path) -> tuple[RunDirectory, Job]:
     # what is no text is not what was written either
     files = {name: (path / name).read_text("utf-8", "replace") for name in engine.inputs if (path / name).is_file()}
     missing = [name for name in engine.inputs if name not in files]
-    if missing and job.scene is not None:  # killed before all were there
-        rendered = engine.begins_with(library.from_plain(job.scene, str(path / RECORD)))
+    if missing:  # killed before all were there
+        rendered = engine.begins_with(result.scene)
         files |= {name: rendered[name] for name in missing}
     if fingerprint(files) != job.files_sha256:
         names = ", ".join(engine.inputs)

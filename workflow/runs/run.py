@@ -133,9 +133,7 @@ def run(
                 steps=problem.steps,
                 **provenance(),
                 files_sha256=fingerprint(files),
-                scene=scene.plain(),
                 **({"settings": settings.plain()} if settings is not None else {}),
-                **({"force": True} if force else {}),
             )
             for name, text in files.items():
                 write_text(path / name, text)

@@ -14,7 +14,7 @@ Every file is written whole, except the dump, whose frames are whole one by one,
 something runs in it (`files`). Which files are ours, and may be replaced: see `own_files`.
 
 Here is also what ``run.json`` records of a run: where and with what it was computed, its input's fingerprint, and its
-results: a few numbers, enough to determine whether another run is the same, or by how much it differs.
+results: the number and the fingerprint of its frames, enough to determine whether these are the ones that it wrote.
 """
 
 import functools
@@ -32,10 +32,13 @@ from typing import Any
 
 import numpy as np
 
+from analysis.against import start
 from analysis.files import recording
 from analysis.tracking.leading_waves import Waves, from_csv
-from analysis.trajectory import Floats, Trajectory, direction_of, joined
+from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, file_names, load
+from lammps_inputs.decks import parameters
+from workflow.errors import RunError
 from workflow.runs.files import RECORD, parts
 from workflow.runs.job import Job, account, update
 from workflow.runs.job import load as load_job
@@ -137,17 +140,51 @@ class RunDirectory:
         return self.dumps[0]
 
     def blocks(self, stride: int = 1) -> Iterator[Trajectory]:
-        """The frames there are, or every stride-th of them, in blocks of bounded size."""
+        """The frames there are, or every stride-th of them, in blocks of bounded size.
+
+        Raises:
+            InputError: there are none, or they cannot be read.
+            RunError: they are not frames of the scene, by LAMMPS's log, by their times or by the state of the first.
+        """
         problem, dumps = self.problem, self.dumps
         if stride > 1 or 16.0 * problem.frames * problem.chains * problem.rows_a_frame > KEPT_BYTES:
-            return recording.blocks(dumps, problem, stride)
-        return _read_once(dumps, problem)
+            return self._begun_as_the_scene(recording.blocks(dumps, problem, stride))
+        return self._begun_as_the_scene(_read_once(dumps, problem))
 
-    def snapshots(self) -> Iterator[Trajectory]:
-        """The snapshots of all beads, in blocks of bounded size; none where the scene asks for none."""
+    @cached_property
+    def _other_parameters(self) -> list[str]:
+        """Parameters of the deck that differ from the scene's, as LAMMPS's log states; none where there is no log."""
+        path = self.path / file_names.LOG
+        try:
+            log = path.read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return []
+        return parameters.differences(log, self.problem)
+
+    def _begun_as_the_scene(self, blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
+        """Frames of the scene's atoms, whose parameters, times and first state are tested as they are read."""
+        begun = False
+        try:
+            for block in blocks:
+                if not begun:
+                    self._refuse(self._other_parameters or _of_another_start(block))
+                begun = True
+                yield block
+        except recording.OtherTimesError as error:
+            self._refuse(self._other_parameters)
+            raise RunError(f"{error}; {_ADVICE}") from None
+
+    def _refuse(self, differences: list[str]) -> None:
+        """Raise an error that says what differs from the scene, if anything does."""
+        if differences:
+            texts = "; ".join(differences)
+            raise RunError(f"{self.path}: its frames are not those of {file_names.SCENE}: {texts}; {_ADVICE}")
+
+    def snapshots(self, stride: int = 1) -> Iterator[Trajectory]:
+        """The snapshots of all beads, or every stride-th of them, in blocks of bounded size; none if there are none."""
         files = parts(self.path, "snapshots")
         if self.problem.frames_per_snapshot is not None and files:
-            yield from recording.blocks(files, self.problem.snapshots())
+            yield from recording.blocks(files, self.problem.snapshots(), stride)
 
     @property
     def trajectory(self) -> Trajectory:
@@ -167,7 +204,7 @@ class RunDirectory:
         if not problem.peaks or problem.recorded is None or not path.is_file():
             return None
         try:
-            waves = from_csv(path.read_text(encoding="utf-8"), problem.scale, direction=direction_of(problem))
+            waves = from_csv(path.read_text(encoding="utf-8"), problem.scale)
         except (ValueError, OSError):
             raise InputError(
                 f"{path}: cannot be read as a table of peaks; delete it to analyse the frames alone"
@@ -178,6 +215,16 @@ class RunDirectory:
         if not (in_order and np.all(there & np.isfinite(waves.peak_velocity))):
             raise InputError(f"{path}: holds what is not this scene's; delete it to analyse the frames alone")
         return waves
+
+
+_ADVICE = "for other values, change the scene and run it again"
+
+
+def _of_another_start(block: Trajectory) -> list[str]:
+    """Sentences on what differs in the first frame of a run from the start of the scene."""
+    if block.time[0] != 0.0:
+        return [f"they begin at t = {block.problem.scale.written(block.time[0], 'time')} instead of 0"]
+    return start.differences(block)
 
 
 _kept: list[tuple[list[tuple[int, int, int]], list[Trajectory]]] = []
@@ -209,10 +256,6 @@ def _state(dumps: list[Path]) -> list[tuple[int, int, int]]:
     return [(one.st_ino, one.st_size, one.st_mtime_ns) for one in found]
 
 
-SAMPLES = 32
-"""Beads whose state at the end is kept."""
-
-
 class Fingerprint:
     """Of frames that are given block by block, see `results`."""
 
@@ -223,7 +266,7 @@ class Fingerprint:
         """Take the next frames."""
         found = states(block)
         if block.problem.window is None:
-            self._digest.update(found.data)
+            self._digest.update(np.ascontiguousarray(found).data)
         else:
             for state in found:
                 self._digest.update(np.int64(block.first).tobytes() + state.tobytes())
@@ -234,7 +277,7 @@ class Fingerprint:
 
 
 def results(directory: RunDirectory) -> dict[str, Any]:
-    """For ``run.json``: the number of frames, a fingerprint of them, and the last state of some beads, dimensionless.
+    """For ``run.json``: the number of frames, and a fingerprint of them.
 
     The fingerprint is the SHA-256 of displacement and velocity [chain, bead] (of a window, after the number of its
     first row) as little-endian float64, frame after frame, and then those of the snapshots likewise, where there are
@@ -243,15 +286,13 @@ def results(directory: RunDirectory) -> dict[str, Any]:
     Raises:
         InputError: there are no frames.
     """
-    fingerprint, frames, last = Fingerprint(), 0, None
+    fingerprint, frames = Fingerprint(), 0
     for block in directory.blocks():
         fingerprint.add(block)
         frames += block.frames
-        last = block
     for block in directory.snapshots():
         fingerprint.add(block)
-    assert last is not None
-    return {"frames": frames, "sha256": fingerprint.sha256(), "samples": samples(last)}
+    return {"frames": frames, "sha256": fingerprint.sha256()}
 
 
 def states(block: Trajectory) -> Floats:
@@ -259,22 +300,6 @@ def states(block: Trajectory) -> Floats:
     found = np.stack([block.displacement, block.velocity], axis=1)
     found += 0.0
     return found
-
-
-def samples(block: Trajectory) -> list[dict[str, float]]:
-    """State of some beads in the last frame of a block."""
-    chains, beads = block.velocity.shape[1:]
-    chosen = np.unique(np.linspace(0, chains * beads - 1, min(SAMPLES, chains * beads)).astype(int))
-    return [
-        {
-            "time": float(block.time[-1]),
-            "chain": int(place // beads) + 1,
-            "bead": int(block.beads[place % beads]),
-            "displacement": float(block.displacement[-1].flat[place]),
-            "velocity": float(block.velocity[-1].flat[place]),
-        }
-        for place in chosen
-    ]
 
 
 def fingerprint(files: dict[str, str]) -> str:

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 from lammps_inputs import InputError, file_names, library, strict_yaml
 from lammps_inputs.slurm.job import render_command
 from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.units import Label
 from workflow.runs.files import write_text
 from workflow.runs.own_files import claim, make_directory
 from workflow.screen import Answer
-from workflow.studies.measures import heading
+from workflow.studies.measures import label
 from workflow.studies.study import floats
 from workflow.sweep import fields
 
@@ -161,14 +162,16 @@ class SecondField:
         return bool(self.name) and all(isinstance(value, int | float) for value in self.values)
 
     def axis(self, values: Sequence[Any], scene: dict[str, Any]) -> "Axis | None":
-        """The field whose values are the lines of a figure; by their places in the list where they are no numbers."""
+        """Values of the field in a figure, by their numbers from 1 where they are no numbers; None without a field."""
         from analysis.figures.studies import Axis  # matplotlib takes half a second to import
 
         if not self.name:
             return None
+        named = label(self.name, scene)
         if self.is_numeric:
-            return Axis(heading(self.name, scene), floats(values))
-        return Axis(f"value of {self.name}, by its number", floats([self.values.index(value) + 1 for value in values]))
+            return Axis(named, floats(values))
+        numbers = floats([self.values.index(value) + 1 for value in values])
+        return Axis(Label(f"value of {named.words}, by its number"), numbers)
 
 
 NO_SECOND_FIELD = SecondField()

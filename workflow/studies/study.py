@@ -2,13 +2,13 @@
 
 ::
 
-    STUDY = Study("map", tables=("map.csv",), figures=("map",), cache="cases.jsonl", result="map.csv is the table")
+    STUDY = Study("scan", tables=("scan.csv",), figures=("scan",), cache="cases.jsonl", result="scan.csv is the table")
 
-    def make_map(directory, couplings, chains):
+    def scan(directory, couplings, chains):
         cases = [case(f"{__name__}:computed", {...}, cost=...) for ...]               # plan
         with STUDY.evaluating(directory) as values:
             points = [Point(**value) for value in values(cases)]   # evaluate
-            STUDY.write(directory, {"map.csv": to_csv(Point, points)}, {"map": map_figure(points)})  # report
+            STUDY.write(directory, {"scan.csv": to_csv(Point, points)}, {"scan": draw(points)})  # report
 
 - **Plan**: pure functions that return `workflow.workers.evaluate.Case`, which name a function and plain data.
 - **Evaluate**: `evaluating` computes them in one pool of processes, with the directory's cache and a bar of progress. A
@@ -36,7 +36,6 @@ from lammps_inputs import InputError, Scene, file_names
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from lammps_inputs.units import DIMENSIONLESS, Scale
 from workflow.formats import figure_files
-from workflow.prepare.settings import Settings
 from workflow.runs import job
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import alone, write_figure, write_text
@@ -197,14 +196,13 @@ def _unbounded(value: Any) -> Any:
 # --- runs -------------------------------------------------------------------------------------------------------------
 
 
-def kept_run(scene: Scene, engine: str, path: Path, settings: Settings | None = None) -> RunDirectory:
+def kept_run(scene: Scene, engine: str, path: Path) -> RunDirectory:
     """Run a scene, or take the run that an earlier start finished.
 
     Args:
         scene: what to run.
         engine: its name.
         path: of its run directory.
-        settings: how the scene's time step was chosen, where it was before.
 
     Raises:
         RunError: the run failed.
@@ -212,7 +210,7 @@ def kept_run(scene: Scene, engine: str, path: Path, settings: Settings | None = 
     kept = _finished(path, scene, engine)
     if kept is not None:
         return kept
-    done = run(scene, path, engine=engine, overwrite=True, settings=settings)
+    done = run(scene, path, engine=engine, overwrite=True)
     if done.outcome != "done":
         raise KeyboardInterrupt
     return done.directory

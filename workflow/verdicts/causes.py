@@ -10,7 +10,7 @@ from collections import Counter
 import numpy as np
 
 from analysis import motion
-from analysis.against import symptoms
+from analysis.against import start, symptoms
 from analysis.files.recording import rest_positions
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import laws, physics
@@ -195,7 +195,7 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
     found = _numbers(own) or driven(own) or _times(own, reference) or moved(own)
     if own.problem.system.inner_mass is not None and own.inner is None:
         return found  # forces on the beads are not known
-    found = found or _start(own) or pushes(own, reference)
+    found = found or (start.differences(own) if own.time[0] == 0.0 else []) or pushes(own, reference)
     if own.problem.system.inner_links:  # whose forces on their beads act as static ones where they are wrong
         found = found or _strengths(own, reference)
     found = found or _static(own, reference) or _exponent(own, reference)
@@ -254,27 +254,6 @@ def _times(own: Trajectory, reference: Trajectory) -> list[str]:
         word = "after" if steps > 0.0 else "before"
         return [f"velocities are those of {abs(steps):.2g} time steps {word} the positions (half-step velocities?)"]
     return []
-
-
-def _start(own: Trajectory) -> list[str]:
-    """Whether the beads start as the scene says."""
-    problem = own.problem
-    if own.time[0] != 0.0:
-        return []
-    wrong = np.abs(own.displacement[0])
-    if np.any(wrong > 1e-6):
-        chain, bead = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
-        found = problem.scale.written(own.displacement[0, chain, bead], "length")
-        return [
-            f"bead {bead + 1} of chain {chain + 1} starts {found} from its place at rest (another gap or static load?)"
-        ]
-    wrong = np.abs(own.velocity[0] - physics.initial_velocity(problem.system))
-    if not np.any(wrong > 1e-6):
-        return []
-    chain, bead = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
-    both = own.velocity[0, chain, bead], physics.initial_velocity(problem.system)[chain, bead]
-    found, right = (problem.scale.written(velocity, "velocity") for velocity in both)
-    return [f"bead {bead + 1} of chain {chain + 1} starts with velocity {found} instead of {right}"]
 
 
 def _beads(own: Trajectory, reference: Trajectory) -> list[str]:

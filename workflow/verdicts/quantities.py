@@ -12,7 +12,7 @@ from analysis.files.events import Events
 from analysis.quantity import Column, Quantity, declare, result, walk
 from analysis.tracking.leading_waves import Waves
 from lammps_inputs import file_names
-from lammps_inputs.units import SI
+from lammps_inputs.units import SI, Label
 from workflow.runs.files import EVENTS, RECORD
 from workflow.verdicts import terms
 from workflow.verdicts.analysis_report import REPORT, WAVES, Report, WavesTable
@@ -55,8 +55,8 @@ class Run:
     check: RunErrors = declare("measured error of the run", undefined="the run was not checked")
     engine: str = declare("what computed the run", column="")
     steps: int = declare("number of time steps", column="time steps")
-    engine_seconds: float = declare("wall time of the engine", "s", column="time of the engine (s)")
-    wall_seconds: float = declare("wall time of the whole run", "s", column="wall time (s)")
+    engine_seconds: float = declare("wall time of the engine", "s", column="time of the engine")
+    wall_seconds: float = declare("wall time of the whole run", "s", column="wall time")
 
 
 @dataclass(frozen=True)
@@ -110,6 +110,12 @@ class CollectColumn:
         """Symbol of what the scene or the case has a unit for; empty for anything else."""
         unit = self.place.quantity.unit
         return self.place.quantity.symbol_of_unit(si=si) if unit in SI or unit in OWN else ""
+
+    def axis(self, *, si: bool | None) -> Label:
+        """Label of an axis that shows it; without a unit of the scenes where ``si`` is None."""
+        quantity = self.place.quantity
+        unit = "" if si is None and quantity.unit in SI else quantity.symbol_of_unit(si=si is True)
+        return Label(self.column.label, self.column.symbol, unit)
 
 
 def tables() -> dict[str, Any]:

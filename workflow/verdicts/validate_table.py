@@ -1,6 +1,6 @@
 """Is a run right? Compared with a user's own trajectory in a file, quantity by quantity, or with measured traces."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,14 +12,14 @@ from analysis.files import table, traces
 from analysis.files.table import Table
 from analysis.files.traces import Channel
 from analysis.gauges.gauge import beads_of, complaint, read_at
-from analysis.trajectory import Floats, Integers, Trajectory, joined
+from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts import causes
 from workflow.verdicts.validate import TOLERANCES, Validation, any_exceeded, blocks, error_figure, limits_of, write
 
 
-def validate_against(
+def validate_table(
     directory: RunDirectory, path: Path, *, dimensionless: bool = False, tolerances: dict[str, float] | None = None
 ) -> Validation:
     """Compare a run with a user's own trajectory in a file; writes what `validate` writes.
@@ -41,16 +41,10 @@ def validate_against(
     """
     problem = directory.problem
     limits = limits_of(problem, tolerances)
-    if table.is_text_dump(path):
-        step = problem.timestep if dimensionless else problem.timestep * problem.scale.time
-        given = table.load_dump(path, problem.beads, step)
-    else:
-        given = table.load(path)
-    check_places(path, given, problem)
-    own = joined(blocks(directory))
-    own = own[: problem.frames + 1]
+    given = _loaded(path, problem, dimensionless=dimensionless)
+    own = joined(blocks(directory))[: problem.frames + 1]
     theirs = as_trajectory(given, problem, dimensionless=dimensionless)
-    own_part = _part(own, theirs.problem, given.beads)
+    own_part = common_times.of_recorded(own, theirs.problem)
     try:
         resampled = common_times.at_times(own_part, theirs.time)
     except InputError as error:
@@ -87,6 +81,21 @@ def validate_against(
     return result
 
 
+def _loaded(path: Path, problem: Problem, *, dimensionless: bool) -> Table:
+    """The table in a file, with chains and beads of a problem.
+
+    Raises:
+        InputError: it cannot be read, or has chains or beads that the problem has not.
+    """
+    if table.is_text_dump(path):
+        step = problem.timestep if dimensionless else problem.timestep * problem.scale.time
+        loaded = table.load_dump(path, problem.beads, step)
+    else:
+        loaded = table.load(path)
+    check_places(path, loaded, problem)
+    return loaded
+
+
 def validate_traces(
     directory: RunDirectory, path: Path, *, dimensionless: bool = False, tolerances: dict[str, float] | None = None
 ) -> Validation:
@@ -114,7 +123,7 @@ def validate_traces(
     if dimensionless:
         given = replace(given, time=given.time * problem.scale.time, values=given.values * worth)
     whole = joined(directory.blocks())[: problem.frames + 1]
-    run = _part(whole, replace(problem, recorded=beads), beads)
+    run = common_times.of_recorded(whole, replace(problem, recorded=beads))
     try:
         found = read_at(run, given.channels, given.time)
     except InputError as error:
@@ -139,14 +148,6 @@ def validate_traces(
     allowed = np.array(list(own.values())) * worth
     write(directory.path, result, residual_figure(problem, given, found, allowed, "tolerance"))
     return result
-
-
-def _part(run: Trajectory, problem: Problem, beads: Sequence[int] | Integers) -> Trajectory:
-    """A run at some of its recorded beads; ``problem`` records only those."""
-    columns = np.searchsorted(run.problem.recorded_beads, beads)
-    return replace(
-        run, problem=problem, displacement=run.displacement[:, :, columns], velocity=run.velocity[:, :, columns]
-    )
 
 
 def _deviation(channel: Channel, apart: Floats, times: Floats, tolerance: float, problem: Problem) -> Deviation:

@@ -51,12 +51,14 @@ def frame(
     names: str = "id x vx",
     time: float | None = None,
     units: str = "",
-    tilt: tuple[float, ...] = (),
+    sheared: bool = False,
 ) -> bytes:
     """A frame by the book, independent of the package; chunks are [atom, column]."""
     atoms = sum(len(chunk) for chunk in chunks)
-    out = struct.pack("<q", -10) + b"DUMPCUSTOM" + struct.pack("<iiqqi6i", 1, 2, step, atoms, bool(tilt), *[1] * 6)
-    out += struct.pack(f"<{6 + len(tilt)}d", 0, 1, 0, 2, 0, 3, *tilt) + struct.pack("<i", len(names.split()))
+    out = struct.pack("<q", -10) + b"DUMPCUSTOM" + struct.pack("<iiqqi6i", 1, 2, step, atoms, sheared, *[1] * 6)
+    out += struct.pack(f"<{9 if sheared else 6}d", 0, 1, 0, 2, 0, 3, *[0] * (3 * sheared)) + struct.pack(
+        "<i", len(names.split())
+    )
     out += struct.pack("<i", len(units)) + units.encode()
     out += struct.pack("<b", time is not None) + (b"" if time is None else struct.pack("<d", time))
     out += struct.pack("<i", len(names)) + names.encode() + struct.pack("<i", len(chunks))
@@ -106,9 +108,9 @@ def test_recorded_beads_only_are_the_same_beads_of_the_whole_run(serial: Path, t
     np.testing.assert_array_equal(some.displacement, everything.displacement[:, :, [1, 4, 11]])
 
 
-def test_time_units_and_a_sheared_box_of_lammps_are_read(tmp_path: Path) -> None:
+def test_time_units_and_the_box_of_lammps_are_read(tmp_path: Path) -> None:
     (tmp_path / "in").write_text(
-        "region b prism 0 4 0 5 0 6 1 0 0.5\ncreate_box 1 b\ncreate_atoms 1 single 1 1 1\ncreate_atoms 1 single 3 3 3\n"
+        "region b block 0 8 0 5 0 6\ncreate_box 1 b\ncreate_atoms 1 single 1 1 1\ncreate_atoms 1 single 3 3 3\n"
         "mass 1 1\npair_style zero 1.0\npair_coeff * *\nfix 1 all nve\nvelocity all set 1 0 0\ntimestep 0.25\n"
         f"dump d all custom 2 {file_names.DUMP} id x vx\ndump_modify d time yes units yes\nrun 6\n"
     )
@@ -116,7 +118,7 @@ def test_time_units_and_a_sheared_box_of_lammps_are_read(tmp_path: Path) -> None
     dump = BinaryDump(tmp_path / file_names.DUMP)
     assert dump.times is not None
     assert dump.times.tolist() == [0.0, 0.5, 1.0, 1.5]
-    assert dump.box[0].tolist() == [[0.0, 5.0, 1.0], [0.0, 5.5, 0.0], [0.0, 6.0, 0.5]]  # of the sheared box, and tilts
+    assert dump.box[0].tolist() == [[0.0, 8.0], [0.0, 5.0], [0.0, 6.0]]
     assert dump.read(columns=("x",))[:, 0].tolist() == [[1.0, 3.0], [1.5, 3.5], [2.0, 4.0], [2.5, 4.5]]
 
 
@@ -376,7 +378,7 @@ def test_a_missing_file_and_a_directory_are_refused_by_name(tmp_path: Path) -> N
         (bytes(400), "begins differently"),
         (frame(1, [rows(1, 2)]), "another number of atoms"),
         (frame(1, [rows(1, 2, 3)], names="id y vx"), "other columns"),
-        (frame(1, [rows(1, 2, 3)], tilt=(0.0, 0.0, 0.0)), "another box"),
+        (frame(1, [rows(1, 2, 3)], sheared=True), "its box is sheared"),
     ],
 )
 def test_damage_at_opening_tells_how_to_save_the_frames_before_it(tmp_path: Path, second: bytes, reason: str) -> None:

@@ -5,9 +5,8 @@ from pathlib import Path
 import MDAnalysis as mda
 import numpy as np
 import pytest
-from MDAnalysis.coordinates.LAMMPS import DumpReader
 from MDAnalysis.coordinates.XYZ import XYZReader
-from stock_lammps import lammps, run, scene
+from stock_lammps import run, scene
 
 import analysis.mda.formats as formats
 import lammps_inputs
@@ -119,20 +118,6 @@ def test_the_text_dump_of_the_same_columns_reads_to_the_same_arrays(directory: P
         np.testing.assert_array_equal(ours.data["vx"], stock.data["vx"])
         np.testing.assert_allclose(ours.dimensions, stock.dimensions, rtol=1e-6)
         assert (ours.data["step"], ours.time) == (stock.data["step"], stock.time)
-
-
-def test_a_sheared_box_has_the_lengths_and_angles_that_the_stock_reader_finds(tmp_path: Path) -> None:
-    (tmp_path / "in").write_text(
-        "region b prism 0 4 0 5 0 6 1 -2 0.5\nbox tilt large\ncreate_box 1 b\ncreate_atoms 1 single 1 1 1\nmass 1 1\n"
-        "pair_style zero 1.0\npair_coeff * *\n"
-        f"dump t all custom 1 {TEXT} id x y z vx vy vz\n"
-        f"dump b all custom 1 {file_names.DUMP} id x y z vx vy vz\nrun 1\n"
-    )
-    lammps(tmp_path, "in")
-    stock = DumpReader(tmp_path / TEXT, dt=1.0)
-    ours = formats.BinaryDumpReader(tmp_path / file_names.DUMP)
-    np.testing.assert_allclose(ours[1].dimensions, stock[1].dimensions, rtol=1e-6)
-    np.testing.assert_array_equal(ours.ts.positions, [[1.0, 1.0, 1.0]])
 
 
 # times

@@ -9,8 +9,9 @@ import pytest
 from MDAnalysis.analysis.base import AnalysisFromFunction
 
 from analysis.files.binary_dump import CutDumpWarning, Parts
+from analysis.files.dump_layout import header
 from analysis.files.recording import Writer, blocks
-from analysis.mda.formats import BinaryDumpReader, BinaryDumpWriter
+from analysis.mda.formats import BinaryDumpReader
 from analysis.mda.universe import universe
 from analysis.trajectory import joined
 from lammps_inputs import InputError, Kick, Material, Output, Scene
@@ -86,13 +87,12 @@ def test_no_number_is_converted_whatever_the_scene_has_as_units(dumps: list[Path
 
 
 def test_displacements_in_a_window_are_those_of_the_rows_that_the_atoms_are_in(tmp_path: Path) -> None:
-    spacing, atoms = 4.0, mda.Universe.empty(3, trajectory=True).atoms
-    with BinaryDumpWriter(tmp_path / "window.bin", n_atoms=3) as writer:
-        for step, row in enumerate(np.array([[1.0, 2.0, 3.0], [4.0, 2.0, 3.0]])):
-            x = row * spacing + 0.25 * step
-            atoms.positions = np.stack([x, 0 * x, 0 * x], axis=1)
-            atoms.universe.trajectory.ts.data.update({"step": step, "mol": row, "x": x})
-            writer.write(atoms)
+    spacing = 4.0
+    frames = []
+    for step, row in enumerate(np.array([[1.0, 2.0, 3.0], [4.0, 2.0, 3.0]])):
+        atoms = np.stack([np.arange(1.0, 4.0), row, row * spacing + 0.25 * step], axis=1)
+        frames.append(header(step, float(step), 3, [0.0, 16.0] * 3, "id mol x") + atoms.tobytes())
+    (tmp_path / "window.bin").write_bytes(b"".join(frames))
     for ts in BinaryDumpReader(tmp_path / "window.bin"):
         assert ts.data["displacement"].tolist() == [0.25 * ts.frame] * 3
 

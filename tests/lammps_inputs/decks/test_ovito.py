@@ -8,9 +8,7 @@ import pytest
 from processes import HANGS
 from stock_lammps import WHEEL, scene
 
-from analysis.files import recording
 from analysis.files.binary_dump import BinaryDump
-from analysis.mda.universe import universe
 from lammps_inputs import file_names
 from lammps_inputs.decks import deck
 
@@ -38,33 +36,7 @@ COLUMNS = {
 }
 
 
-WRITTEN = """
-import sys
-import numpy as np
-from ovito.io import import_file
-
-particles = import_file(sys.argv[1]).compute(1).particles  # the file names its columns
-np.savez("ovito.npz", id=particles["Particle Identifier"], x=particles["Position"], v=particles["Velocity"][:, 0])
-"""
-
 pytestmark = pytest.mark.skipif(PYTHON is None, reason="OVITO_PYTHON names no Python that has OVITO")
-
-
-def test_ovito_reads_what_mdanalysis_writes_with_chains_side_by_side(tmp_path):
-    case = scene(chains=2, beads=5, duration=2.0, every=1.0)
-    problem = case.problem()
-    with recording.Writer(tmp_path / "chains.dump.bin", problem) as writer:
-        for frame in range(3):
-            writer.append(frame * problem.steps_per_frame, *np.full((2, 2, 5), frame / 3.0))
-    found = universe(problem, [tmp_path / "chains.dump.bin"])
-    part = found.select_atoms("segid C2 and resid 2:4")
-    part.write(tmp_path / "part.bin", frames=found.trajectory[::2])
-    subprocess.run([PYTHON, "-c", WRITTEN, "part.bin"], cwd=tmp_path, check=True, timeout=HANGS)
-    seen = np.load(tmp_path / "ovito.npz")
-    assert seen["id"].tolist() == [7, 8, 9]
-    assert np.array_equal(seen["x"][:, 0], recording.rest_positions(problem)[1, 1:4] + 2.0 / 3.0)
-    assert np.all(seen["x"][:, 1] == 2.0 * problem.layout.spacing)
-    assert np.all(seen["v"] == 2.0 / 3.0)
 
 
 @pytest.mark.parametrize("window", COLUMNS)

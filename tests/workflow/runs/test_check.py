@@ -139,7 +139,9 @@ def test_a_wrong_run_is_off_by_what_is_wrong(finished, tmp_path):
     import wrong_runs
 
     wrong = wrong_runs.rewritten(
-        finished.directory, tmp_path / "wrong", lambda run: (run.displacement, 1.1 * run.velocity)
+        finished.directory,
+        tmp_path / "wrong",
+        lambda run: (run.displacement, run.velocity + 0.1 * (run.time > 0.0)[:, None, None]),
     )
     assert check(RunDirectory(wrong.path)).velocity == pytest.approx(0.1, abs=1e-3)
 
@@ -171,7 +173,7 @@ def test_its_wave_errors_are_also_those_of_peaks_csv_at_beads_that_are_not_recor
     output = Output(every=0.25, beads=(1, 4), peaks=True)
     done = run(scene(beads=8, kick=kicks, duration=15.0, output=output, timestep=0.025), tmp_path / "run")
     problem = replace(done.directory.problem, recorded=None)
-    exact = leading_waves(leading_passages(find_peaks(accurate_reference(problem, 1e-9).blocks()), problem))
+    exact = leading_waves(leading_passages(find_peaks(accurate_reference(problem, 1e-9).blocks()), problem), problem)
     table = done.directory.peaks_table()
     assert len(table) == len(exact) > 4
     clear = exact.peak_velocity > 0.1
@@ -280,5 +282,11 @@ def test_steps_are_doubled_until_the_reference_is_sure_or_hardly_gets_surer(fall
 def test_frames_of_the_reference_are_followed_with_its_own_steps_as_far_as_it_would_take_them(taken, steps):
     """A run of another engine has no uncertainty."""
     uncertainty = None if taken is None else Uncertainty(steps_per_frame=taken, velocity=None, arrival=None)
-    directory = SimpleNamespace(account=Job(uncertainty=uncertainty))
+    directory = SimpleNamespace(account=Job(uncertainty=uncertainty), problem=problem())
     assert accountant(directory, problem()).steps_per_frame == steps
+
+
+def test_every_other_frame_of_the_reference_is_followed_with_twice_its_own_steps():
+    uncertainty = Uncertainty(steps_per_frame=6, velocity=None, arrival=None)
+    directory = SimpleNamespace(account=Job(uncertainty=uncertainty), problem=problem())
+    assert accountant(directory, problem().coarser(2)).steps_per_frame == 12

@@ -92,7 +92,8 @@ def test_a_flipped_bit_in_a_snapshot_changes_the_fingerprint_and_is_said(both, t
     (copy / file_names.SNAPSHOTS).write_bytes(content)
     assert cli.main(["analyze", str(copy), "--no-figures"]) == 0
     assert "frame checksum mismatch" in capsys.readouterr().out
-    assert cli.main(["rerun", str(copy)]) == 2
+    assert cli.main(["validate", str(copy), "--against", str(both[1].path)]) == 1
+    assert "not bitwise the same" in capsys.readouterr().out
 
 
 def test_snapshots_are_the_frames_of_the_whole_run_at_their_times(both):

@@ -10,7 +10,7 @@ from analysis.files import recording
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import Kick, Scene
 from workflow.runs.run import run
-from workflow.runs.run_directory import Fingerprint, fingerprint, samples
+from workflow.runs.run_directory import Fingerprint, fingerprint
 
 WINDOW = problem(beads=100, window=64, frames=1)
 
@@ -39,14 +39,6 @@ def test_a_fingerprint_tells_of_every_displacement_and_velocity(name):
 
 def test_a_fingerprint_tells_where_a_window_is():
     assert digest(frame(first=1)) == digest(frame(first=1)) != digest(frame(first=2))
-
-
-def test_a_sample_names_the_chain_and_bead_that_it_is_of():
-    for block in (frame(problem(), rows=8), frame(first=20)):
-        for one in samples(block):
-            chain, place = one["chain"] - 1, one["bead"] - block.first
-            assert one["velocity"] == block.velocity[0, chain, place]
-            assert one["displacement"] == block.displacement[0, chain, place]
 
 
 def test_the_fingerprint_of_a_deck_tells_of_every_file_by_its_name_and_end():

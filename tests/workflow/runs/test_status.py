@@ -24,6 +24,7 @@ from lammps_inputs.slurm.site import JobOptions
 from workflow.cli import main
 from workflow.runs.files import RECORD, write_json
 from workflow.runs.status import MEANING, Queue, Queued, parsed_queue, status, statuses
+from workflow.studies.study import Study
 
 CASE = scene(chains=2, beads=8, kappa=0.1, duration=10.0, every=0.1)
 STEPS = CASE.problem().steps
@@ -79,12 +80,11 @@ def alps(*jobs):
 # --- of other commands than run ---------------------------------------------------------------------------------------
 
 
-def test_a_finished_comparison_is_told_to_be_done(tmp_path, capsys):
-    (tmp_path / "tiny.yaml").write_text("name: tiny\nbeads: 3\nkick: {velocity: 1}\nduration: 1\n")
-    assert main(["compare", str(tmp_path / "tiny.yaml"), "-o", str(tmp_path / "c"), "--engines", "reference"]) == 0
-    capsys.readouterr()
+def test_a_finished_study_is_told_to_be_done(tmp_path, capsys):
+    with Study("trade", "trade.csv has the points").opened(tmp_path / "c"):
+        pass
     assert main(["status", str(tmp_path / "c")]) == 0
-    assert capsys.readouterr().out.startswith(f"{tmp_path / 'c'}: done: of `granchain compare`; compare.json")
+    assert capsys.readouterr().out.startswith(f"{tmp_path / 'c'}: done: of `granchain trade`; trade.csv")
 
 
 def test_a_study_has_a_state_of_its_own_beside_the_runs_in_it_and_waits_in_the_queue(tmp_path):

@@ -163,4 +163,4 @@ def test_a_study_that_was_interrupted_keeps_what_it_computed_and_ends_as_one_tha
 
 
 def test_the_studies_that_are_known_are_found():
-    assert {study.command for study in declared()} >= {"map", "extremes", "gallery", "threshold", "ensemble"}
+    assert {study.command for study in declared()} >= {"extremes", "gallery", "threshold", "ensemble"}

@@ -16,9 +16,9 @@ from lammps_inputs import Kick, Material, library
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run
-from workflow.verdicts import validate_table
+from workflow.verdicts import validate_table as tables
 from workflow.verdicts.validate import REPORT
-from workflow.verdicts.validate_table import validate_against
+from workflow.verdicts.validate_table import validate_table
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -80,7 +80,7 @@ SI = (UNIT.time, UNIT.length, UNIT.velocity)
 
 @pytest.mark.parametrize("between", [",", " "])
 def test_a_table_at_other_times_passes(between, runs, exact, tmp_path):
-    found = validate_against(runs["reduced"], csv(tmp_path / "own.csv", columns(exact[1]), between=between))
+    found = validate_table(runs["reduced"], csv(tmp_path / "own.csv", columns(exact[1]), between=between))
     assert found.passed
     assert list(found.deviations) == ["displacement", "velocity", "amplitude", "arrival"]
     assert found.compared == exact[1].frames
@@ -90,10 +90,10 @@ def test_a_table_at_other_times_passes(between, runs, exact, tmp_path):
 
 def test_units_do_not_change_what_is_found(runs, exact, tmp_path, capsys):
     plain, si = (csv(tmp_path / f"{units[0]}.csv", columns(exact[1], units)) for units in ((1.0, 1.0, 1.0), SI))
-    found = validate_against(runs["reduced"], plain).deviations
+    found = validate_table(runs["reduced"], plain).deviations
     for again in (
-        validate_against(runs["SI"], si),
-        validate_against(runs["SI"], plain, dimensionless=True),
+        validate_table(runs["SI"], si),
+        validate_table(runs["SI"], plain, dimensionless=True),
     ):
         for quantity, deviation in found.items():
             assert again.deviations[quantity].largest == pytest.approx(deviation.largest, abs=1e-11)
@@ -104,18 +104,18 @@ def test_units_do_not_change_what_is_found(runs, exact, tmp_path, capsys):
 @pytest.mark.slow
 def test_an_npz_says_the_same_as_text(runs, exact, tmp_path):
     fine = exact[1]
-    text = validate_against(runs["reduced"], csv(tmp_path / "own.csv", columns(fine)))
+    text = validate_table(runs["reduced"], csv(tmp_path / "own.csv", columns(fine)))
     for content in (
         columns(fine),
         {"time": fine.time, "displacement": fine.displacement, "velocity": fine.velocity},
     ):
         np.savez(tmp_path / "own.npz", **content)
-        assert validate_against(runs["reduced"], tmp_path / "own.npz").deviations == text.deviations
+        assert validate_table(runs["reduced"], tmp_path / "own.npz").deviations == text.deviations
 
 
 def test_the_error_against_a_table_is_the_runs_own_within_interpolation(runs, exact, tmp_path):
-    at_frames = validate_against(runs["reduced"], csv(tmp_path / "a.csv", columns(exact[0])))
-    between = validate_against(runs["reduced"], csv(tmp_path / "b.csv", columns(exact[1])))
+    at_frames = validate_table(runs["reduced"], csv(tmp_path / "a.csv", columns(exact[0])))
+    between = validate_table(runs["reduced"], csv(tmp_path / "b.csv", columns(exact[1])))
     assert at_frames.interpolation is None
     error = np.max(np.abs(runs["reduced"].trajectory.velocity - exact[0].velocity))
     assert at_frames.deviations["velocity"].largest == pytest.approx(error, rel=1e-9)
@@ -126,7 +126,7 @@ def test_the_error_against_a_table_is_the_runs_own_within_interpolation(runs, ex
 @pytest.mark.parametrize("name", ["displacement", "velocity"])
 def test_one_quantity_alone_is_compared_alone(name, runs, exact, tmp_path):
     path = csv(tmp_path / "own.csv", columns(exact[1]), names=("bead", "time", name, "chain"))
-    found = validate_against(runs["reduced"], path)
+    found = validate_table(runs["reduced"], path)
     assert found.passed
     assert list(found.deviations) == [name]
 
@@ -134,7 +134,7 @@ def test_one_quantity_alone_is_compared_alone(name, runs, exact, tmp_path):
 def test_some_beads_of_one_chain_are_compared_alone(runs, exact, tmp_path):
     table = columns(exact[1], beads=[3, 17], chains=[2])
     table["velocity"] = table["velocity"] + np.where(table["bead"] == 17, 0.01, 0.0)
-    found = validate_against(runs["reduced"], csv(tmp_path / "own.csv", table))
+    found = validate_table(runs["reduced"], csv(tmp_path / "own.csv", table))
     assert not found.passed
     where = found.deviations["velocity"].where
     assert (where.chain, where.bead) == (2, 17)
@@ -144,14 +144,14 @@ def test_some_beads_of_one_chain_are_compared_alone(runs, exact, tmp_path):
 def test_a_table_with_holes_is_compared_where_it_has_rows(runs, exact, tmp_path):
     table = columns(exact[1])
     kept = np.random.default_rng(1).uniform(size=len(table["time"])) < 0.7
-    found = validate_against(runs["reduced"], csv(tmp_path / "own.csv", {k: v[kept] for k, v in table.items()}))
+    found = validate_table(runs["reduced"], csv(tmp_path / "own.csv", {k: v[kept] for k, v in table.items()}))
     assert found.passed
     assert list(found.deviations) == ["displacement", "velocity"]
 
 
 @pytest.mark.parametrize("frames", [slice(0, 1), slice(50, 51), slice(5, 7)])
 def test_a_single_instant_or_two_are_compared(frames, runs, exact, tmp_path):
-    found = validate_against(runs["reduced"], csv(tmp_path / "own.csv", columns(exact[1][frames])))
+    found = validate_table(runs["reduced"], csv(tmp_path / "own.csv", columns(exact[1][frames])))
     assert found.passed
 
 
@@ -159,7 +159,7 @@ def test_times_of_six_digits_are_let_pass(runs, exact, tmp_path):
     table = columns(exact[0], SI)
     table["time"] = wrong_runs.six_digits(table["time"])
     path = csv(tmp_path / "own.csv", table)
-    found = validate_against(runs["SI"], path)
+    found = validate_table(runs["SI"], path)
     # a time that is off by 5e-6 of itself, at most 25, at an acceleration below 1
     assert found.deviations["velocity"].largest < 5e-4
     assert "arrival" in found.deviations
@@ -181,20 +181,20 @@ def test_a_table_from_positions_printed_with_g_is_caught_and_named(runs, exact, 
     rest = fine.beads * fine.problem.layout.spacing
     far = np.vectorize(lambda value: float(f"{value:.4g}"))(fine.displacement + rest) - rest
     np.savez(tmp_path / "own.npz", time=fine.time, displacement=far, velocity=fine.velocity)
-    found = validate_against(runs["reduced"], tmp_path / "own.npz")
+    found = validate_table(runs["reduced"], tmp_path / "own.npz")
     assert found.exceeded("displacement")
     assert any("displacements in" in cause and "decimals" in cause for cause in found.causes)
 
 
 def test_a_table_of_another_coupling_is_caught_and_named(runs, tmp_path):
     other = engine.run(scene(chains=2, beads=25, kappa=0.101, duration=25.0).problem(), steps_per_frame=16)
-    found = validate_against(runs["reduced"], csv(tmp_path / "own.csv", columns(other)))
+    found = validate_table(runs["reduced"], csv(tmp_path / "own.csv", columns(other)))
     assert not found.passed
     assert any("own.csv: the coupling is 0.101 instead of 0.1" in cause for cause in found.causes)
 
 
 def test_a_table_in_other_units_is_asked_about(runs, exact, tmp_path):
-    found = validate_against(runs["reduced"], csv(tmp_path / "own.csv", columns(exact[1], (1e-5, 1e-5, 1.0))))
+    found = validate_table(runs["reduced"], csv(tmp_path / "own.csv", columns(exact[1], (1e-5, 1e-5, 1.0))))
     assert not found.passed
     assert any("is it in other units?" in remark for remark in found.remarks)
 
@@ -240,7 +240,7 @@ def test_a_text_dump_of_the_deck_by_stock_lammps_is_the_run(tmp_path):
     ran = run(given, tmp_path / "run", check=False)
     lines = "dump mine all custom 10 mine.lammpstrj id x vx\ndump_modify mine format float %.17g"
     run_stock(given, tmp_path / "stock", before_run=lines)
-    found = validate_against(ran.directory, tmp_path / "stock" / "mine.lammpstrj", dimensionless=True)
+    found = validate_table(ran.directory, tmp_path / "stock" / "mine.lammpstrj", dimensionless=True)
     assert found.passed
     assert found.compared == 61
     assert found.deviations["velocity"].largest < 1e-10  # times differ in their last bit
@@ -261,12 +261,12 @@ def at(*times):
     [((0.0, 0.3, 10.0), True), ((0.0, 0.3 + 1e-11), True), ((0.0, 0.3001), False), ((10.1,), False)],
 )
 def test_times_are_those_of_frames_to_rounding(times, frames):
-    assert validate_table.are_frames(at(*times), OWN) is frames
+    assert tables.are_frames(at(*times), OWN) is frames
 
 
 @pytest.mark.parametrize(("last", "said"), [(0.11, False), (0.09, True)])
 def test_a_table_that_ends_within_a_hundredth_of_the_run_is_asked_about(last, said):
-    found = list(validate_table.remarks(Path("t.csv"), at(0.0, last), OWN))
+    found = list(tables.remarks(Path("t.csv"), at(0.0, last), OWN))
     assert found == (["t.csv ends at 0.009 of the run: is it in other units? (see --units)"] if said else [])
 
 

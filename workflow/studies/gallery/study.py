@@ -13,7 +13,7 @@ from lammps_inputs.library import suggestion
 from workflow.screen import Answer, count_bar, one_line, print_table
 from workflow.studies import page
 from workflow.studies.gallery.criteria import RULE
-from workflow.studies.gallery.entries import ENTRIES
+from workflow.studies.gallery.entries import ENTRIES, GROUPS
 from workflow.studies.study import Study
 from workflow.workers import evaluate
 from workflow.workers.pool import Task
@@ -48,7 +48,7 @@ def gallery(directory: Path, names: Sequence[str] = (), *, progress: evaluate.Pr
 
     Args:
         directory: made if need be, or resumed.
-        names: of the entries to run; all by default.
+        names: of the entries to run, or of groups of them such as ``paper``; all by default.
         progress: called with the entries done, all that are run, and how many of them failed.
 
     Returns:
@@ -58,10 +58,7 @@ def gallery(directory: Path, names: Sequence[str] = (), *, progress: evaluate.Pr
         InputError: no such entry; the directory cannot be written, or holds such a file of somebody else's.
     """
     folder = directory / FOLDER
-    for name in names:
-        if name not in ENTRIES:
-            raise InputError(f"--only: {name!r} is no entry{suggestion(name, ENTRIES)}; there are {', '.join(ENTRIES)}")
-    asked = [name for name in ENTRIES if name in names or not names]
+    asked = _chosen(names)
     with STUDY.opened(directory):
         folder.mkdir(exist_ok=True)
         found = _side_by_side(asked, folder.absolute(), progress)
@@ -69,6 +66,20 @@ def gallery(directory: Path, names: Sequence[str] = (), *, progress: evaluate.Pr
         sections = [section for section in shown.values() if section is not None]
         STUDY.write(directory, {PAGE: page.render(TITLE, f"{SUMMARY}\n{RULE}", sections)})
     return Sections({name: found[name] for name in asked})
+
+
+def _chosen(names: Sequence[str]) -> list[str]:
+    """Entries of these names and of the groups with these names, in the page's order; all of them without a name.
+
+    Raises:
+        InputError: no entry or group has such a name.
+    """
+    for name in names:
+        if name not in ENTRIES and name not in GROUPS:
+            known = (*GROUPS, *ENTRIES)
+            raise InputError(f"ENTRY: {name!r} is no entry{suggestion(name, known)}; entries are {', '.join(known)}")
+    chosen = {entry for name in names for entry in GROUPS.get(name, (name,))}
+    return [name for name in ENTRIES if name in chosen or not names]
 
 
 def _side_by_side(names: Sequence[str], folder: Path, progress: evaluate.Progress | None) -> dict[str, page.Section]:
@@ -95,7 +106,8 @@ def run_entry(name: str, folder: str) -> None:
 
 EXAMPLES = (
     "gallery -o gallery                # half a minute; the same command resumes; then open gallery/index.html",
-    "gallery -o gallery --only dimers  # recompute this one; the others remain",
+    "gallery paper -o gallery          # the statements and figures of the paper; some ten seconds",
+    "gallery dimers -o gallery         # this entry; the others remain",
     "gallery --list",
 )
 
@@ -103,27 +115,21 @@ ANSWERS = "each entry with its title, its verdicts, and why it failed"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Where to, and what."""
+    """Entries, and the directory."""
+    parser.add_argument("entries", metavar="ENTRY", nargs="*", help="entries to run, or `paper` for those of the paper")
     where = parser.add_mutually_exclusive_group(required=True)
     where.add_argument("-o", "--output", metavar="DIR", type=Path, help="new directory, or one to resume")
     where.add_argument("--list", action="store_true", help="print the names of the entries, and run nothing")
-    parser.add_argument(
-        "--only", metavar="NAME", action="append", default=[], help="run this entry only; may be given several times"
-    )
 
 
 def execute(arguments: argparse.Namespace) -> Answer:
-    """Print the names, or run what is missing."""
+    """Print the names, or run entries, write the page and print the verdicts; exit code 1 if one could not be run."""
     if arguments.list:
         print("\n".join(ENTRIES))
         return Answer(0, list(ENTRIES))
-    return run_entries(arguments.output, arguments.only)
-
-
-def run_entries(directory: Path, names: Sequence[str]) -> Answer:
-    """Run entries (all by default), write the page, print the verdicts; exit code 1 if one could not be run."""
+    directory = arguments.output
     with count_bar("gallery") as progress:
-        found = gallery(directory, names, progress=progress)
+        found = gallery(directory, arguments.entries, progress=progress)
     rows, plain = [], []
     for name, section in found.items():
         counts = section.verdicts

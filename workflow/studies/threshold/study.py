@@ -12,15 +12,16 @@ A threshold study: scans of the field, brackets that are halved, and what is wri
 """
 
 import argparse
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lammps_inputs import InputError, library
+from lammps_inputs.units import REDUCED
 from workflow.formats import figure_files
 from workflow.screen import Answer, cell, one_line, print_table
 from workflow.studies import options
-from workflow.studies.measures import case, heading, refuse_unknown
+from workflow.studies.measures import case, heading, label, refuse_unknown
 from workflow.studies.study import Study, floats, to_csv
 from workflow.studies.threshold.bracket import Axis, Crossing, crossings, wanted
 from workflow.sweep import fields
@@ -218,23 +219,29 @@ def _threshold(question: Question, over: Any, crossing: Crossing, errors: list[f
 
 def _figure(found: Found) -> "Figure":
     from analysis.figures.studies import Axis as Shown  # matplotlib takes half a second to import
-    from analysis.figures.studies import swept_figure
+    from analysis.figures.studies import Sought, swept_figure
 
     asked = found.question
-    named, field = heading(asked.quantity, asked.scene), heading(asked.field, asked.scene)
-    title = f"{asked.source}: {named} = {asked.level:g}"
+    quantity, field = label(asked.quantity, asked.scene), label(asked.field, asked.scene)
     if asked.over.is_numeric and found.thresholds:
-        places: list[tuple[Any, float | None, float | None]] = []
+        lines: list[tuple[Any, float | None, float | None]] = []
         for over, thresholds in found.by_over().items():
-            places += [(over, one.place, one.uncertainty) for one in thresholds]
-            places += [] if thresholds else [(over, None, None)]  # a tick at the foot
-        over, place, error = map(floats, zip(*places, strict=True))
-        return swept_figure(Shown(field, place, error), Shown(heading(asked.over.name, asked.scene), over), title=title)
-    quantity = Shown(named, floats([point.quantity for point in found.points]))
+            lines += [(over, one.place, one.uncertainty) for one in thresholds]
+            lines += [] if thresholds else [(over, None, None)]  # a tick at the foot
+        over, place, error = map(floats, zip(*lines, strict=True))
+        unit = "" if quantity.unit in ("", REDUCED) else f" {quantity.unit}"
+        named = f"${quantity.symbol}$" if quantity.symbol else quantity.words
+        comma = "," if field.symbol else ""
+        crossing = replace(field, words=f"{field.words} where {named} = {asked.level:g}{unit}{comma}")
+        over_field = Shown(label(asked.over.name, asked.scene), over)
+        return swept_figure(Shown(crossing, place, error), over_field, title=asked.source)
+    values = Shown(quantity, floats([point.quantity for point in found.points]))
     over_field = Shown(field, floats([point.value for point in found.points]))
-    title += "" if found.thresholds else " is crossed nowhere"
-    lines = asked.over.axis([point.over for point in found.points], asked.scene)
-    return swept_figure(quantity, over_field, lines, title)
+    places, errors = (
+        floats([getattr(threshold, name) for threshold in found.thresholds]) for name in ("place", "uncertainty")
+    )
+    beside = asked.over.axis([point.over for point in found.points], asked.scene)
+    return swept_figure(values, over_field, beside, asked.source, sought=Sought(asked.level, places, errors))
 
 
 # --- command ----------------------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from processes import HANGS
 from workflow import api
 from workflow.cli import main
 from workflow.studies.gallery import entries, sources
-from workflow.studies.gallery.entries import ENTRIES, PAPER
+from workflow.studies.gallery.entries import ENTRIES, GROUPS
 from workflow.studies.gallery.entry import Entry
 from workflow.studies.page import FAILS, kept
 
@@ -30,28 +30,25 @@ KNOWN = {
     "landau-zener": (2, 1, 0), "nesterenko": (2, 2, 0), "parametric": (4, 0, 0), "plastic": (5, 0, 0),
     "precompressed": (0, 3, 0), "resonators": (4, 0, 0), "rosas": (2, 1, 0), "striker-trains": (3, 1, 0),
     "tapered": (1, 4, 2), "wall": (4, 0, 0),
+    "two-spheres": (4, 0, 0), "rigid-plane": (4, 0, 0), "impact-restitution": (2, 0, 0),
 }  # fmt: skip
 """Statements that hold, do with a correction and do not, by entry; hard spheres are not elastic beads."""
 
 CHEAP = ("kicked-chain", "tapered")
-OWN = (*CHEAP, "collision", "dimer-resonance", "wall", "landau-zener", "precompressed", "gravity")
+OWN = (*CHEAP, "collision", "dimer-resonance", "rigid-plane", "wall", "landau-zener", "precompressed", "gravity")
 """`granchain gallery` runs all."""
-
-
-def only(names):
-    return [word for name in names for word in ("--only", name)]
 
 
 @pytest.fixture(scope="module", params=[pytest.param("", marks=pytest.mark.slow)])
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Directory of the paper's entries, by their own command, and of others."""
+    """Directory of the paper's entries, by the name of their group, and of others."""
     directory = tmp_path_factory.mktemp("gallery")
-    assert main(["reproduce", "-o", str(directory)]) == 0
-    assert main(["gallery", "-o", str(directory), "--quiet", *only(OWN)]) == 0
+    assert main(["gallery", "paper", "-o", str(directory)]) == 0
+    assert main(["gallery", *OWN, "-o", str(directory), "--quiet"]) == 0
     return directory
 
 
-@pytest.mark.parametrize("name", [*PAPER, *OWN])
+@pytest.mark.parametrize("name", [*GROUPS["paper"], *OWN])
 def test_an_entry_comes_out_as_known_and_statements_that_do_not_hold_are_no_failure(name: str, page: Path) -> None:
     section = kept(page / "entries" / name)
     assert section is not None
@@ -106,7 +103,7 @@ def test_an_entry_that_cannot_be_run_fails_alone(page: Path, capsys: pytest.Capt
     whole = spoilt.read_text()
     spoilt.write_text("{")
     capsys.readouterr()
-    assert main(["gallery", "-o", str(page), "--json", *only(CHEAP)]) == 1
+    assert main(["gallery", "-o", str(page), "--json", *CHEAP]) == 1
     spoilt.write_text(whole)
     failed = {one["name"]: one["failed"] for one in json.loads(capsys.readouterr().out)}
     assert "run.json" in failed["kicked-chain"]

@@ -3,6 +3,7 @@
 from workflow.studies.gallery.entries import (
     alternating,
     foundations,
+    impacts,
     loaded,
     losses,
     nonuniform,
@@ -13,7 +14,8 @@ from workflow.studies.gallery.entries import (
 )
 from workflow.studies.gallery.entry import Entry
 
-PAPER = ("paper-touching", "paper-gapped")
+GROUPS = {"paper": ("paper-touching", "paper-gapped")}
+"""Name of a group -> its entries."""
 
 ENTRIES: dict[str, Entry] = {
     "paper-touching": paper_touching.ENTRY,
@@ -22,6 +24,9 @@ ENTRIES: dict[str, Entry] = {
     "nesterenko": solitary_waves.NESTERENKO,
     "exact-wave": solitary_waves.EXACT_WAVE,
     "collision": reflections.COLLISION,
+    "two-spheres": impacts.TWO_SPHERES,
+    "rigid-plane": impacts.PLANE,
+    "impact-restitution": impacts.RESTITUTION,
     "striker-trains": solitary_waves.STRIKER_TRAINS,
     "dimers": alternating.DIMERS,
     "dimer-resonance": alternating.DIMER_RESONANCE,

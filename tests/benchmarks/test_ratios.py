@@ -1,0 +1,76 @@
+"""The benchmarks: what they compare computes the same, and ratios say what was measured."""
+
+import numpy as np
+import pytest
+import ratios
+from ratios import coupled_scene, ratio_of
+
+from analysis.tracking.leading_waves import leading_waves
+from analysis.tracking.peaks import find_peaks
+from workflow.cli import main
+from workflow.runs.run import run
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+
+@pytest.mark.slow
+def test_the_textbook_way_finds_the_same_waves(tmp_path):
+    scene = coupled_scene(2, 120, 30.0)
+    ratios.textbook(tmp_path / "plain", scene.problem())
+    table = np.genfromtxt(tmp_path / "plain" / "waves.csv", delimiter=",", names=True)
+    waves = leading_waves(find_peaks([run(scene, tmp_path / "ours", check=False).trajectory]), scene.problem())
+    np.testing.assert_array_equal(table["bead"], waves.bead)
+    # the neighbour lists differ, so sums are taken in other orders
+    np.testing.assert_allclose(table["peak_velocity"], waves.peak_velocity, atol=1e-11)
+    ratios.ours(tmp_path / "read", scene)
+    read = np.genfromtxt(tmp_path / "read" / "waves.csv", delimiter=",", names=True)
+    np.testing.assert_allclose(read["peak_velocity"], waves.peak_velocity, rtol=1e-15)
+
+
+def test_the_reference_reaches_in_one_run_what_scipy_reaches():
+    problem = coupled_scene(2, 120, 5.0).problem()
+    difference = np.abs(ratios.last_velocities(problem, 16) - ratios.scipy_velocities(problem, 1e-12))
+    assert np.max(difference) < 1e-8
+
+
+@pytest.mark.parametrize(("value", "below", "reached"), [(2.0, False, False), (3.0, False, True), (3.0, True, False)])
+def test_a_ratio_says_whether_it_reached_its_goal(value, below, reached):
+    assert ratio_of("x", [(1.0, value)], 2.5, below=below).reached is reached
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("pool_here")
+def test_the_sweeps_have_all_cases(tmp_path, monkeypatch):
+    def swept(command, *, cwd, **_):
+        monkeypatch.chdir(cwd)
+        assert main(command[3:]) == 0  # without the start of Python
+
+    monkeypatch.setattr(ratios.subprocess, "run", swept)
+    monkeypatch.setattr(ratios, "CASES", 2)
+    (ratio,) = ratios.sweep_ratios(tmp_path)
+    assert ratio.value > 0.0
+    assert all(len(list(tmp_path.glob(f"{jobs}/*/analysis.json"))) == 2 for jobs in (1, 2))
+
+
+def test_a_crowd_has_more_collisions_than_are_timed():
+    for rows in (100, 1_000):
+        found = ratios.collisions.run(ratios.crowd(rows, seed=1), max_events=ratios.PER_ROW * rows)
+        assert len(found) == ratios.PER_ROW * rows
+
+
+@pytest.mark.slow
+def test_ratios_of_collisions_say_what_was_measured(tmp_path, monkeypatch):
+    monkeypatch.setattr(ratios, "EVENTS", 300)
+    ratios.collisions.run(ratios.crowd(100), max_events=1)  # compiled before any clock runs
+    assert ratios.collision_seconds(100) > 0.0
+    assert ratios.force_seconds(ratios.crowd(100), 10) > 0.0
+    seconds = {100: 2e-6, 1_000: 2.5e-6}
+    monkeypatch.setattr(ratios, "collision_seconds", seconds.get)
+    monkeypatch.setattr(ratios, "COLLISION_ROWS", tuple(seconds))
+    monkeypatch.setattr(ratios, "force_seconds", lambda _: 1.2e-4)
+    rate, growth = ratios.collision_ratios(tmp_path)
+    assert (rate.value, rate.reached) == (pytest.approx(48.0), True)
+    assert (growth.value, growth.reached) == (pytest.approx(1.25), True)
+    assert "1,000 rows" in growth.name
+    seconds[1_000] = 4e-6
+    assert [ratio.reached for ratio in ratios.collision_ratios(tmp_path)] == [False, False]

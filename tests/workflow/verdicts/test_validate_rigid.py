@@ -1,0 +1,179 @@
+"""Runs of rigid beads against runs of elastic ones: impulses of the first contacts and the energy of each chain."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from stock_lammps import scene
+
+from analysis.files import events
+from analysis.sharing.energies import EnergyFlow
+from analysis.sharing.impulses import from_events, measure
+from analysis.trajectory import watch
+from lammps_inputs import Kick, find
+from workflow.cli import main
+from workflow.runs.files import EVENTS
+from workflow.runs.run import run
+from workflow.verdicts.validate import REPORT
+from workflow.verdicts.validate_run import validate_run
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+THETA_OF_WEAK_SPRINGS, WEAK = 1e-2, 1e-6
+"""Contacts are short against the oscillation of the rows: the gap is theta / sqrt(2 kappa)."""
+
+
+def small(**changes):
+    return scene(**{"chains": 2, "beads": 14, "kappa": 0.1, "gap": 0.5, "duration": 40.0, **changes})
+
+
+def both(case, path, rigid_case=None):
+    """Runs of rigid and of elastic beads."""
+    rigid = run(rigid_case or case, path / "rigid", engine="collisions").directory
+    return rigid, run(case, path / "elastic", check=False).directory
+
+
+@pytest.fixture(scope="module")
+def pair(tmp_path_factory):
+    return both(small(), tmp_path_factory.mktemp("pair"))
+
+
+def first_impulses(rigid, elastic, until=math.inf):
+    """Of rigid and of elastic beads, [chain, row]."""
+    collisions = events.from_csv(rigid.path / EVENTS, rigid.problem.scale).until(until)
+    return from_events(rigid.problem, collisions), measure(elastic.problem, elastic.blocks())
+
+
+def test_the_differences_of_each_chain_are_those_of_the_impulses_and_of_the_energy_over_time(pair):
+    rigid, elastic = pair
+    validation = validate_run(elastic, rigid)
+    collisions, contacts = first_impulses(*pair)
+    rows = slice(0, 14 - 5 - 1)  # to bead 9, five before the end; in all of them both models pass something on
+    apart = np.abs(collisions.first - contacts.first)[:, rows] / contacts.first[:, rows].max(axis=0)
+    flows = [watch(EnergyFlow(run.problem), run.blocks()).result() for run in pair]
+    shares = np.abs(flows[0].share - flows[1].share)
+    for chain, difference in enumerate(validation.runs.chains):
+        assert difference.chain == chain + 1
+        assert difference.impulse.largest == apart[chain].max()
+        assert difference.impulse.rms == pytest.approx(np.sqrt(np.mean(apart[chain] ** 2)), rel=1e-12)
+        agreeing = np.flatnonzero(apart[chain] > 0.1)[0]
+        assert difference.agrees_until == (None if agreeing == 0 else collisions.bead[agreeing - 1])
+        assert difference.share.largest == shares[:, chain].max()
+        assert difference.share.rms == pytest.approx(np.sqrt(np.mean(shares[:, chain] ** 2)), rel=1e-12)
+    assert validation.deviations["impulse"].largest == apart.max()
+    chain, row = np.unravel_index(np.argmax(apart), apart.shape)
+    where = validation.deviations["impulse"].where
+    assert (where.chain, where.bead) == (chain + 1, collisions.bead[row])
+    assert validation.deviations["share"].largest == shares.max()
+
+
+def test_the_order_of_the_two_runs_does_not_matter(pair):
+    rigid, elastic = pair
+    one_way, other_way = validate_run(rigid, elastic), validate_run(elastic, rigid)
+    assert one_way.runs.chains == other_way.runs.chains
+    assert one_way.deviations["impulse"] == other_way.deviations["impulse"]
+    assert not one_way.passed
+    assert not other_way.passed
+
+
+def test_the_table_has_a_line_for_each_chain_and_velocities_have_no_tolerance(pair, capsys):
+    rigid, elastic = pair
+    capsys.readouterr()
+    assert main(["validate", str(elastic.path), "--against", str(rigid.path)]) == 1
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    (velocity,) = (words for words in lines if words[:1] == ["velocity"])
+    assert velocity[3:5] == ["none", "bead"]  # no verdict
+    (impulse,) = (words for words in lines if words[:1] == ["impulse"])
+    assert impulse[3:5] == ["1.0e-01", "EXCEEDED"]
+    chains = json.loads((elastic.path / REPORT).read_text())["runs"]["chains"]
+    for found in chains:
+        (words,) = (words for words in lines if words[:1] == [str(found["chain"])])
+        until = "none" if found["agrees_until"] is None else str(found["agrees_until"])
+        assert words[1:4] == [f"{found['impulse']['largest']:.2g}", f"{found['impulse']['rms']:.2g}", until]
+
+
+def test_tolerances_are_as_given(pair):
+    rigid, elastic = pair
+    loose = {"impulse": 2.0, "share": 1.0}
+    assert validate_run(elastic, rigid, loose).passed
+    assert [chain.agrees_until for chain in validate_run(elastic, rigid, loose).runs.chains] == [9, 9]
+    assert not validate_run(elastic, rigid, {**loose, "velocity": 1e-3}).passed
+
+
+def test_where_contacts_are_short_against_oscillations_rigid_beads_agree(tmp_path):
+    gap = THETA_OF_WEAK_SPRINGS / math.sqrt(2.0 * WEAK)
+    rigid, elastic = both(small(gap=gap, kappa=WEAK, duration=140.0, every=0.5), tmp_path)
+    validation = validate_run(rigid, elastic)
+    assert validation.deviations["impulse"].largest < 0.1
+    assert [chain.agrees_until for chain in validation.runs.chains] == [9, 9]
+
+
+def test_a_pulse_towards_bead_1_has_the_same_differences_up_to_the_mirrored_bead(pair, tmp_path):
+    kick = (Kick(bead=14, velocity=-1.0),)
+    mirrored = validate_run(*both(small(kick=kick), tmp_path)).runs.chains
+    for chain, other in zip(mirrored, validate_run(*pair).runs.chains, strict=True):
+        assert chain.impulse.largest == pytest.approx(other.impulse.largest, abs=1e-6)
+        assert chain.share.largest == pytest.approx(other.share.largest, abs=1e-6)
+        assert chain.agrees_until == (None if other.agrees_until is None else 15 - other.agrees_until)
+
+
+@pytest.mark.parametrize("chains", [1, 5])
+def test_one_chain_and_many_chains_are_compared(chains, tmp_path):
+    pair = both(small(chains=chains, kappa=None if chains == 1 else 0.1), tmp_path)
+    validation = validate_run(*pair)
+    assert [difference.chain for difference in validation.runs.chains] == list(range(1, chains + 1))
+    assert all(math.isfinite(difference.impulse.largest) for difference in validation.runs.chains)
+    if chains == 1:
+        assert validation.runs.chains[0].share.largest == 0.0
+
+
+def test_neighbours_that_both_recorded_have_impulses_and_no_share(pair, tmp_path):
+    few = run(small(recorded=(3, 4, 8)), tmp_path / "few", check=False).directory
+    validation = validate_run(few, pair[0])
+    collisions, contacts = first_impulses(*pair)
+    row = collisions.row(4)
+    apart = np.abs(collisions.first - contacts.first)[:, row] / contacts.first[:, row].max()
+    # fewer neighbours were recorded, so overlaps between frames follow polynomials of a lower degree
+    assert [chain.impulse.largest for chain in validation.runs.chains] == pytest.approx(apart, abs=1e-4)
+    assert "share" not in validation.deviations
+    assert math.isnan(validation.runs.chains[0].share.largest)
+
+
+def test_a_longer_run_of_rigid_beads_is_compared_as_long_as_the_other_lasts(pair, tmp_path):
+    longer = run(small(duration=80.0), tmp_path / "longer", engine="collisions").directory
+    assert validate_run(longer, pair[1]).runs.chains == validate_run(*pair).runs.chains
+
+
+def test_runs_in_which_nothing_has_touched_do_not_pass(tmp_path, capsys):
+    rigid, elastic = both(small(duration=0.2), tmp_path)
+    capsys.readouterr()
+    assert main(["validate", str(elastic.path), "--against", str(rigid.path)]) == 1
+    assert "note: no bead received an impulse in both runs" in capsys.readouterr().out
+
+
+def test_two_runs_of_rigid_beads_are_compared_like_any(pair, tmp_path):
+    again = run(small(), tmp_path / "again", engine="collisions").directory
+    validation = validate_run(again, pair[0])
+    assert validation.runs.identical
+    assert validation.runs.chains == ()
+    assert validation.tolerances["velocity"] < 1.0
+
+
+@pytest.mark.slow
+def test_in_the_papers_gapped_array_lammps_has_the_published_impulses_and_rigid_beads_do_not_share_the_pulse(tmp_path):
+    rigid, elastic = both(find("two-chains-gapped"), tmp_path)
+    collisions, contacts = first_impulses(rigid, elastic)
+    for bead, published in ((5, (0.342, 0.724)), (25, (0.569, 0.487)), (100, (0.527, 0.527))):
+        np.testing.assert_allclose(contacts.first[:, contacts.row(bead)], published, rtol=0, atol=5e-4)
+    assert contacts.imbalance < 2e-5
+    assert collisions.first[:, 0].max() == pytest.approx(
+        0.5, abs=1e-14
+    )  # chain 1's bead 2 is struck with V/2, by eq. 5
+    rows = slice(contacts.row(20), contacts.row(30) + 1)
+    apart = [
+        np.abs(first[0] - first[1])[rows] / first.mean(axis=0)[rows] for first in (collisions.first, contacts.first)
+    ]
+    assert apart[0].min() > 0.5
+    assert apart[1].max() < 0.25
+    assert [chain.agrees_until for chain in validate_run(rigid, elastic).runs.chains] == [None, None]

@@ -1,0 +1,263 @@
+"""Runs against other runs of one scene: bitwise the same, or how far apart, since when, and what they were run with."""
+
+import json
+import os
+import shutil
+
+import numpy as np
+import pytest
+import wrong_runs
+from refusals import refusal, tree
+from stock_lammps import scene
+
+from lammps_inputs import Kick, Output, file_names, strict_yaml
+from workflow import api
+from workflow.cli import main
+from workflow.runs.files import RECORD
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory, results
+from workflow.verdicts.validate import REPORT
+from workflow.verdicts.validate_run import validate_run
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+
+def a_scene(**changes):
+    return scene(**{"chains": 3, "beads": 12, "kappa": 0.05, "duration": 20.0, "every": 0.5, **changes})
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    return run(a_scene(), tmp_path_factory.mktemp("first") / "first", check=False).directory
+
+
+@pytest.fixture(scope="module")
+def finer(tmp_path_factory):
+    """The same with half the time step."""
+    return run(a_scene(timestep=0.005), tmp_path_factory.mktemp("finer") / "finer", check=False).directory
+
+
+def copied(directory, path):
+    return RunDirectory(shutil.copytree(directory.path, path))
+
+
+def altered(directory, path):
+    """A copy in which the last bead's last velocity is larger by 0.25, though its run.json is the same."""
+    copy = copied(directory, path)
+    content = bytearray(copy.dump.read_bytes())
+    number = np.frombuffer(content, "<f8", count=1, offset=len(content) - 8)
+    number[0] += 0.25
+    copy.dump.write_bytes(content)
+    return copy
+
+
+def printed(words, capsys):
+    capsys.readouterr()
+    code = main([str(word) for word in words])
+    return code, capsys.readouterr().out.splitlines()
+
+
+# --- bitwise ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("changes", "engine"),
+    [
+        ({}, "lammps"),
+        ({"timestep": None, "accuracy": 1e-3}, "lammps"),
+        ({"chains": 2, "beads": 100, "duration": 100.0, "window": 64}, "lammps"),
+        ({"chains": 2, "scheme": "suzuki4"}, "lammps"),
+        ({"gap": 1.0}, "collisions"),
+        ({}, "reference"),
+    ],
+)
+def test_the_scene_in_a_run_directory_is_enough_to_repeat_the_run_bitwise(changes, engine, tmp_path, capsys):
+    directory = run(a_scene(**changes), tmp_path / "run", check=False, engine=engine).directory
+    again = ["run", directory.path / file_names.SCENE, "-o", tmp_path / "again", "--engine", engine, "--no-check"]
+    assert printed(again, capsys)[0] == 0
+    code, lines = printed(["validate", tmp_path / "again", "--against", directory.path], capsys)
+    recorded = directory.job.results
+    assert code == 0
+    assert f"bitwise the same as {directory.path} ({recorded.frames} frames, sha256 {recorded.sha256[:12]}...)" in lines
+    assert results(RunDirectory(tmp_path / "again"))["sha256"] == recorded.sha256
+
+
+def test_a_run_that_is_bitwise_another_passes_whatever_the_tolerances(first, tmp_path, capsys):
+    copy = copied(first, tmp_path / "copy")
+    words = ["validate", copy.path, "--against", first.path, "--tolerance", "energy=0", "--json"]
+    code, lines = printed(words, capsys)
+    answer = json.loads("\n".join(lines))
+    assert code == 0
+    assert answer["passed"] is True
+    assert answer["runs"]["identical"] is True
+    assert answer["runs"]["sha256"] == 2 * [first.job.results.sha256]
+    assert answer["runs"]["since"] is None
+    assert answer["quantities"]["velocity"]["largest"] == 0.0
+    assert json.loads((copy.path / REPORT).read_text()) == answer
+
+
+def test_the_frames_count_and_not_what_run_json_says_of_them(first, tmp_path, capsys):
+    copy = altered(first, tmp_path / "altered")
+    code, lines = printed(["validate", copy.path, "--against", first.path], capsys)
+    assert code == 1
+    assert f"not bitwise the same as {first.path}, from t = 20 on" in lines
+    assert any("velocity  2.50e-01" in line and "bead 12, chain 3, t = 20" in line for line in lines)
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_a_run_that_is_cut_short_is_incomplete_also_where_its_frames_are_the_same(side, first, tmp_path, capsys):
+    copy = copied(first, tmp_path / "part")
+    os.truncate(copy.dump, copy.dump.stat().st_size // 41 * 40)
+    pair = [copy.path, first.path] if side == 0 else [copied(first, tmp_path / "whole").path, copy.path]
+    code, lines = printed(["validate", pair[0], "--against", pair[1]], capsys)
+    assert code == 1
+    assert "incomplete: 40 of 41 frames" in lines
+    assert any(line.startswith(f"bitwise the same as {pair[1]} (40 frames, ") for line in lines)
+
+
+# --- how far apart ----------------------------------------------------------------------------------------------------
+
+
+def test_two_time_steps_are_compared_quantity_by_quantity_with_time_and_settings(first, finer, tmp_path, capsys):
+    copy = copied(finer, tmp_path / "finer")
+    copy.update(versions={**copy.job.versions, "lammps": "2024.8.29"}, ranks=2)
+    code, lines = printed(["validate", copy.path, "--against", first.path], capsys)
+    apart = np.abs(finer.trajectory.velocity - first.trajectory.velocity)
+    since = first.trajectory.time[np.flatnonzero(apart.any(axis=(1, 2)))[0]]
+    assert code == 0
+    assert f"not bitwise the same as {first.path}, from t = {since:.5g} on" in lines
+    (row,) = (line.split() for line in lines if line.split()[:1] == ["velocity"])
+    assert row[1] == f"{apart.max():.2e}"
+    differ = {" ".join(words[:-2]): words[-2:] for words in map(str.split, lines) if len(words) > 2}
+    assert differ["time step"] == ["0.005", "0.01"]
+    assert differ["lammps"] == ["2024.8.29", first.job.versions["lammps"]]
+    assert differ["ranks"] == ["2", "1"]
+    assert "input files" in differ
+    assert "numpy" not in differ
+    assert "passed" in lines
+
+
+def test_a_tolerance_that_is_exceeded_is_exit_code_1(first, finer, tmp_path, capsys):
+    copy = copied(finer, tmp_path / "finer")
+    words = ["validate", copy.path, "--against", first.path, "--tolerance", "velocity=1e-9"]
+    code, lines = printed(words, capsys)
+    assert code == 1
+    assert "NOT passed" in lines
+
+
+def test_another_engine_is_compared(first, tmp_path):
+    other = run(a_scene(), tmp_path / "reference", engine="reference", check=False).directory
+    validation = validate_run(copied(first, tmp_path / "copy"), other)
+    assert validation.passed
+    assert validation.runs.changes["engine"] == ("lammps", "reference")
+    assert "time step" not in validation.runs.changes  # the reference takes steps of its own
+    error = np.abs(first.trajectory.velocity - other.trajectory.velocity).max()
+    assert validation.deviations["velocity"].largest == error
+
+
+def test_beads_and_times_that_both_recorded_are_compared(first, finer, tmp_path):
+    output = Output(every=1.0, beads=(3, 7))
+    few = run(a_scene(timestep=0.005, output=output, duration=16.0), tmp_path / "few", check=False).directory
+    validation, other = validate_run(few, first), copied(first, tmp_path / "copy")
+    assert validation.complete
+    assert validation.compared == 17
+    apart = np.abs(finer.trajectory.velocity - first.trajectory.velocity)[:33:2, :, [2, 6]]
+    assert validation.deviations["velocity"].largest == apart.max()
+    assert "energy" not in validation.deviations
+    assert validate_run(other, few).deviations["velocity"].largest == apart.max()
+
+
+def test_a_window_is_compared_with_all_rows_near_the_front(tmp_path):
+    # as in `test_window`: the front is bitwise that of all rows
+    long = {"chains": 2, "beads": 100, "duration": 100.0}
+    whole, moving = (
+        run(a_scene(**long, **window), tmp_path / name, check=False).directory
+        for name, window in (("whole", {}), ("moving", {"window": 64}))
+    )
+    for pair in ((whole, moving), (moving, whole)):
+        validation = validate_run(*pair)
+        assert validation.runs.identical
+        assert validation.passed
+        assert any("the front half of the window" in remark for remark in validation.remarks)
+
+
+def test_runs_without_run_json_are_compared_but_for_their_versions(first, tmp_path, capsys):
+    copy = copied(first, tmp_path / "copy")
+    (copy.path / RECORD).unlink()
+    code, lines = printed(["validate", copy.path, "--against", first.path], capsys)
+    assert code == 0
+    assert f"note: {copy.path}: has no run.json that names versions, so that these are not compared" in lines
+    assert not any(line.startswith("settings and versions") for line in lines)
+
+
+def test_from_python_a_run_is_compared_with_a_run_or_its_directory(first, finer):
+    by_path = api.validate(finer, against=first.path)
+    assert by_path.deviations == api.validate(str(finer.path), against=first).deviations
+    assert by_path.runs is not None
+    assert not by_path.runs.identical
+
+
+# --- other scenes -----------------------------------------------------------------------------------------------------
+
+OTHERS = {
+    "coupling": ({"kappa": 0.06}, "coupling.stiffness is 0.06 there, and 0.05 in"),
+    "gap": ({"gap": 0.5}, "gap is 0.5 there, and not given in"),
+    "kick": ({"kick": (Kick(velocity=1.0), Kick(bead=4, velocity=0.5))}, "kick"),
+    "beads": ({"beads": 13}, "beads is 13 there, and 12 in"),
+}
+
+
+@pytest.mark.parametrize("case", OTHERS)
+def test_a_run_of_another_scene_is_refused_with_the_field_and_both_values(case, first, tmp_path, capsys):
+    changes, says = OTHERS[case]
+    other = run(a_scene(**{"duration": 1.0, **changes}), tmp_path / "other", engine="reference", check=False).directory
+    before = tree(first.path)
+    message = refusal(["validate", first.path, "--against", other.path], capsys)
+    assert message.startswith(f"{other.path}: is a run of another scene: ")
+    assert says in message
+    assert tree(first.path) == before
+
+
+def test_a_scene_is_refused_before_it_is_run_and_run_where_it_is_the_same(first, tmp_path, capsys):
+    path, out = tmp_path / "scene.yaml", tmp_path / "out"
+    path.write_text(strict_yaml.dump(a_scene(kappa=0.06).plain()))
+    says = "coupling.stiffness is 0.05 there, and 0.06 in"
+    assert says in refusal(["validate", path, "-o", out, "--against", first.path], capsys)
+    assert not out.exists()
+    path.write_text(strict_yaml.dump(a_scene(name="other").plain()))
+    code, lines = printed(["validate", path, "-o", out, "--against", first.path], capsys)
+    assert code == 0
+    assert any(line.startswith("bitwise the same as ") for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("output", "says"),
+    [
+        (Output(every=0.3), "only their starts are at one time"),
+        (Output(every=0.5, beads=(5,)), "recorded none of the beads that"),
+    ],
+)
+def test_runs_that_recorded_nothing_in_common_are_refused(output, says, tmp_path, capsys):
+    first, second = (
+        run(scene(beads=8, duration=1.0, timestep=0.01, output=recorded), tmp_path / name, check=False).directory.path
+        for name, recorded in (("one", Output(every=0.5, beads=(3,))), ("other", output))
+    )
+    assert says in refusal(["validate", first, "--against", second], capsys)
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--against", "{tmp}"], "not a run directory"),
+        (["--against", "{run}", "--units", "dimensionless"], "--units: is for a file"),
+    ],
+)
+def test_what_is_no_run_and_units_of_a_run_are_one_line(words, says, first, tmp_path, capsys):
+    filled = [word.format(tmp=tmp_path, run=first.path) for word in words]
+    assert says in refusal(["validate", first.path, *filled], capsys)
+
+
+def test_a_run_that_came_back_from_a_cluster_is_compared(first, tmp_path):
+    back = wrong_runs.deck_run(a_scene(), tmp_path / "back")
+    assert validate_run(back, first).deviations["velocity"].largest < 1e-9

@@ -1,1 +1,0 @@
-"""One scene with several engines: runs, what each finds, and what the differences mean."""

@@ -1,0 +1,333 @@
+"""Compare two runs of one scene: bitwise, and quantity by quantity, with what they were computed with."""
+
+import math
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from analysis.against.common_times import near_the_front, of_recorded, on_common_rows, simultaneous
+from analysis.against.difference import Deviation, Difference
+from analysis.files import events
+from analysis.files.binary_dump import CutDumpWarning
+from analysis.sharing.chain_differences import ChainDifference, ChainMeter
+from analysis.trajectory import Trajectory
+from lammps_inputs import InputError, Problem, Scene
+from workflow.runs.check import accountant
+from workflow.runs.engines import ENGINES
+from workflow.runs.files import EVENTS, RECORD
+from workflow.runs.run_directory import Fingerprint, RunDirectory, states
+from workflow.verdicts.validate import (
+    HALF_WINDOW,
+    RunDifference,
+    Validation,
+    compared,
+    error_figure,
+    limits_of,
+    write,
+)
+
+NOT_PHYSICS = (
+    "name",
+    "description",
+    "duration",
+    "until_bead",
+    "timestep",
+    "accuracy",
+    "scheme",
+    "window",
+    "limits",
+    "output",
+)
+"""Keys of a scene that say how it is computed, for how long, and what is recorded, but not what the beads do."""
+
+MOST_FRAMES = 1000
+"""Frames of a run from one instant that both runs recorded to the next, at most."""
+
+_OF_WAVES = ("amplitude", "arrival")
+"""Quantities that snapshots are too far apart for."""
+
+_AT_AN_INSTANT = ("velocity", "displacement", "amplitude", "arrival")
+"""Quantities without a tolerance, unless one is given, where one of two runs has rigid beads."""
+
+_RIGID_BEADS = (
+    "one run has rigid beads: velocities at an instant have no tolerance, impulses and shares of the energy have"
+)
+
+_NO_IMPULSE = "no bead received an impulse in both runs; a longer duration, or neighbouring recorded beads, are needed"
+
+Runs = tuple[RunDirectory, RunDirectory]
+
+
+def validate_run(
+    directory: RunDirectory, other: RunDirectory, tolerances: dict[str, float] | None = None
+) -> Validation:
+    """Compare a run with another one of the same scene, at the beads and times that both recorded.
+
+    Writes what `validate` writes. Energy and momentum are those of the first run. Where one of the two has rigid beads,
+    impulses and the energy of each chain are compared, too (`analysis.sharing.chain_differences`).
+
+    Args:
+        directory: the run.
+        other: the run that it is compared with.
+        tolerances: quantity -> largest difference let pass, in place of the one in `TOLERANCES`, dimensionless.
+
+    Raises:
+        InputError: the runs are of different scenes, or recorded no bead or no time in common.
+    """
+    refuse_another_scene(directory.scene, str(directory.path), other)
+    runs = directory, other
+    rigid = [run for run in runs if not ENGINES[run.engine].deforms]
+    models_differ = len(rigid) == 1
+    unlimited = dict.fromkeys(_AT_AN_INSTANT, math.inf) if models_differ else {}
+    limits = limits_of(directory.problem, {**unlimited, **(tolerances or {})})
+    frames, fingerprints = _recorded_by_both(runs), Fingerprints()
+    meter = ChainMeter(frames.problem, rigid_first=rigid == [directory]) if models_differ else None
+    difference = _difference(runs, frames, limits, fingerprints, meter)
+    deviations = _larger(difference.deviations(), _of_snapshots(runs, limits, fingerprints))
+    chains: tuple[ChainDifference, ...] = ()
+    if meter is not None:
+        collisions = events.from_csv(rigid[0].path / EVENTS, frames.problem.scale)
+        of_chains, chains = meter.result(collisions, limits["impulse"])
+        deviations |= of_chains
+    result = Validation(
+        problem=frames.problem,
+        against=str(other.path),
+        deviations=deviations,
+        tolerances=limits,
+        remarks=tuple(_remarks(runs, frames.problem, deviations, models_differ=models_differ)),
+        frames=difference.frames,
+        compared=difference.frames,
+        runs=RunDifference(
+            identical=fingerprints.identical,
+            sha256=fingerprints.sha256,
+            since=None if fingerprints.identical else fingerprints.since,
+            changes=changes(directory, other),
+            chains=chains,
+        ),
+    )
+    write(directory.path, result, error_figure(result, difference, other.path.name))
+    return result
+
+
+def _remarks(runs: Runs, problem: Problem, deviations: dict[str, Deviation], *, models_differ: bool) -> Iterator[str]:
+    for run in runs:
+        if run.failure:
+            yield f"{run.path}: {run.failure}"
+    if problem.window is not None:
+        yield HALF_WINDOW
+    if models_differ:
+        yield _RIGID_BEADS
+        if math.isnan(deviations["impulse"].largest):
+            yield _NO_IMPULSE
+    for run in runs:
+        if not run.account.versions:
+            yield f"{run.path}: has no {RECORD} that names versions, so that these are not compared"
+
+
+# --- of one scene -----------------------------------------------------------------------------------------------------
+
+
+def refuse_another_scene(scene: Scene, source: str, other: RunDirectory) -> None:
+    """Refuse a run whose scene differs from a scene in more than the keys of `NOT_PHYSICS`.
+
+    Args:
+        scene: of a run that is, or will be, compared with the other one.
+        source: what that run, or its scene, is called.
+        other: the other run.
+
+    Raises:
+        InputError: names the first field that differs, with both values.
+    """
+    fields, other_fields = (dict(_fields(each.plain())) for each in (scene, other.scene))
+    for name in dict.fromkeys((*fields, *other_fields)):
+        value, other_value = (each.get(name, "not given") for each in (fields, other_fields))
+        if value != other_value and name.partition(".")[0] not in NOT_PHYSICS:
+            raise InputError(
+                f"{other.path}: is a run of another scene: {name} is {other_value} there, and {value} in {source}"
+            )
+
+
+def _fields(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted path and value of every field of a scene's plain data; entries of lists are numbered from 1."""
+    if isinstance(value, dict):
+        for key, entry in value.items():
+            yield from _fields(entry, f"{path}.{key}" if path else key)
+    elif isinstance(value, list):
+        for number, entry in enumerate(value, 1):
+            yield from _fields(entry, f"{path}[{number}]")
+    else:
+        yield path, value
+
+
+# --- frames -----------------------------------------------------------------------------------------------------------
+
+
+class Fingerprints:
+    """Fingerprints of the frames of two runs that are given block by block.
+
+    Attributes:
+        since: time of the first frame in which the two differ; None if none does.
+    """
+
+    def __init__(self) -> None:
+        self.since: float | None = None
+        self._first, self._second = Fingerprint(), Fingerprint()
+
+    def add(self, first: Trajectory, second: Trajectory) -> None:
+        """Take the next frames of both, at the same times and of the same beads."""
+        self._first.add(first)
+        self._second.add(second)
+        differs = np.any(states(first) != states(second), axis=(1, 2, 3))
+        if differs.any():
+            time = float(first.time[np.argmax(differs)])
+            self.since = time if self.since is None else min(time, self.since)
+
+    @property
+    def sha256(self) -> tuple[str, str]:
+        """Fingerprints of all frames so far, of the first run and of the second."""
+        return self._first.sha256(), self._second.sha256()
+
+    @property
+    def identical(self) -> bool:
+        """Whether all frames so far are bitwise the same."""
+        return len(set(self.sha256)) == 1
+
+
+@dataclass(frozen=True)
+class _Recorded:
+    """What two runs both recorded, of their frames or of their snapshots.
+
+    Attributes:
+        problem: of the beads and times that both recorded.
+        strides: every which frame of each run is at such a time.
+        snapshots: whether these are snapshots.
+        same_window: whether both hold the same number of rows.
+    """
+
+    problem: Problem
+    strides: tuple[int, int]
+    snapshots: bool
+    same_window: bool
+
+    def blocks(self, run: RunDirectory, stride: int) -> Iterator[Trajectory]:
+        """The frames of one of the runs at these beads and times; a file that ends within a frame is no warning."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", CutDumpWarning)
+            for block in run.snapshots(stride) if self.snapshots else run.blocks(stride):
+                yield of_recorded(block, self.problem)
+
+
+def _recorded_by_both(runs: Runs, *, snapshots: bool = False) -> _Recorded:
+    """The beads and times that two runs recorded.
+
+    Raises:
+        InputError: there is no such bead, or no such time after the start.
+    """
+    first, second = (run.problem.snapshots() if snapshots else run.problem for run in runs)
+    ratio = first.every / second.every
+    fraction = Fraction(ratio).limit_denominator(MOST_FRAMES)
+    strides = fraction.denominator, fraction.numerator
+    commensurate = abs(fraction - ratio) <= 1e-9 * ratio
+    frames = min(first.frames // strides[0], second.frames // strides[1]) if commensurate else 0
+    if frames < 1:
+        apart = [problem.scale.written(problem.every, "time") for problem in (first, second)]
+        raise InputError(
+            f"{runs[1].path}: its frames are {apart[1]} apart, and those of {runs[0].path} {apart[0]}: "
+            "only their starts are at one time"
+        )
+    beads = np.intersect1d(first.recorded_beads, second.recorded_beads)
+    if len(beads) == 0:
+        raise InputError(f"{runs[1].path}: recorded none of the beads that {runs[0].path} recorded")
+    problem = replace(
+        first.coarser(strides[0]),
+        frames=frames,
+        recorded=None if len(beads) == first.beads else tuple(beads.tolist()),
+        window=min((each.window for each in (first, second) if each.window is not None), default=None),
+        peaks=False,
+        frames_per_snapshot=None,
+    )
+    return _Recorded(problem, strides, snapshots, same_window=first.window == second.window)
+
+
+def _difference(
+    runs: Runs,
+    recorded: _Recorded,
+    limits: dict[str, float],
+    fingerprints: Fingerprints,
+    meter: ChainMeter | None = None,
+) -> Difference:
+    """How far apart two runs are where both recorded; fingerprints and chains are read on the way."""
+    first, second = (recorded.blocks(run, stride) for run, stride in zip(runs, recorded.strides, strict=True))
+
+    def pairs() -> Iterator[tuple[Trajectory, Trajectory]]:
+        for blocks in simultaneous(first, second):
+            near_front, other_near_front = on_common_rows(*map(near_the_front, blocks))
+            fingerprints.add(*(on_common_rows(*blocks) if recorded.same_window else (near_front, other_near_front)))
+            if meter is not None:
+                meter.add(near_front, other_near_front)
+            yield near_front, other_near_front
+
+    difference = Difference(limits, accountant(runs[0], recorded.problem).of)
+    compared(difference, pairs())
+    return difference
+
+
+def _of_snapshots(runs: Runs, limits: dict[str, float], fingerprints: Fingerprints) -> dict[str, Deviation]:
+    """Deviations of what snapshots of two runs show; empty where the two have none at the same times."""
+    if not all(run.problem.frames_per_snapshot for run in runs):
+        return {}
+    try:
+        snapshots = _recorded_by_both(runs, snapshots=True)
+    except InputError:
+        return {}
+    difference = _difference(runs, snapshots, limits, fingerprints)
+    if not difference.frames:
+        return {}
+    return {name: value for name, value in difference.deviations().items() if name not in _OF_WAVES}
+
+
+def _larger(frames: dict[str, Deviation], snapshots: dict[str, Deviation]) -> dict[str, Deviation]:
+    """Deviations by quantity, the larger one where frames and snapshots have one."""
+
+    def larger(*deviations: Deviation) -> Deviation:
+        return max(deviations, key=lambda deviation: np.nan_to_num(deviation.largest, nan=np.inf))
+
+    in_both = {name: larger(frames[name], snapshots[name]) for name in frames.keys() & snapshots.keys()}
+    return {**frames, **snapshots, **in_both}
+
+
+# --- what they were computed with -------------------------------------------------------------------------------------
+
+
+def changes(directory: RunDirectory, other: RunDirectory) -> dict[str, tuple[str, str]]:
+    """Settings, versions, machine and input files that differ between two runs: name -> (of the run, of the other one).
+
+    What one of the two has no record of is left out.
+    """
+    first, second = (_computed_with(run) for run in (directory, other))
+    return {
+        name: (value, second[name])
+        for name, value in first.items()
+        if value and second.get(name) and value != second[name]
+    }
+
+
+def _computed_with(run: RunDirectory) -> dict[str, str]:
+    """Settings, versions, machine and checksum of the input files of a run by name; empty where nothing says."""
+    problem, job = run.problem, run.account
+    stepped = ENGINES[run.engine].own_step
+    return {
+        "engine": run.engine,
+        "time step": problem.scale.written(problem.timestep, "time") if stepped else "",
+        "scheme": problem.scheme if stepped else "",
+        "window": f"{problem.window} rows" if problem.window else "all rows",
+        "ranks": str(job.ranks or ""),
+        **job.versions,
+        "Python": job.python or "",
+        "machine": job.machine or "",
+        "input files": (job.files_sha256 or "")[:12],
+    }
