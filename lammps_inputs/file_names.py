@@ -22,11 +22,11 @@ CASES = "cases.txt"
 JOB = "job.sbatch"
 JOB_INPUT = "in.job"
 JOB_STATE = "job.state"
-JOB_FLAG, JOB_STOP, JOB_FULL = "job.flag", "job.stop", "job.full"
+JOB_FLAG = "job.flag"
 JOB_FRAMES = "job.frames"
 JOB_OUTPUT = "job.out"
 JOB_FILES = (
-    *(JOB, JOB_INPUT, JOB_STATE, JOB_FLAG, JOB_STOP, JOB_FULL, "job.room"),
+    *(JOB, JOB_INPUT, JOB_STATE, JOB_FLAG, "job.room"),
     *(JOB_FRAMES, f"{JOB_FRAMES}.part", JOB_OUTPUT),
 )
 """What a job has and leaves in the directory of a run, beside the run's own files."""

@@ -57,7 +57,7 @@ def render_job(options: JobOptions, problem: Problem, directory: Path | None = N
     """
     if options.ranks > problem.rows:
         raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {problem.rows} rows")
-    values = [f'again=(sbatch --parsable --dependency="afterany:$SLURM_JOB_ID" {file_names.JOB})']
+    values = ['again=(--dependency="afterany:$SLURM_JOB_ID")']
     script = _deck_job(options, problem.name, directory, {}, values) + "compute\n"
     return {file_names.JOB: script, **case_files(problem)}
 
@@ -113,9 +113,7 @@ def render_array(
     limit = "" if options.array_limit is None else f"%{options.array_limit}"
     values = [
         f"cases_sum={hashlib.sha256(listing.encode()).hexdigest()}",
-        "again=(sbatch --parsable --array=$SLURM_ARRAY_TASK_ID",
-        '    --dependency="afterany:${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"',
-        f'    --chdir="$PWD" "$PWD/{file_names.JOB}")',
+        'again=(--array=$SLURM_ARRAY_TASK_ID --dependency="afterany:${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID")',
     ]
     script = _deck_job(options, name, directory, {"array": _ranges(numbers) + limit}, values) + _text("array.sh")
     return {file_names.JOB: script, file_names.CASES: listing}
@@ -146,14 +144,15 @@ def _head(
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r}: not a name for a job; letters, digits, `.`, `_`, `-`, at most 64")
     plain = "\\" not in str((directory or Path()).absolute())
-    lines = [
-        {"job-name": name},
-        {"nodes": options.nodes, **requests},
+    lines: list[Mapping[str, object]] = [
+        {"job-name": name, "nodes": options.nodes, **requests},
         {"time": options.time, "signal": f"B:{signal}@{options.stop_before}"},
-        {"partition": options.partition},
-        {"account": options.account},
-        {"qos": options.qos},
-        {"constraint": options.constraint},
+        {
+            "partition": options.partition,
+            "account": options.account,
+            "qos": options.qos,
+            "constraint": options.constraint,
+        },
         {"output": rf"\\{file_names.JOB_OUTPUT}" if plain else "/dev/null", "open-mode": "append"},
     ]
     words = ([f"--{key}={value}" for key, value in line.items() if value is not None] for line in lines)
@@ -182,12 +181,14 @@ def _deck_job(
         f"# In this directory: sbatch {file_names.JOB}    State: granchain status .    Output: {file_names.JOB_OUTPUT}",
         "ranks=${SLURM_NTASKS:-$((SLURM_JOB_NUM_NODES * SLURM_NTASKS_PER_NODE))}",
         f"lammps=({' '.join(words)} -log none -screen none -nocite)",
-        f"max_jobs={options.max_jobs} checkpoint={options.checkpoint}  # jobs that submit each other; seconds to a restart",
-        f"ends=${{SLURM_JOB_END_TIME:-$(($(date +%s) + {options.limit}))}}",
+        f"max_jobs={options.max_jobs} checkpoint={options.checkpoint}  # seconds between two restarts",
+        f'ends=$(date -Is -d "@${{SLURM_JOB_END_TIME:-$(($(date +%s) + {options.limit}))}}")  # the time limit',
         *values,
         "",
     ]
-    modules = "".join(f"    {line}\n" for line in _module_lines(options, 'end failed "module load {} failed"'))
+    modules = "".join(
+        f"    {line}\n" for line in _module_lines(options, 'end failed "module load {} failed" || return')
+    )
     return "\n".join(lines) + "\n" + _text("job.sh").replace("# modules\n", modules)
 
 
@@ -240,13 +241,13 @@ def render_command(
 def render_input(problem: Problem) -> str:
     """The text of ``in.job``.
 
-    LAMMPS reads ``job.flag`` on one rank and broadcasts the word, so that all ranks see the same. The variable is deleted
-    in order to read the file again; nothing else may delete one, by ``next`` for example: LAMMPS of 2021 then crashes.
+    LAMMPS reads ``job.flag`` on one rank and broadcasts the word, so that all ranks see the same. To read the file
+    again, the variable is deleted; it must not be deleted by ``next``: LAMMPS of 2021 then crashes.
     """
     read_flag = ["variable flag delete", f"variable flag file {file_names.JOB_FLAG}"]
     sections = [
         [
-            f"# For {file_names.JOB}: the run to its end, or until {file_names.JOB_FLAG} says stop and a restart is left",
+            f"# For {file_names.JOB}: the run to its end, or to a restart when {file_names.JOB_FLAG} says stop",
             f"log {file_names.LOG} append",
             "processors ${ranks} 1 1          # refused where copies of LAMMPS were started instead of ranks",
         ],
@@ -361,5 +362,5 @@ def _keep_lines(problem: Problem) -> list[str]:
         f"shell stat -c %n:%s {' '.join(f'${{{name}}}' for name in names)} | cmp -s - {record} && &",
         f"  tail -c 16 {restart} | grep -q RestartT && &",
         f"  mv {record} {file_names.JOB_FRAMES} && mv {restart} {file_names.RESTART} || &",
-        f"  mv {file_names.JOB_FULL} {file_names.JOB_FLAG}",
+        f"  echo full 1<>{file_names.JOB_FLAG}",
     ]

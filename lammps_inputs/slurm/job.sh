@@ -1,48 +1,48 @@
 export LC_ALL=C OMP_NUM_THREADS=1
-job=$SLURM_JOB_ID number=${1:-1} stop=
-state() {  # STATE REASON: a line of fixed length, which a full disk takes in place of the one before
-    local line="$1 job=$job cluster=$SLURM_CLUSTER_NAME host=$HOSTNAME at=$(date -Is) until=$(date -Is -d "@$ends") $2"
+home=$PWD job=$SLURM_JOB_ID number=${1:-1} flag=go
+trap 'flag=stop; [ ! -f job.flag ] || echo stop 1<>job.flag' USR1  # from Slurm, before the time limit
+state() {  # STATE REASON: a line of fixed length, written in place of the one before, which a full disk takes
+    local line="$1 job=$job cluster=$SLURM_CLUSTER_NAME host=$HOSTNAME at=$(date -Is) until=$ends $2"
     printf '%-500.500s\n' "${line//[^[:print:]]/ }" 1<>job.state
     echo "granchain: $1 $2"
 }
-end() { rm -f job.room chains.restart.part; state "$1" "$2"; [ "$1" = done ] || [ "$1" = waiting ]; exit; }
-refuse() { echo "granchain: $1"; exit 1; }
+end() { trap - TERM; rm -f job.room chains.restart.part; state "$1" "$2"; [ "$1" = done ] || [ "$1" = waiting ]; }
+refuse() { echo "granchain: $1"; return 1; }
 
-compute() {  # the run in the present directory, and exit
-    trap 'stop=yes; mv -f job.stop job.flag 2>/dev/null' USR1  # from Slurm, before the time limit
-    trap 'end incomplete "cancelled, or stopped at its time limit"' TERM
-    [ -f in.job ] || refuse "this run is done, or its in.job is not here"
-    for file in log.lammps chains.* job.f* job.st*; do [ ! -L "$file" ] || refuse "$file is a link; put a file there"; done
-    exec 9<. && flock -n 9 || [ $? -ne 1 ] || refuse "something computes here already"
+compute() {  # the run in the present directory
+    [ -f in.job ] || refuse "this run is done, or its in.job is not here" || return
+    [ -z "$(find log.lammps chains.* job.* -prune -type l 2>/dev/null)" ] || refuse "a file of the job is a link" || return
+    exec 9<. && flock -n 9 || [ $? -ne 1 ] || refuse "something computes here already" || return
     IFS=' =' read -r _ _ last _ 2>/dev/null <job.state
-    [ "${last:-$job}" = "$job" ] || ! squeue -h -t R -o %A -j "$last" |& grep -qxe "$last" || refuse "job $last runs here"
-    echo go >job.flag; echo stop >job.stop; echo full >job.full  # words for in.job: to rename one needs no room
-    [ -z "$stop" ] || mv -f job.stop job.flag
+    [ "${last:-$job}" = "$job" ] || ! squeue -h -t R -o %A -j "$last" 2>/dev/null | grep -qxe "$last" ||
+        refuse "job $last runs here" || return
+    trap 'end incomplete "cancelled, or stopped at its time limit"; exit 1' TERM
+    echo $flag >job.flag  # in.job reads it between stretches of the run
     state running
 # modules
 
-    part=1  # of the frames
-    if [ -s chains.restart ] && [ -f job.frames ]; then  # resume with the next part, and the others as at the restart
-        while IFS=: read -r file bytes; do
-            [[ $file:$bytes =~ ^chains\.(dump|snapshots)(\.([1-9][0-9]{0,8}))?\.bin:[0-9]{1,18}$ ]] &&
-                [ "$(stat -c %s "$file")" -ge "$bytes" ] && truncate -s "$bytes" "$file" ||
-                end failed "$file is shorter than at the restart, or job.frames is damaged"
-            part=$((${BASH_REMATCH[3]:-1} + 1))
-        done <job.frames
-    fi
+    part=1  # of the frames; after a restart the next one, and those before as they were at the restart
+    [ -s chains.restart ] || rm -f job.frames
+    while IFS=: read -r file bytes; do
+        [[ $file:$bytes =~ ^chains\.(dump|snapshots)(\.([1-9][0-9]{0,8}))?\.bin:[0-9]{1,18}$ ]] &&
+            [ "$(stat -c %s "$file")" -ge "$bytes" ] && truncate -s "$bytes" "$file" ||
+            end failed "$file is shorter than at the restart, or job.frames is damaged" || return
+        part=$((${BASH_REMATCH[3]:-1} + 1))
+    done < <(cat job.frames 2>/dev/null)
     echo "# job $job" | tee -a log.lammps
-    "${lammps[@]}" -in in.job -var part $part -var ranks "$ranks" -var checkpoint $checkpoint &
+    "${lammps[@]}" -in in.job -var part $part -var ranks "$ranks" -var checkpoint $checkpoint </dev/null &
     while kill -0 $! 2>/dev/null; do wait $!; done  # a signal ends a wait
 
     word=$(cat job.flag)
-    [ "$word" != done ] || { rm -f in.job in.continue chains.restart job.f* job.stop; end done; }
+    [ "$word" != done ] || { rm -f in.job in.continue chains.restart job.f*; end done; return; }
     [ "$word" = stopped ] || head -c 1000000 /dev/zero >job.room || word=full
-    [ "$word" != full ] || end failed "the disk does not take what is written (is it full?); make room"
+    [ "$word" != full ] || end failed "the disk does not take what is written (is it full?); make room" || return
     why=$(sed -s "0,/^# job $job$/d" log.lammps job.out | grep -m 1 -e ERROR -e error: || tail -n 1 job.out)
     [[ $why != *"Specified processors"* ]] || why="it has not $ranks ranks; is the launcher that of its MPI?"
-    [ "$word" = stopped ] || end failed "'${lammps[*]}' ended before in.job did: $why"
-    [ "$number" -lt "$max_jobs" ] || end incomplete "stopped after $number jobs (--max-jobs)"
-    next=$("${again[@]}" $((number + 1)) 2>&1) || end incomplete "the next job could not be submitted: $next"
+    [ "$word" = stopped ] || end failed "'${lammps[*]}' ended before in.job did: $why" || return
+    [ "$number" -lt "$max_jobs" ] || end incomplete "stopped after $number jobs (--max-jobs)" || return
+    next=$(cd -- "$home" && sbatch --parsable "${again[@]}" job.sbatch $((number + 1))) ||
+        end incomplete "the next job could not be submitted: $(tail -n 1 job.out)" || return
     job=${next%%;*} end waiting "resumes when the job begins"
 }
 

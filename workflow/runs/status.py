@@ -1,8 +1,8 @@
 """In what state a directory is: every one has a name, also after a kill, and what to do next is said.
 
 Derived from a local run's own account (``run.json``), a Slurm job's line (``job.state``), or the files alone, and from
-the frames, the lock of a run under way, and what was just written. Slurm's queue is asked where there is one. Nothing is
-written. Half-written and damaged files raise nothing here: what cannot be read is skipped.
+the frames, the lock of a run under way, and what was just written. Slurm's queue is asked where there is one. Nothing
+is written. Half-written and damaged files raise nothing here: what cannot be read is skipped.
 """
 
 import platform
@@ -261,7 +261,9 @@ def _of_files(directory: Path) -> Status:
     return Status(directory, "running", step, steps, why)
 
 
-_LINE = re.compile(r"(running|waiting|incomplete|failed|done) job=(\S*) cluster=(\S*) host=(\S*) at=(\S*) until=(\S*) (.*)")
+_LINE = re.compile(
+    r"(running|waiting|incomplete|failed|done) job=(\S*) cluster=(\S*) host=(\S*) at=(\S*) until=(\S*) (.*)"
+)
 
 
 @dataclass(frozen=True)
@@ -295,8 +297,8 @@ def _report(path: Path) -> _Report | None:
         return None
     state, job, cluster, host, at, until, reason = map(_clean, fields.groups())
     with suppress(ValueError, OverflowError):
-        times = (datetime.fromisoformat(text).timestamp() for text in (at, until))
-        return _Report(state, job, cluster, host, *times, reason)
+        at_seconds, until_seconds = (datetime.fromisoformat(text).timestamp() for text in (at, until))
+        return _Report(state, job, cluster, host, at_seconds, until_seconds, reason)
     return None
 
 
@@ -360,7 +362,7 @@ def _latest(*steps: int | None) -> int | None:
 
 
 def _goes_on(directory: Path, job: Job | None = None) -> str:
-    """The step from which an incomplete run resumes: a local one by its account, a Slurm job with a record of frames."""
+    """From which step an incomplete run resumes: a local run by its account, a job where it left ``job.frames``."""
     step = step_of(directory / file_names.RESTART)
     if not step or (job is None and not (directory / file_names.JOB_FRAMES).is_file()):
         return "starts again, as there is no restart"
@@ -389,4 +391,3 @@ def _fresh(directory: Path, *account: Path) -> bool:
 def _clean(reason: Any) -> str:
     """One line that does nothing to a terminal."""
     return "".join(sign if sign.isprintable() else " " for sign in str(reason)[:300]).strip()
-

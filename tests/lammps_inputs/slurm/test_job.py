@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import os
+import pathlib
 import re
 import shlex
 import shutil
@@ -130,7 +131,7 @@ def go(directory, **environment):
 def stop(directory, computing=None, **environment):
     """Run the script, and signal as Slurm does that its time limit is near, when it computes in some directory."""
     with job_of(directory, **environment) as process:
-        assert wait_until((computing or directory).joinpath(file_names.JOB_STOP).exists, process)
+        assert wait_until((computing or directory).joinpath(file_names.JOB_FLAG).exists, process)
         process.send_signal(signal.SIGUSR1)
         process.wait(HANGS)
 
@@ -254,8 +255,8 @@ def test_the_number_of_ranks_stands_in_the_requests_to_slurm_alone(ranks, nodes,
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        ({"lmp": "/nowhere/lmp"}, "/nowhere/lmp' ended before in.job did: .*/nowhere/lmp.*No such file"),
-        ({"lmp": "/bin/true"}, "/bin/true' ended before in.job did"),
+        ({"lmp": "/nowhere/lmp"}, "/nowhere/lmp .*' ended before in.job did: .*/nowhere/lmp.*No such file"),
+        ({"lmp": "/bin/true"}, "/bin/true .*' ended before in.job did"),
         ({"launcher": "/nowhere/srun"}, "'/nowhere/srun .*/nowhere/srun: No such file"),
         ({"modules": ("no/such",)}, "module load no/such failed"),
         ({"ranks_per_node": 2, "launcher": "/usr/bin/env"}, "it has not 2 ranks; is the launcher that of its MPI[?]"),
@@ -342,7 +343,7 @@ def test_what_the_time_limit_leaves_of_a_task_is_done_by_the_next_job(tmp_path):
     directory = placed_task(tmp_path / "array", {"long": ENDLESS, "after": SHORT}, checkpoint=1)
     task = {"SLURM_ARRAY_JOB_ID": 16, "SLURM_ARRAY_TASK_ID": 0, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
     stop(directory, directory / "long", **task)
-    words = f"--parsable --array=0 --dependency=afterany:16_0 --chdir={directory} {directory}/job.sbatch 2\n"
+    words = "--parsable --array=0 --dependency=afterany:16_0 job.sbatch 2\n"
     assert submitted.read_text() == words
     assert state(directory / "long")[:2] == ("waiting", "17")
     assert (directory / "long" / file_names.RESTART).exists()
@@ -424,10 +425,25 @@ def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not(
     ]
 
 
+def test_a_written_job_is_at_most_sixty_lines_of_shell_beside_its_requests_and_comments():
+    options = JobOptions(partition="long", account="grains", qos="high", constraint="milan", modules=("gcc", "lammps"))
+    backslash = pathlib.Path("a\\b")  # takes a line more
+    scripts = [
+        job.render_job(options, scene(beads=4).problem(), backslash)[file_names.JOB],
+        job.render_array(options, ["a", "b"], directory=backslash)[file_names.JOB],
+        job.render_command(options, "many", ["granchain", "fit"], cores=4, directory=backslash),
+    ]
+    for script in scripts:
+        assert len(re.findall(r"^\s*[^#\s]", script, flags=re.MULTILINE)) <= 60
+    assert len(job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB].splitlines()) <= 60
+
+
 @pytest.mark.parametrize(("time", "seconds"), [("00:10:00", 600), ("1-12:30:05", 131405), ("100:00:00", 360000)])
 def test_where_slurm_does_not_tell_the_end_of_a_job_its_time_limit_does(time, seconds, tmp_path):
     directory = placed(scene(beads=4), tmp_path / "job", time=time, lmp="/nowhere/lmp")
-    (tmp_path / "date").write_text(f'#!/bin/sh\n[ "$*" != +%s ] || exec echo 1000000\nexec {shutil.which("date")} "$@"\n')
+    (tmp_path / "date").write_text(
+        f'#!/bin/sh\n[ "$*" != +%s ] || exec echo 1000000\nexec {shutil.which("date")} "$@"\n'
+    )
     (tmp_path / "date").chmod(0o755)
     go(directory, PATH=f"{tmp_path}:{os.environ['PATH']}")
     assert datetime.fromisoformat(state(directory)[5]).timestamp() == 1_000_000 + seconds
@@ -450,7 +466,7 @@ def test_hostile_text_is_refused_or_one_quoted_word(option, text, tmp_path):
     assert option in ("lmp", "launcher")
     script = job.render_job(options, scene(beads=4).problem())[file_names.JOB]
     assert requests(script) == requests(job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB])
-    values = script.split("# In this directory")[1].split("export LC_ALL")[0].partition("\n")[2]
+    values = script.split("# In this directory")[1].split("ends=")[0].partition("\n")[2]
     shown = subprocess.run(
         ["bash", "-c", values + '\nprintf "%s\\0" "${lammps[@]}"'],
         cwd=tmp_path,
@@ -459,7 +475,8 @@ def test_hostile_text_is_refused_or_one_quoted_word(option, text, tmp_path):
         check=True,
     )
     words = shown.stdout.decode().split("\0")[:-1]
-    assert words == (["srun", text] if option == "lmp" else [*shlex.split(text), "lmp"])
+    command = ["srun", text] if option == "lmp" else [*shlex.split(text), "lmp"]
+    assert words == [*command, "-log", "none", "-screen", "none", "-nocite"]
     assert list(tmp_path.iterdir()) == []
 
 
@@ -505,7 +522,7 @@ def test_an_array_refuses_another_list_of_cases_than_it_was_made_for(tmp_path):
     for name, text in job.render_array(JobOptions(), ["a", "b"]).items():
         (tmp_path / name).write_text(text)
     (tmp_path / file_names.CASES).write_text("b\na\n")
-    assert "not the list that this array was made for" in go(tmp_path, SLURM_ARRAY_TASK_ID=0)
+    assert "cases.txt is not the list of this array" in go(tmp_path, SLURM_ARRAY_TASK_ID=0)
 
 
 def test_peaks_that_only_a_run_of_granchain_finds_are_refused_and_not_left_out():
