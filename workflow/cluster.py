@@ -19,7 +19,7 @@ from typing import Any
 from lammps_inputs import InputError, Problem, file_names, physics
 from lammps_inputs.numbers import size_text, time_text
 from lammps_inputs.slurm import site
-from lammps_inputs.slurm.step_time import MESSAGES, bead_seconds, frame_seconds, step_time
+from lammps_inputs.slurm.step_time import MESSAGES, bead_seconds, frame_seconds, step_seconds
 
 MEMORY = 1000
 """Bytes a bead, at the start, when it is largest: of a single chain; 600 to 700 of coupled ones."""
@@ -100,7 +100,8 @@ def cost(problem: Problem, ranks: int) -> Cost:
     if problem.frames_per_snapshot is not None:
         frames += (HEADER + 24.0 * beads) * (1 + problem.frames // problem.frames_per_snapshot)
     largest = math.ceil(problem.rows / ranks) * problem.chains
-    step = step_time(problem).seconds(largest, ranks)
+    fixed, bead = step_seconds(problem)
+    step = fixed + bead * largest + MESSAGES * (ranks > 1)
     return Cost(
         ranks=ranks,
         beads=beads,

@@ -21,13 +21,13 @@ _TIMED_SINCE = 20230802
 """Earlier releases know the time since the restart only."""
 
 
-def dump_part(number: int | str) -> str:
-    """Name of a part of the frames, counted from 1; also by a LAMMPS variable, which must not be 1."""
+def dump_part(number: int) -> str:
+    """Name of a part of the frames, counted from 1."""
     return file_names.DUMP if number == 1 else f"chains.dump.{number}.bin"
 
 
-def snapshots_part(number: int | str) -> str:
-    """Name of a part of the snapshots, counted from 1; also by a LAMMPS variable, which must not be 1."""
+def snapshots_part(number: int) -> str:
+    """Name of a part of the snapshots, counted from 1."""
     return file_names.SNAPSHOTS if number == 1 else f"chains.snapshots.{number}.bin"
 
 

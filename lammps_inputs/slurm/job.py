@@ -23,30 +23,24 @@ import importlib.resources
 import itertools
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from lammps_inputs import file_names, window
 from lammps_inputs.decks import deck
-from lammps_inputs.decks.continuation import (
-    dump_part,
-    onward_lines,
-    render_continuation,
-    restart_lines,
-    snapshots_part,
-)
+from lammps_inputs.decks.continuation import onward_lines, render_continuation, restart_lines
 from lammps_inputs.errors import InputError
 from lammps_inputs.problem import Problem
 from lammps_inputs.slurm.site import RANKS, JobOptions
-from lammps_inputs.slurm.step_time import MESSAGES, frame_seconds, step_time
+from lammps_inputs.slurm.step_time import MESSAGES, frame_seconds, step_seconds
 
 _DIRECTORY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._=,+-]{0,254}")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 _MAX_CASES = 100_000
 
 STRETCH = 5.0
-"""Seconds of a run between two looks at ``job.flag``, by the model of `step_time`: a small part of any margin."""
+"""Seconds of a run between two looks at ``job.flag``, by the model of `step_seconds`: a small part of any margin."""
 
 
 def render_job(options: JobOptions, problem: Problem, directory: Path | None = None) -> dict[str, str]:
@@ -57,9 +51,9 @@ def render_job(options: JobOptions, problem: Problem, directory: Path | None = N
     """
     if options.ranks > problem.rows:
         raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {problem.rows} rows")
-    values = ['again=(--dependency="afterany:$SLURM_JOB_ID")']
-    script = _deck_job(options, problem.name, directory, {}, values) + "compute\n"
-    return {file_names.JOB: script, **case_files(problem)}
+    head = _head(options, problem.name, directory, f"--ntasks-per-node={options.ranks_per_node or 1}", "USR1")
+    script = _deck_job(options, head, ['again=(--dependency="afterany:$SLURM_JOB_ID")'])
+    return {file_names.JOB: f"{script}compute\n", **case_files(problem)}
 
 
 def case_files(problem: Problem) -> dict[str, str]:
@@ -115,7 +109,8 @@ def render_array(
         f"cases_sum={hashlib.sha256(listing.encode()).hexdigest()}",
         'again=(--array=$SLURM_ARRAY_TASK_ID --dependency="afterany:${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID")',
     ]
-    script = _deck_job(options, name, directory, {"array": _ranges(numbers) + limit}, values) + _text("array.sh")
+    requests = f"--ntasks-per-node={options.ranks_per_node or 1} --array={_ranges(numbers)}{limit}"
+    script = _deck_job(options, _head(options, name, directory, requests, "USR1"), values) + _text("array.sh")
     return {file_names.JOB: script, file_names.CASES: listing}
 
 
@@ -130,10 +125,8 @@ def _ranges(numbers: Sequence[int]) -> str:
     return ",".join(str(first) if first == last else f"{first}-{last}" for first, last in ranges)
 
 
-def _head(
-    options: JobOptions, name: str, directory: Path | None, signal: str, requests: Mapping[str, object]
-) -> list[str]:
-    """First lines of a job: what it requests of Slurm; ``requests`` by option, and a signal before the time limit.
+def _head(options: JobOptions, name: str, directory: Path | None, requests: str, signal: str) -> list[str]:
+    """First lines of a job: what it requests of Slurm, and a signal before the time limit.
 
     Slurm would expand a % in the directory's name but for the backslashes before the name of the output. A backslash
     in the directory's name it takes away, so there the script itself opens its output.
@@ -143,23 +136,21 @@ def _head(
     """
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r}: not a name for a job; letters, digits, `.`, `_`, `-`, at most 64")
-    plain = "\\" not in str((directory or Path()).absolute())
-    lines: list[Mapping[str, object]] = [
-        {"job-name": name, "nodes": options.nodes, **requests},
-        {"time": options.time, "signal": f"B:{signal}@{options.stop_before}"},
-        {
-            "partition": options.partition,
-            "account": options.account,
-            "qos": options.qos,
-            "constraint": options.constraint,
-        },
-        {"output": rf"\\{file_names.JOB_OUTPUT}" if plain else "/dev/null", "open-mode": "append"},
+    site = options.model_dump(include={"partition", "account", "qos", "constraint"}, exclude_none=True)
+    head = [
+        "#!/bin/bash",
+        f"#SBATCH --job-name={name} --nodes={options.nodes} {requests}",
+        f"#SBATCH --time={options.time} --signal=B:{signal}@{options.stop_before}",
     ]
-    words = ([f"--{key}={value}" for key, value in line.items() if value is not None] for line in lines)
-    head = ["#!/bin/bash", *(f"#SBATCH {' '.join(line)}" for line in words if line)]
-    if not plain:
-        head.append(f"[ ! /dev/stdout -ef /dev/null ] || exec >>{file_names.JOB_OUTPUT} 2>&1")
-    return head
+    if site:
+        head.append(f"#SBATCH {' '.join(f'--{key}={value}' for key, value in site.items())}")
+    if "\\" not in str((directory or Path()).absolute()):
+        return [*head, rf"#SBATCH --output=\\{file_names.JOB_OUTPUT} --open-mode=append"]
+    return [
+        *head,
+        "#SBATCH --output=/dev/null",
+        f"[ ! /dev/stdout -ef /dev/null ] || exec >>{file_names.JOB_OUTPUT} 2>&1",
+    ]
 
 
 def _module_lines(options: JobOptions, failure: str) -> list[str]:
@@ -170,26 +161,21 @@ def _module_lines(options: JobOptions, failure: str) -> list[str]:
     return ["type module >/dev/null 2>&1 || . /etc/profile", f"module load {modules} || {failure.format(modules)}"]
 
 
-def _deck_job(
-    options: JobOptions, name: str, directory: Path | None, more: Mapping[str, object], values: list[str]
-) -> str:
-    """The text of a job that runs decks, as far as it is no command: requests, values and functions."""
-    requests = {"ntasks-per-node": options.ranks_per_node or 1, **more}
+def _deck_job(options: JobOptions, head: list[str], values: list[str]) -> str:
+    """The text of a job of decks without its last commands: head, values and functions."""
     words = [_with_ranks(word) for word in (*shlex.split(options.launcher), options.lmp)]
     lines = [
-        *_head(options, name, directory, "USR1", requests),
+        *head,
         f"# In this directory: sbatch {file_names.JOB}    State: granchain status .    Output: {file_names.JOB_OUTPUT}",
         "ranks=${SLURM_NTASKS:-$((SLURM_JOB_NUM_NODES * SLURM_NTASKS_PER_NODE))}",
         f"lammps=({' '.join(words)} -log none -screen none -nocite)",
         f"max_jobs={options.max_jobs} checkpoint={options.checkpoint}  # seconds between two restarts",
         f'ends=$(date -Is -d "@${{SLURM_JOB_END_TIME:-$(($(date +%s) + {options.limit}))}}")  # the time limit',
         *values,
-        "",
     ]
-    modules = "".join(
-        f"    {line}\n" for line in _module_lines(options, 'end failed "module load {} failed" || return')
-    )
-    return "\n".join(lines) + "\n" + _text("job.sh").replace("# modules\n", modules)
+    modules = _module_lines(options, 'end failed "module load {} failed" || return')
+    functions = _text("job.sh").replace("# modules\n", "".join(f"    {line}\n" for line in modules))
+    return "\n".join(lines) + "\n\n" + functions
 
 
 def _with_ranks(word: str) -> str:
@@ -227,8 +213,7 @@ def render_command(
     if options.nodes != 1:
         raise InputError(f"--nodes: {options.nodes} given; this command works on the cores of one node")
     lines = [
-        *_head(options, name, directory, "TERM", {"ntasks": 1, "cpus-per-task": cores}),
-        "",
+        *_head(options, name, directory, f"--ntasks=1 --cpus-per-task={cores}", "TERM"),
         f"# In this directory: sbatch {file_names.JOB}    Output: {file_names.JOB_OUTPUT}",
         f"max_jobs={options.max_jobs if jobs is None else jobs}",
         f"command=({shlex.join(words)})",
@@ -280,40 +265,35 @@ def render_input(problem: Problem) -> str:
 
 
 class _Dump(NamedTuple):
-    """A dump of a job: names of its files, and what their sizes follow from.
+    """A dump of a job.
 
     Attributes:
-        first: file of a run from the start.
-        later: file of a resumed run, by the variable ``part``.
+        file: its first file; later ones have the number of the part before ``.bin``.
         every: steps between two frames, as LAMMPS evaluates it.
         frame: bytes of a frame, but for 4 bytes a rank.
     """
 
-    first: str
-    later: str
+    file: str
     every: str
     frame: int
 
 
 def _dumps(problem: Problem) -> dict[str, _Dump]:
     """The dumps of a job, by the LAMMPS variable that names the file."""
-    dumps = {"dump": _Dump(file_names.DUMP, dump_part("${part}"), "v_every", _frame_bytes(problem))}
+    dumps = {"dump": _Dump(file_names.DUMP, "v_every", _frame_bytes(problem))}
     if problem.frames_per_snapshot is not None:
-        every, frame = f"({problem.frames_per_snapshot}*v_every)", _frame_bytes(problem.snapshots())
-        dumps["snapshots"] = _Dump(file_names.SNAPSHOTS, snapshots_part("${part}"), every, frame)
+        every = f"({problem.frames_per_snapshot}*v_every)"
+        dumps["snapshots"] = _Dump(file_names.SNAPSHOTS, every, _frame_bytes(problem.snapshots()))
     return dumps
 
 
 def _part_lines(problem: Problem) -> list[str]:
-    """Input and files of frames of a part, by its number."""
-    dumps = _dumps(problem)
-    first = {"input": file_names.DECK, **{name: dump.first for name, dump in dumps.items()}}
-    later = {"input": file_names.CONTINUE, **{name: dump.later for name, dump in dumps.items()}}
-
-    def commands(files: dict[str, str]) -> str:
-        return " ".join(f'"variable {name} string {file}"' for name, file in files.items())
-
-    return [f'if "${{part}} == 1" then {commands(first)} &', f"  else {commands(later)}"]
+    """Variables for the input and the files of frames of a part, by its number."""
+    files = [(name, dump.file, dump.file.replace(".bin", ".${part}.bin")) for name, dump in _dumps(problem).items()]
+    return [
+        f'if "${{part}} == 1" then "variable {name} string {first}" else "variable {name} string {later}"'
+        for name, first, later in [("input", file_names.DECK, file_names.CONTINUE), *files]
+    ]
 
 
 def _size_lines(problem: Problem) -> list[str]:
@@ -335,10 +315,10 @@ def _frame_bytes(problem: Problem) -> int:
 
 def _stretch_lines(problem: Problem) -> list[str]:
     """Variables for the steps of a stretch: about `STRETCH` seconds, at the least those after which a run may stop."""
-    step, grain = step_time(problem), window.stride(problem)
-    beads = problem.chains * problem.rows * step.bead
+    fixed, bead = step_seconds(problem)
+    beads, grain = problem.chains * problem.rows * bead, window.stride(problem)
     frames = "".join(f"+{frame_seconds(dump.frame):.3g}/{dump.every}" for dump in _dumps(problem).values())
-    seconds = f"{step.fixed:.3g}+{beads:.3g}/v_ranks+{MESSAGES:g}*(v_ranks>1){frames}"
+    seconds = f"{fixed:.3g}+{beads:.3g}/v_ranks+{MESSAGES:g}*(v_ranks>1){frames}"
     return [
         f"variable seconds equal {seconds}   # of a step, by a model",
         f"variable look equal ceil({STRETCH:g}/v_seconds/{grain})*{grain}",

@@ -1,6 +1,6 @@
 export LC_ALL=C OMP_NUM_THREADS=1
 home=$PWD job=$SLURM_JOB_ID number=${1:-1} flag=go
-trap 'flag=stop; [ ! -f job.flag ] || echo stop 1<>job.flag' USR1  # from Slurm, before the time limit
+trap 'flag=stop; ! grep -qs go job.flag || echo stop 1<>job.flag' USR1  # from Slurm, before the time limit
 state() {  # STATE REASON: a line of fixed length, written in place of the one before, which a full disk takes
     local line="$1 job=$job cluster=$SLURM_CLUSTER_NAME host=$HOSTNAME at=$(date -Is) until=$ends $2"
     printf '%-500.500s\n' "${line//[^[:print:]]/ }" 1<>job.state
@@ -21,8 +21,8 @@ compute() {  # the run in the present directory
     state running
 # modules
 
-    part=1  # of the frames; after a restart the next one, and those before as they were at the restart
-    [ -s chains.restart ] || rm -f job.frames
+    part=1  # of the frames; after a restart the next one, and the one before it as it was at the restart
+    [ -s chains.restart ] && part=$(($(ls chains.dump*.bin | wc -l) + 1)) || rm -f job.frames
     while IFS=: read -r file bytes; do
         [[ $file:$bytes =~ ^chains\.(dump|snapshots)(\.([1-9][0-9]{0,8}))?\.bin:[0-9]{1,18}$ ]] &&
             [ "$(stat -c %s "$file")" -ge "$bytes" ] && truncate -s "$bytes" "$file" ||

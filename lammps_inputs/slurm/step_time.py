@@ -4,8 +4,6 @@ A step takes a fixed time, a time for every bead of a rank, and with more than o
 measured on one core with 100 to a million beads, except where a comment says that they are assumed.
 """
 
-from dataclasses import dataclass
-
 from lammps_inputs import physics
 from lammps_inputs.laws import plastic_lines
 from lammps_inputs.laws.in_time import Table
@@ -51,30 +49,17 @@ FILE = 5e8
 """Bytes a second into one file: assumed."""
 
 
-@dataclass(frozen=True)
-class StepTime:
-    """Wall time of a time step.
-
-    Attributes:
-        fixed: seconds, whatever the number of beads.
-        bead: seconds for each bead of a rank.
-    """
-
-    fixed: float
-    bead: float
-
-    def seconds(self, beads: float, ranks: int) -> float:
-        """Seconds of a step where the largest of some ranks has so many beads."""
-        return self.fixed + self.bead * beads + MESSAGES * (ranks > 1)
-
-
 def bead_seconds(problem: Problem) -> float:
     """Seconds a bead and step of contacts and springs alone."""
     return COUPLED_BEAD if physics.coupled(problem.system) else LONE_BEAD
 
 
-def step_time(problem: Problem) -> StepTime:
-    """Wall time of a time step, with what the ingredients of the scene add."""
+def step_seconds(problem: Problem) -> tuple[float, float]:
+    """Seconds of a time step, with what the ingredients of the scene add, without `MESSAGES`.
+
+    Returns:
+        Seconds whatever the number of beads; and seconds for each bead of a rank.
+    """
     system = problem.system
     tables = [load.law for load in system.loads if isinstance(load.law, Table)]
     fixed = STEP + FORMULA * (len(system.loads) - len(tables)) + POINT * sum(len(law.time) for law in tables)
@@ -88,7 +73,7 @@ def step_time(problem: Problem) -> StepTime:
         hosted = plastic_lines.needs_host(system)
         fixed += HOST * hosted
         bead += HOSTED if hosted else YIELDING
-    return StepTime(fixed, bead)
+    return fixed, bead
 
 
 def frame_seconds(size: float, frames: float = 1) -> float:

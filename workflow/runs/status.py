@@ -261,77 +261,62 @@ def _of_files(directory: Path) -> Status:
     return Status(directory, "running", step, steps, why)
 
 
-_LINE = re.compile(
-    r"(running|waiting|incomplete|failed|done) job=(\S*) cluster=(\S*) host=(\S*) at=(\S*) until=(\S*) (.*)"
+_REPORT = re.compile(
+    r"(?P<state>running|waiting|incomplete|failed|done) job=(?P<job>\S*) cluster=(?P<cluster>\S*) host=(?P<host>\S*)"
+    r" at=(?P<at>\S*) until=(?P<until>\S*) (?P<reason>.*)"
 )
+"""The line of ``job.state``: state of a run, job (the next one of a waiting run), cluster, node, when it was written,
+time limit of the job, and why it ended.
+"""
 
 
-@dataclass(frozen=True)
-class _Report:
-    """The line of ``job.state``.
-
-    Attributes:
-        state: one of `MEANING`.
-        job: number of the job; where the state is "waiting", of the next one.
-        cluster: name of the cluster.
-        host: node that wrote the line.
-        at: when it was written, in seconds since 1970.
-        until: when the job reaches its time limit, in seconds since 1970.
-        reason: why the job ended; empty where it runs or is done.
-    """
-
-    state: str
-    job: str
-    cluster: str
-    host: str
-    at: float
-    until: float
-    reason: str
+def _report(account: Path) -> dict[str, str]:
+    """Fields of `_REPORT` by name; none if the file does not hold such a line."""
+    with account.open(encoding="utf-8", errors="replace") as file:
+        line = _REPORT.match(file.read(1 << 12))
+    return {} if line is None else {name: _clean(text) for name, text in line.groupdict().items()}
 
 
-def _report(path: Path) -> _Report | None:
-    """The line of a ``job.state``; None if it is none."""
-    with path.open(encoding="utf-8", errors="replace") as file:
-        fields = _LINE.match(file.read(1 << 12))
-    if fields is None:
-        return None
-    state, job, cluster, host, at, until, reason = map(_clean, fields.groups())
-    with suppress(ValueError, OverflowError):
-        at_seconds, until_seconds = (datetime.fromisoformat(text).timestamp() for text in (at, until))
-        return _Report(state, job, cluster, host, at_seconds, until_seconds, reason)
-    return None
+def _seconds(moment: str) -> float:
+    """Seconds since 1970 of a time with its zone; 0 if it cannot be read."""
+    try:
+        return datetime.fromisoformat(moment).timestamp()
+    except (ValueError, OverflowError):
+        return 0.0
 
 
 def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queued | None) -> Status:
     """State of the directory of a Slurm job, by its account; where the queue has the job, the queue is right."""
     report, steps = _report(account), _steps(directory)
-    if report is not None and report.state == "done":
+    state, number = report.get("state", ""), report.get("job", "")
+    if state == "done":
         return Status(directory, "done", steps, steps)
     step = _latest(_last_step(directory), step_of(directory / file_names.RESTART), 0)
-    here = queue is not None and report is not None and queue.cluster == report.cluster
-    if queue is not None and report is not None and here and queued is None:
-        queued = queue.job(report.job)
+    here = queue is not None and queue.cluster == report.get("cluster")
+    if queue is not None and here and queued is None:
+        queued = queue.job(number)
     if queued is not None:
         if queued.waiting:
             return Status(directory, "waiting", step, steps, f"job {queued.number} is in the queue")
         return Status(directory, "running", step, steps, f"job {queued.number}")
     again, goes_on = _sbatch(directory), _goes_on(directory)
-    if report is None:
+    if not report:
         return Status(directory, "failed", step, steps, f"{account.name} cannot be read; {again} tries again")
-    if report.state in ("waiting", "running") and here:
-        why = f"job {report.job} is gone: killed, or its node lost; {again} {goes_on}"
+    if state in ("waiting", "running") and here:
+        why = f"job {number} is gone: killed, or its node lost; {again} {goes_on}"
         return Status(directory, "incomplete", step, steps, why)
-    reported = time.strftime("as reported on %Y-%m-%d %H:%M", time.localtime(report.at)) + f" by {report.host}"
-    if report.state == "waiting":
-        return Status(directory, "waiting", step, steps, f"job {report.job} {report.reason}, {reported}")
-    if report.state == "running":
-        if time.time() > report.until + GRACE:
-            why = f"job {report.job} is past its time limit, so it was killed; {again} {goes_on}"
+    moment = time.localtime(_seconds(report["at"]))
+    reported = time.strftime("as reported on %Y-%m-%d %H:%M", moment) + f" by {report['host']}"
+    if state == "waiting":
+        return Status(directory, "waiting", step, steps, f"job {number} {report['reason']}, {reported}")
+    if state == "running":
+        if time.time() > _seconds(report["until"]) + GRACE:
+            why = f"job {number} is past its time limit, so it was killed; {again} {goes_on}"
             return Status(directory, "incomplete", step, steps, why)
-        return Status(directory, "running", step, steps, f"job {report.job}, {reported}")
-    if report.state == "incomplete":
-        return Status(directory, "incomplete", step, steps, f"{report.reason}; {again} {goes_on}")
-    return Status(directory, "failed", step, steps, f"{report.reason}; {again} tries again")
+        return Status(directory, "running", step, steps, f"job {number}, {reported}")
+    if state == "incomplete":
+        return Status(directory, "incomplete", step, steps, f"{report['reason']}; {again} {goes_on}")
+    return Status(directory, "failed", step, steps, f"{report['reason']}; {again} tries again")
 
 
 def _sbatch(directory: Path) -> str:
@@ -362,9 +347,9 @@ def _latest(*steps: int | None) -> int | None:
 
 
 def _goes_on(directory: Path, job: Job | None = None) -> str:
-    """From which step an incomplete run resumes: a local run by its account, a job where it left ``job.frames``."""
+    """The step from which an incomplete run resumes; a local one by its account."""
     step = step_of(directory / file_names.RESTART)
-    if not step or (job is None and not (directory / file_names.JOB_FRAMES).is_file()):
+    if not step:
         return "starts again, as there is no restart"
     if job is not None and job.engine == "lammps":
         from workflow.runs.resume import restart_refused  # which imports what runs LAMMPS

@@ -199,7 +199,30 @@ def test_a_killed_job_goes_on_bit_for_bit(kind, lmp, ranks, tmp_path):
     kill_after_a_restart(directory)
     go(directory)
     assert ended(directory) == ("done", "")
-    written = {"dump": case.problem()} | ({"snapshots": case.problem().snapshots()} if kind == "snapshots" else {})
+    assert_same_frames(directory, whole, case)
+
+
+@pytest.mark.slow
+def test_a_job_resumes_from_the_restart_of_a_run_that_was_no_job_bit_for_bit(tmp_path):
+    case, whole = KINDS["snapshots"], tmp_path / "whole"
+    whole.mkdir()
+    deck.write(case, whole)
+    subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
+    directory = placed(case, tmp_path / "job", checkpoint=1)
+    restart_often(directory, case)
+    kill_after_a_restart(directory)
+    for name in (file_names.JOB_FRAMES, file_names.JOB_STATE, file_names.JOB_FLAG):
+        (directory / name).unlink()
+    go(directory)
+    assert ended(directory) == ("done", "")
+    assert_same_frames(directory, whole, case)
+
+
+def assert_same_frames(directory, whole, case):
+    """The frames of a resumed job, in two parts, are those of an uninterrupted run."""
+    written = {"dump": case.problem()}
+    if case.problem().frames_per_snapshot is not None:
+        written["snapshots"] = case.problem().snapshots()
     for name, what in written.items():
         assert len(parts(directory, name)) == 2
         found, expected = (joined(blocks(parts(path, name), what)) for path in (directory, whole))

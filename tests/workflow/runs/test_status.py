@@ -64,7 +64,6 @@ def with_restart(directory, step):
     """The head and the end of a restart as LAMMPS writes it."""
     magic = b"LammpS RestartT\0"
     (directory / file_names.RESTART).write_bytes(magic + bytes(8) + struct.pack("<iq", 5, step) + bytes(600) + magic)
-    (directory / file_names.JOB_FRAMES).write_text(f"{file_names.DUMP}:0\n")
     return directory
 
 
@@ -269,8 +268,6 @@ def test_it_is_said_from_which_step_a_run_goes_on(tmp_path):
     assert " starts again, for the restart is of another version" in status(with_record(directory, **older)).why
     (directory / RECORD).unlink()
     assert status(with_state(directory, "incomplete"), alps()).why.endswith("there resumes at step 400")
-    (directory / file_names.JOB_FRAMES).unlink()  # the restart is not a job's
-    assert status(directory, alps()).why.endswith("there starts again, as there is no restart")
 
 
 def test_without_the_maxima_until_its_restart_a_run_starts_again(tmp_path):
