@@ -289,9 +289,9 @@ def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queue
     """State of the directory of a Slurm job, by its account; where the queue has the job, the queue is right."""
     report, steps = _report(account), _steps(directory)
     state, number = report.get("state", ""), report.get("job", "")
-    if state == "done":
-        return Status(directory, "done", steps, steps)
     step = _latest(_last_step(directory), step_of(directory / file_names.RESTART), 0)
+    if state == "done" or (not report and step == steps):  # jobs of version 0.1 wrote another report
+        return Status(directory, "done", steps, steps)
     here = queue is not None and queue.cluster == report.get("cluster")
     if queue is not None and here and queued is None:
         queued = queue.job(number)

@@ -194,6 +194,14 @@ def test_where_its_queue_cannot_be_asked_a_job_is_what_it_said_last(state, queue
     assert found.why.endswith(f"as reported on {datetime.fromisoformat(at):%Y-%m-%d %H:%M} by n12")
 
 
+def test_a_job_of_an_earlier_version_is_done_if_all_frames_are_there(tmp_path):
+    directory = with_frames(with_deck(tmp_path / "x"), STEPS // 10)
+    (directory / file_names.JOB_STATE).write_text(f"state done\nstep {STEPS}\nsteps {STEPS}\njob 7\n")
+    assert status(directory, alps()).state == "done"
+    with_frames(directory, STEPS // 20)
+    assert status(directory, alps()).why == "job.state cannot be read; `sbatch job.sbatch` beside cases.txt tries again"
+
+
 def test_a_job_past_its_time_limit_is_incomplete_even_where_its_queue_cannot_be_asked(tmp_path):
     assert status(with_state(with_deck(tmp_path / "y"), "running", ends=-60.0)).state == "running"  # it may still end
     found = status(with_state(with_deck(tmp_path / "x"), "running", ends=-3600.0))
