@@ -320,8 +320,8 @@ EDITED = {
     ),
     "drive": (
         "driven",
-        r"(drive1amplitude index) (\S+)",
-        lambda m: f"{m[1]} {1.1 * float(m[2])!r}",
+        r"(variable drive1[xv] equal )",
+        r"\g<1>1.1*",
         "the drive of bead 1 of chain 1 has a displacement of 0.55 instead of 0.5",
     ),
 }
