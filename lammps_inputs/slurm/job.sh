@@ -34,7 +34,7 @@ compute() {  # the run in the present directory
     while kill -0 $! 2>/dev/null; do wait $!; done  # a signal ends a wait
 
     word=$(cat job.flag)
-    [ "$word" != done ] || { rm -f in.job in.continue chains.restart job.f*; end done; return; }
+    [ "$word" != done ] || { end done; rm -f in.job in.continue chains.restart job.f*; return; }
     [ "$word" = stopped ] || head -c 1000000 /dev/zero >job.room || word=full
     [ "$word" != full ] || end failed "the disk does not take what is written (is it full?); make room" || return
     why=$(sed -s "0,/^# job $job$/d" log.lammps job.out | grep -m 1 -e ERROR -e error: || tail -n 1 job.out)
