@@ -21,20 +21,11 @@ CASES = "cases.txt"
 JOB = "job.sbatch"
 JOB_INPUT = "in.job"
 JOB_STATE = "job.state"
-JOB_STEP = "job.step"
+JOB_FLAG = "job.flag"
+JOB_FRAMES = "job.frames"
 JOB_OUTPUT = "job.out"
 JOB_FILES = (
-    JOB,
-    JOB_INPUT,
-    JOB_STATE,
-    JOB_STEP,
-    JOB_OUTPUT,
-    "job.frames",
-    ".job.check",
-    ".job.reserve",
-    ".job.keep",
-    ".job.yes",
-    ".job.no",
-    ".job.kept",
+    *(JOB, JOB_INPUT, JOB_STATE, JOB_FLAG, "job.room"),
+    *(JOB_FRAMES, f"{JOB_FRAMES}.part", JOB_OUTPUT),
 )
 """What a job has and leaves in the directory of a run, beside the run's own files."""

@@ -17,22 +17,9 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, Problem, file_names, physics
-from lammps_inputs.laws.in_time import Table
-from lammps_inputs.laws.written import AcrossChains, AlongChains
 from lammps_inputs.numbers import size_text, time_text
 from lammps_inputs.slurm import site
-
-LONE_BEAD = 10e-9
-"""Seconds a bead and step without springs, of a million beads; 8 ns where they fit into the cache."""
-
-COUPLED_BEAD = 20e-9
-"""Seconds a bead and step with springs, of a million beads; 13 ns where they fit into the cache."""
-
-STEP = 1.5e-6
-"""Seconds a step at the least."""
-
-MESSAGES = 10e-6
-"""Seconds a step for the messages of a rank to its neighbours, and for waiting for them: assumed."""
+from lammps_inputs.slurm.step_time import MESSAGES, bead_seconds, frame_seconds, step_seconds
 
 MEMORY = 1000
 """Bytes a bead, at the start, when it is largest: of a single chain; 600 to 700 of coupled ones."""
@@ -43,28 +30,11 @@ PROCESS = 40_000_000
 LONE_RESTART, COUPLED_RESTART = 144, 190
 """Bytes a bead in a restart."""
 
-FRAME, HEADER = 15e-6, 154
-"""Seconds a frame beside its bytes, and bytes of its header."""
-
-FORMULA, POINT, MOTION = 20e-6, 6e-6, 6e-6
-"""Seconds a step for a force from outside that is a formula of time, for each point of one that is a table, and for a
-bead whose motion is given.
-"""
-
-LEPTON = 100e-6
-"""Seconds a step where contacts have an exponent other than 1 and 1.5, whose formula LAMMPS evaluates in each."""
-
-WRITTEN = 500e-6
-"""Seconds a step for each kind of link whose energy is a formula of the scene's: measured, 0.35e-3 to 0.6e-3."""
-
-LOADED, DAMPED = 40e-9, 20e-9
-"""Seconds a bead and step that a static load and dashpots of contacts add."""
+HEADER = 154
+"""Bytes of the header of a frame."""
 
 REFERENCE_FORCE = 1e-9
 """Seconds of the reference integrator for the forces on a bead; measured: 0.7e-9 to 3e-9."""
-
-FILE = 5e8
-"""Bytes a second into one file: assumed."""
 
 EFFICIENCY = 0.9
 """Part of the time that a rank spends on its beads rather than on messages, below which more ranks are a waste."""
@@ -110,29 +80,6 @@ class Cost:
         )
 
 
-YIELDING = 2e-6
-"""Seconds a bead and step of contacts that yield (`lammps_inputs.laws.plastic_lines`)."""
-
-
-def bead_seconds(problem: Problem) -> float:
-    """Seconds a bead and step."""
-    return COUPLED_BEAD if physics.coupled(problem.system) else LONE_BEAD
-
-
-def _more(problem: Problem, beads: int) -> float:
-    """Seconds a step that ingredients add on a rank with so many beads."""
-    system = problem.system
-    tables = [load.law for load in system.loads if isinstance(load.law, Table)]
-    seconds = FORMULA * (len(system.loads) - len(tables)) + POINT * sum(len(law.time) for law in tables)
-    seconds += MOTION * len(system.motions)
-    if physics.exponent(system) not in (None, 1.0, 1.5):
-        seconds += LEPTON
-    seconds += WRITTEN * sum(isinstance(link.law, AlongChains | AcrossChains) for link in system.links)
-    if physics.remembering(system):
-        seconds += beads * YIELDING
-    return seconds + beads * (LOADED * physics.loaded(system) + DAMPED * (physics.contact_loss(system) is not None))
-
-
 def least_beads(problem: Problem) -> int:
     """Beads that a rank must have to be worth its messages."""
     return math.ceil(EFFICIENCY / (1.0 - EFFICIENCY) * MESSAGES / bead_seconds(problem))
@@ -152,13 +99,14 @@ def cost(problem: Problem, ranks: int) -> Cost:
     frames = frame * (problem.frames + 1)
     if problem.frames_per_snapshot is not None:
         frames += (HEADER + 24.0 * beads) * (1 + problem.frames // problem.frames_per_snapshot)
-    own = math.ceil(problem.rows / ranks) * problem.chains
-    step = STEP + bead_seconds(problem) * own + _more(problem, own) + (MESSAGES if ranks > 1 else 0.0)
+    largest = math.ceil(problem.rows / ranks) * problem.chains
+    fixed, bead = step_seconds(problem)
+    step = fixed + bead * largest + MESSAGES * (ranks > 1)
     return Cost(
         ranks=ranks,
         beads=beads,
         step=step,
-        seconds=step * problem.steps + FRAME * problem.frames + frames / FILE,
+        seconds=step * problem.steps + frame_seconds(frames, problem.frames),
         memory=float(MEMORY * beads + PROCESS * ranks),
         frame=frame,
         frames=frames,

@@ -132,12 +132,17 @@ def _keeps_forces(system: System) -> bool:
     return bool(system.dampers or physics.remembering(system))
 
 
-def onward_lines(problem: Problem) -> list[str]:
-    """To the step ``steps``, without the setup that a run begins with."""
+def onward_lines(problem: Problem, *, timings: bool = True) -> list[str]:
+    """LAMMPS commands of a run to the step ``steps`` without the setup that a run begins with.
+
+    Args:
+        problem: what is computed.
+        timings: whether LAMMPS may end the run with a table of its timings in the log.
+    """
     if problem.window is not None:
         travel = window.travel_lines(problem)
         travel.remove("run 0 post no")  # the setup
         return [scheme.timestep_command(problem.scheme), *travel]
     if problem.scheme == "verlet":
-        return ["run ${steps} upto pre no"]
+        return ["run ${steps} upto pre no" + ("" if timings else " post no")]
     return [*scheme.QUIET, *scheme.onward_lines(problem.scheme, "steps"), *scheme.LOUD]

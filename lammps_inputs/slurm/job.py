@@ -1,15 +1,15 @@
 """Slurm jobs: a deck, or a list of them as one array, run to the end by jobs that submit each other.
 
-| file          | what                                                                                  |
-|---------------|---------------------------------------------------------------------------------------|
-| job.sbatch    | requests nodes and time, checks LAMMPS and the deck, submits itself until done (``job.sh``) |
-| in.job        | the deck, or its continuation, up to the time limit; then a restart; removed when done  |
-| in.continue   | see `continuation`; removed when done                                                 |
-| cases.txt     | of an array: the directories of one task a line                                       |
-| job.state     | written by the job: the state of the run, for `granchain status`                       |
-| job.step      | written by the job: step of the last restart; removed when done                        |
-| job.frames    | written by the job: which frames belong to the restart; removed when done              |
-| job.out       | output of the job, and messages of Slurm                                               |
+| file          | content                                                                                       |
+|---------------|-----------------------------------------------------------------------------------------------|
+| job.sbatch    | the job: it starts LAMMPS, and before its time limit submits the next one (``job.sh``)         |
+| in.job        | the deck or its continuation, in stretches between which ``job.flag`` is read; removed when done |
+| in.continue   | see `continuation`; removed when done                                                          |
+| cases.txt     | of an array: the directories of one task a line                                                |
+| job.state     | one line: state, job, cluster, node, time, time limit, reason; for `granchain status`          |
+| job.flag      | one word: ``go``, from the job ``stop``, from ``in.job`` ``stopped``, ``done`` or ``full``       |
+| job.frames    | files of frames and their bytes at the restart; removed when done, as is ``chains.restart``    |
+| job.out       | output of the job, and messages of Slurm and of what starts the ranks                          |
 
 The deck itself is not touched. Every text that comes from a user is checked by a pattern and quoted.
 
@@ -23,19 +23,24 @@ import importlib.resources
 import itertools
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from lammps_inputs import file_names, window
 from lammps_inputs.decks import deck
 from lammps_inputs.decks.continuation import onward_lines, render_continuation, restart_lines
 from lammps_inputs.errors import InputError
 from lammps_inputs.problem import Problem
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.slurm.site import RANKS, JobOptions
+from lammps_inputs.slurm.step_time import MESSAGES, frame_seconds, step_seconds
 
 _DIRECTORY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._=,+-]{0,254}")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 _MAX_CASES = 100_000
+
+STRETCH = 5.0
+"""Seconds of a run between two looks at ``job.flag``, by the model of `step_seconds`: a small part of any margin."""
 
 
 def render_job(options: JobOptions, problem: Problem, directory: Path | None = None) -> dict[str, str]:
@@ -46,7 +51,9 @@ def render_job(options: JobOptions, problem: Problem, directory: Path | None = N
     """
     if options.ranks > problem.rows:
         raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {problem.rows} rows")
-    return {file_names.JOB: _script(options, problem.name, directory), **case_files(problem)}
+    head = _head(options, problem.name, directory, f"--ntasks-per-node={options.ranks_per_node or 1}", "USR1")
+    script = _deck_job(options, head, ['again=(--dependency="afterany:$SLURM_JOB_ID")'])
+    return {file_names.JOB: f"{script}compute\n", **case_files(problem)}
 
 
 def case_files(problem: Problem) -> dict[str, str]:
@@ -95,74 +102,87 @@ def render_array(
     if not numbers or numbers[0] < 0 or numbers[-1] >= len(cases):
         raise InputError(f"tasks of an array: numbers from 0 to {len(cases) - 1}, {list(numbers)[:5]} given")
     listing = "".join(f"{' '.join(line)}\n" for line in lines)
-    return {file_names.JOB: _script(options, name, directory, listing, _ranges(numbers)), file_names.CASES: listing}
+    limit = "" if options.array_limit is None else f"%{options.array_limit}"
+    values = [
+        f"cases_sum={hashlib.sha256(listing.encode()).hexdigest()}",
+        'again=(--array=$SLURM_ARRAY_TASK_ID --dependency="afterany:${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID")',
+    ]
+    requests = f"--ntasks-per-node={options.ranks_per_node or 1} --array={_ranges(numbers)}{limit}"
+    script = _deck_job(options, _head(options, name, directory, requests, "USR1"), values) + _text("array.sh")
+    return {file_names.JOB: script, file_names.CASES: listing}
 
 
 def _ranges(numbers: Sequence[int]) -> str:
     """Ascending numbers as Slurm reads them, such as ``0-3,7``."""
-    found: list[list[int]] = []
+    ranges: list[list[int]] = []
     for number in numbers:
-        if found and number == found[-1][1] + 1:
-            found[-1][1] = number
+        if ranges and number == ranges[-1][1] + 1:
+            ranges[-1][1] = number
         else:
-            found.append([number, number])
-    return ",".join(str(first) if first == last else f"{first}-{last}" for first, last in found)
+            ranges.append([number, number])
+    return ",".join(str(first) if first == last else f"{first}-{last}" for first, last in ranges)
 
 
-def _head(options: JobOptions, name: str, directory: Path | None, more: Mapping[str, object]) -> list[str]:
-    """First lines of a job: what it asks Slurm for, ``more`` by option without those that are None.
+def _head(options: JobOptions, name: str, directory: Path | None, requests: str, signal: str) -> list[str]:
+    """First lines of a job: what it requests of Slurm, and a signal before the time limit.
 
     Slurm would expand a % in the directory's name but for the backslashes before the name of the output. A backslash
-    in the directory's name it takes away, so there the script alone opens its output.
+    in the directory's name it takes away, so there the script itself opens its output.
 
     Raises:
-        InputError: the name is none.
+        InputError: the name is none of a job.
     """
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r}: not a name for a job; letters, digits, `.`, `_`, `-`, at most 64")
-    plain = "\\" not in str((directory or Path()).absolute())
-    asked = {
-        "job-name": name,
-        "nodes": options.nodes,
-        **more,
-        "time": options.time,
-        "partition": options.partition,
-        "account": options.account,
-        "qos": options.qos,
-        "constraint": options.constraint,
-        "output": rf"\\{file_names.JOB_OUTPUT}" if plain else "/dev/null",
-        "open-mode": "append",
-    }
-    return ["#!/bin/bash", *(f"#SBATCH --{key}={value}" for key, value in asked.items() if value is not None), ""]
-
-
-def _script(options: JobOptions, name: str, directory: Path | None, listing: str | None = None, tasks: str = "") -> str:
-    limit = "" if options.array_limit is None else f"%{options.array_limit}"
-    asked = {
-        "ntasks-per-node": options.ranks_per_node or 1,
-        "cpus-per-task": 1,
-        "array": None if listing is None else tasks + limit,
-    }
-    values = {
-        "margin": options.stop_before,
-        "checkpoint": options.checkpoint,
-        "max_jobs": options.max_jobs,
-        "lmp": options.lmp,
-        **({} if listing is None else {"cases_sum": hashlib.sha256(listing.encode()).hexdigest()}),
-    }
-    lines = [
-        *_head(options, name, directory, asked),
-        f"# In this directory: sbatch {file_names.JOB}    State: granchain status .    Output: {file_names.JOB_OUTPUT}",
-        *(f"{key}={shlex.quote(str(value))}" for key, value in values.items()),
-        f"launch=({shlex.join(shlex.split(options.launcher))})",
-        f"modules=({shlex.join(options.modules)})",
-        "",
+    site = options.model_dump(include={"partition", "account", "qos", "constraint"}, exclude_none=True)
+    head = [
+        "#!/bin/bash",
+        f"#SBATCH --job-name={name} --nodes={options.nodes} {requests}",
+        f"#SBATCH --time={options.time} --signal=B:{signal}@{options.stop_before}",
     ]
-    return "\n".join(lines) + "\n" + _body("job.sh") + ("compute\n" if listing is None else _body("array.sh"))
+    if site:
+        head.append(f"#SBATCH {' '.join(f'--{key}={value}' for key, value in site.items())}")
+    if "\\" not in str((directory or Path()).absolute()):
+        return [*head, rf"#SBATCH --output=\\{file_names.JOB_OUTPUT} --open-mode=append"]
+    return [
+        *head,
+        "#SBATCH --output=/dev/null",
+        f"[ ! /dev/stdout -ef /dev/null ] || exec >>{file_names.JOB_OUTPUT} 2>&1",
+    ]
 
 
-def _body(name: str) -> str:
-    """What is the same in every such job."""
+def _module_lines(options: JobOptions, failure: str) -> list[str]:
+    """Commands that load the modules; ``failure`` is the command where that fails. Nothing where there are none."""
+    if not options.modules:
+        return []
+    modules = shlex.join(options.modules)
+    return ["type module >/dev/null 2>&1 || . /etc/profile", f"module load {modules} || {failure.format(modules)}"]
+
+
+def _deck_job(options: JobOptions, head: list[str], values: list[str]) -> str:
+    """The text of a job of decks without its last commands: head, values and functions."""
+    words = [_with_ranks(word) for word in (*shlex.split(options.launcher), options.lmp)]
+    lines = [
+        *head,
+        f"# In this directory: sbatch {file_names.JOB}    State: granchain status .    Output: {file_names.JOB_OUTPUT}",
+        "ranks=${SLURM_NTASKS:-$((SLURM_JOB_NUM_NODES * SLURM_NTASKS_PER_NODE))}",
+        f"lammps=({' '.join(words)} -log none -screen none -nocite)",
+        f"max_jobs={options.max_jobs} checkpoint={options.checkpoint}  # seconds between two restarts",
+        f'ends=$(date -Is -d "@${{SLURM_JOB_END_TIME:-$(($(date +%s) + {options.limit}))}}")  # the time limit',
+        *values,
+    ]
+    modules = _module_lines(options, 'end failed "module load {} failed" || return')
+    functions = _text("job.sh").replace("# modules\n", "".join(f"    {line}\n" for line in modules))
+    return "\n".join(lines) + "\n\n" + functions
+
+
+def _with_ranks(word: str) -> str:
+    """A word of a command, quoted, with the number of ranks where it stands for that."""
+    return '"$ranks"'.join(shlex.quote(part) if part else "" for part in word.split(RANKS))
+
+
+def _text(name: str) -> str:
+    """Shell commands that are the same in every such job."""
     return Path(str(importlib.resources.files("lammps_inputs.slurm") / name)).read_text(encoding="utf-8")
 
 
@@ -190,85 +210,98 @@ def render_command(
     """
     if options.nodes != 1:
         raise InputError(f"--nodes: {options.nodes} given; this command works on the cores of one node")
-    asked = {"ntasks": 1, "cpus-per-task": cores, "signal": f"B:TERM@{options.stop_before}"}
     lines = [
-        *_head(options, name, directory, asked),
+        *_head(options, name, directory, f"--ntasks=1 --cpus-per-task={cores}", "TERM"),
         f"# In this directory: sbatch {file_names.JOB}    Output: {file_names.JOB_OUTPUT}",
         f"max_jobs={options.max_jobs if jobs is None else jobs}",
         f"command=({shlex.join(words)})",
-        f"modules=({shlex.join(options.modules)})",
+        *_module_lines(options, "exit 1"),
         "",
     ]
-    return "\n".join(lines) + "\n" + _body("command.sh")
+    return "\n".join(lines) + "\n" + _text("command.sh")
 
 
 def render_input(problem: Problem) -> str:
     """The text of ``in.job``.
 
-    Time is looked at between two runs of ``look`` steps, and all ranks must see the same: so atoms vote, and a sum over
-    all ranks counts them.
+    LAMMPS reads ``job.flag`` on one rank and broadcasts the word, so that all ranks see the same. To read the file
+    again, the variable is deleted; it must not be deleted by ``next``: LAMMPS of 2021 then crashes.
     """
-    whole = problem.frames_per_snapshot
-    save = [
-        *restart_lines(problem),
-        "shell sh .job.keep ${dump} $(v_dump_bytes:%.0f)"
-        + ("" if whole is None else " ${snapshots} $(v_snapshots_bytes:%.0f)"),
-        "variable kept delete",
-        "variable kept file .job.kept",
-        'if "${kept} == lost" then "quit 3"',
-    ]
-    grain = window.stride(problem)
-    sizes = _size_lines("dump", "v_every", _frame_bytes(problem))
-    if whole is not None:
-        sizes += _size_lines("snapshots", f"({whole}*v_every)", _frame_bytes(problem.snapshots()))
-    tell = f'print "$(step:%.0f)" file {file_names.JOB_STEP} screen no'
+    read_flag = ["variable flag delete", f"variable flag file {file_names.JOB_FLAG}"]
     sections = [
         [
-            f"# For {file_names.JOB}: ${{part}} to its end, or until ${{seconds}} have passed and a restart is left.",
+            f"# For {file_names.JOB}: the run to its end, or to a restart when {file_names.JOB_FLAG} says stop",
             f"log {file_names.LOG} append",
-            "timer timeout ${seconds} every 2000000000   # counts from here; never ends a run",
+            "processors ${ranks} 1 1          # refused where copies of LAMMPS were started instead of ranks",
+        ],
+        _part_lines(problem),
+        ["variable steps equal step        # the input sets up and goes no further", "include ${input}"],
+        _size_lines(problem),
+        _stretch_lines(problem),
+        [
+            "label restarted",
+            f"variable restart_step equal $(step+v_look*ceil(v_checkpoint/{STRETCH:g}):%.0f)",
         ],
         [
-            "variable steps equal step        # the part sets up and goes no further",
-            "include ${part}",
-        ],
-        [
-            "variable untimed equal $((step>0)&&(version<20230802))   # such a part has frames without their time",
-            *sizes,
-            "variable kept string none",
-            f"variable left equal {problem.steps}-step",
-            f"variable stride equal $(ceil(v_look/{grain})*{grain})",
-            "variable next equal (v_left<v_stride)*v_left+(v_left>=v_stride)*v_stride",
-            "variable over atom timeremain<=0.0   # some releases stop at 0",
-            "group late empty",
-            "variable looks loop ${rounds}",
-        ],
-        [
-            "label again",
+            "label stretch",
             "variable steps equal $(step+v_next:%.0f)",
-            *onward_lines(problem),
-            'if "${left} == 0" then "jump SELF end"',
-            "group late clear",
-            "group late variable over",
-            'if "$(count(late)) > 0" then "jump SELF end"',
-            "next looks",
-            "jump SELF again",
-            *save,
-            tell,
-            "variable looks loop ${rounds}",
-            "jump SELF again",
+            *onward_lines(problem, timings=False),
+            *read_flag,
+            'if "${flag} == go && ${left} > 0 && $(step) < ${restart_step}" then "jump SELF stretch"',
         ],
-        ["label end", *save, tell],
+        [
+            *restart_lines(problem),
+            *_keep_lines(problem),
+            *read_flag,
+            'if "${flag} == full" then "quit 1"',
+            f'if "${{left}} == 0" then "print done file {file_names.JOB_FLAG}" "quit"',
+            f'if "${{flag}} == stop" then "print stopped file {file_names.JOB_FLAG}" "quit"',
+            "jump SELF restarted",
+        ],
     ]
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
 
 
-def _size_lines(dump: str, every: str, frame: int) -> list[str]:
-    """Variables for the bytes that the part of a dump must have by its frames."""
+class _Dump(NamedTuple):
+    """A dump of a job.
+
+    Attributes:
+        file: its first file; later ones have the number of the part before ``.bin``.
+        every: steps between two frames, as LAMMPS evaluates it.
+        frame: bytes of a frame, but for 4 bytes a rank.
+    """
+
+    file: str
+    every: str
+    frame: int
+
+
+def _dumps(problem: Problem) -> dict[str, _Dump]:
+    """The dumps of a job, by the LAMMPS variable that names the file."""
+    dumps = {"dump": _Dump(file_names.DUMP, "v_every", _frame_bytes(problem))}
+    if problem.frames_per_snapshot is not None:
+        every = f"({problem.frames_per_snapshot}*v_every)"
+        dumps["snapshots"] = _Dump(file_names.SNAPSHOTS, every, _frame_bytes(problem.snapshots()))
+    return dumps
+
+
+def _part_lines(problem: Problem) -> list[str]:
+    """Variables for the input and the files of frames of a part, by its number."""
+    files = [(name, dump.file, dump.file.replace(".bin", ".${part}.bin")) for name, dump in _dumps(problem).items()]
     return [
-        f"variable {dump}_first equal $(ceil(step/{every}))",
-        f"variable {dump}_bytes equal (floor(step/{every})-v_{dump}_first+1)*({frame}+4*v_ranks-8*v_untimed)",
+        f'if "${{part}} == 1" then "variable {name} string {first}" else "variable {name} string {later}"'
+        for name, first, later in [("input", file_names.DECK, file_names.CONTINUE), *files]
     ]
+
+
+def _size_lines(problem: Problem) -> list[str]:
+    """Variables for the bytes that each file of frames must have."""
+    lines = ["variable untimed equal $((step>0)&&(version<20230802))   # such a part has frames without their time"]
+    for name, dump in _dumps(problem).items():
+        lines.append(f"variable {name}_first equal $(ceil(step/{dump.every}))")
+        frames = f"(floor(step/{dump.every})-v_{name}_first+1)"
+        lines.append(f"variable {name}_bytes equal {frames}*({dump.frame}+4*v_ranks-8*v_untimed)")
+    return lines
 
 
 def _frame_bytes(problem: Problem) -> int:
@@ -276,3 +309,36 @@ def _frame_bytes(problem: Problem) -> int:
     names = deck.columns(problem)
     atoms = problem.chains * problem.rows_a_frame
     return 143 + len(" ".join(names)) + 8 * len(names) * atoms
+
+
+def _stretch_lines(problem: Problem) -> list[str]:
+    """Variables for the steps of a stretch: about `STRETCH` seconds, at the least those after which a run may stop."""
+    fixed, bead = step_seconds(problem)
+    beads, grain = problem.chains * problem.rows * bead, window.stride(problem)
+    frames = "".join(f"+{frame_seconds(dump.frame):.3g}/{dump.every}" for dump in _dumps(problem).values())
+    seconds = f"{fixed:.3g}+{beads:.3g}/v_ranks+{MESSAGES:g}*(v_ranks>1){frames}"
+    return [
+        f"variable seconds equal {seconds}   # of a step, by a model",
+        f"variable look equal ceil({STRETCH:g}/v_seconds/{grain})*{grain}",
+        f"variable left equal {problem.steps}-step",
+        "variable next equal (v_left<v_look)*v_left+(v_left>=v_look)*v_look",
+    ]
+
+
+def _keep_lines(problem: Problem) -> list[str]:
+    """Put the restart that was written in place of the one before, if it and all frames until then are on the disk.
+
+    The record of the frames is put in place first: where only that was done, it is right for the restart before, too.
+    """
+    names = list(_dumps(problem))
+    record, restart = f"{file_names.JOB_FRAMES}.part", file_names.UNFINISHED
+    return [
+        *(
+            f'print "${{{name}}}:$(v_{name}_bytes:%.0f)" {"append" if number else "file"} {record} screen no'
+            for number, name in enumerate(names)
+        ),
+        f"shell stat -c %n:%s {' '.join(f'${{{name}}}' for name in names)} | cmp -s - {record} && &",
+        f"  tail -c 16 {restart} | grep -q RestartT && &",
+        f"  mv {record} {file_names.JOB_FRAMES} && mv {restart} {file_names.RESTART} || &",
+        f"  echo full 1<>{file_names.JOB_FLAG}",
+    ]

@@ -1,8 +1,8 @@
 """In what state a directory is: every one has a name, also after a kill, and what to do next is said.
 
-Derived from a local run's own account (``run.json``), a Slurm job's (``job.state``), or the files alone, and from the
-frames, the lock of a run under way, and what was just written. Slurm's queue is asked where there is one. Nothing is
-written. Half-written and damaged files raise nothing here: what cannot be read is skipped.
+Derived from a local run's own account (``run.json``), a Slurm job's line (``job.state``), or the files alone, and from
+the frames, the lock of a run under way, and what was just written. Slurm's queue is asked where there is one. Nothing
+is written. Half-written and damaged files raise nothing here: what cannot be read is skipped.
 """
 
 import platform
@@ -13,6 +13,7 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
 
@@ -260,44 +261,62 @@ def _of_files(directory: Path) -> Status:
     return Status(directory, "running", step, steps, why)
 
 
-def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queued | None) -> Status:
-    """A Slurm job, by its account; where the queue has the job, the queue is right."""
+_REPORT = re.compile(
+    r"(?P<state>running|waiting|incomplete|failed|done) job=(?P<job>\S*) cluster=(?P<cluster>\S*) host=(?P<host>\S*)"
+    r" at=(?P<at>\S*) until=(?P<until>\S*) (?P<reason>.*)"
+)
+"""The line of ``job.state``: state of a run, job (the next one of a waiting run), cluster, node, when it was written,
+time limit of the job, and why it ended.
+"""
+
+
+def _report(account: Path) -> dict[str, str]:
+    """Fields of `_REPORT` by name; none if the file does not hold such a line."""
     with account.open(encoding="utf-8", errors="replace") as file:
-        lines = file.read(1 << 14).splitlines()
-    reported = {key: _clean(value) for key, _, value in (line.partition(" ") for line in lines)}
-    state, reason, number = reported.get("state", ""), reported.get("reason", ""), reported.get("job", "")
-    step, steps, ends = (_number(reported.get(key)) for key in ("step", "steps", "ends"))
-    if state == "done":
-        return Status(directory, "done", step, steps)
-    here = queue is not None and queue.cluster == reported.get("cluster")
+        line = _REPORT.match(file.read(1 << 12))
+    return {} if line is None else {name: _clean(text) for name, text in line.groupdict().items()}
+
+
+def _seconds(moment: str) -> float:
+    """Seconds since 1970 of a time with its zone; 0 if it cannot be read."""
+    try:
+        return datetime.fromisoformat(moment).timestamp()
+    except (ValueError, OverflowError):
+        return 0.0
+
+
+def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queued | None) -> Status:
+    """State of the directory of a Slurm job, by its account; where the queue has the job, the queue is right."""
+    report, steps = _report(account), _steps(directory)
+    state, number = report.get("state", ""), report.get("job", "")
+    step = _latest(_last_step(directory), step_of(directory / file_names.RESTART), 0)
+    if state == "done" or (not report and step == steps):  # jobs of version 0.1 wrote another report
+        return Status(directory, "done", steps, steps)
+    here = queue is not None and queue.cluster == report.get("cluster")
     if queue is not None and here and queued is None:
         queued = queue.job(number)
-    step = _latest(step, _last_step(directory))
     if queued is not None:
         if queued.waiting:
             return Status(directory, "waiting", step, steps, f"job {queued.number} is in the queue")
-        return Status(directory, "running", step, steps, f"job {queued.number}" + (f", {reason}" if reason else ""))
+        return Status(directory, "running", step, steps, f"job {queued.number}")
     again, goes_on = _sbatch(directory), _goes_on(directory)
+    if not report:
+        return Status(directory, "failed", step, steps, f"{account.name} cannot be read; {again} tries again")
     if state in ("waiting", "running") and here:
         why = f"job {number} is gone: killed, or its node lost; {again} {goes_on}"
         return Status(directory, "incomplete", step, steps, why)
+    moment = time.localtime(_seconds(report["at"]))
+    reported = time.strftime("as reported on %Y-%m-%d %H:%M", moment) + f" by {report['host']}"
     if state == "waiting":
-        return Status(directory, "waiting", step, steps, f"job {number} {reason}, {_as_reported(reported)}")
+        return Status(directory, "waiting", step, steps, f"job {number} {report['reason']}, {reported}")
     if state == "running":
-        if time.time() > (ends or 0) + GRACE:
+        if time.time() > _seconds(report["until"]) + GRACE:
             why = f"job {number} is past its time limit, so it was killed; {again} {goes_on}"
             return Status(directory, "incomplete", step, steps, why)
-        return Status(directory, "running", step, steps, f"job {number}, {_as_reported(reported)}")
+        return Status(directory, "running", step, steps, f"job {number}, {reported}")
     if state == "incomplete":
-        return Status(directory, "incomplete", step, steps, f"{reason}; {again} {goes_on}")
-    why = reason if state == "failed" else f"{file_names.JOB_STATE} cannot be read"
-    return Status(directory, "failed", step, steps, f"{why}; {again} tries again")
-
-
-def _as_reported(reported: dict[str, str]) -> str:
-    """When a job last wrote of itself, and where."""
-    moment = time.localtime(_number(reported.get("time")) or 0)
-    return time.strftime("as reported on %Y-%m-%d %H:%M", moment) + f" by {reported.get('host') or 'its node'}"
+        return Status(directory, "incomplete", step, steps, f"{report['reason']}; {again} {goes_on}")
+    return Status(directory, "failed", step, steps, f"{report['reason']}; {again} tries again")
 
 
 def _sbatch(directory: Path) -> str:
@@ -355,11 +374,3 @@ def _fresh(directory: Path, *account: Path) -> bool:
 def _clean(reason: Any) -> str:
     """One line that does nothing to a terminal."""
     return "".join(sign if sign.isprintable() else " " for sign in str(reason)[:300]).strip()
-
-
-def _number(value: str | None) -> int | None:
-    """A whole number from a file; None if it is none."""
-    try:
-        return int(value or "")
-    except ValueError:
-        return None

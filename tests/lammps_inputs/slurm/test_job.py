@@ -1,14 +1,14 @@
 """Job scripts: what stands in them whatever a user says, and what they do where there is no Slurm to submit to."""
 
 import contextlib
-import hashlib
 import os
+import pathlib
 import re
 import shlex
 import shutil
 import signal
 import subprocess
-import time
+from datetime import datetime
 
 import numpy as np
 import pytest
@@ -21,10 +21,11 @@ from stock_lammps import run as run_stock
 
 from analysis.files.recording import blocks
 from analysis.trajectory import joined
-from lammps_inputs import InputError, Output, file_names
+from lammps_inputs import InputError, Output, file_names, window
 from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job, site
 from lammps_inputs.slurm.site import JobOptions
+from workflow.engines.lammps.files_on_disk import step_of
 from workflow.runs.files import parts
 from workflow.runs.run_directory import RunDirectory
 
@@ -53,6 +54,12 @@ LAUNCHERS = {
 }
 
 
+@pytest.fixture(autouse=True)
+def short_stretches(monkeypatch):
+    """Jobs look at their flag often, so that tests need not wait."""
+    monkeypatch.setattr(job, "STRETCH", 0.1)
+
+
 def placed(case, directory, **options):
     """The deck and job of a scene in a new directory."""
     directory.mkdir()
@@ -66,62 +73,89 @@ def placed(case, directory, **options):
 BEFORE_RESTART = "before_a_restart"
 
 
-def restart_often(directory):
-    """Let a job leave a restart at every other look at the clock, and run an empty script of ours before each."""
-    path = directory / file_names.JOB_INPUT
+def restart_often(directory, case):
+    """Let a job leave a restart after every tenth of a run, and run an empty script of ours before each."""
+    path, grain = directory / file_names.JOB_INPUT, window.stride(case.problem())
+    steps, before = case.problem().steps, 'then "jump SELF stretch"\n'
     text = path.read_text()
-    assert text.count("loop ${rounds}") == 2
-    again = "next looks\njump SELF again\n"
-    assert text.count(again) == 1
-    path.write_text(text.replace("loop ${rounds}", "loop 2").replace(again, f"{again}shell sh {BEFORE_RESTART}\n"))
+    for pattern, new in (
+        ("^(variable look equal) .*", rf"\1 {steps // 20 // grain * grain}"),
+        (r"^(variable restart_step equal \$\(step)\+.*:", rf"\1+{steps // 10}:"),
+        (before, rf"{before}\nshell sh {BEFORE_RESTART}\n"),
+    ):
+        text, count = re.subn(pattern, new, text, flags=re.MULTILINE)
+        assert count == 1
+    path.write_text(text)
     (directory / BEFORE_RESTART).write_text("")
 
 
+@contextlib.contextmanager
+def job_of(directory, **environment):
+    """The script in the environment that Slurm gives it, with its output where Slurm puts it."""
+    head = (directory / file_names.JOB).read_text()
+    nodes, ranks = (re.search(rf"^#SBATCH .*--{name}=(\d+)", head, flags=re.MULTILINE)[1] for name in REQUESTS)
+    variables = {"SLURM_JOB_ID": 1, "SLURM_JOB_NUM_NODES": nodes, "SLURM_NTASKS_PER_NODE": ranks, **environment}
+    with (
+        (directory / file_names.JOB_OUTPUT).open("a") as output,
+        subprocess.Popen(
+            ["bash", file_names.JOB],
+            cwd=directory,
+            env={**os.environ, **{name: str(value) for name, value in variables.items()}},
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=output,
+            start_new_session=True,
+        ) as process,
+    ):
+        try:
+            yield process
+        finally:
+            for pid in (process.pid, *working_in(directory)):
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+
+
+REQUESTS = ("nodes", "ntasks-per-node")
+
+
 def go(directory, **environment):
-    """Run the script as Slurm would, once; what it says of its end."""
-    done = subprocess.run(
-        ["bash", file_names.JOB],
-        cwd=directory,
-        env={**os.environ, **{key: str(value) for key, value in environment.items()}},
-        capture_output=True,
-        text=True,
-        timeout=HANGS,
-    )
-    return done.stdout + done.stderr
+    """Run the script to its end; what it adds to its output."""
+    output = directory / file_names.JOB_OUTPUT
+    before = output.read_text() if output.exists() else ""
+    with job_of(directory, **environment) as process:
+        process.wait(HANGS)
+    return output.read_text().removeprefix(before)
 
 
-def told(directory):
-    return dict(line.partition(" ")[::2] for line in (directory / file_names.JOB_STATE).read_text().splitlines())
+def stop(directory, computing=None, **environment):
+    """Run the script, and signal as Slurm does that its time limit is near, when it computes in some directory."""
+    with job_of(directory, **environment) as process:
+        assert wait_until((computing or directory).joinpath(file_names.JOB_FLAG).exists, process)
+        process.send_signal(signal.SIGUSR1)
+        process.wait(HANGS)
 
 
-def cut(directory, path=os.environ["PATH"], **environment):
-    """Run the script until its time limit cuts it, a second after its checks: until then its clock stands still."""
-    clock = directory.with_name("clock")
-    clock.mkdir()
-    (clock / "date").write_text(f'#!/bin/sh\n[ "$*" != +%s ] || exec echo 1000000\nexec {shutil.which("date")} "$@"\n')
-    (clock / "date").chmod(0o755)
-    margin = re.search(r"^margin=(.*)", (directory / file_names.JOB).read_text(), flags=re.MULTILINE)[1]
-    go(directory, SLURM_JOB_END_TIME=1_000_001 + int(margin), PATH=f"{clock}:{path}", **environment)
+LINE = re.compile(r"(\w+) job=(\S*) cluster=(\S*) host=(\S+) at=(\S+) until=(\S+) (.*?) *\n")
+
+
+def state(directory):
+    """State, job, cluster, host, times, and reason of the line that a job left."""
+    text = (directory / file_names.JOB_STATE).read_text()
+    assert len(text) == 501
+    return LINE.fullmatch(text).groups()
+
+
+def ended(directory):
+    """State and reason that a job left."""
+    return state(directory)[0], state(directory)[-1]
 
 
 def kill_after_a_restart(directory):
     """Start the script, and kill everything that it started when it has left a restart and comes to the next one."""
     script, waits = directory / BEFORE_RESTART, directory.with_name("waits")
-    script.write_text(f"[ ! -e {file_names.RESTART} ] || exec sleep 1000 9>{waits}\n")
-    process = subprocess.Popen(
-        ["bash", file_names.JOB],
-        cwd=directory,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    try:
-        assert wait_until(waits.exists, process), told(directory)
-    finally:
-        for one in (process.pid, *working_in(directory)):
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(one, signal.SIGKILL)
-        process.wait(HANGS)
+    script.write_text(f"[ ! -e {file_names.RESTART} ] || exec sleep 1000 8>{waits}\n")
+    with job_of(directory) as process:
+        assert wait_until(waits.exists, process), ended(directory)
     assert wait_until(lambda: not working_in(directory))
     script.write_text("")
 
@@ -160,11 +194,34 @@ def test_a_killed_job_goes_on_bit_for_bit(kind, lmp, ranks, tmp_path):
     subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
     options = {"lmp": str(lmp), "launcher": LAUNCHERS[lmp], "ranks_per_node": ranks, "checkpoint": 1}
     directory = placed(case, tmp_path / "job", **options)
-    restart_often(directory)
+    restart_often(directory, case)
     kill_after_a_restart(directory)
     go(directory)
-    assert told(directory)["state"] == "done", told(directory)
-    written = {"dump": case.problem()} | ({"snapshots": case.problem().snapshots()} if kind == "snapshots" else {})
+    assert ended(directory) == ("done", "")
+    assert_same_frames(directory, whole, case)
+
+
+@pytest.mark.slow
+def test_a_job_resumes_from_the_restart_of_a_run_that_was_no_job_bit_for_bit(tmp_path):
+    case, whole = KINDS["snapshots"], tmp_path / "whole"
+    whole.mkdir()
+    deck.write(case, whole)
+    subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
+    directory = placed(case, tmp_path / "job", checkpoint=1)
+    restart_often(directory, case)
+    kill_after_a_restart(directory)
+    for name in (file_names.JOB_FRAMES, file_names.JOB_STATE, file_names.JOB_FLAG):
+        (directory / name).unlink()
+    go(directory)
+    assert ended(directory) == ("done", "")
+    assert_same_frames(directory, whole, case)
+
+
+def assert_same_frames(directory, whole, case):
+    """The frames of a resumed job, in two parts, are those of an uninterrupted run."""
+    written = {"dump": case.problem()}
+    if case.problem().frames_per_snapshot is not None:
+        written["snapshots"] = case.problem().snapshots()
     for name, what in written.items():
         assert len(parts(directory, name)) == 2
         found, expected = (joined(blocks(parts(path, name), what)) for path in (directory, whole))
@@ -178,21 +235,22 @@ def good(tmp_path_factory):
     """A job that is done, of one small scene."""
     directory = placed(scene(beads=4), tmp_path_factory.mktemp("good") / "job", ranks_per_node=1)
     go(directory)
-    assert told(directory)["state"] == "done"
+    assert ended(directory) == ("done", "")
     return directory
 
 
 @pytest.mark.slow
 def test_a_job_that_is_done_does_nothing_when_it_runs_again(good):
-    before = {path.name: path.stat().st_mtime_ns for path in good.iterdir()}
+    before = {path.name: path.stat().st_mtime_ns for path in good.iterdir() if path.name != file_names.JOB_OUTPUT}
     assert "this run is done" in go(good)
-    assert {path.name: path.stat().st_mtime_ns for path in good.iterdir()} == before
+    after = {path.name: path.stat().st_mtime_ns for path in good.iterdir() if path.name != file_names.JOB_OUTPUT}
+    assert after == before
 
 
 def test_a_job_that_is_done_leaves_its_results_and_nothing_that_only_a_resumed_one_needs(good):
     assert {path.name for path in good.iterdir()} == {
         *(file_names.SCENE, file_names.DECK, file_names.DATA, file_names.DUMP, file_names.LOG),
-        *(file_names.JOB, file_names.JOB_STATE),
+        *(file_names.JOB, file_names.JOB_STATE, file_names.JOB_OUTPUT),
     }
 
 
@@ -219,21 +277,31 @@ def test_the_number_of_ranks_stands_in_the_requests_to_slurm_alone(ranks, nodes,
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        ({"lmp": "/nowhere/lmp"}, "/nowhere/lmp cannot be started"),
-        ({"lmp": "/bin/true"}, "/bin/true cannot be started as LAMMPS"),
-        ({"launcher": "/nowhere/srun"}, "cannot be started"),
+        ({"lmp": "/nowhere/lmp"}, "/nowhere/lmp .*' ended before in.job did: .*/nowhere/lmp.*No such file"),
+        ({"lmp": "/bin/true"}, "/bin/true .*' ended before in.job did"),
+        ({"launcher": "/nowhere/srun"}, "'/nowhere/srun .*/nowhere/srun: No such file"),
         ({"modules": ("no/such",)}, "module load no/such failed"),
-        ({"ranks_per_node": 2, "launcher": "/usr/bin/env"}, "2 ranks asked, found: 1 by 1 by 1;"),
-        ({"time": "00:01:00", "margin": 59}, "nothing is left of the time limit"),
+        ({"ranks_per_node": 2, "launcher": "/usr/bin/env"}, "it has not 2 ranks; is the launcher that of its MPI[?]"),
     ],
-    ids=["no lmp", "another program", "no launcher", "no module", "one rank of two", "no time"],
+    ids=["no lmp", "another program", "no launcher", "no module", "one rank of two"],
 )
 def test_a_job_that_cannot_compute_says_why_before_it_does(options, says, tmp_path):
     directory = placed(scene(beads=4), tmp_path / "job", **options)
-    go(directory, SLURM_JOB_END_TIME=int(time.time()) + 55 if "time" in options else "")
-    assert told(directory)["state"] == "failed"
-    assert says in told(directory)["reason"]
+    go(directory)
+    assert ended(directory)[0] == "failed"
+    assert re.search(says, ended(directory)[1])
     assert parts(directory) == []
+
+
+@pytest.mark.slow
+def test_copies_of_a_serial_lammps_leave_the_frames_of_an_earlier_job_as_they_are(tmp_path):
+    directory = placed(ENDLESS, tmp_path / "job", launcher="/usr/bin/env", checkpoint=1, max_jobs=1)
+    stop(directory)
+    files = [path for path in directory.iterdir() if path.name.startswith("chains.")]
+    before = {path: path.read_bytes() for path in files}
+    go(directory, SLURM_NTASKS=2)
+    assert "it has not 2 ranks" in ended(directory)[1]
+    assert {path: path.read_bytes() for path in files} == before
 
 
 ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
@@ -248,11 +316,10 @@ ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
 def test_a_job_out_of_time_leaves_a_restart_and_says_why_no_other_follows(options, says, tmp_path):
     (tmp_path / "sbatch").symlink_to("/bin/false")
     directory = placed(ENDLESS, tmp_path / "job", checkpoint=1, **options)
-    cut(directory, f"{tmp_path}:{os.environ['PATH']}")
-    assert told(directory)["state"] == "incomplete"
-    assert told(directory)["reason"].startswith(says)
-    assert (directory / file_names.RESTART).exists()
-    assert 0 < int(told(directory)["step"]) < ENDLESS.problem().steps
+    stop(directory, PATH=f"{tmp_path}:{os.environ['PATH']}")
+    assert ended(directory)[0] == "incomplete"
+    assert ended(directory)[1].startswith(says)
+    assert 0 < step_of(directory / file_names.RESTART) < ENDLESS.problem().steps
 
 
 def placed_task(directory, cases, **options):
@@ -277,8 +344,8 @@ def test_a_task_of_several_cases_does_each_once_also_those_after_one_that_fails(
     whole = bad.read_text()
     bad.write_text(whole.replace("fix motion all nve", "fix motion all nonsense"))
     go(directory, SLURM_ARRAY_TASK_ID=0)
-    assert [told(directory / name)["state"] for name in ("one", "bad", "two")] == ["done", "failed", "done"]
-    assert "LAMMPS ended with exit code 1: ERROR: Unrecognized fix style" in told(directory / "bad")["reason"]
+    assert [ended(directory / name)[0] for name in ("one", "bad", "two")] == ["done", "failed", "done"]
+    assert "ERROR: Unrecognized fix style" in ended(directory / "bad")[1]
     alone = placed(SHORT, tmp_path / "alone")
     go(alone)
     frames = (alone / file_names.DUMP).read_bytes()
@@ -286,24 +353,26 @@ def test_a_task_of_several_cases_does_each_once_also_those_after_one_that_fails(
     bad.write_text(whole)
     before = (directory / "one" / file_names.JOB_STATE).stat().st_mtime_ns
     go(directory, SLURM_ARRAY_TASK_ID=0)
-    assert told(directory / "bad")["state"] == "done"
+    assert ended(directory / "bad")[0] == "done"
     assert (directory / "one" / file_names.JOB_STATE).stat().st_mtime_ns == before
 
 
 @pytest.mark.slow
 def test_what_the_time_limit_leaves_of_a_task_is_done_by_the_next_job(tmp_path):
-    said = tmp_path / "said"
-    (tmp_path / "sbatch").write_text(f'#!/bin/sh\necho "$@" >>{said}\necho 17\n')
+    submitted = tmp_path / "submitted"
+    (tmp_path / "sbatch").write_text(f'#!/bin/sh\necho "$@" >>{submitted}\necho 17\n')
     (tmp_path / "sbatch").chmod(0o755)
     directory = placed_task(tmp_path / "array", {"long": ENDLESS, "after": SHORT}, checkpoint=1)
-    cut(directory, f"{tmp_path}:{os.environ['PATH']}", SLURM_ARRAY_TASK_ID=0, SLURM_JOB_ID=16)
-    assert said.read_text() == "--parsable --array=0 --dependency=afterany:16 job.sbatch 2\n"
-    assert told(directory / "long")["state"] == "waiting"
+    task = {"SLURM_ARRAY_JOB_ID": 16, "SLURM_ARRAY_TASK_ID": 0, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    stop(directory, directory / "long", **task)
+    words = "--parsable --array=0 --dependency=afterany:16_0 job.sbatch 2\n"
+    assert submitted.read_text() == words
+    assert state(directory / "long")[:2] == ("waiting", "17")
     assert (directory / "long" / file_names.RESTART).exists()
     assert not (directory / "after" / file_names.JOB_STATE).exists()
-    (directory / "long" / file_names.JOB_STATE).write_text("state done\n")
-    go(directory, SLURM_ARRAY_TASK_ID=0)
-    assert told(directory / "after")["state"] == "done"
+    (directory / "long" / file_names.JOB_INPUT).unlink()  # as where it is done
+    go(directory, **task)
+    assert ended(directory / "after")[0] == "done"
 
 
 def test_a_deck_that_lammps_does_not_read_is_told_before_anything_is_computed(tmp_path):
@@ -311,7 +380,7 @@ def test_a_deck_that_lammps_does_not_read_is_told_before_anything_is_computed(tm
     path = directory / file_names.DECK
     path.write_text(path.read_text().replace("fix motion all nve", "fix motion all nvee"))
     go(directory)
-    assert told(directory)["reason"].startswith("the deck cannot be read: ERROR: Unrecognized fix style 'nvee'")
+    assert "ERROR: Unrecognized fix style 'nvee'" in ended(directory)[1]
     assert parts(directory) == []
 
 
@@ -324,13 +393,13 @@ def test_a_run_whose_disk_is_full_is_told_and_goes_on_from_its_restart_when_ther
     try:
         case = scene(chains=2, beads=200, kappa=0.1, duration=200.0, every=0.5)  # 400 frames of 9.8 kB
         directory = placed(case, disk / "job", checkpoint=1)
-        restart_often(directory)
+        restart_often(directory, case)
         go(directory)
-        assert told(directory)["state"] == "failed"
-        assert "the disk does not take what is written" in told(directory)["reason"]
+        assert ended(directory)[0] == "failed"
+        assert "the disk does not take what is written" in ended(directory)[1]
         subprocess.run(["mount", "-o", "remount,size=20m", disk], check=True)
         go(directory)
-        assert told(directory)["state"] == "done", told(directory)
+        assert ended(directory) == ("done", "")
         found = RunDirectory(directory).trajectory
         assert len(parts(directory)) == 2
     finally:
@@ -339,6 +408,11 @@ def test_a_run_whose_disk_is_full_is_told_and_goes_on_from_its_restart_when_ther
 
 
 # --- what stands in it ------------------------------------------------------------------------------------------------
+
+
+def requests(script):
+    """Options of Slurm in a script."""
+    return [word for line in re.findall("(?m)^#SBATCH --(.*)", script) for word in line.split(" --")]
 
 
 def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not():
@@ -353,13 +427,13 @@ def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not(
         array_limit=3,
     )
     script = job.render_array(options, ["a", "b"], name="many")[file_names.JOB]
-    assert re.findall(r"^#SBATCH --(.*)", script, flags=re.MULTILINE) == [
+    assert requests(script) == [
         "job-name=many",
         "nodes=2",
         "ntasks-per-node=4",
-        "cpus-per-task=1",
         "array=0-1%3",
         "time=1-12:30:00",
+        "signal=B:USR1@600",
         "partition=long,short",
         "account=grains",
         "qos=high",
@@ -368,16 +442,33 @@ def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not(
         "open-mode=append",
     ]
     plain = job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB]
-    assert not re.search(r"^#SBATCH --(partition|account|qos|constraint|array)", plain, flags=re.MULTILINE)
+    assert [word.partition("=")[0] for word in requests(plain)] == [
+        *("job-name", "nodes", "ntasks-per-node", "time", "signal", "output", "open-mode")
+    ]
+
+
+def test_a_written_job_is_at_most_sixty_lines_of_shell_beside_its_requests_and_comments():
+    options = JobOptions(partition="long", account="grains", qos="high", constraint="milan", modules=("gcc", "lammps"))
+    backslash = pathlib.Path("a\\b")  # takes a line more
+    scripts = [
+        job.render_job(options, scene(beads=4).problem(), backslash)[file_names.JOB],
+        job.render_array(options, ["a", "b"], directory=backslash)[file_names.JOB],
+        job.render_command(options, "many", ["granchain", "fit"], cores=4, directory=backslash),
+    ]
+    for script in scripts:
+        assert len(re.findall(r"^\s*[^#\s]", script, flags=re.MULTILINE)) <= 60
+    assert len(job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB].splitlines()) <= 60
 
 
 @pytest.mark.parametrize(("time", "seconds"), [("00:10:00", 600), ("1-12:30:05", 131405), ("100:00:00", 360000)])
 def test_where_slurm_does_not_tell_the_end_of_a_job_its_time_limit_does(time, seconds, tmp_path):
     directory = placed(scene(beads=4), tmp_path / "job", time=time, lmp="/nowhere/lmp")
-    (tmp_path / "date").write_text('#!/bin/sh\n[ "$*" = +%s ] && echo 1000000\n')
+    (tmp_path / "date").write_text(
+        f'#!/bin/sh\n[ "$*" != +%s ] || exec echo 1000000\nexec {shutil.which("date")} "$@"\n'
+    )
     (tmp_path / "date").chmod(0o755)
     go(directory, PATH=f"{tmp_path}:{os.environ['PATH']}")
-    assert int(told(directory)["ends"]) == 1_000_000 + seconds
+    assert datetime.fromisoformat(state(directory)[5]).timestamp() == 1_000_000 + seconds
 
 
 @pytest.mark.slow
@@ -396,15 +487,18 @@ def test_hostile_text_is_refused_or_one_quoted_word(option, text, tmp_path):
         return
     assert option in ("lmp", "launcher")
     script = job.render_job(options, scene(beads=4).problem())[file_names.JOB]
-    assert script.count("#SBATCH") == job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB].count(
-        "#SBATCH"
-    )
-    values = script.split("# In this directory")[1].split("# The same in every job")[0].partition("\n")[2]
+    assert requests(script) == requests(job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB])
+    values = script.split("# In this directory")[1].split("ends=")[0].partition("\n")[2]
     shown = subprocess.run(
-        ["bash", "-c", values + '\nprintf "%s\\0" "$lmp" "${launch[@]}"'], cwd=tmp_path, capture_output=True, check=True
+        ["bash", "-c", values + '\nprintf "%s\\0" "${lammps[@]}"'],
+        cwd=tmp_path,
+        env={**os.environ, "SLURM_NTASKS": "1"},
+        capture_output=True,
+        check=True,
     )
     words = shown.stdout.decode().split("\0")[:-1]
-    assert words == ([text, "srun"] if option == "lmp" else ["lmp", *shlex.split(text)])
+    command = ["srun", text] if option == "lmp" else [*shlex.split(text), "lmp"]
+    assert words == [*command, "-log", "none", "-screen", "none", "-nocite"]
     assert list(tmp_path.iterdir()) == []
 
 
@@ -417,7 +511,8 @@ def test_no_text_makes_a_line_of_its_own(text, option):
         return
     script = job.render_job(options, scene(beads=4).problem())[file_names.JOB]
     plain = job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB]
-    assert len(script.splitlines()) == len(plain.splitlines()) + (option in ("partition", "account"))
+    more = {"partition": 1, "account": 1, "modules": 2}
+    assert len(script.splitlines()) == len(plain.splitlines()) + more.get(option, 0)
 
 
 @pytest.mark.parametrize(
@@ -437,9 +532,9 @@ def test_a_list_of_cases_that_leads_elsewhere_is_refused(cases):
 @given(st.sets(st.integers(0, 40), min_size=1))
 def test_an_array_is_of_the_tasks_that_are_asked_for(tasks):
     script = job.render_array(JobOptions(), [f"c{number}" for number in range(41)], tasks=sorted(tasks))[file_names.JOB]
-    (found,) = re.findall(r"^#SBATCH --array=(.*)", script, flags=re.MULTILINE)
+    (numbers,) = (word.removeprefix("array=") for word in requests(script) if word.startswith("array="))
     read = set()
-    for part in found.split(","):
+    for part in numbers.split(","):
         first, _, last = part.partition("-")
         read |= set(range(int(first), int(last or first) + 1))
     assert read == tasks
@@ -449,7 +544,7 @@ def test_an_array_refuses_another_list_of_cases_than_it_was_made_for(tmp_path):
     for name, text in job.render_array(JobOptions(), ["a", "b"]).items():
         (tmp_path / name).write_text(text)
     (tmp_path / file_names.CASES).write_text("b\na\n")
-    assert "not the list that this array was made for" in go(tmp_path, SLURM_ARRAY_TASK_ID=0)
+    assert "cases.txt is not the list of this array" in go(tmp_path, SLURM_ARRAY_TASK_ID=0)
 
 
 def test_more_ranks_than_rows_are_refused():
@@ -461,10 +556,11 @@ def test_more_ranks_than_rows_are_refused():
 @pytest.mark.parametrize(
     "frames",
     [
-        "a[$(touch$IFS\\pwned)] x[$(touch pwned)]",
-        "../../thesis.txt 0",
-        "chains.dump.bin $(touch pwned)",
-        "/etc/hosts 0",
+        "a[$(touch$IFS\\pwned)]:x[$(touch pwned)]",
+        "../../thesis.txt:0",
+        "chains.dump.bin:$(touch pwned)",
+        "chains.dump.a[$(touch pwned)].bin:0",
+        "/etc/hosts:0",
     ],
 )
 def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell_and_no_other_file(frames, tmp_path):
@@ -472,12 +568,12 @@ def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell_and_no_ot
     thesis.write_text("all of it")
     (tmp_path / "x").mkdir()
     directory = placed(scene(beads=4), tmp_path / "x" / "job", ranks_per_node=1)
-    (directory / file_names.JOB_STATE).write_text("state $(touch pwned)\njob $(touch pwned); touch pwned\n")
-    (directory / file_names.JOB_STEP).write_text("a[$(touch pwned)]\n")
+    (directory / file_names.JOB_STATE).write_text("running job=$(touch\tpwned);touch\tpwned cluster=$(touch pwned)\n")
     (directory / file_names.RESTART).write_text("none")
-    (directory / "job.frames").write_text(f"{hashlib.sha256(b'none').hexdigest()}  -\n{frames}\n")
+    (directory / file_names.JOB_FRAMES).write_text(f"{frames}\n")
     go(directory)
-    assert (told(directory)["state"], told(directory)["reason"]) == ("failed", "job.frames cannot be read")
+    assert ended(directory)[0] == "failed"
+    assert ended(directory)[1].endswith("is shorter than at the restart, or job.frames is damaged")
     assert not list(tmp_path.rglob("pwned*"))
     assert thesis.read_text() == "all of it"
 

@@ -1,5 +1,7 @@
 """``granchain deck --slurm``: what it writes and says, and what it refuses."""
 
+import re
+
 import pytest
 
 from lammps_inputs import file_names
@@ -16,7 +18,7 @@ def no_site(monkeypatch, tmp_path):
 
 
 def asked(script):
-    return [line.removeprefix("#SBATCH --") for line in script.splitlines() if line.startswith("#SBATCH --")]
+    return [word for line in re.findall("(?m)^#SBATCH --(.*)", script) for word in line.split(" --")]
 
 
 def test_a_job_is_added_and_the_deck_is_byte_for_byte_the_one_without(tmp_path, capsys):
@@ -38,16 +40,16 @@ def test_options_stand_in_the_script_and_win_over_the_site_that_the_environment_
     sites.write_text("partition: long\naccount: grains\ntime: 01:00:00\nmodules: [gcc/12]\n")
     monkeypatch.setenv(site.VARIABLE, str(sites))
     assert main(["deck", "two-chains", "-o", str(tmp_path / "site"), "--slurm"]) == 0
-    assert "\nmodules=(gcc/12)\n" in (tmp_path / "site" / file_names.JOB).read_text()
+    assert "\n    module load gcc/12 || " in (tmp_path / "site" / file_names.JOB).read_text()
     words = ["--slurm", "--partition", "short", "--nodes", "2", "--ranks-per-node", "4"]
     words += ["--module", "gcc/13", "--module", "lammps", "--lmp", "/opt/my lammps/lmp"]
     words += ["--launcher", "mpirun -np {ranks}"]
     assert main(["deck", "two-chains", "-o", str(tmp_path / "run"), *words]) == 0
     script = (tmp_path / "run" / file_names.JOB).read_text()
     assert {"partition=short", "account=grains", "time=01:00:00", "nodes=2", "ntasks-per-node=4"} <= set(asked(script))
-    assert "\nlmp='/opt/my lammps/lmp'\n" in script
-    assert "\nlaunch=(mpirun -np '{ranks}')\nmodules=(gcc/13 lammps)\n" in script
-    assert f"\nmax_jobs={site.JobOptions().max_jobs}\n" in script
+    assert "\nlammps=(mpirun -np \"$ranks\" '/opt/my lammps/lmp' " in script
+    assert "\n    module load gcc/13 lammps || " in script
+    assert f"\nmax_jobs={site.JobOptions().max_jobs} " in script
 
 
 def test_a_deck_is_not_written_over_a_job_unless_asked_and_then_nothing_of_it_is_left(tmp_path):
@@ -55,9 +57,9 @@ def test_a_deck_is_not_written_over_a_job_unless_asked_and_then_nothing_of_it_is
     assert main(["deck", "two-chains", "-o", str(directory), "--slurm"]) == 0
     for name in (
         file_names.JOB_STATE,
-        file_names.JOB_STEP,
+        file_names.JOB_FLAG,
+        file_names.JOB_FRAMES,
         file_names.JOB_OUTPUT,
-        "job.frames",
         "chains.dump.bin",
         "chains.dump.2.bin",
     ):

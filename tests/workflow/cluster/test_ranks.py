@@ -13,6 +13,7 @@ from lammps_inputs import file_names, find
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.library import installed
 from lammps_inputs.numbers import size_text, time_text
+from lammps_inputs.slurm.step_time import MESSAGES, bead_seconds
 from workflow import cluster
 
 PEAK_MEMORY = f"""
@@ -54,8 +55,8 @@ def test_ranks_that_make_a_run_slower_than_one_alone_are_told_and_no_others():
 @pytest.mark.parametrize("coupled", [True, False])
 def test_a_rank_with_the_least_beads_spends_a_tenth_of_its_time_on_messages(coupled):
     what = many(10**6, coupled)
-    work = cluster.least_beads(what) * cluster.bead_seconds(what)
-    assert work / (work + cluster.MESSAGES) == pytest.approx(cluster.EFFICIENCY, rel=1e-3)
+    work = cluster.least_beads(what) * bead_seconds(what)
+    assert work / (work + MESSAGES) == pytest.approx(cluster.EFFICIENCY, rel=1e-3)
 
 
 def test_a_hundred_million_beads_on_paper():

@@ -7,6 +7,7 @@ import platform
 import re
 import struct
 import time
+from datetime import datetime
 from importlib import metadata
 
 import pytest
@@ -51,12 +52,11 @@ def aged(directory, seconds=3600.0):
     return directory
 
 
-def with_state(directory, state, *, reason="", ends=3600.0, number="7", step=0):
-    now = int(time.time())
-    lines = {"state": state, "step": step, "steps": STEPS, "job": number, "number": 1, "ranks": 1, "cluster": "alps"}
+def with_state(directory, state, *, reason="", ends=3600.0, number="7"):
+    at, until = (datetime.fromtimestamp(time.time() + later).astimezone().isoformat() for later in (0.0, ends))
     (directory / file_names.JOB).write_text("")
-    lines |= {"host": "n12", "time": now, "ends": int(now + ends), "reason": reason}
-    (directory / file_names.JOB_STATE).write_text("".join(f"{key} {value}\n" for key, value in lines.items()))
+    line = f"{state} job={number} cluster=alps host=n12 at={at} until={until} {reason}"
+    (directory / file_names.JOB_STATE).write_text(f"{line:500}\n")
     return directory
 
 
@@ -162,9 +162,9 @@ def test_a_frame_that_is_cut_does_not_count(tmp_path):
 
 
 def test_a_job_on_a_node_runs(tmp_path):
-    directory = with_state(with_deck(tmp_path / "x"), "running", reason="computes", step=20)
+    directory = with_state(with_deck(tmp_path / "x"), "running")
     found = status(with_frames(directory, 30), alps(Queued("7", False, directory.resolve())))
-    assert (found.state, found.step, found.why) == ("running", 300, "job 7, computes")
+    assert (found.state, found.step, found.why) == ("running", 300, "job 7")
 
 
 @pytest.mark.parametrize(
@@ -190,9 +190,16 @@ def test_a_job_that_its_cluster_does_not_know_is_incomplete_and_goes_on_with_sba
 def test_where_its_queue_cannot_be_asked_a_job_is_what_it_said_last(state, queue, tmp_path):
     found = status(with_state(with_deck(tmp_path / "x"), state), queue)
     assert found.state == state
-    told = re.search(r"^time (\d+)$", (tmp_path / "x" / file_names.JOB_STATE).read_text(), flags=re.MULTILINE)
-    when = time.strftime("%Y-%m-%d %H:%M", time.localtime(int(told[1])))
-    assert found.why.endswith(f"as reported on {when} by n12")
+    at = re.search(r" at=(\S+) ", (tmp_path / "x" / file_names.JOB_STATE).read_text())[1]
+    assert found.why.endswith(f"as reported on {datetime.fromisoformat(at):%Y-%m-%d %H:%M} by n12")
+
+
+def test_a_job_of_an_earlier_version_is_done_if_all_frames_are_there(tmp_path):
+    directory = with_frames(with_deck(tmp_path / "x"), STEPS // 10)
+    (directory / file_names.JOB_STATE).write_text(f"state done\nstep {STEPS}\nsteps {STEPS}\njob 7\n")
+    assert status(directory, alps()).state == "done"
+    with_frames(directory, STEPS // 20)
+    assert status(directory, alps()).why == "job.state cannot be read; `sbatch job.sbatch` beside cases.txt tries again"
 
 
 def test_a_job_past_its_time_limit_is_incomplete_even_where_its_queue_cannot_be_asked(tmp_path):
@@ -268,7 +275,7 @@ def test_it_is_said_from_which_step_a_run_goes_on(tmp_path):
     older = {**account, "versions": {"lammps": "2020.1.1"}}
     assert " starts again, for the restart is of another version" in status(with_record(directory, **older)).why
     (directory / RECORD).unlink()
-    assert status(with_state(directory, "incomplete", step=430), alps()).why.endswith("there resumes at step 400")
+    assert status(with_state(directory, "incomplete"), alps()).why.endswith("there resumes at step 400")
 
 
 def test_a_local_run_under_way_holds_its_directory_and_a_killed_one_does_not(tmp_path):

@@ -40,8 +40,8 @@ def test_a_design_and_a_fit_are_jobs_on_one_node_that_say_what_they_ask_for(tmp_
     assert main(["design", str(path), "-o", str(tmp_path / "d"), "--jobs", "2", *options]) == 0
     assert "sbatch job.sbatch" in capsys.readouterr().out
     text = (tmp_path / "d" / "job.sbatch").read_text()
-    assert "#SBATCH --cpus-per-task=2\n" in text
-    assert "#SBATCH --signal=B:TERM@60\n" in text
+    assert " --cpus-per-task=2\n" in text
+    assert " --signal=B:TERM@60\n" in text
     assert main(["design", str(path), "-o", str(tmp_path / "d"), *options, "--nodes", "2"]) == 2
     assert "--nodes: 2 given" in capsys.readouterr().err
 
