@@ -4,12 +4,13 @@ That is the largest force and overlap of each, the permanent overlap, and the en
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from analysis import motion
 from analysis.quantity import declare, result
-from analysis.trajectory import Floats, Integers, Trajectory
+from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem, laws, physics
 
 FARTHEST = 0.25
@@ -91,6 +92,9 @@ class YieldTable:
     overlap: Floats = declare("largest overlap so far", "length", symbol="d_m")
     force: Floats = declare("largest force so far: that of first loading at this overlap", "force", symbol="F_m")
     permanent: Floats = declare("permanent overlap", "length", symbol="d_r")
+    opened: Integers = declare(
+        "whether it has begun to open, 0 or 1; of one that has not the record ends before its largest overlap"
+    )
     lost: Floats = declare("energy lost by yielding", "energy")
 
 
@@ -120,27 +124,55 @@ class YieldMeter:
             for find in (law.permanent, law.lost)  # type: ignore[attr-defined]
         )
         chain, contact = np.indices(shape)
+        opened = (motion.overlaps(system, last.displacement[-1]) < memory) & (memory > 0.0)
         table = YieldTable(
-            chain.ravel() + 1, contact.ravel() + 1, *(one.ravel() for one in (memory, force, permanent, lost))
+            chain=chain.ravel() + 1,
+            contact=contact.ravel() + 1,
+            overlap=memory.ravel(),
+            force=force.ravel(),
+            permanent=permanent.ravel(),
+            opened=opened.ravel().astype(np.int64),
+            lost=lost.ravel(),
         )
         kicked = physics.largest_excitation(system)[0] - 1
-        opened = motion.overlaps(system, last.displacement[-1])[kicked] < memory[kicked]
         acted_on = physics.acted_on(system)
+        decay = power_law(force[kicked], opened[kicked])
         return (
             Yielded(
                 contacts=int(np.count_nonzero(permanent > 0.0)),
                 permanent=float(np.max(permanent)),
                 lost=float("nan") if acted_on else float(np.sum(lost)) / physics.energy(system),
-                decay=_decay(force[kicked], opened & (memory[kicked] > 0.0)),
+                decay=float("nan") if decay is None else decay.exponent,
             ),
             table,
         )
 
 
-def _decay(force: Floats, opened: Floats) -> float:
-    """Slope of the logarithm of forces over that of their numbers, in the second half of those up to the last."""
+@dataclass(frozen=True)
+class PowerLaw:
+    """Largest force of contacts as ``factor * contact**exponent``.
+
+    Attributes:
+        contact: [contact] numbers of those that it was fitted to, the second half of those that have begun to open.
+        factor: dimensionless force of contact 1.
+        exponent: slope of the logarithms.
+    """
+
+    contact: Floats
+    factor: float
+    exponent: float
+
+
+def power_law(force: Floats, opened: Flags) -> PowerLaw | None:
+    """Law of the forces [contact] of one chain, by least squares of logarithms; None for too few contacts that opened.
+
+    Args:
+        force: largest force so far, dimensionless.
+        opened: whether the contact has begun to open.
+    """
     count = int(np.argmin(opened)) if not np.all(opened) else len(opened)
     if count < 2 * LEAST_CONTACTS:
-        return float("nan")
-    number = np.arange(count // 2, count)
-    return float(np.polyfit(np.log(number + 1.0), np.log(force[number]), 1)[0])
+        return None
+    contact = np.arange(count // 2, count, dtype=np.float64) + 1.0
+    exponent, logarithm = np.polyfit(np.log(contact), np.log(force[count // 2 : count]), 1)
+    return PowerLaw(np.asarray(contact), math.exp(logarithm), float(exponent))

@@ -37,13 +37,15 @@ class Column:
 
     Attributes:
         name: of the column.
-        label: of an axis that shows it; empty for text.
+        label: words of an axis that shows it; empty for text.
         key: in the quantity's value, where that is not one number.
+        symbol: in TeX, on that axis.
     """
 
     name: str
     label: str = ""
     key: str = ""
+    symbol: str = ""
 
 
 @dataclass(frozen=True)
@@ -122,7 +124,7 @@ def _declared(kind: Any) -> dict[str, tuple[Quantity, Any]]:
                 found[name] = getattr(value.fget, _DECLARED), typing.get_type_hints(value.fget)["return"]
     for name, (one, kind_of_value) in found.items():
         if one.column is not None:
-            found[name] = replace(one, columns=(Column(name, one.column),)), kind_of_value
+            found[name] = replace(one, columns=(Column(name, one.column, symbol=one.symbol),)), kind_of_value
     return found
 
 

@@ -125,21 +125,26 @@ def atoms_by_value(law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tup
     return [(value, " ".join(found)) for value, found in ranges.items()]
 
 
-def atoms_by_row(values: Any, shape: tuple[int, int]) -> list[tuple[NDArray[np.float64], str]] | None:
+def atoms_by_row(
+    values: Any, shape: tuple[int, int], of_chains: NDArray[np.bool_] | None = None
+) -> list[tuple[NDArray[np.float64], str]] | None:
     """Distinct profiles along a chain, and the atoms of the chains that have them; None where each chain has one value.
 
     Args:
         values: a number, or [chain, bead].
         shape: chains and beads; atom = (chain - 1) * beads + bead.
+        of_chains: whether a chain is looked at, [chain]; all are by default.
     """
-    rows, (_, beads) = np.broadcast_to(values, shape), shape
+    chains, beads = shape
+    numbers = np.arange(chains) if of_chains is None else np.flatnonzero(of_chains)
+    rows = np.broadcast_to(values, shape)[numbers]
     if all(len(np.unique(row[row != 0.0])) <= 1 for row in rows):
         return None
     profiles, of_chain = np.unique(rows, axis=0, return_inverse=True)
     if len(profiles) > MOST_GROUPS:
         raise ValueError(f"{len(profiles)} different profiles; LAMMPS allows {MOST_GROUPS}")
-    chains = (np.flatnonzero(of_chain.reshape(-1) == number) for number in range(len(profiles)))
-    atoms = (" ".join(f"{one * beads + 1}:{(one + 1) * beads}" for one in alike.tolist()) for alike in chains)
+    alike = (numbers[of_chain.reshape(-1) == number] for number in range(len(profiles)))
+    atoms = (" ".join(f"{chain * beads + 1}:{(chain + 1) * beads}" for chain in group.tolist()) for group in alike)
     return list(zip(profiles, atoms, strict=True))
 
 

@@ -53,17 +53,57 @@ def of_word(word: str) -> str | None:
 
 def of_term(word: str) -> str | None:
     """A symbol or term as the tables of units and notation in `MODEL.md` define it; None where they do not."""
-    tables = page("MODEL.md").partition("## Units")[2].partition("## References")[0]
-    rows = [_plain_math(row).strip("| ").split(" | ") for row in re.findall(r"^\|.*\|$", tables, re.M)]
-    found = [": ".join(meaning) for term, *meaning in rows if word in re.split(r", | \(|\)", _unmarked(term))]
-    lines = [f"    {line}" for meaning in found for line in textwrap.wrap(_unmarked(meaning), WIDTH - 4)]
+    found = [meaning for names, meaning in terms() if word in names]
+    lines = [f"    {line}" for meaning in found for line in textwrap.wrap(meaning, WIDTH - 4)]
     return "\n".join([word, *lines]) if lines else None
 
 
+def terms() -> Iterator[tuple[list[str], str]]:
+    """Symbols and names of every term in the tables of units and notation of `MODEL.md`, and its meaning."""
+    tables = page("MODEL.md").partition("## Units")[2].partition("## References")[0]
+    for row in re.findall(r"^\|.*\|$", tables, re.M):
+        term, *meaning = _plain_math(row).strip("| ").split(" | ")
+        yield re.split(r", | \(|\)", _unmarked(term)), _unmarked(": ".join(meaning))
+
+
+def of_part_of_model(title: str) -> str | None:
+    """The section or titled paragraph of `MODEL.md` with a title in any case, such as ``notation``; None of others."""
+    text = page("MODEL.md")
+    parts = {part.partition("\n")[0]: part for part in re.split(r"^## ", text, flags=re.M)[1:]}
+    parts |= {
+        found[1]: found[0] for found in re.finditer(r"^\*\*([^*]+)\.\*\*.*?(?=\n\n\*\*|\n\n## )", text, re.M | re.S)
+    }
+    found = next((part for name, part in parts.items() if name.lower() == title.lower()), None)
+    return None if found is None else _plain(re.sub(r"(?<!\^)\*+([^*]+)(?<!\^)\*+", r"\1", _plain_math(found)))
+
+
+_IN_ONE_LINE = (
+    (r" ?\\rvert ?", "| "),
+    (r"\\lvert ?", "|"),
+    (r"\\sqrt\{([^{}]*)\}", r"sqrt(\1)"),
+    (r"\\t?frac(\d)(\d)", r"\1/\2"),
+    (r"\\frac(\d)\{([^{}]*)\}", r"\1 / (\2)"),
+    (r"\\frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1) / (\2)"),
+    (r"\\dots", "..."),
+    (r"\\le ", "<= "),
+    (r"\\[ ,;]|\\q?quad", " "),
+    (r"\\(\w+)", r"\1"),
+    (r"\{", "("),
+    (r"\}", ")"),
+)
+"""Patterns of formulas of TeX -> how they are written in one line, in this order."""
+
+
 def _plain_math(text: str) -> str:
-    """Formulas of GitHub's Markdown as they are written in one line."""
-    text = re.sub(r" ?\\rvert ?", "| ", re.sub(r"\\lvert ?", "|", text)).replace("\\dots", "...")
-    return re.sub(r"\\(\w+)", r"\1", text).translate({ord("$"): None, ord("{"): "(", ord("}"): ")"})
+    """Text whose formulas, between dollar signs, are written in one line."""
+
+    def formula(found: re.Match[str]) -> str:
+        line = found[1]
+        for pattern, plain in _IN_ONE_LINE:
+            line = re.sub(pattern, plain, line)
+        return line
+
+    return re.sub(r"\$+([^$]+)\$+", formula, text)
 
 
 def sections() -> Iterator[tuple[list[str], str]]:

@@ -100,7 +100,7 @@ def from_plain(data: dict[str, Any], source: str) -> Scene:
     try:
         return Scene.model_validate(data)
     except ValidationError as error:
-        raise InputError(f"{source}: {mistaken(data, 'scene') or describe(error, Scene)}") from None
+        raise InputError(f"{source}: {mistaken(data, 'scene') or describe(error, Scene, data)}") from None
 
 
 def mistaken(data: dict[str, Any], wanted: str) -> str:
@@ -122,10 +122,17 @@ def mistaken(data: dict[str, Any], wanted: str) -> str:
     )
 
 
-def describe(error: ValidationError, model: type[BaseModel]) -> str:
-    """Pydantic's complaints as one line: of each key what was found and what would be right, unknown keys first."""
+def describe(error: ValidationError, model: type[BaseModel], data: Any = None) -> str:
+    """Pydantic's complaints as one line: of each key what was found and what would be right, unknown keys first.
+
+    Args:
+        error: what was raised.
+        model: of which.
+        data: what was given, by which parts of lists are numbered.
+    """
+    lists = {key for key, value in data.items() if isinstance(value, list) and len(value) > 1} if data else set()
     details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] != "extra_forbidden")
-    lines = [_line(detail, model) for detail in _one_a_key(details, model)]
+    lines = [_line(detail, model, lists) for detail in _one_a_key(details, model)]
     text = lines[0]
     for shown, line in enumerate(lines[1:], 1):
         if len(ascii(text)) + len(ascii(line)) > _LONGEST:  # as printed: what cannot be is escaped
@@ -179,10 +186,10 @@ def _path(detail: ErrorDetails, model: type[BaseModel]) -> list[int | str]:
     return found
 
 
-def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
+def _line(detail: ErrorDetails, model: type[BaseModel], lists: set[str]) -> str:
     kind = detail["type"]
     path = _path(detail, model)
-    key = _key(path)
+    key = _key(path, lists)
     given = _short(detail["input"])
     context = detail.get("ctx", {})
     if kind == "extra_forbidden":
@@ -253,12 +260,14 @@ def _or_pairs(path: list[int | str], model: type[BaseModel]) -> str:
     return f", or hold pairs, `{{{', '.join(known)}}}`" if known else ""
 
 
-def _key(path: list[int | str]) -> str:
+def _key(path: list[int | str], lists: set[str]) -> str:
+    """Name of a value in messages; a part that stands alone has no number."""
     key = ""
     for position, part in enumerate(path):
         if isinstance(part, int):
             following = position + 1 < len(path)
-            key += "" if key in SEVERAL and part == 0 and following else f"[{part + 1}]"
+            alone = key in SEVERAL - lists and part == 0
+            key += "" if alone and following else f"[{part + 1}]"
         else:
             word = part if 0 < len(part) <= 60 else _short(part)
             key += f".{word}" if key else word

@@ -7,7 +7,7 @@ from pydantic import Field, field_validator
 
 from lammps_inputs import physics, strict_yaml
 from lammps_inputs.ingredients.base import Count, Part, Positive
-from lammps_inputs.units import Unit
+from lammps_inputs.units import Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -133,7 +133,7 @@ class Output(Part):
 
     example: ClassVar[str] = "{every: 0.1}"
 
-    every: Annotated[Positive, Unit("s")] | None = None
+    every: Annotated[Annotated[Positive, Unit("s")] | None, Label("time between frames")] = None
     """Time between frames; 0.1 T if omitted."""
     beads: Literal["all"] | tuple[Count, ...] = "all"
     """Recorded beads of every chain."""

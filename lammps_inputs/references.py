@@ -18,6 +18,8 @@ SCHEMES = {"verlet": "swope1982", "suzuki4": "suzuki1990"}
 ENGINES = [LAMMPS, SCHEMES["verlet"], REFERENCE]
 """What every run by LAMMPS, checked against the reference, cites."""
 
+OF_ENGINE, OF_REFERENCE = "engine", "reference integrator"
+"""Subjects of `of_scene`: publications of LAMMPS and its scheme, and of the reference."""
 
 LINKS = {"doi": "doi", "eprint": "arXiv"}
 """Field of an entry that leads to the publication -> its prefix."""
@@ -100,5 +102,5 @@ def of_scene(scene: "BaseScene") -> dict[str, list[str]]:
     for key, ingredient in scene.named:
         if keys := ingredient.cited():
             found[key] = list(keys)
-    found["engine"] = [LAMMPS, SCHEMES[scene.scheme or "verlet"]]
-    return found | {"reference integrator": [REFERENCE]}
+    found[OF_ENGINE] = [LAMMPS, SCHEMES[scene.scheme or "verlet"]]
+    return found | {OF_REFERENCE: [REFERENCE]}

@@ -37,7 +37,7 @@ from lammps_inputs.problem import Problem
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.static_load import LoadError, under_load
 from lammps_inputs.system import System
-from lammps_inputs.units import PURE, Scale, Unit, hertz_constant, make_scale, sphere_mass
+from lammps_inputs.units import PURE, Label, Scale, Unit, hertz_constant, make_scale, sphere_mass
 from lammps_inputs.window import HEADROOM, LEAST_WINDOW, behind, rows_for
 
 Floats = NDArray[np.float64]
@@ -80,9 +80,9 @@ class Kick(Part):
 
     example: ClassVar[str] = "{velocity: 1}"
 
-    chain: Count = 1
+    chain: Annotated[Count, Label("kicked chain")] = 1
     """Chain of the kicked bead."""
-    bead: Count = 1
+    bead: Annotated[Count, Label("kicked bead")] = 1
     """Number of the kicked bead."""
     velocity: Annotated[float, Field(ge=-1e30, le=1e30), Unit("m/s")]
     """Initial velocity, positive towards higher bead numbers."""
@@ -109,15 +109,15 @@ class Material(Part):
 
     name: materials.Name | None = None
     """Material of the table below, whose constants hold where none are given."""
-    radius: Annotated[Positive, Unit("m")]
+    radius: Annotated[Positive, Unit("m"), Label("radius of the beads", "R")]
     """Radius R of the beads."""
-    density: Annotated[Positive, Unit("kg/m3")]
+    density: Annotated[Positive, Unit("kg/m3"), Label("density of the beads", "\\rho")]
     """Mass density of the beads, which are solid spheres; required without `name`."""
-    youngs_modulus: Annotated[Positive, Unit("Pa")]
+    youngs_modulus: Annotated[Positive, Unit("Pa"), Label("Young's modulus", "E")]
     """Young's modulus E; required without `name`."""
-    poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE]
+    poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE, Label("Poisson's ratio", "\\nu")]
     """Poisson's ratio; required without `name`."""
-    yield_strength: materials.YieldStrength | None = None
+    yield_strength: Annotated[materials.YieldStrength | None, Label("yield strength", "\\sigma_y")] = None
     """Yield strength of the beads, whose contacts then yield, or `catalogue`: that of the table below; they are elastic
     if omitted.
     """
@@ -138,11 +138,11 @@ class BaseScene(Part):
     """Name of the scene: letters, digits, `.`, `_` and `-`, at most 64."""
     description: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*$")] = ""
     """One line that `granchain scenes` prints."""
-    chains: Annotated[int, Field(ge=1, le=10**6)] = 1
+    chains: Annotated[int, Field(ge=1, le=10**6), Label("number of chains", "N")] = 1
     """Number of chains."""
-    beads: Annotated[int, Field(ge=2, le=10**8)]
+    beads: Annotated[int, Field(ge=2, le=10**8), Label("number of beads of a chain", "n_b")]
     """Number of beads of each chain."""
-    gap: Annotated[float, Field(ge=0, le=1e30), Unit("m")] = 0.0
+    gap: Annotated[float, Field(ge=0, le=1e30), Unit("m"), Label("gap", "D")] = 0.0
     """Clear distance between neighbouring beads at rest; 0: they just touch."""
     kinds: Kinds | None = None
     """Kinds of beads by name, for `pattern` and `replace`."""
@@ -164,7 +164,7 @@ class BaseScene(Part):
     """Time at which the run ends; or give `until_bead`."""
     until_bead: Count | None = None
     """The run ends shortly after the pulse has passed this bead in every chain."""
-    timestep: Annotated[Positive, Unit("s")] | None = None
+    timestep: Annotated[Annotated[Positive, Unit("s")] | None, Label("time step")] = None
     """Time step of velocity Verlet, which must divide `output.every`; in place of `accuracy`."""
     accuracy: Annotated[float, Field(ge=1e-10, le=0.1), PURE] | None = None
     """Largest error of any recorded velocity in units of V, kept by the time step that a pilot run finds; 2e-4 if
@@ -214,11 +214,12 @@ class BaseScene(Part):
         for ingredient in self.ingredients:
             ingredient.refuse_system(self, system)
         if system.inner_mass is not None and plastic.key(self):
+            key = plastic.key(self)
             raise ValueError(
-                f"{plastic.key(self)}: atoms inside the beads are not known beside it; leave one of them out"
+                f"{key}: contacts that yield are not known beside {self._inner_key}; leave one of them out"
             )
         if system.inner_mass is not None and self.window is not None:
-            raise ValueError("window: atoms inside the beads behind it keep moving; leave the window out")
+            raise ValueError(f"window: {self._inner_key} behind it keep moving; leave the window out")
         self._check_motion(system)
         self.output.refuse(self)
         self._check_times()
@@ -439,6 +440,16 @@ class BaseScene(Part):
         for key, ingredient in self.named:
             yield key, ingredient.speed(mass)
 
+    def key_of(self, ingredient: Ingredient) -> str:
+        """Key of an ingredient of the scene in messages, with its number where there is a list of several."""
+        for key in INGREDIENTS:
+            named = getattr(self, key)
+            parts = named if isinstance(named, tuple) else (named,)
+            for number, part in enumerate(parts, 1):
+                if part is ingredient:
+                    return f"{key}[{number}]" if len(parts) > 1 else key
+        raise KeyError("no ingredient of the scene")
+
     def contact_law(self, strength: laws.Parameter) -> laws.Law | None:
         """The dimensionless law of contacts of this strength (`Ingredient.contact_law`); None where it is Hertz's."""
         named = (ingredient.contact_law(strength) for ingredient in self.ingredients)
@@ -473,6 +484,7 @@ class BaseScene(Part):
         borne = physics.with_inner(mass, inner_mass, self.chains)
         static = sum((ingredient.static(self, borne) for ingredient in self.ingredients), np.float64(0.0))
         if any(laws.remembers(link.law) for link in touching):
+            laws.refuse_incomplete(touching[0].law)
             taken |= {Fact.FRAMES, Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE}
             taken |= set() if plastic.key(self) else {Fact.MOMENTUM}
         system = System(
@@ -515,6 +527,11 @@ class BaseScene(Part):
             links += [link.counted_on(self.chains, first) for link in found.links]
             dampers += [link.counted_on(self.chains, first) for link in found.dampers]
         return (masses if len(masses) else None), tuple(links), tuple(dampers)
+
+    @property
+    def _inner_key(self) -> str:
+        """Key of the first ingredient that adds atoms to the beads."""
+        return next(key for key, ingredient in self.named if ingredient.inner(self) is not None)
 
     @property
     def _loaded_by(self) -> str:

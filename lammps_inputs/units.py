@@ -9,8 +9,9 @@ kappa = k V**-0.4 for spheres. The scaling is exact (Starosvetsky, Hasan & Vakak
 """
 
 import math
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 REDUCED = "reduced"
@@ -54,6 +55,15 @@ class Dimension:
     over: str = "one"
     length: float = 0.0
 
+    @property
+    def symbol(self) -> str:
+        """SI unit, such as ``N/m/m^2``; empty of a pure number."""
+        above = "" if self.unit == "one" else SI[self.unit]
+        below = "" if self.over == "one" else f"/({SI[self.over]})" if "/" in SI[self.over] else f"/{SI[self.over]}"
+        length = "" if not self.length else f"{'/' if self.length < 0.0 else ' '}m^{abs(self.length):g}"
+        symbol = f"{above}{below}{length}"
+        return f"1{symbol}" if symbol.startswith("/") else symbol.strip()
+
     def worth(self, scale: "Scale") -> float:
         """Of one dimensionless unit, in the scene's units."""
         found = getattr(scale, self.unit) / getattr(scale, self.over)
@@ -63,6 +73,64 @@ class Dimension:
 
 PURE = Unit("")
 """Of shares, and of what has the same number in all units."""
+
+_GREEK = {"Delta": "Δ", "kappa": "κ", "nu": "ν", "omega": "ω", "rho": "ρ", "sigma": "σ"}
+
+
+@dataclass(frozen=True)
+class Label:
+    """Words, symbol and unit of a number, for axes, heads of tables and pages.
+
+    That of a scene's key stands in the key's type, beside its `Unit`: ``Annotated[float, Unit("m"), Label("gap")]``;
+    that of a result in its `analysis.quantity.Column`.
+
+    Attributes:
+        words: noun, such as ``peak velocity``.
+        symbol: in TeX; may be empty.
+        unit: symbol of an SI unit, `REDUCED`, one of `OWN_UNITS`, `ENERGY_INPUT`, or a count such as ``beads``; empty
+            where there is none.
+    """
+
+    words: str
+    symbol: str = ""
+    unit: str = ""
+
+    @property
+    def mathtext(self) -> str:
+        """Text for matplotlib: ``time $t$ (ms)``, ``amplitude $v / V$``, ``residual energy / energy input``."""
+        unit = self.unit if "$" in self.unit else re.sub(r"\^?([\d.]+)|\^(p)", r"$^{\1\2}$", self.unit)
+        return self._text("$", self.symbol, unit)
+
+    @property
+    def plain(self) -> str:
+        """Text without TeX, for HTML pages: ``time t (ms)``, ``amplitude v / V``, ``coupling stiffness k (N/m)``."""
+        symbol = re.sub(r"\\([A-Za-z]+) ?", lambda name: _GREEK.get(name[1], ""), self.symbol)
+        return self._text("", symbol.replace("{", "").replace("}", ""), self.unit)
+
+    def _text(self, mark: str, symbol: str, unit: str) -> str:
+        """Words, symbol and unit; the mark encloses mathematics."""
+        named = f"{self.words} {mark}{symbol}{mark}" if symbol else self.words
+        if unit in OWN_UNITS:
+            return f"{self.words} {mark}{symbol} / {unit}{mark}" if symbol else f"{named} / {mark}{unit}{mark}"
+        if unit == ENERGY_INPUT:
+            return f"{named} / {unit}"
+        return f"{named} ({unit})" if unit else named
+
+    def prefixed(self, largest: float) -> tuple["Label", float]:
+        """Label with a prefix before an SI unit that leaves few digits, and the factor for numbers in the plain unit.
+
+        Args:
+            largest: size of the largest number, in the unit.
+        """
+        power, letter = prefix(self.unit, largest) if self.unit else (0, "")
+        return replace(self, unit=letter + self.unit), 10.0 ** (-3 * power)
+
+
+OWN_UNITS = ("V", "T", "L")
+"""A scene's own units of velocity, time and length; a label divides by them, for ``(V)`` would be read as volts."""
+
+ENERGY_INPUT = "energy input"
+"""Unit of shares of the energy."""
 
 
 @dataclass(frozen=True)

@@ -69,6 +69,7 @@ RESUMED = [
     "cubic ring",
     "foundation by chain",
     "foundation rising in some rows",
+    "foundation that vanishes in time beside a graded one",
     "resonators by chain, column, dimer",
     "damping all, exponent 2, pressed",
     "damped column",
@@ -78,6 +79,7 @@ OLD = ["gap", "ramp", "lattice", "cubic ring", "foundation by chain", "dimer", "
 OLD += [
     "foundation rising, modulated",
     "foundations over time",
+    "foundation that vanishes in time beside a graded one",
     "wavy contacts, gap, walls",
     "graded column of exponent 1",
     "exponents by contact",

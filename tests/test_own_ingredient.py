@@ -157,6 +157,14 @@ class Worn(NamedTuple):
     def remember(s, strength, share, memory):
         return max(s, memory)
 
+    @staticmethod
+    def permanent(strength, share, memory):
+        return share * memory
+
+    @staticmethod
+    def lost(strength, share, memory):
+        return 0.4 * share * strength * memory**2.5
+
 
 class Wear(Ingredient):
     takes_away = frozenset({Fact.PULSE, Fact.SONIC_VACUUM})
@@ -170,7 +178,22 @@ class Wear(Ingredient):
         return self.takes_away
 
 
-INGREDIENTS = {"bed": Bed, "masses": Masses, "stiffer": Stiffer, "tie": Tie, "wear": Wear}
+class Incomplete(NamedTuple):
+    """A contact with a memory that does not say where unloading ends."""
+
+    strength: Pure
+    memory: Pure = 0.0
+
+    force, energy, stiffness = Worn.force, Worn.energy, Worn.stiffness
+    max_strain, remember = Worn.max_strain, Worn.remember
+
+
+class Half(Ingredient):
+    def contact_law(self, strength):
+        return Incomplete(strength)
+
+
+INGREDIENTS = {"bed": Bed, "half": Half, "masses": Masses, "stiffer": Stiffer, "tie": Tie, "wear": Wear}
 '''
 
 SCENES: dict[str, dict[str, Any]] = {
@@ -410,6 +433,14 @@ def test_a_contact_that_remembers_its_largest_overlap_gives_two_beads_their_rest
     assert coarse == pytest.approx([0.05, 0.95], abs=1e-5)  # the largest overlap is found within the step
     assert fine == pytest.approx([0.05, 0.95], abs=1e-8)
     assert found[1]["memories"] == [3, 0]
+
+
+def test_a_contact_with_a_memory_is_refused_where_it_does_not_say_where_unloading_ends(found):
+    (found[0] / "half.yaml").write_text(text("worn", wear=None, half={}))
+    done = granchain(found[0], "show", "half.yaml", **own("."))
+    assert done.returncode == 2
+    assert "contacts: the law Incomplete has a memory; it needs a function `permanent`, too" in done.stderr
+    assert done.stderr.count("\n") == 1
 
 
 def test_without_the_module_the_key_is_unknown(found):

@@ -1,12 +1,20 @@
 """The README shows what there is."""
 
+import io
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
-from gallery import FOLDER, PICTURES
+from gallery import FOLDER, INCHES, PICTURES, small
+from PIL import Image
+from synthetic_waves import reference
 
+from analysis.figures.spacetime import SpaceTime, spacetime_figure
+from analysis.figures.style import picture
+from analysis.trajectory import watch
 from lammps_inputs import shipped
+from workflow.formats import written_as
 
 README, SCENES = (
     (Path(__file__).parents[1] / page).read_text(encoding="utf-8") for page in ("README.md", "lammps_inputs/SCENES.md")
@@ -17,7 +25,24 @@ OTHERS = {"trade", "view"}  # of one machine's speed, and of a page in a browser
 
 def test_every_picture_is_drawn_by_the_script_and_small():
     assert set(PICTURES) == SHOWN - OTHERS
-    assert all((FOLDER / f"{name}.png").stat().st_size < (60_000 if "/" in name else 80_000) for name in PICTURES)
+    assert all((FOLDER / f"{name}.png").stat().st_size < 60_000 for name in PICTURES)
+
+
+def test_bars_of_colours_have_the_colours_of_the_figure():
+    trajectory = reference(1, 0.0, 12, 12.0)
+    with written_as(("png",), INCHES[0]):
+        figure = spacetime_figure(watch(SpaceTime(trajectory.problem), [trajectory]))
+        drawn = Image.open(io.BytesIO(picture(figure, "png", 200))).convert("RGB")
+    written = small(drawn, figure)
+    assert written.mode == "P"
+    bar = next(axis for axis in figure.axes if axis.get_label() == "<colorbar>").get_window_extent()
+    column, rows = (
+        round(0.5 * (bar.x0 + bar.x1)),
+        slice(round(drawn.height - bar.y1) + 3, round(drawn.height - bar.y0) - 3),
+    )
+    before, after = (np.asarray(image.convert("RGB"), dtype=int)[rows, column] for image in (drawn, written))
+    assert len(before) > 100
+    assert np.max(np.abs(after - before)) <= 6  # as far apart as neighbours among the bar's 216 colours
 
 
 @pytest.mark.parametrize(

@@ -20,13 +20,14 @@ FOLDER = Path(workflow.__file__).parent / "tutorials"
 ROOT = FOLDER.parents[1]
 MANUAL = [ROOT / "README.md", *(page for name in PACKAGES for page in sorted((ROOT / name).rglob("*.md")))]
 PAGES = sorted(path.stem for path in FOLDER.glob("*.md"))
+COMMANDS = FOLDER.parent / "README.md"
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("lammps_here", "pool_here")
-@pytest.mark.parametrize("name", PAGES)
-def test_the_commands_of_a_tutorial_print_what_it_quotes(name, tmp_path, request):
-    page = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("path", [*(FOLDER / f"{name}.md" for name in PAGES), COMMANDS], ids=lambda path: path.stem)
+def test_the_commands_of_a_page_print_what_it_quotes(path, tmp_path, request):
+    page = path.read_text(encoding="utf-8")
     environment = dict(os.environ)
     if "sbatch" in page:
         environment |= request.getfixturevalue("slurm").environment
@@ -46,6 +47,15 @@ def test_the_python_examples_of_the_readme_pages_run_one_after_the_other(tmp_pat
         runpy.run_path(f"example{number}.py")
 
 
+@pytest.mark.slow
+@pytest.mark.usefixtures("lammps_here")
+def test_the_run_that_the_readme_quotes_prints_these_lines(tmp_path):
+    page = (ROOT / "README.md").read_text(encoding="utf-8")
+    (quoted,) = re.findall(r"^ {4}two-chains: units.*\n(?: {4}.*\n)+", page, re.M)
+    timeless = re.sub(r"\d\S* s\b", "... s", quoted).replace("LAMMPS 20250722", "LAMMPS ...")
+    tutorial.compare(timeless, tutorial.called("granchain run two-chains -o demo", tmp_path))
+
+
 @pytest.mark.parametrize("page", MANUAL, ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_and_pictures_of_the_manual_exist(page):
     for link in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
@@ -62,7 +72,7 @@ def test_scenes_and_sweeps_of_the_readme_pages_are_valid(page, tmp_path):
     for block in re.findall(r"```yaml\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.S):
         data = strict_yaml.parse(block, page)
         if "vary" not in data:
-            assert library.from_plain(data, page).problem()
+            assert library.from_plain(data, page).system
         elif "minimize" not in data:
             assert sweep_file.all_cases(sweep_file.from_plain(data, tmp_path / "sweep.yaml"))
 

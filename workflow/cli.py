@@ -159,7 +159,7 @@ def _execute(arguments: argparse.Namespace) -> int:
             stack.enter_context(contextlib.redirect_stdout(io.StringIO()))
         stack.enter_context(screen.without_bars() if quiet else screen.with_hints())
         if "formats" in arguments:
-            stack.enter_context(formats.written_as(arguments.formats))
+            stack.enter_context(formats.written_as(arguments.formats, arguments.width))
         answer = arguments.execute(arguments)
     if asked:
         print(as_json(answer.data))
@@ -219,6 +219,12 @@ def _fill(one: argparse.ArgumentParser, module: Any) -> None:
             type=formats.from_words,
             default=formats.asked(),
             help=f"what figures are written as, of {', '.join(formats.KNOWN)} (default {','.join(formats.asked())})",
+        )
+        one.add_argument(
+            "--width",
+            metavar="INCHES",
+            type=formats.width_from_words,
+            help="width of figures, without titles: 3.4 for one column of a journal, 7 for two (default: each its own)",
         )
     answers = getattr(module, "ANSWERS", None)
     if answers:

@@ -1,13 +1,17 @@
-"""In which formats figures are written: PNG, unless a command was asked for others. The one place that decides."""
+"""Formats and width of figures: PNG, each of its own width, unless a command was asked for others; decided here."""
 
 import argparse
-from collections.abc import Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from contextvars import ContextVar
 
+from analysis.figures.paper import WIDTH
 from workflow.screen import meanwhile
 
 KNOWN = ("png", "pdf", "svg")
+
+LEAST_WIDTH, MOST_WIDTH = 2.0, 20.0
+"""Inches of a figure."""
 
 _asked: ContextVar[tuple[str, ...]] = ContextVar("formats", default=("png",))
 
@@ -17,9 +21,22 @@ def asked() -> tuple[str, ...]:
     return _asked.get()
 
 
-def written_as(formats: Sequence[str]) -> AbstractContextManager[None]:
-    """Write figures in these formats meanwhile."""
-    return meanwhile(_asked, tuple(formats))
+def width_asked() -> float | None:
+    """Width of figures in inches; None where each has its own."""
+    return WIDTH.get()
+
+
+@contextmanager
+def written_as(formats: Sequence[str], width: float | None = None) -> Iterator[None]:
+    """Write figures in these formats, and of this width in inches without titles, in a block."""
+    with meanwhile(_asked, tuple(formats)), meanwhile(WIDTH, width):
+        yield
+
+
+def words() -> list[str]:
+    """Options of a command that writes figures as they are written now."""
+    width = width_asked()
+    return ["--formats", ",".join(asked()), *([] if width is None else ["--width", f"{width:g}"])]
 
 
 def figure_files(*names: str) -> tuple[str, ...]:
@@ -33,8 +50,21 @@ def in_any_format(*names: str) -> tuple[str, ...]:
 
 
 def from_words(text: str) -> tuple[str, ...]:
-    """What ``--formats`` says."""
+    """Formats that ``--formats`` names."""
     found = tuple(dict.fromkeys(word.strip().lower() for word in text.split(",")))
     if not set(found) <= set(KNOWN):
         raise argparse.ArgumentTypeError(f"{text!r} given; of {', '.join(KNOWN)}, with commas between")
     return found
+
+
+def width_from_words(text: str) -> float:
+    """Inches that ``--width`` names."""
+    try:
+        inches = float(text)
+    except ValueError:
+        inches = 0.0
+    if not LEAST_WIDTH <= inches <= MOST_WIDTH:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} given; inches from {LEAST_WIDTH:g} to {MOST_WIDTH:g}, such as 3.4 for one column of a journal"
+        )
+    return inches

@@ -168,8 +168,8 @@ class Difference:
     def deviations(self) -> dict[str, Deviation]:
         """Deviation of every quantity in `QUANTITIES`; amplitudes and arrivals are the leading pulse's.
 
-        The latter two are not there where no passage was seen by both. Energy is what the budget misses where dashpots
-        take some, or forces from outside give some.
+        The latter two are not there where no passage was seen by both, or no pulse leads (`Fact.PULSE`). Energy is what
+        the budget misses where dashpots take some, or forces from outside give some.
 
         Raises:
             ValueError: there was no frame.
@@ -183,9 +183,10 @@ class Difference:
             own, other = matched(own, other, problem.beads)
         timed = sharp(other)
         result = {"velocity": self._velocity.result(), "displacement": self._displacement.result()}
-        if len(own):
+        leads = system.holds(Fact.PULSE)
+        if len(own) and leads:
             result["amplitude"] = self._of_peaks("amplitude", own.velocity - other.velocity, other)
-        if np.any(timed):
+        if np.any(timed) and leads:
             result["arrival"] = self._of_peaks("arrival", (own.time - other.time)[timed], other.where(timed))
         if problem.whole and (system.holds(Fact.ENERGY) or system.dampers):
             result["energy"] = Deviation(self.conservation.energy_drift, math.nan)

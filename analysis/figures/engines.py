@@ -6,12 +6,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, STYLE, Frames, axis_unit, letter, shown_chains, title
+from analysis.figures.style import (
+    CHAIN_COLOURS,
+    CHAIN_DASHES,
+    Frames,
+    axis_unit,
+    head,
+    label_log_axis,
+    legend_below,
+    letter,
+    new_figure,
+    shown_chains,
+    styled,
+    title,
+)
 from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem
 
@@ -41,7 +53,7 @@ class Curve:
     first: Floats
 
 
-@mpl.rc_context(STYLE)
+@styled
 def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve]) -> Figure:
     """First impulses of all rows above, one panel an engine; below the velocities of a few rows.
 
@@ -51,7 +63,7 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
     spans = [_window(curves, position) for position in range(len(rows))]
     time = axis_unit(problem, "time", max(high for _, high in spans))
     velocity = axis_unit(problem, "velocity", max(float(np.abs(curve.velocity).max(initial=0.0)) for curve in curves))
-    figure = Figure(figsize=(7.5, 3.0 + 1.8 * len(rows)), layout="constrained")
+    figure = new_figure(3.0 + 1.8 * len(rows), 7.5)
     grid = figure.add_gridspec(1 + len(rows), len(curves), height_ratios=[1.3] + [1.0] * len(rows))
     first = None
     for column, curve in enumerate(curves):
@@ -78,8 +90,8 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
     handles = [Line2D([], [], color="black", label=curve.engine, **_look(k)) for k, curve in enumerate(curves)]
     if len(chains) > 1:
         handles += [Line2D([], [], label=f"chain {chain + 1}", **_chain_marks(k)) for k, chain in enumerate(chains)]
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 6))
-    figure.suptitle(title(problem, each_chain=True))
+    legend_below(figure, handles, [str(handle.get_label()) for handle in handles])
+    head(figure, title(problem, each_chain=True))
     return figure
 
 
@@ -118,50 +130,78 @@ def _window(curves: Sequence[Curve], position: int) -> tuple[float, float]:
     return max(0.0, low - margin), min(high + margin, float(curves[0].time[-1]))
 
 
-@mpl.rc_context(STYLE)
-def scan_figure(theta: Floats, differences: Floats, rows: Sequence[int], agree: float) -> Figure:
-    """Difference of the chains' first impulses over theta, a panel for each row.
+@dataclass(frozen=True)
+class PublishedPoint:
+    """A gap that a publication chose, and the difference of the chains' first impulses there.
+
+    Attributes:
+        label: for the legend.
+        theta: omega D / V.
+        difference: [row].
+    """
+
+    label: str
+    theta: float
+    difference: Floats
+
+
+@styled
+def scan_figure(
+    theta: Floats, differences: Floats, rows: Sequence[int], agree: float, published: PublishedPoint
+) -> Figure:
+    """Difference of the chains' first impulses over theta, a panel for each row; a difference of 0 is not drawn.
 
     Args:
         theta: omega D / V, [theta].
         differences: (largest - smallest) / mean, [theta, row].
         rows: numbers of the rows.
         agree: below which chains count as equal; drawn as a line.
+        published: a point that is marked.
     """
-    figure = Figure(figsize=(8.0, 1.0 + 1.7 * len(rows)), layout="constrained")
-    axes = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
-    for axis, row, difference in zip(axes, rows, differences.T, strict=True):
-        axis.plot(theta, np.maximum(difference, 1e-4), ".", markersize=2, color=CHAIN_COLOURS[0])
-        axis.axhline(agree, color="black", linewidth=0.8)
+    figure = new_figure(1.0 + 1.7 * len(rows), 8.0)
+    axes = figure.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    for place, (axis, row, difference) in enumerate(zip(axes, rows, differences.T, strict=True)):
+        positive = np.where(difference > 0.0, difference, np.nan)
+        axis.plot(theta, positive, ".", markersize=2, color=CHAIN_COLOURS[0], label="rigid beads")
+        axis.axhline(agree, color="black", linewidth=0.8, label=f"{100.0 * agree:g} %")
+        at = [published.theta], [published.difference[place] or np.nan]
+        axis.plot(*at, "D", color=CHAIN_COLOURS[1], markersize=6, markeredgecolor="black", label=published.label)
+        axis.axvline(published.theta, color=CHAIN_COLOURS[1], linewidth=0.8, zorder=0)
         axis.set_yscale("log")
-        axis.set_ylim(8e-5, 3.0)
         axis.set_title(f"row {row}", loc="left")
+    label_log_axis(axes[0].yaxis)
     letter(axes)
-    figure.supylabel("difference of the chains' first impulses / mean")
+    figure.supylabel("difference of the chains' first impulses / mean", fontsize="medium")
     axes[-1].set_xlabel(r"$\theta = \omega D / V$")
+    legend_below(figure, *axes[0].get_legend_handles_labels())
     return figure
 
 
-@mpl.rc_context(STYLE)
+SMALLEST = 1e-5
+"""Least relative difference that is drawn: below it the uncertainty of the runs decides."""
+
+
+@styled
 def relative_mode_figure(curves: Sequence[tuple[str, Integers, Floats]]) -> Figure:
-    """|I1 - I2| / (I1 + I2) of first impulses along the chains.
+    """|I1 - I2| / (I1 + I2) of first impulses along the chains; curves are interrupted where it is below `SMALLEST`.
 
     Args:
         curves: label, row numbers and values of each model.
     """
-    figure = Figure(figsize=(7.0, 3.6), layout="constrained")
+    figure = new_figure(3.6)
     axis = figure.subplots()
     for k, (label, bead, difference) in enumerate(curves):
+        size = np.abs(difference)
         axis.plot(
             bead,
-            np.abs(difference),
+            np.where(size >= SMALLEST, size, np.nan),
             color=CHAIN_COLOURS[k % len(CHAIN_COLOURS)],
             linestyle=CHAIN_DASHES[k % len(CHAIN_DASHES)],
             label=label,
         )
     axis.set_yscale("log")
-    axis.set_ylim(1e-5, 1.5)
+    axis.set_ylim(SMALLEST, 1.5)
     axis.set_xlabel("row")
     axis.set_ylabel("$|I_1 - I_2| / (I_1 + I_2)$")
-    figure.legend(loc="outside lower center", ncols=len(curves))  # the curves fill the axes
+    legend_below(figure, *axis.get_legend_handles_labels())  # the curves fill the axes
     return figure

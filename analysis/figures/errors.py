@@ -1,17 +1,30 @@
 """Errors: of a validation over space, time and tolerances, of traces beside data, of methods over their cost."""
 
+import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.axis import XAxis, YAxis
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from analysis.against.difference import Deviation, ErrorMap
-from analysis.figures.style import CHAIN_COLOURS, STYLE, Frames, axis_unit, evenly_spaced, letter, name_columns, title
+from analysis.figures.style import (
+    CHAIN_COLOURS,
+    Frames,
+    axis_unit,
+    evenly_spaced,
+    head,
+    is_narrow,
+    label_log_axis,
+    legend_below,
+    letter,
+    name_columns,
+    new_figure,
+    styled,
+    title,
+)
 from analysis.files.traces import Traces
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
@@ -22,7 +35,7 @@ DECADES = 1e-6
 """Errors that much below the largest are drawn like nothing."""
 
 
-@mpl.rc_context(STYLE)
+@styled
 def validation_figure(
     problem: Problem, errors: ErrorMap, deviations: dict[str, Deviation], tolerances: dict[str, float], against: str
 ) -> Figure:
@@ -36,12 +49,16 @@ def validation_figure(
         deviations, tolerances: by quantity, dimensionless.
         against: name of what the run was compared with.
     """
-    figure = Figure(figsize=(8.0, 3.8), layout="constrained")
-    space, bars = figure.subplots(1, 2, width_ratios=(1.6, 1.0))
+    figure = new_figure(7.0 if is_narrow() else 3.8, 8.0)
+    space, points = (
+        figure.subplots(2, 1, height_ratios=(1.6, 1.0))
+        if is_narrow()
+        else figure.subplots(1, 2, width_ratios=(1.6, 1.0))
+    )
     _draw_map(figure, space, problem, errors)
-    _draw_bars(bars, deviations, tolerances)
-    letter((space, bars))
-    figure.suptitle(f"{problem.name}: against {against}")
+    _draw_shares(points, deviations, tolerances)
+    letter((space, points))
+    head(figure, f"{problem.name}: against {against}")
     return figure
 
 
@@ -69,25 +86,47 @@ def _draw_map(figure: Figure, space: Axes, problem: Problem, errors: ErrorMap) -
     if not even:
         name_columns(space, beads)
     space.set_ylabel(unit.label(Frames, "time"))
-    space.set_title("largest velocity error of any chain")
-    figure.colorbar(image, ax=space).set_label(r"error $|v - v_\mathrm{ref}| / V$")
+    beyond = "min" if np.any(finite < DECADES * top) else "neither"
+    bar = figure.colorbar(image, ax=space, extend=beyond)
+    bar.set_label(r"largest error of any chain $|v - v_\mathrm{ref}| / V$")
 
 
-def _draw_bars(bars: Axes, deviations: dict[str, Deviation], tolerances: dict[str, float]) -> None:
-    names = list(deviations)
-    largest = np.array([deviations[name].largest for name in names])
-    limits = np.array([tolerances[name] for name in names])
+def _draw_shares(axis: Axes, deviations: dict[str, Deviation], tolerances: dict[str, float]) -> None:
+    """A point for each quantity at its largest error over its tolerance; at an edge, and written, if 0 or infinite."""
+    largest = np.array([deviation.largest for deviation in deviations.values()])
+    limits = np.array([tolerances[name] for name in deviations])
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         shares = np.where(largest == 0.0, 0.0, largest / limits)
-    lengths = np.clip(np.nan_to_num(shares, nan=np.inf, posinf=np.inf), 1e-6, 1e9)
-    colours = [GOOD if share <= 1.0 else BAD for share in shares]
-    hatches = ["" if share <= 1.0 else "////" for share in shares]
-    bars.barh(names, lengths, color=colours, hatch=hatches, edgecolor="white", linewidth=0.0)
-    bars.set_xscale("log")
-    bars.set_xlim(min(1e-3, float(lengths.min(initial=1.0)) / 2.0), max(10.0, 2.0 * float(lengths.max(initial=1.0))))
-    bars.axvline(1.0, color="black", linewidth=1.0)
-    bars.invert_yaxis()
-    bars.set_xlabel("largest error / tolerance")
+    positive = (shares > 0.0) & np.isfinite(shares)
+    low = min(1e-3, 0.5 * float(np.min(shares[positive], initial=1.0)))
+    high = max(10.0, 2.0 * float(np.max(shares[positive], initial=1.0)))
+    for row, share in enumerate(shares.tolist()):
+        good = share <= 1.0
+        look: dict[str, Any] = {
+            "color": GOOD if good else BAD,
+            "marker": "o" if good else "X",
+            "markersize": 6,
+            "clip_on": False,
+        }
+        at = float(np.clip(share if math.isfinite(share) else high, low, high))
+        axis.plot([at], [row], linestyle="none", zorder=3, **look)
+        if not positive[row]:
+            axis.annotate(
+                f"{share:g}",
+                (at, row),
+                (8 if share == 0.0 else -8, 0),
+                textcoords="offset points",
+                va="center",
+                ha="left" if share == 0.0 else "right",
+            )
+    axis.set_yticks(range(len(shares)), labels=list(deviations))
+    axis.set_ylim(len(shares) - 0.5, -0.5)
+    axis.set_xscale("log")
+    axis.set_xlim(low, high)
+    axis.axvline(1.0, color="black", linewidth=1.0)
+    axis.grid(True, axis="y", color="0.9", linewidth=0.6)
+    axis.set_axisbelow(True)
+    axis.set_xlabel("largest error / tolerance")
 
 
 MOST_CHANNELS = 6
@@ -96,9 +135,9 @@ MOST_POINTS = 4000
 """Of a trace; of longer ones every second, every third, ..."""
 
 
-@mpl.rc_context(STYLE)
+@styled
 def residual_figure(
-    problem: Problem, given: Traces, found: Floats, size: Floats, unit: str = "sigma", mark: str = ""
+    problem: Problem, given: Traces, found: Floats, size: Floats, unit: str = r"$\sigma$", mark: str = ""
 ) -> Figure:
     """For each channel (the first six) a panel with data and run, and one with their difference, data minus run.
 
@@ -114,7 +153,7 @@ def residual_figure(
     thin = slice(None, None, max(1, len(given.time) // MOST_POINTS))
     scale = problem.scale
     time = axis_unit(problem, "time", float(given.time[-1]) / scale.time)
-    figure = Figure(figsize=(7.0, 0.8 + 2.2 * count), layout="constrained")
+    figure = new_figure(0.8 + 2.2 * count)
     axes = figure.subplots(2 * count, 1, sharex=True, squeeze=False, height_ratios=[2, 1] * count)[:, 0]
     for place, channel in enumerate(given.channels[:count]):
         own = float(getattr(scale, channel.quantity))
@@ -131,7 +170,7 @@ def residual_figure(
     axes[-1].set_xlabel(time.label(Frames, "time"))
     axes[0].legend(loc="upper right")
     more = f"; {len(given.channels) - count} more channels" if len(given.channels) > count else ""
-    figure.suptitle(f"{problem.name}: data and run{more}{mark}")
+    head(figure, f"{problem.name}: data and run{more}{mark}")
     return figure
 
 
@@ -152,7 +191,7 @@ Curve = Sequence[Mapping[str, float]]
 time (``seconds``, ``seconds_min``, ``seconds_max``) and ``forces``, a number of evaluations."""
 
 
-@mpl.rc_context(STYLE)
+@styled
 def work_precision_figure(
     problem: Problem, curves: Mapping[str, Curve], fronts: Mapping[str, Floats], floors: Mapping[str, float]
 ) -> Figure:
@@ -164,7 +203,7 @@ def work_precision_figure(
         fronts: by quantity, the Pareto front over wall time as rows of (seconds, error).
         floors: by quantity, the error of the reference.
     """
-    figure = Figure(figsize=(9.5, 7.6), layout="constrained")
+    figure = new_figure(7.6, 9.5)
     (velocity, forces), (amplitude, arrival) = figure.subplots(2, 2)
     for axis, quantity in ((velocity, "velocity"), (amplitude, "amplitude"), (arrival, "arrival")):
         _draw_front(axis, fronts[quantity])
@@ -178,8 +217,8 @@ def work_precision_figure(
     _finish(forces, "velocity", floors["velocity"])
     handles, labels = velocity.get_legend_handles_labels()
     letter(figure.axes)
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
-    figure.suptitle(title(problem))
+    legend_below(figure, handles, labels)
+    head(figure, title(problem))
     return figure
 
 
@@ -224,18 +263,6 @@ def _finish(axis: Axes, quantity: str, floor: float) -> None:
     )
     axis.set_ylabel(f"largest error of {quantity} / ${UNITS[quantity]}$")
     for setting in (axis.xaxis, axis.yaxis):
-        _label_sparsely(setting)
+        label_log_axis(setting)
     axis.grid(True, which="major", color="0.93", linewidth=0.6)
     axis.set_axisbelow(True)
-
-
-def _label_sparsely(setting: XAxis | YAxis) -> None:
-    """Powers of ten, at most six; where there is hardly more than one, 2 and 5 times it as short numbers."""
-    low, high = setting.get_view_interval()
-    setting.set_major_locator(LogLocator(numticks=6))
-    if high > 30.0 * low:
-        setting.set_minor_formatter(NullFormatter())
-        return
-    setting.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
-    for of in (setting.set_major_formatter, setting.set_minor_formatter):
-        of(FuncFormatter(lambda value, _: f"{value:.3g}"))

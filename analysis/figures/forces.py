@@ -1,34 +1,46 @@
 """Forces: over time at walls, contacts and sensors, and the largest ones of contacts that yield along the chains."""
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.contacts import YieldTable
-from analysis.figures.style import STYLE, axis_unit, draw_chain, draw_chains, finish, shown_chains
-from analysis.figures.waves import after_peak, peak_title, pulses
+from analysis.contacts import YieldTable, power_law
+from analysis.figures.style import (
+    axis_unit,
+    draw_chain,
+    draw_chains,
+    finish,
+    is_narrow,
+    label_log_axis,
+    new_figure,
+    shown_chains,
+    styled,
+)
+from analysis.figures.waves import pulses, time_title
 from analysis.gauges.forces import ForceTable, Readings
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 MOST_GAUGES = 8
 
 
-@mpl.rc_context(STYLE)
+@styled
 def force_figure(problem: Problem, readings: Readings) -> Figure:
     """One row a gauge (the first eight), a line for each chain that other figures show too.
 
-    Left over the whole run, right the passages of its largest pulses, their time from the peak.
+    Left over the whole run, right the passages of its largest pulses, in a narrow figure of the first, their time from
+    the peak.
     """
     time = axis_unit(problem, "time", float(readings.time[-1]))
     force = axis_unit(problem, "force", float(np.max(readings.largest)))
     count, chains = min(len(readings.gauges), MOST_GAUGES), shown_chains(problem)
     size = np.max(np.abs(readings.force - readings.static), axis=1)  # [frame, gauge]
     spans = [pulses(readings.time, size[:, place]) for place in range(count)]
+    spans = [gauge[:1] for gauge in spans] if is_narrow() else spans
     more = max(map(len, spans))
-    figure = Figure(figsize=(7.0 + 1.5 * max(0, more - 1), 1.2 + 1.6 * count), layout="constrained")
+    figure = new_figure(1.2 + 1.6 * count, 7.0 + 1.5 * max(0, more - 1))
+    ratio = 1.5 if is_narrow() else 2.5
     axes, *close = figure.subplots(
-        count, 1 + more, sharex="col", sharey=True, squeeze=False, width_ratios=(2.5, *[1.0] * more)
+        count, 1 + more, sharex="col", sharey=True, squeeze=False, width_ratios=(ratio, *[1.0] * more)
     ).T  # fmt: skip
     near = max((high - low for gauge in spans for _, low, high in gauge), default=1.0)
     unit = axis_unit(problem, "time", near)
@@ -38,17 +50,21 @@ def force_figure(problem: Problem, readings: Readings) -> Figure:
         for column, (peak, low, high) in zip(close, spans[place], strict=False):
             inside = (readings.time >= low) & (readings.time <= high)
             draw_chains(column[place], chains, (readings.time[inside] - peak) * unit.worth, curves[inside])
-            column[place].set_title(peak_title(problem, peak, time), loc="left")
+            column[place].set_title(time_title(problem, "peak", peak, time), loc="left")
         for column in close[len(spans[place]) :]:
             column[place].remove()
-        axis.set_ylabel(f"{'total ' if readings.loaded else ''}{force.label(ForceTable, 'force')}")
         largest = f"largest {float(np.max(readings.largest[:, place])) * force.worth:.4g}"
         if readings.loaded:
             dynamic = float(np.fmax.reduce(readings.dynamic[:, place])) * force.worth
             largest += f", dynamic {dynamic:.4g}" if np.isfinite(dynamic) else ", never above the static force"
         axis.set_title(readings.gauges[place].name, loc="left")
-        axis.set_title(largest, loc="right", fontsize=8, color="0.3")
-    for label, column in [(time.label(ForceTable, "time"), axes), *((after_peak(unit), column) for column in close)]:
+        if not is_narrow():
+            axis.set_title(largest, loc="right", fontsize="small", color="0.3")
+    figure.supylabel(f"{'total ' if readings.loaded else ''}{force.label(ForceTable, 'force')}", fontsize="medium")
+    for label, column in [
+        (time.label(ForceTable, "time"), axes),
+        *((f"time after peak\n({unit.symbol})", column) for column in close),
+    ]:
         lowest = [axis for axis in column if axis in figure.axes][-1]
         lowest.set_xlabel(label)
         lowest.xaxis.set_tick_params(labelbottom=True)
@@ -62,29 +78,45 @@ LEAST = 1e-4
 """Share of the largest value below which none is drawn."""
 
 
-@mpl.rc_context(STYLE)
+@styled
 def yield_figure(problem: Problem, table: YieldTable) -> Figure:
-    """Over the number of the contact, on logarithmic axes."""
-    force, length = (
-        axis_unit(problem, "force", _most(table.force)),
-        axis_unit(problem, "length", _most(table.permanent)),
-    )
-    figure = Figure(figsize=(7.0, 6.0), layout="constrained")
+    """Largest force and permanent overlap over the number of the contact, on logarithmic axes.
+
+    Contacts that have not begun to open are left out: their numbers are those of the end of the record. The power law
+    of `analysis.contacts.Yielded` is drawn over the contacts that it was fitted to.
+    """
+    final = table.opened == 1
+    force, length = (axis_unit(problem, kind, _most(values[final])) for kind, values in _yielded(table))
+    figure = new_figure(5.6)
     axes = figure.subplots(2, 1, sharex=True)
     for position, chain in enumerate(shown_chains(problem)):
-        here = table.chain == chain + 1
-        for axis, unit, values in ((axes[0], force, table.force), (axes[1], length, table.permanent)):
-            noticed = values[here] > LEAST * _most(values)
-            shown = np.where(noticed, values[here] * unit.worth, np.nan)
-            draw_chain(axis, position, chain, table.contact[here], shown)
-    for axis, unit, name in ((axes[0], force, "force"), (axes[1], length, "permanent")):
+        of_chain = (table.chain == chain + 1) & final
+        for axis, unit, (_, values) in zip(axes, (force, length), _yielded(table), strict=True):
+            noticed = values[of_chain] > LEAST * _most(values[final])
+            shown = np.where(noticed, values[of_chain] * unit.worth, np.nan)
+            draw_chain(axis, position, chain, table.contact[of_chain], shown)
+    kicked = table.chain == physics.largest_excitation(problem.system)[0]
+    law = power_law(table.force[kicked], table.opened[kicked] == 1)
+    if law is not None:
+        fitted = law.factor * law.contact**law.exponent * force.worth
+        look = {"color": "black", "linestyle": (0, (1, 1)), "linewidth": 2.0}
+        axes[0].plot(law.contact, fitted, label=rf"$\propto n^{{{law.exponent:.3f}}}$", **look)
+    axes[0].set_ylabel(force.label(YieldTable, "force", "largest force"))
+    axes[1].set_ylabel(length.label(YieldTable, "permanent", "permanent overlap"))
+    axes[1].set_xlabel("contact")
+    for axis in axes:
         axis.set_xscale("log")
         axis.set_yscale("log")
-        axis.set_ylabel(unit.label(YieldTable, name))
-    axes[1].set_xlabel("contact")
+    for setting in (axes[1].xaxis, axes[0].yaxis, axes[1].yaxis):
+        label_log_axis(setting)
     finish(figure, problem, axes)
     return figure
 
 
+def _yielded(table: YieldTable) -> tuple[tuple[str, Floats], tuple[str, Floats]]:
+    """Kinds of unit and values that are drawn, [contact]."""
+    return ("force", table.force), ("length", table.permanent)
+
+
 def _most(values: Floats) -> float:
-    return float(np.max(values)) or 1.0
+    return float(np.max(values, initial=0.0)) or 1.0

@@ -4,20 +4,24 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import FuncNorm
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from analysis.figures.style import (
-    STYLE,
     Frames,
     axis_unit,
     evenly_spaced,
     grid,
+    head,
+    is_narrow,
+    legend_below,
     letter,
     name_columns,
+    new_figure,
     shown_chains,
+    styled,
     title,
 )
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
@@ -29,6 +33,9 @@ PANELS_A_ROW = 4
 
 COLOURS = "RdBu_r"
 """Of velocities; white is 0."""
+
+_LEFT = "0.75"
+"""Colour of beads that a window has left."""
 
 COLOUR_SCALE = "colour: signed square root"
 """What a bar of colours says of the scale."""
@@ -100,7 +107,7 @@ def largest_afar(problem: Problem, beads: Integers, velocity: Floats) -> float:
     return float(np.max(size[..., far], initial=0.0)) or float(np.max(size, initial=0.0)) or 1.0
 
 
-def _panels(problem: Problem, chains: int) -> tuple[int, int]:
+def panels(problem: Problem, chains: int) -> tuple[int, int]:
     """Rows and columns of panels for so many chains: those of a lattice that is all shown, else as few rows as fit."""
     lattice = grid(problem)
     if lattice is not None and chains == problem.chains:
@@ -109,14 +116,24 @@ def _panels(problem: Problem, chains: int) -> tuple[int, int]:
     return rows, -(-chains // rows)
 
 
-@mpl.rc_context(STYLE)
+def _ends(data: SpaceTime) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Ends of the axes of beads and of time, half a bead and half a frame beyond the first and last."""
+    half = 0.5 * float(data.time[-1] - data.time[0]) / max(1, len(data.time) - 1)
+    instants = (float(data.time[0]) - half, float(data.time[-1]) + half)
+    if not evenly_spaced(data.beads):
+        return (-0.5, len(data.beads) - 0.5), instants
+    step = float(data.beads[1] - data.beads[0])
+    return (float(data.beads[0]) - 0.5 * step, float(data.beads[-1]) + 0.5 * step), instants
+
+
+@styled
 def spacetime_figure(data: SpaceTime) -> Figure:
     """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5), those of a lattice as in it.
 
     Where less than half of the beads are seen to move, they and some around them are drawn. Colours diverge from a
     velocity of 0 and follow its square root, so that the weak tail is seen beside the pulse and the free end is not cut
     off. The scale ends where all beads do but those up to `NEAR` from a kicked one. Beads that are not evenly
-    spaced stand side by side in columns of one width. Grey: where the window has left.
+    spaced stand side by side in columns of one width. A single panel has no title. Grey: where the window has left.
     """
     problem, chains = data.problem, data.chains
     time = axis_unit(problem, "time", data.time[-1])
@@ -124,15 +141,10 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     largest = largest_afar(problem, data.beads, data.velocity)
     unit = axis_unit(problem, "velocity", largest)
     top = largest * unit.worth
-    rows, columns = _panels(problem, len(chains))
+    rows, columns = panels(problem, len(chains))
     even = evenly_spaced(data.beads)
-    half = 0.5 * float(data.time[-1] - data.time[0]) / max(1, len(data.time) - 1)
-    instants = ((data.time[0] - half) * time.worth, (data.time[-1] + half) * time.worth)
-    places = (-0.5, len(data.beads) - 0.5)
-    if even:
-        step = data.beads[1] - data.beads[0]
-        places = (data.beads[0] - 0.5 * step, data.beads[-1] + 0.5 * step)
-    figure = Figure(figsize=(2.2 + 2.4 * columns, 0.6 + 3.6 * rows), layout="constrained")
+    places, instants = _ends(data)
+    figure = new_figure(0.6 + 3.6 * rows, 2.2 + 2.4 * columns)
     axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for axis in axes.flat[len(chains) :]:
         axis.remove()
@@ -143,13 +155,14 @@ def spacetime_figure(data: SpaceTime) -> Figure:
             origin="lower",
             aspect="auto",
             interpolation="nearest",
-            extent=(*places, *instants),
+            extent=(*places, *(instant * time.worth for instant in instants)),
             cmap=COLOURS,
             norm=FuncNorm((signed_root, _square), -top, top),
             rasterized=True,
         )
-        axis.set_facecolor("0.75")
-        axis.set_title(f"chain {chain + 1}")
+        axis.set_facecolor(_LEFT)
+        if len(chains) > 1:
+            axis.set_title(f"chain {chain + 1}", loc="left")
         if place + columns >= len(chains):
             axis.set_xlabel("bead")
             axis.xaxis.set_tick_params(labelbottom=True)
@@ -166,9 +179,11 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=round_ticks(top), extend=beyond, **shape)
     bar.ax.yaxis.set_major_formatter("{x:.4g}")
     bar.ax.minorticks_off()
-    bar.set_label(f"{unit.label(Frames, 'velocity')}; {COLOUR_SCALE}")
-    grey = "\ngrey: the window has left" if np.isnan(data.velocity).any() else ""
-    figure.suptitle(title(problem, each_chain=True, panels=True, until=data.until) + grey)
+    end = "\n" if is_narrow() else " "
+    bar.set_label(f"{unit.label(Frames, 'velocity')};{end}{COLOUR_SCALE}")
+    if np.isnan(data.velocity).any():
+        legend_below(figure, [Patch(color=_LEFT)], ["the window has left"])
+    head(figure, title(problem, each_chain=True, panels=True, until=data.until))
     return figure
 
 

@@ -1,13 +1,25 @@
 """Spectra: of the velocities of beads, and power over wavenumber and frequency with the exact branches of the chain."""
 
 import math
+from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from analysis.dispersion import Branches, Map
-from analysis.figures.style import STYLE, Unit, axis_unit, draw_chains, finish, shown_chains, title
+from analysis.figures.style import (
+    Unit,
+    axis_unit,
+    draw_chains,
+    finish,
+    head,
+    legend_below,
+    new_figure,
+    shown_chains,
+    styled,
+    title,
+)
 from analysis.gauges.spectra import Spectra, SpectrumTable
 from lammps_inputs import Problem
 
@@ -17,21 +29,22 @@ DEEPEST = 1e-8
 """Smallest amplitude that is drawn, over the largest."""
 
 
-@mpl.rc_context(STYLE)
+@styled
 def spectra_figure(problem: Problem, spectra: Spectra) -> Figure:
-    """One panel a bead (the first eight), a line for each chain that other figures show too; drives are dotted."""
+    """One panel a bead (the first eight), a line for each chain that other figures show too; frequencies of drives."""
     velocity = axis_unit(problem, "velocity", float(np.max(spectra.amplitude)))
     frequency = axis_unit(problem, "cycles", float(np.max(spectra.frequency)))
     count, chains = min(len(spectra.beads), MOST_BEADS), shown_chains(problem)
     top = float(np.max(spectra.amplitude, initial=1e-30)) * velocity.worth
-    figure = Figure(figsize=(7.0, 1.2 + 1.6 * count), layout="constrained")
+    figure = new_figure(max(2.8, 1.0 + 1.6 * count))
     axes = np.atleast_1d(figure.subplots(count, 1, sharex=True, sharey=True))
     for place, axis in enumerate(axes):
-        for drive in spectra.drive:
-            axis.axvline(drive * frequency.worth, color="0.5", linewidth=0.8, linestyle=":")
         height = np.maximum(spectra.amplitude[:, chains, place] * velocity.worth, DEEPEST * top)
         draw_chains(axis, chains, spectra.frequency * frequency.worth, height)
         axis.set_yscale("log")
+        for number, drive in enumerate(spectra.drive):
+            label = None if number else "drive"
+            axis.axvline(drive * frequency.worth, color="0.4", linewidth=0.9, linestyle=":", label=label)
         axis.set_title(f"bead {spectra.beads[place]}", loc="left")
     figure.supylabel(velocity.label(SpectrumTable, "amplitude", "amplitude of the velocity"), fontsize="medium")
     axes[0].set_ylim(DEEPEST * top, 2.0 * top)
@@ -47,16 +60,16 @@ HIGHEST = 1.25
 """Largest frequency shown, over the highest of the exact branches."""
 
 
-@mpl.rc_context(STYLE)
+@styled
 def dispersion_figure(problem: Problem, found: Map) -> Figure:
-    """The map of the chain with the largest excitation; branches as lines, borders of the bands dotted."""
+    """The map of the chain with the largest excitation; exact branches as lines, borders of the bands dotted."""
     edges = found.cell.bands()
     unit = axis_unit(problem, "frequency", float(edges.max()))
     worth = unit.worth
     bands = edges * worth
     shown = found.frequency * worth <= HIGHEST * bands.max()
     step = found.wavenumber[1] - found.wavenumber[0]
-    figure = Figure(figsize=(6.4, 4.8), layout="constrained")
+    figure = new_figure(4.8, 6.4)
     axis = figure.subplots()
     image = axis.imshow(
         np.log10(np.maximum(found.power[shown], 10.0**-DECADES)),
@@ -75,9 +88,11 @@ def dispersion_figure(problem: Problem, found: Map) -> Figure:
         rasterized=True,
     )
     q = np.linspace(-math.pi, math.pi, 401)
-    axis.plot(q, found.cell.branches(q) * worth, color="white", linestyle="--", linewidth=0.9)
+    dashes: Any = {"linestyle": "--", "linewidth": 0.9}
+    dots: Any = {"linestyle": ":", "linewidth": 1.0}
+    axis.plot(q, found.cell.branches(q) * worth, color="white", **dashes)
     for edge in np.unique(bands.round(12)):
-        axis.axhline(edge, color="0.7", linestyle=":", linewidth=0.8)
+        axis.axhline(edge, color="0.7", **dots)
     axis.set_xlim(-math.pi, math.pi)
     axis.set_ylim(0.0, min(HIGHEST * bands.max(), float(found.frequency[-1]) * worth))
     axis.set_xticks(
@@ -87,5 +102,12 @@ def dispersion_figure(problem: Problem, found: Map) -> Figure:
     axis.set_ylabel(unit.label(Branches, "frequency", "angular frequency"))
     bar = figure.colorbar(image, ax=axis)
     bar.set_label(r"$\log_{10}$ (power / maximum)")
-    figure.suptitle(f"{title(problem)}; chain {found.chain}")
+    chain = f"; chain {found.chain}" if problem.chains > 1 else ""
+    head(figure, f"{title(problem)}{chain}")
+    # white on the map
+    legend_below(
+        figure,
+        [Line2D([], [], color="black", **dashes), Line2D([], [], color="0.4", **dots)],
+        ["exact branches", "edges of bands"],
+    )
     return figure

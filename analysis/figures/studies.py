@@ -1,5 +1,7 @@
 """Figures of many runs: one quantity over one swept field or over two, and what a search among designs found."""
 
+import math
+import re
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,18 +12,27 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import ArrayLike
 
-from analysis.figures.style import CHAIN_COLOURS, STYLE, shortened
+from analysis.figures.style import (
+    CHAIN_COLOURS,
+    CHAIN_DASHES,
+    head,
+    label_log_axis,
+    legend_below,
+    legend_beside,
+    new_figure,
+    styled,
+)
 from analysis.trajectory import Flags, Floats, Integers
+from lammps_inputs.units import REDUCED, Label
 
 MOST_LINES = 8
 
 _MOST_TICKS = 8
-
-_DIGITS = {10.0: (1.0, 2.0, 3.0, 4.0, 5.0, 7.0), 300.0: (1.0, 2.0, 5.0)}
-"""First digits that are labelled on a logarithmic axis, up to a ratio of its values; beyond these powers of ten."""
 
 _MARKERS = "osD^v<>p"
 
@@ -31,20 +42,31 @@ _LEVEL = 0.045
 _TITLE = 66
 """Letters that fit above the axes."""
 
+_HEIGHT = 48
+"""Letters that fit beside the axes."""
+
+_BLUE = CHAIN_COLOURS[0]
+
+_NOTHING = "0.85"
+"""Colour of a place in a map that has no number."""
+
+_SHADED = "0.9"
+"""Colour of ranges in which no small waves pass."""
+
 
 @dataclass(frozen=True)
 class Axis:
     """What an axis shows.
 
     Attributes:
-        label: with its unit.
+        label: words, symbol and unit.
         values: one number a case; NaN where there is none.
         error: uncertainty of each; NaN where it is unknown, None where all are.
         unsettled: whether a case had not come to its end state; None where that means nothing.
         bands: ranges around the values, the widest first, each [low or high, case]; NaN where undefined.
     """
 
-    label: str
+    label: Label
     values: Floats
     error: Floats | None = None
     unsettled: Flags | None = None
@@ -59,10 +81,15 @@ class Axis:
     @property
     def prefixed(self) -> tuple["Axis", float]:
         """The same with a prefix before an SI unit, such that numbers are short; and the factor."""
-        label, worth = shortened(self.label, self.values)
+        label, worth = self.label.prefixed(largest_of(self.values))
         error = None if self.error is None else self.error * worth
         bands = tuple(band * worth for band in self.bands)
         return replace(self, label=label, values=self.values * worth, error=error, bands=bands), worth
+
+
+def largest_of(values: Floats) -> float:
+    """Size of the largest finite number; 0 where there is none."""
+    return float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
 
 
 def logarithmic(values: ArrayLike) -> bool:
@@ -75,14 +102,34 @@ def logarithmic(values: ArrayLike) -> bool:
     return bool(factors.max() * differences.min() < differences.max() * factors.min())
 
 
-@mpl.rc_context(STYLE)
+@dataclass(frozen=True)
+class Sought:
+    """A value that a quantity is sought to have, and where it has it.
+
+    Attributes:
+        value: of the quantity.
+        places: [crossing] of the field.
+        errors: [crossing] their uncertainties; NaN where unknown.
+    """
+
+    value: float
+    places: Floats
+    errors: Floats
+
+
+@styled
 def swept_figure(
-    quantity: Axis, over: Axis, beside: Axis | None = None, title: str = "", passed: Floats | None = None
+    quantity: Axis,
+    over: Axis,
+    beside: Axis | None = None,
+    title: str = "",
+    passed: Floats | None = None,
+    sought: Sought | None = None,
 ) -> Figure:
     """A quantity over a field, and over a second one as lines or, from nine values on, as the rows of a map.
 
     Bars are uncertainties (lines only); cases that are not settled are hollow marks, in a map crosses; those without a
-    number are ticks at the foot, in a map grey.
+    number are ticks below the axis of the quantity, in a map grey.
 
     Args:
         quantity: the value of each case.
@@ -90,45 +137,98 @@ def swept_figure(
         beside: the second field.
         title: for the top.
         passed: ranges of the horizontal axis, [band, 2], that let small waves pass; all else is shaded.
+        sought: a value of the quantity that is marked, and where the quantity has it.
     """
+    is_map = beside is not None and len(np.unique(beside.values)) > MOST_LINES
+    if sought is not None:
+        sought = _prefixed(sought, quantity, over)
     quantity, (over, worth) = quantity.prefixed[0], over.prefixed
     beside, passed = beside and beside.prefixed[0], None if passed is None else passed * worth
-    figure = Figure(figsize=(5.5 if beside is None else 6.5, 3.8), layout="constrained")
+    figure = new_figure(3.8, 5.5 if beside is None else 6.5)
     axis = figure.subplots()
-    notes = [title] if title else []
-    is_map = beside is not None and len(np.unique(beside.values)) > MOST_LINES
-    if np.any(quantity.open):
-        notes.append(f"{'crossed' if is_map else 'hollow'}: not settled")
-    holes: int  # lines that lack numbers
     if beside is None:
-        holes = _line(axis, quantity, over, np.ones(len(over.values), dtype=bool), color="#0072B2", marker="o")
+        holes = int(_line(axis, quantity, over, np.ones(len(over.values), dtype=bool), color=_BLUE, marker="o"))
     elif is_map:
-        holes = _map(figure, axis, quantity, over, beside)
+        holes = int(_map(figure, axis, quantity, over, beside))
     else:
         holes = _lines(axis, quantity, over, beside)
-    if holes:
-        notes.append(f"{'grey' if is_map else 'ticks at the foot'}: no number")
-    if not is_map:
-        axis.set_ylabel(quantity.label)
-        finite = quantity.values[np.isfinite(quantity.values)]
-        if len(finite) and finite.min() > 0.0 and finite.max() / finite.min() > 30.0:
-            axis.set_yscale("log")
-        else:
-            axis.ticklabel_format(axis="y", scilimits=(-3, 6), useMathText=True)
-            _whole(axis.yaxis, finite)
-        if holes:
-            _leave_room(axis, holes * _LEVEL)
     _scale(axis, over, "x")
+    if sought is not None:
+        _mark(axis, sought, over)
+    if not is_map:
+        axis.set_ylabel(wrapped(quantity.label))
+        _scale_quantity(axis, quantity, holes)
     if passed is not None:
         _shade_between(axis, passed)
-        notes.append("shaded: no small waves pass")
-    axis.set_xlabel(over.label)
-    axis.set_title("\n".join(textwrap.wrap("; ".join(notes), _TITLE)))
+    axis.set_xlabel(over.label.mathtext)
+    head(figure, "\n".join(textwrap.wrap(title, _TITLE)))
+    handles, labels = axis.get_legend_handles_labels()
+    for shown, mark, words in (
+        (bool(np.any(quantity.open)), _unsettled_mark(is_map=is_map), "not settled"),
+        (holes > 0, _missing_mark(is_map=is_map), "no number"),
+        (passed is not None, Patch(color=_SHADED), "no small waves pass"),
+    ):
+        handles, labels = ([*handles, mark], [*labels, words]) if shown else (handles, labels)
+    (legend_below if beside is None or is_map else legend_beside)(figure, handles, labels)
     return figure
 
 
+def _unsettled_mark(*, is_map: bool) -> Line2D:
+    return Line2D([], [], linestyle="none", color="black", marker="x" if is_map else "o", markerfacecolor="white")
+
+
+def _missing_mark(*, is_map: bool) -> Patch | Line2D:
+    return (
+        Patch(color=_NOTHING) if is_map else Line2D([], [], linestyle="none", color="black", marker="|", markersize=7)
+    )
+
+
+def wrapped(label: Label) -> str:
+    """Text of a vertical axis, in lines that fit its height; none ends within mathematics."""
+    unbroken = re.sub(r"\$[^$]*\$", lambda mathematics: mathematics[0].replace(" ", _NO_BREAK), label.mathtext)
+    return "\n".join(textwrap.wrap(unbroken, _HEIGHT)).replace(_NO_BREAK, " ")
+
+
+_NO_BREAK = "\u00a0"
+
+
+def _prefixed(sought: Sought, quantity: Axis, over: Axis) -> Sought:
+    along = over.prefixed[1]
+    return Sought(sought.value * quantity.prefixed[1], sought.places * along, sought.errors * along)
+
+
+def _mark(axis: Axes, sought: Sought, over: Axis) -> None:
+    """Draw the value that is sought as a line, and the places where the quantity has it with their uncertainties."""
+    axis.axhline(
+        sought.value, color="0.4", linewidth=1.0, linestyle=(0, (4, 2)), label=f"value sought: {sought.value:g}"
+    )
+    for number, (place, error) in enumerate(zip(sought.places.tolist(), sought.errors.tolist(), strict=True)):
+        certain = math.isfinite(error) and error > 0.0
+        digits = max(0, -math.floor(math.log10(error))) if certain else 4
+        written = f"{place:.{digits}f} \u00b1 {error:.{digits}f}" if certain else f"{place:.4g}"
+        label = f"crossing: {over.label.symbol and f'${over.label.symbol}$ = '}{written}"
+        bar = error if certain else None
+        look: dict[str, Any] = {"color": CHAIN_COLOURS[1 + number % 3], "markersize": 8, "capsize": 3.0, "zorder": 4}
+        axis.errorbar([place], [sought.value], xerr=bar, fmt="x", label=label, **look)
+
+
+def _scale_quantity(axis: Axes, quantity: Axis, holes: int) -> None:
+    """Scale the axis of a quantity, not below 0 for a margin alone; below it cases without a number have room."""
+    finite = quantity.values[np.isfinite(quantity.values)]
+    if len(finite) and finite.min() > 0.0 and finite.max() / finite.min() > 30.0:
+        axis.set_yscale("log")
+        label_log_axis(axis.yaxis)
+    else:
+        axis.ticklabel_format(axis="y", scilimits=(-3, 6), useMathText=True)
+        _whole(axis.yaxis, finite)
+        if len(finite) and finite.min() >= 0.0 and axis.get_ylim()[0] < 0.0:
+            axis.set_ylim(bottom=0.0)
+    if holes:
+        _leave_room(axis, holes * _LEVEL)
+
+
 def _line(axis: Axes, quantity: Axis, over: Axis, here: Flags, level: int = 0, **look: Any) -> bool:
-    """The cases here; where they have no number, ticks at the foot, on a level for each line. Whether there are any."""
+    """Draw some cases; those without a number as ticks below, on a level for each line. Whether there are any."""
     chosen = np.flatnonzero(here)[np.argsort(over.values[here], kind="stable")]
     x, y = over.values[chosen], quantity.values[chosen]
     axis.plot(x, y, markersize=5, **look)
@@ -157,23 +257,29 @@ def _line(axis: Axes, quantity: Axis, over: Axis, here: Flags, level: int = 0, *
 
 
 def _lines(axis: Axes, quantity: Axis, over: Axis, beside: Axis) -> int:
-    """A line for each value of the second field; how many of them lack numbers."""
+    """Draw a line for each value of the second field; how many of them lack numbers."""
     holes = 0
     numbers = np.unique(beside.values)
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(numbers)))
+    label = beside.label
+    name = f"${label.symbol}$" if label.symbol else label.words
+    unit = f" {label.unit}" if label.unit not in ("", REDUCED) else ""
     for k, number in enumerate(numbers):
-        here = beside.values == number
-        holes += _line(axis, quantity, over, here, holes, color=colours[k], marker=_MARKERS[k], label=f"{number:.6g}")
-    # beside the axes, where no line can run through it
-    axis.legend(title=beside.label, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        look = {"color": colours[k], "marker": _MARKERS[k], "label": f"{name} = {number:.6g}{unit}"}
+        holes += _line(axis, quantity, over, beside.values == number, holes, **look)
     return holes
 
 
 def _leave_room(axis: Axes, share: float) -> None:
-    """Let a share of the height at the foot be free."""
+    """Let a share of the height at the foot be free; the axis of the quantity ends above it."""
     scale = axis.yaxis.get_transform()
-    low, high = scale.transform(np.array(axis.get_ylim()))
+    bottom, top = axis.get_ylim()
+    ticks = [(minor, axis.get_yticks(minor=minor)) for minor in (False, True)]
+    low, high = scale.transform(np.array([bottom, top]))
     axis.set_ylim(bottom=float(scale.inverted().transform(np.array([low - share / (1.0 - share) * (high - low)]))[0]))
+    for minor, places in ticks:
+        axis.set_yticks(places[(places >= bottom) & (places <= top)], minor=minor)
+    axis.spines["left"].set_bounds(bottom, top)
 
 
 def _map(figure: Figure, axis: Axes, quantity: Axis, over: Axis, beside: Axis) -> bool:
@@ -183,11 +289,11 @@ def _map(figure: Figure, axis: Axes, quantity: Axis, over: Axis, beside: Axis) -
     grid[np.searchsorted(rows, beside.values), np.searchsorted(columns, over.values)] = quantity.values
     axis.plot(over.values[quantity.open], beside.values[quantity.open], "x", color="white", markersize=5)
     axis.plot(over.values[quantity.open], beside.values[quantity.open], "x", color="black", markersize=3.5)
-    axis.set_facecolor("0.85")
+    axis.set_facecolor(_NOTHING)
     mesh = axis.pcolormesh(_edges(columns), _edges(rows), grid, cmap="viridis", rasterized=True)
     _scale(axis, beside, "y")
-    axis.set_ylabel(beside.label)
-    figure.colorbar(mesh, ax=axis, label=quantity.label)
+    axis.set_ylabel(beside.label.mathtext)
+    figure.colorbar(mesh, ax=axis, label=quantity.label.mathtext)
     return bool(np.isnan(grid).any())
 
 
@@ -197,7 +303,7 @@ def _shade_between(axis: Axes, passed: Floats) -> None:
     reached = first
     for low, high in [*sorted(passed.tolist()), [last, last]]:
         if min(low, last) > reached:
-            axis.axvspan(reached, min(low, last), color="0.9", zorder=0)
+            axis.axvspan(reached, min(low, last), color=_SHADED, zorder=0)
         reached = max(reached, high)
     for edge in passed[(passed > first) & (passed < last)]:
         axis.axvline(edge, color="0.5", linewidth=0.8, linestyle=":")
@@ -226,17 +332,13 @@ def _scale(axis: Axes, shown: Axis, name: str) -> None:
     if len(values) <= _MOST_TICKS and (log or _even(values)):
         _ticks_at(setting, values)
     elif log:
-        setting.set_minor_formatter(NullFormatter())  # its labels of single digits run into each other
-        digits = next((digits for ratio, digits in _DIGITS.items() if values[-1] / values[0] < ratio), None)
-        if digits is not None:
-            setting.set_major_locator(LogLocator(subs=digits))
-            setting.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        label_log_axis(setting)
     else:
         _whole(setting, values)
 
 
 def _ticks_at(setting: XAxis | YAxis, values: Floats) -> None:
-    setting.set_ticks(values.tolist(), labels=[f"{value:.4g}" for value in values])
+    setting.set_ticks(values.tolist(), labels=[f"{value:.3g}" for value in values])
     setting.set_ticks([], minor=True)
 
 
@@ -260,28 +362,29 @@ class Objective:
     """The objective.
 
     Attributes:
-        label: for an axis.
+        label: words, symbol and unit.
         sign: 1 to make it small, -1 to make it large.
         beside: its value in what the best is set against; None if there is nothing.
     """
 
-    label: str
+    label: Label
     sign: float
     beside: float | None
 
 
 def _single(height: float) -> Axes:
     """The axes of a figure that has no others."""
-    return Figure(figsize=(6.0, height), layout="constrained").subplots()
+    axis: Axes = new_figure(height, 6.0).subplots()
+    return axis
 
 
-def _finished(axis: Axes, x: str, y: str, what: Objective | None = None) -> Figure:
+def _finished(axis: Axes, x: Label, y: Label, what: Objective | None = None) -> Figure:
     """The figure, with its labels, SI units with a prefix, and a legend above the axes, where it hides nothing."""
     if what is not None and what.beside is not None:
         axis.axhline(what.beside, color=CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="set against")
     for setting, label in ((axis.xaxis, x), (axis.yaxis, y)):
-        text, worth = shortened(label, np.asarray(setting.get_data_interval()))
-        setting.set_label_text(text)
+        shown, worth = label.prefixed(largest_of(np.asarray(setting.get_data_interval())))
+        setting.set_label_text(shown.mathtext)
         if worth != 1.0:
             setting.set_major_formatter(FuncFormatter(lambda value, _, worth=worth: f"{value * worth:.6g}"))
     figure = axis.get_figure()
@@ -290,7 +393,7 @@ def _finished(axis: Axes, x: str, y: str, what: Objective | None = None) -> Figu
     return figure
 
 
-@mpl.rc_context(STYLE)
+@styled
 def history_figure(what: Objective, values: Floats) -> Figure:
     """Every design that keeps the limits (NaN: one that does not), in the order of the search, and the best so far."""
     axis = _single(3.2)
@@ -298,7 +401,7 @@ def history_figure(what: Objective, values: Floats) -> Figure:
     axis.plot(number, values, ".", color="0.7", markersize=3, label="designs")
     best = what.sign * np.fmin.accumulate(what.sign * values)
     axis.plot(number, best, color=CHAIN_COLOURS[0], drawstyle="steps-post", label="best so far")
-    return _finished(axis, "design", what.label, what)
+    return _finished(axis, Label("design"), what.label, what)
 
 
 def front(one: Floats, other: Floats) -> Integers:
@@ -308,8 +411,8 @@ def front(one: Floats, other: Floats) -> Integers:
     return np.asarray(order[other[order] < lowest])
 
 
-@mpl.rc_context(STYLE)
-def front_figure(what: Objective, values: Floats, label: str, others: Floats) -> Figure:
+@styled
+def front_figure(what: Objective, values: Floats, label: Label, others: Floats) -> Figure:
     """Two quantities of every design, and those that are best for some value of the second, large or small."""
     known = np.isfinite(values) & np.isfinite(others)
     x, y = others[known], values[known]
@@ -322,19 +425,19 @@ def front_figure(what: Objective, values: Floats, label: str, others: Floats) ->
     return _finished(axis, label, what.label, what)
 
 
-@mpl.rc_context(STYLE)
+@styled
 def members_figure(what: Objective, best: float, members: Sequence[float]) -> Figure:
     """The objective of designs that are made a little wrong."""
     axis = _single(2.6)
     axis.hist(members, bins=max(5, len(members) // 4), color="0.8")
     axis.axvline(best, color=CHAIN_COLOURS[0], label="as designed")
-    return _finished(axis, what.label, "members")
+    return _finished(axis, what.label, Label("number of members"))
 
 
-@mpl.rc_context(STYLE)
-def wall_figure(curves: Sequence[tuple[str, Floats, Floats]], time_label: str, force_label: str) -> Figure:
+@styled
+def wall_figure(curves: Sequence[tuple[str, Floats, Floats]], time: Label, force: Label) -> Figure:
     """Force of all chains together on their far wall over time; a name, times and forces for each curve."""
     axis = _single(3.0)
-    for place, (name, time, force) in enumerate(curves):
-        axis.plot(time, force, color=CHAIN_COLOURS[place], label=name)
-    return _finished(axis, time_label, force_label)
+    for place, (name, times, forces) in enumerate(curves):
+        axis.plot(times, forces, color=CHAIN_COLOURS[place], linestyle=CHAIN_DASHES[place], label=name)
+    return _finished(axis, time, force)

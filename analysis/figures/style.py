@@ -1,23 +1,27 @@
 """What all figures share: colours, dashes, sizes, labels, units, and how one becomes the content of a file."""
 
+import functools
 import io
-import re
+import math
 import string
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import XAxis, YAxis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from analysis.figures.paper import NARROW, WIDTH
 from analysis.quantity import declare, declared, result
 from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, laws, physics
 from lammps_inputs.laws import spring
-from lammps_inputs.units import SI, prefix, thousands
+from lammps_inputs.units import SI, Label, prefix, thousands
 
 CHAIN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255", "#7F7F7F")
 """Okabe and Ito's palette, ordered for contrast between the first few; wine (Tol) and grey."""
@@ -51,6 +55,7 @@ STYLE: Any = {
     "axes.titley": 1.0,  # there, and not sought for, which takes as long as all else
     "figure.titlesize": 10,
     "lines.linewidth": 1.3,
+    "hatch.linewidth": 0.6,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.formatter.useoffset": False,
@@ -60,6 +65,79 @@ STYLE: Any = {
     "pdf.fonttype": 42,
 }
 """Settings of matplotlib for every figure (its own type lists some hundred keys)."""
+
+_LEGEND_ROW = 0.2
+"""Inches."""
+
+_NARROW: Any = {"font.size": 8, "axes.titlesize": 8, "lines.linewidth": 1.0, "lines.markersize": 4}
+"""Those of a figure as wide as one column of a journal."""
+
+Parameters = ParamSpec("Parameters")
+Drawn = TypeVar("Drawn")
+
+
+def styled(draw: Callable[Parameters, Drawn]) -> Callable[Parameters, Drawn]:
+    """A function that draws, with the settings of every figure and those of the width that is asked for."""
+
+    @functools.wraps(draw)
+    def in_style(*arguments: Parameters.args, **options: Parameters.kwargs) -> Drawn:
+        with mpl.rc_context({**STYLE, **(_NARROW if is_narrow() else {})}):
+            return draw(*arguments, **options)
+
+    return in_style
+
+
+def is_narrow() -> bool:
+    """Whether figures are asked for that are as wide as one column of a journal."""
+    width = WIDTH.get()
+    return width is not None and width < NARROW
+
+
+def new_figure(height: float, width: float = 7.0) -> Figure:
+    """An empty figure, of the width that is asked for (`WIDTH`) if there is one, and then less high or higher."""
+    column = WIDTH.get()
+    size = (width, height) if column is None else (column, height * math.sqrt(column / width))
+    return Figure(figsize=size, layout="constrained")
+
+
+def head(figure: Figure, text: str) -> None:
+    """Write a title, but where a width is asked for: a journal has captions."""
+    if WIDTH.get() is None:
+        figure.suptitle(text)
+
+
+def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
+    """Put a legend below the panels, where it hides no curve, in as few rows as fit; the figure grows by these."""
+    if not handles:
+        return
+    inches = 0.5 + 0.06 * max(map(len, labels))  # of a column: a letter has about half its height of 9 points
+    rows = math.ceil(len(handles) / max(1, int(figure.get_figwidth() / inches)))
+    figure.set_figheight(figure.get_figheight() + _LEGEND_ROW * rows)
+    figure.legend(handles, labels, loc="outside lower center", ncols=math.ceil(len(handles) / rows))
+
+
+def legend_beside(figure: Figure, handles: Sequence[Any], labels: Sequence[str], **options: Any) -> None:
+    """Put a legend to the right of the panels, below them in a narrow figure."""
+    if is_narrow():
+        legend_below(figure, handles, labels)
+    else:
+        figure.legend(handles, labels, loc="outside right center", **options)
+
+
+def label_log_axis(setting: XAxis | YAxis) -> None:
+    """Label powers of ten, at most six; of few decades also digits between them, as plain numbers, as many as fit."""
+    low, high = setting.get_view_interval()
+    decades = math.log10(high / low)
+    if decades > 3.0:
+        setting.set_major_locator(LogLocator(numticks=6))
+        setting.set_minor_formatter(NullFormatter())
+        return
+    few_fit = is_narrow() and isinstance(setting, XAxis)
+    many, few = (0.4, 1.0) if few_fit else (0.9, 2.6)
+    digits = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0) if decades < many else (1.0, 2.0, 5.0) if decades < few else (1.0,)
+    setting.set_major_locator(LogLocator(subs=digits))
+    setting.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    setting.set_minor_formatter(NullFormatter())
 
 
 @dataclass(frozen=True)
@@ -75,12 +153,11 @@ class Unit:
     symbol: str
 
     def label(self, kind: Any, name: str, words: str = "") -> str:
-        """Of an axis that shows a quantity: name (or words) and symbol as its type declares them, and unit.
+        """Text of an axis that shows a quantity: name (or words) and symbol as its type declares them, and unit.
 
         Such as ``time $t$ (ms)``.
         """
-        symbol = declared(kind)[name][0].symbol
-        return f"{words or name.replace('_', ' ')}{f' ${symbol}$' if symbol else ''} ({self.symbol})"
+        return Label(words or name.replace("_", " "), declared(kind)[name][0].symbol, self.symbol).mathtext
 
 
 @result
@@ -116,15 +193,6 @@ def prefixed(symbol: str, largest: float) -> Unit:
     """An SI unit with the prefix of `lammps_inputs.units.prefix`, and what the plain one is worth."""
     power, letter = prefix(symbol, largest)
     return Unit(10.0 ** (-3 * power), letter + symbol)
-
-
-def shortened(label: str, values: Floats) -> tuple[str, float]:
-    """A label that ends in an SI unit, such as ``frequency (Hz)``, with a prefix for these values, and their factor."""
-    found = re.fullmatch(r"(.*) \((.+)\)", label)
-    if found is None:
-        return label, 1.0
-    unit = prefixed(found[2], float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0)))
-    return f"{found[1]} ({unit.symbol})", unit.worth
 
 
 def letter(axes: Iterable[Axes]) -> None:
@@ -173,7 +241,7 @@ def _distances(problem: Problem, chain: int) -> Floats:
 
 
 def title(problem: Problem, *, each_chain: bool = False, panels: bool = False, until: float | None = None) -> str:
-    """Name and numbers of a scene, for the top of a figure.
+    """Name of a scene, number of its chains, coupling and gap, for the top of a figure.
 
     Args:
         problem: what was run.
@@ -182,11 +250,12 @@ def title(problem: Problem, *, each_chain: bool = False, panels: bool = False, u
         until: time of the last frame there is, in units of T; of a run that was cut short it is said.
     """
     system = problem.system
-    coupled = f", {_coupling(problem)}" if physics.coupled(system) else ""
-    gap = ""
+    numbers = [f"{problem.chains} chains"] if problem.chains > 1 else []
+    if physics.coupled(system):
+        numbers.append(_coupling(problem))
     if physics.gap(system):
         unit = axis_unit(problem, "length", physics.gap(system))
-        gap = f", gap {physics.gap(system) * unit.worth:.4g}" + (f" {unit.symbol}" if problem.scale.si else "")
+        numbers.append(f"gap {physics.gap(system) * unit.worth:.4g}{f' {unit.symbol}' if problem.scale.si else ''}")
     cut = ""
     if until is not None and until < problem.duration - 0.5 * problem.every:
         cut = f"; cut short at {until / problem.duration:.0%} of its time"
@@ -194,7 +263,7 @@ def title(problem: Problem, *, each_chain: bool = False, panels: bool = False, u
     chains = shown_chains(problem, panels=panels)
     if each_chain and len(chains) < problem.chains:
         shown = f"\n(chains {', '.join(str(chain + 1) for chain in chains)} are shown)"
-    return f"{problem.name}: $N$ = {problem.chains}{shown}{coupled}{gap}{cut}"
+    return ": ".join(filter(None, [problem.name, ", ".join(numbers)])) + cut + shown
 
 
 def _coupling(problem: Problem) -> str:
@@ -220,16 +289,54 @@ def _coupling(problem: Problem) -> str:
 
 
 def draw_chain(axis: Axes, place: int, chain: int, x: Floats | Integers, y: Floats) -> None:
-    """One line in the look of a chain (counted from 0) in a place; with marks where there are few numbers."""
+    """Draw one line in the look of a chain (counted from 0) in a place, with marks where there are few numbers.
+
+    A number between two that are NaN is a dot, for no line leads to it.
+    """
+    colour = CHAIN_COLOURS[place % len(CHAIN_COLOURS)]
+    few = len(x) <= FEW_NUMBERS
     axis.plot(
         x,
         y,
-        color=CHAIN_COLOURS[place % len(CHAIN_COLOURS)],
+        color=colour,
         linestyle=CHAIN_DASHES[place % len(CHAIN_DASHES)],
-        marker="o" if len(x) <= FEW_NUMBERS else None,
+        marker="o" if few else None,
         markersize=4,
         label=f"chain {chain + 1}",
     )
+    finite = np.pad(np.isfinite(y), 1)
+    alone = finite[1:-1] & ~finite[:-2] & ~finite[2:]
+    if np.any(alone) and not few:
+        axis.plot(x[alone], y[alone], ".", color=colour, markersize=3)
+
+
+@dataclass(frozen=True)
+class Missing:
+    """Beads at which there is no number.
+
+    Attributes:
+        beads: [bead] recorded ones without a number, ascending.
+        period: beads of a cell of unlike beads, of which not all have one.
+    """
+
+    beads: Integers
+    period: int
+
+
+def broken(x: Integers | Floats, y: Floats, missing: Missing) -> tuple[Floats, Floats]:
+    """A curve that is interrupted between beads that are more than a cell apart and have beads without number between.
+
+    Args:
+        x: [place] beads, ascending.
+        y: [place, ...] values.
+        missing: beads without a number.
+
+    Returns:
+        Both, with NaN inserted where the curve is interrupted.
+    """
+    before = np.searchsorted(missing.beads, x)
+    place = np.flatnonzero((before[1:] > before[:-1]) & (np.diff(x) > missing.period)) + 1
+    return np.insert(x.astype(np.float64), place, np.nan), np.insert(y, place, np.nan, axis=0)
 
 
 def draw_chains(axis: Axes, chains: Sequence[int], x: Floats | Integers, y: Floats) -> None:
@@ -247,10 +354,10 @@ def finish(
     """
     panels = list(axes)
     letter(panels)
-    figure.suptitle(title(problem, each_chain=True, until=until) + note)
+    head(figure, title(problem, each_chain=True, until=until) + note)
     handles, labels = panels[0].get_legend_handles_labels()
     if len(handles) > 1:
-        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(handles), 4))
+        legend_below(figure, handles, labels)
 
 
 def evenly_spaced(beads: Integers) -> bool:
@@ -270,7 +377,7 @@ _PACKED = {"compress_level": 3}
 """Half the time of the usual 6, for files that are a tenth larger."""
 
 
-@mpl.rc_context(STYLE)  # fonts are settings of saving, too
+@styled  # fonts are settings of saving, too
 def picture(figure: Figure, suffix: str, dpi: float = STYLE["savefig.dpi"]) -> bytes:
     """What a file of this kind holds.
 

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -11,23 +10,30 @@ from matplotlib.figure import Figure
 from analysis.figures.spacetime import BeadHistory
 from analysis.figures.style import (
     CHAIN_COLOURS,
-    STYLE,
     Frames,
+    Missing,
     Unit,
     axis_unit,
+    broken,
     draw_chains,
     finish,
+    head,
+    is_narrow,
+    legend_beside,
     letter,
+    new_figure,
     shown_chains,
+    styled,
     title,
 )
 from analysis.shape.exact_wave import wave_of
-from analysis.shape.waveforms import COMPARED, Waveforms
+from analysis.shape.long_waves import period_of
+from analysis.shape.waveforms import COMPARED, LARGER, Waveforms
 from analysis.sharing.energies import EnergyShares
-from analysis.sharing.equipartition import Sharing
-from analysis.trajectory import Floats
+from analysis.sharing.equipartition import Sharing, runs_exact_waves
+from analysis.tracking.leading_waves import Waves
+from analysis.trajectory import Floats, along_the_way
 from lammps_inputs import Problem, physics
-from lammps_inputs.facts import Fact
 
 AGREED = 0.01
 
@@ -35,69 +41,93 @@ FEW = 3
 """Chains up to which the energy of each is drawn: more lines cannot be distinguished."""
 
 
-@mpl.rc_context(STYLE)
+@styled
 def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, direction: int = 1) -> Figure:
     """Leading waves over the bead that they pass, one line per chain (of many, see `shown_chains`).
 
-    From the top, each where there is something to draw: peak velocities in units of the kick, and the bead from which
-    on they agree to 1%; shares of the energy in each wave, in all of them as measured, and as exact waves of their
-    amplitudes would hold; shares of each whole chain (half of its springs' counted; two to `FEW` chains); arrival
-    behind the chain that was kicked.
+    From the top, each where there is something to draw: amplitudes in units of the kick (with gaps, impulses of first
+    contacts over the mass), and the bead from which on they agree to 1 %; shares of the energy in each wave, in all of
+    them as measured, and as exact waves of their amplitudes would hold; shares of each whole chain (half of its
+    springs' counted; two to `FEW` chains); arrival behind the chain that was kicked. Lines are interrupted at recorded
+    beads at which no pulse leads, and where another pulse leads from then on.
     """
     chains, several = shown_chains(problem), problem.chains > 1
     shares = 1 < problem.chains <= FEW and bool(np.any(np.isfinite(energies.chain)))
     count = 2 + shares + several
-    figure = Figure(figsize=(7.0, 0.8 + 2.0 * count), layout="constrained")
+    without = np.setdiff1d(along_the_way(problem, problem.recorded_beads), shared.bead)
+    missing = Missing(without, period_of(problem.system))
+    energy_beads = shared.bead[energies.place]
+    figure = new_figure(0.8 + 2.0 * count)
     axes = figure.subplots(count, 1, sharex=True)
-    draw_chains(axes[0], chains, shared.bead, shared.amplitude[:, chains])
-    axes[0].set_ylabel(r"peak velocity $v_\mathrm{max} / V$")
+    draw_chains(axes[0], chains, *broken(*_pulse_by_pulse(shared, shared.amplitude, chains), missing))
+    label = "impulse of the first\ncontact $/ mV$" if shared.of_impulses else r"peak velocity $v_\mathrm{max} / V$"
+    axes[0].set_ylabel(label)
     axes[0].set_ylim(bottom=0.0)
-    agreed = shared.agrees_from(AGREED)
+    agreed = shared.followed.agrees_from(AGREED)
     if agreed is not None:
         axes[0].axvline(agreed, color="0.6", linewidth=0.8, zorder=0)
-        axes[0].set_title(f"within 1% from bead {agreed} on", loc="right", fontsize=8, color="0.3")
-    _draw_waves(axes[1], problem, shared, energies)
+        axes[0].set_title(f"within 1 % from bead {agreed} on", loc="right", fontsize="small", color="0.3")
+    _draw_waves(axes[1], problem, shared, energies, missing)
     if shares:
-        draw_chains(axes[2], chains, shared.bead[energies.place], energies.chain[:, chains])
+        draw_chains(axes[2], chains, *broken(energy_beads, energies.chain[:, chains], missing))
         axes[2].set_ylabel("energy of chains /\nenergy input")
         axes[2].set_ylim(0.0, 1.05)
     if several:
         unit = axis_unit(problem, "time", float(np.nanmax(np.abs(shared.lag), initial=0.0)))
-        draw_chains(axes[-1], chains, shared.bead, shared.lag[:, chains] * unit.worth)
-        axes[-1].set_ylabel(unit.label(Frames, "lag", f"lag behind chain {shared.kicked + 1},"))
+        lags = _pulse_by_pulse(shared, shared.lag * unit.worth, chains, behind=True)
+        draw_chains(axes[-1], chains, *broken(*lags, missing))
+        axes[-1].set_ylabel(unit.label(Frames, "lag", f"lag behind\nchain {shared.kicked + 1},"))
     axes[-1].set_xlabel("bead" if direction > 0 else f"bead, counted from bead {problem.beads}")
     axes[-1].xaxis.get_major_locator().set_params(integer=True)
     finish(figure, problem, axes)
     return figure
 
 
-def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares) -> None:
-    system = problem.system
+def _pulse_by_pulse(
+    shared: Sharing, values: Floats, chains: Sequence[int], *, behind: bool = False
+) -> tuple[Floats, Floats]:
+    """Beads, and values [place, chain] of some chains, whose lines end where another pulse leads.
+
+    That is in their own chain, or with ``behind`` also in the kicked one.
+    """
+    bead, at = shared.bead.astype(np.float64), shared.changes
+    if shared.pulse is None or len(at) == 0:
+        return bead, values[:, chains]
+    same = shared.pulse[at] == shared.pulse[at - 1]
+    if behind:
+        same = same & same[:, [shared.kicked]]
+    between = np.where(same, 0.5 * (values[at - 1] + values[at]), np.nan)
+    return np.insert(bead, at, 0.5 * (bead[at - 1] + bead[at])), np.insert(values, at, between, axis=0)[:, chains]
+
+
+def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares, missing: Missing) -> None:
+    """Energy in the waves of the chains, in all of them, and as exact waves of their amplitudes would hold."""
     bead, chains = shared.bead[energies.place], shown_chains(problem)
     measured = bool(np.any(np.isfinite(energies.wave)))
     if measured and problem.chains > 1:
-        draw_chains(axis, chains, bead, energies.wave[:, chains])
+        draw_chains(axis, chains, *broken(bead, energies.wave[:, chains], missing))
     few: dict[str, Any] = {"marker": ".", "markersize": 4} if len(shared) <= FEW else {}
     lines = []
-    # what runs down other beads, or with gaps, is no exact wave
-    if not physics.gap(system) and physics.alike(system) and system.holds(Fact.SONIC_VACUUM):
-        exact = np.sum(shared.wave_share, axis=1)
-        lines += axis.plot(
-            shared.bead, exact, color="0.65", linewidth=3.0, label="sum of exact solitary-wave energies", **few
-        )
+    if runs_exact_waves(problem.system):
+        exact = broken(shared.bead, np.sum(shared.wave_share, axis=1), missing)
+        lines += axis.plot(*exact, color="0.65", linewidth=3.0, label="sum of exact waves", **few)
     if measured:
-        lines += axis.plot(bead, np.sum(energies.wave, axis=1), color="black", linewidth=1.0, label="all pulses")
+        total = broken(bead, np.sum(energies.wave, axis=1), missing)
+        lines += axis.plot(*total, color="black", linewidth=1.0, label="all pulses")
     axis.set_ylabel("energy of pulses /\nenergy input")
     axis.set_ylim(0.0, 1.05)
-    axis.legend(handles=lines, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
+    place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0}
+    axis.legend(handles=lines, ncols=2, columnspacing=1.0, fontsize="small" if is_narrow() else None, **place)
 
 
 MARKERS = "os^DvP*Xp"
 
 
-@mpl.rc_context(STYLE)
+@styled
 def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -> Figure:
     """Velocity of chosen beads as the waves pass them, scaled to the exact wave of their peak; differences below.
+
+    A wave that a larger pulse overlaps at the bead is left out there.
 
     Args:
         problem: what was run.
@@ -105,7 +135,7 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
         beads: one panel each.
     """
     exact, passages, chains = wave_of(problem.system), waveforms.passages, shown_chains(problem)
-    figure = Figure(figsize=(1.0 + 3.2 * len(beads), 4.4), layout="constrained")
+    figure = new_figure(4.4, 1.0 + 3.2 * len(beads))
     axes = figure.subplots(2, len(beads), sharex=True, squeeze=False, height_ratios=(2.2, 1.0))
     for column, bead in enumerate(beads):
         above, below = axes[:, column]
@@ -120,6 +150,8 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
             ahead = exact.speed_at(peak) * (passages.arrival[row] - waveforms.time[row])
             inside = np.isfinite(waveforms.velocity[row]) & (np.abs(ahead) <= COMPARED)
             ahead, velocity = ahead[inside], waveforms.velocity[row, inside] / peak
+            if np.max(velocity, initial=0.0) > 1.0 + LARGER:
+                continue
             look = {
                 "color": CHAIN_COLOURS[place % len(CHAIN_COLOURS)],
                 "marker": MARKERS[place % len(MARKERS)],
@@ -131,23 +163,28 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
             above.plot(ahead, velocity, label=f"chain {chain + 1}", **look)
             below.plot(ahead, velocity - exact.velocity(ahead), **look)
         above.set_title(f"bead {bead}", loc="left")
-        if column == len(beads) - 1:
-            above.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.3)
-        below.set_xlabel("distance ahead of the peak\n" r"$c\,(t_\mathrm{peak} - t)$ (beads)")
+        words = "" if is_narrow() else "distance ahead of the peak\n"
+        below.set_xlabel(rf"{words}$c\,(t_\mathrm{{peak}} - t)$ (beads)")
         below.ticklabel_format(axis="y", scilimits=(-2, 2))
     axes[0, 0].set_ylabel(r"velocity $v / v_\mathrm{max}$")
     axes[1, 0].set_ylabel("difference from\nexact wave")
     letter(axes[0])
-    figure.suptitle(title(problem, each_chain=True))
+    head(figure, title(problem, each_chain=True))
+    legend_beside(figure, *axes[0, -1].get_legend_handles_labels(), handletextpad=0.3)
     return figure
 
 
-@mpl.rc_context(STYLE)
-def response_figure(data: BeadHistory) -> Figure:
+@styled
+def response_figure(data: BeadHistory, waves: Waves | None = None) -> Figure:
     """Velocity of chosen beads over time, all chains in one row per bead (the paper's Figs 2, 4 and 6).
 
-    Left over the whole run, right the passage of the fastest pulse, its time from the instant when the bead is fastest
-    in any chain. Beads that have not moved are named below, and not drawn.
+    Left over the whole run; right the passage of the leading pulse of the kicked chain, over the time after its
+    arrival. Beads that have not moved are named in the title, and not drawn.
+
+    Args:
+        data: velocities of the beads.
+        waves: leading pulses at beads; without them, or where none has a bead of the kicked chain, there is no right
+            column.
     """
     problem, velocities, beads = data.problem, data.velocity, data.beads.tolist()
     size = np.abs(np.nan_to_num(velocities)).max(axis=1, initial=0.0)  # [frame, bead]
@@ -155,24 +192,47 @@ def response_figure(data: BeadHistory) -> Figure:
     drawn: list[int] = np.flatnonzero(moved).tolist() or [0]
     time = axis_unit(problem, "time", data.time[-1])
     velocity = axis_unit(problem, "velocity", float(size.max(initial=0.0)))
-    figure = Figure(figsize=(7.0, 1.2 + 1.9 * len(drawn)), layout="constrained")
-    axes = figure.subplots(len(drawn), 2, sharex="col", sharey="row", squeeze=False, width_ratios=(2.0, 1.0))
-    spans = [passage(data.time, size[:, number], int(np.argmax(size[:, number]))) for number in drawn]
-    close = axis_unit(problem, "time", max(high - low for _, low, high in spans))
-    for (whole, near), number, (middle, low, high) in zip(axes, drawn, spans, strict=True):
+    arrivals = {} if waves is None else _arrivals(waves, problem)
+    arrivals = {number: arrivals[beads[number]] for number in drawn if beads[number] in arrivals}
+    figure = new_figure(max(2.8, 1.0 + 1.9 * len(drawn)))
+    columns: dict[str, Any] = {"width_ratios": (1.5 if is_narrow() else 2.0, 1.0)} if arrivals else {}
+    axes = figure.subplots(len(drawn), 1 + bool(arrivals), sharex="col", sharey="row", squeeze=False, **columns)
+    spans = {number: passage(data.time, size[:, number], arrival) for number, arrival in arrivals.items()}
+    close = axis_unit(problem, "time", max((high - low for low, high in spans.values()), default=1.0))
+    for panels, number in zip(axes, drawn, strict=True):
         curves = velocities[:, :, number] * velocity.worth
-        draw_chains(whole, data.chains, data.time * time.worth, curves)
-        inside = (data.time >= low) & (data.time <= high)
-        draw_chains(near, data.chains, (data.time[inside] - middle) * close.worth, curves[inside])
-        near.set_title(peak_title(problem, middle, time), loc="left")
-        whole.set_title(f"bead {beads[number]}", loc="left")
-        whole.set_ylabel(velocity.label(Frames, "velocity"))
+        draw_chains(panels[0], data.chains, data.time * time.worth, curves)
+        panels[0].set_title(f"bead {beads[number]}", loc="left")
+        panels[0].set_ylabel(velocity.label(Frames, "velocity"))
+        if number in arrivals:
+            inside = (data.time >= spans[number][0]) & (data.time <= spans[number][1])
+            after = (data.time[inside] - arrivals[number]) * close.worth
+            draw_chains(panels[1], data.chains, after, curves[inside])
+            panels[1].set_title(time_title(problem, "arrival", arrivals[number], time), loc="left")
+        elif arrivals:
+            panels[1].remove()
     axes[-1, 0].set_xlabel(time.label(Frames, "time"))
-    axes[-1, 1].set_xlabel(after_peak(close))
+    if arrivals:
+        lowest = axes[drawn.index(max(arrivals)), 1]
+        kicked = f"in chain {_kicked(problem)} " if problem.chains > 1 else ""
+        lowest.set_xlabel(f"time after arrival\n{kicked}({close.symbol})")
+        lowest.xaxis.set_tick_params(labelbottom=True)
     still = [str(bead) for bead, moves in zip(beads, moved, strict=True) if not moves]
     which = f"bead{'s' * (len(still) > 1)} {', '.join(still)} {'have' if len(still) > 1 else 'has'} not moved"
-    finish(figure, problem, axes.flat, until=data.until, note=f"\n{which}" if still else "")
+    finish(figure, problem, figure.axes, until=data.until, note=f"\n{which}" if still else "")
     return figure
+
+
+def _arrivals(waves: Waves, problem: Problem) -> dict[int, float]:
+    """Bead -> arrival of the leading pulse of the kicked chain, where it is defined."""
+    kicked = waves.of_chain(_kicked(problem))
+    defined = np.isfinite(kicked.arrival)
+    return dict(zip(kicked.bead[defined].tolist(), kicked.arrival[defined].tolist(), strict=True))
+
+
+def _kicked(problem: Problem) -> int:
+    """Number of the chain with the largest excitation."""
+    return physics.largest_excitation(problem.system)[0]
 
 
 STILL = 1e-9
@@ -187,35 +247,39 @@ _MARGIN = 2.0
 """Time shown before and after a passage at least, in units of T."""
 
 
-def passage(time: Floats, size: Floats, top: int) -> tuple[float, float, float]:
-    """The time of a peak in a frame, and of the ends of the time around it in which a size [frame] is large."""
+_LONGEST = 6.0
+"""Time shown after a peak at most, in that shown before it."""
+
+
+def passage(time: Floats, size: Floats, peak: float) -> tuple[float, float]:
+    """The ends of the time around a peak in which a size [frame] is large."""
+    top = int(np.argmin(np.abs(time - peak)))
     slow = np.flatnonzero(size <= _CLOSE * size[top])
     first, last = slow[slow < top], slow[slow > top]
-    low = time[first[-1]] if len(first) else time[0]
-    high = time[last[0]] if len(last) else time[-1]
-    margin = max(_MARGIN, 0.3 * float(high - low))
-    return float(time[top]), float(low) - margin, float(high) + margin
+    low = float(time[first[-1]] if len(first) else time[0])
+    high = float(time[last[0]] if len(last) else time[-1])
+    high = min(high, peak + _LONGEST * (peak - low))
+    margin = max(_MARGIN, 0.3 * (high - low))
+    return low - margin, high + margin
 
 
 def pulses(time: Floats, size: Floats) -> list[tuple[float, float, float]]:
-    """The passages of the largest pulses, at most `MOST_PULSES`, in their order in time.
+    """The passages of the largest pulses: times of peaks and of the ends around them, at most `MOST_PULSES`, in order.
 
-    A pulse is as large as a tenth of the largest one, and its passage takes less than half of the whole time.
+    A pulse is as large as a tenth of the largest one, has its peak within the record, and its passage takes less than
+    half of the whole time.
     """
-    around = np.pad(size, 1)
-    peaks = np.flatnonzero((size >= around[:-2]) & (size > around[2:]) & (size > _CLOSE * np.max(size)))
-    found: list[tuple[float, float, float]] = []
+    inner = (size[1:-1] >= size[:-2]) & (size[1:-1] > size[2:]) & (size[1:-1] > _CLOSE * np.max(size))
+    peaks = np.flatnonzero(inner) + 1
+    passages: list[tuple[float, float, float]] = []
     for top in peaks[np.argsort(-size[peaks], kind="stable")]:
-        if len(found) < MOST_PULSES and not any(low <= time[top] <= high for _, low, high in found):
-            found.append(passage(time, size, top))
-    return sorted(one for one in found if one[2] - one[1] < 0.5 * (time[-1] - time[0]))
+        peak = float(time[top])
+        if len(passages) < MOST_PULSES and not any(low <= peak <= high for _, low, high in passages):
+            passages.append((peak, *passage(time, size, peak)))
+    longest = 0.5 * (time[-1] - time[0])
+    return sorted((peak, low, high) for peak, low, high in passages if high - low < longest)
 
 
-def peak_title(problem: Problem, peak: float, unit: Unit) -> str:
-    """Over a panel: the time of its peak."""
-    return rf"$t_\mathrm{{peak}}$ = {peak * unit.worth:.4g}{f' {unit.symbol}' if problem.scale.si else ''}"
-
-
-def after_peak(unit: Unit) -> str:
-    """The axis of time of such a panel."""
-    return rf"$t - t_\mathrm{{peak}}$ ({unit.symbol})"
+def time_title(problem: Problem, event: str, time: float, unit: Unit) -> str:
+    """Text over a panel: the event from which its axis of time counts, and when it is."""
+    return f"{event} {time * unit.worth:.4g}{f' {unit.symbol}' if problem.scale.si else ''}"

@@ -21,6 +21,10 @@ FARTHEST = 2.0
 uncertainty."""
 
 
+class OtherTimesError(InputError):
+    """Frames at other times than those of the scene that they are read with."""
+
+
 def rest_positions(problem: Problem) -> Floats:
     """[chain, recorded bead] where LAMMPS has the beads at the start, to the last bit."""
     return np.asarray(problem.layout.places[:, problem.recorded_beads - 1])
@@ -53,6 +57,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
     Raises:
         InputError: a file is no binary dump or damaged, holds other atoms than the problem, or its steps go back, or
             frames are missing between it and the one before.
+        OtherTimesError: frames are not at the times that the scene asks for.
 
     Warns:
         CutDumpWarning: the last file ends within a frame, which is left out; or one holds none, and frames are missing.
@@ -155,16 +160,20 @@ def _with_inner_atoms(problem: Problem, time: Floats, values: Floats) -> Traject
 
 def _check_times(dump: BinaryDump, problem: Problem) -> None:
     """Refuse frames at other times than the scene's: everything that is measured would be wrong."""
-    advice = "was the deck run with -var timestep or every? Change the scene instead"
     path, step = dump.path, problem.timestep
     if dump.times is not None and dump.steps[-1] > 0:
         step = float(dump.times[-1] / dump.steps[-1])
         if abs(step / problem.timestep - 1.0) > 1e-9:
-            raise InputError(f"{path}: has a time step of {step:.6g}, its scene of {problem.timestep:.6g}; {advice}")
+            raise OtherTimesError(
+                f"{path}: has a time step of {step:.6g}, its scene of {problem.timestep:.6g}; "
+                "was the deck run with -var timestep?"
+            )
     apart = np.unique(np.diff(dump.steps))
     if len(apart) and (len(apart) > 1 or apart[0] != problem.steps_per_frame):
         asked = problem.steps_per_frame
-        raise InputError(f"{path}: has frames {apart[0]} steps apart, its scene asks for {asked}; {advice}")
+        raise OtherTimesError(
+            f"{path}: has frames {apart[0]} steps apart, its scene asks for {asked}; was the deck run with -var every?"
+        )
 
 
 class Writer:

@@ -8,7 +8,7 @@ from MDAnalysis.analysis.results import Results, ResultsGroup
 
 import analysis.mda.formats  # noqa: F401  registers the readers
 from analysis.files import recording
-from analysis.tracking.leading_waves import beyond_kicks, leading_waves, usual_arrival
+from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import THRESHOLD, PeakFinder
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
@@ -19,9 +19,9 @@ _BLOCK = 64  # frames
 class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no types
     """Arrival, peak velocity and local speed of the leading pulse at every recorded bead, dimensionless.
 
-    ``results`` has the columns of `analysis.tracking.leading_waves.Waves`: ``chain``, ``bead``, ``arrival``,
-    ``peak_velocity``, ``speed``. Frames must be evenly spaced. Runs in several processes, too, with at most four
-    ``n_parts`` for each of ``n_workers``: with more, MDAnalysis itself mixes up what they return.
+    ``results`` has the columns of `analysis.tracking.leading_waves.Waves`: ``chain``, ``bead``, ``pulse``,
+    ``arrival``, ``peak_velocity``, ``speed``. Frames must be evenly spaced. Runs in several processes, too, with at
+    most four ``n_parts`` for each of ``n_workers``: with more, MDAnalysis itself mixes up what they return.
 
     Args:
         universe: made from a run's ``data.chains`` and ``chains.dump.bin``.
@@ -80,9 +80,8 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
         finder = PeakFinder(self._threshold)
         for part in self.results.pop("_part"):
             part.follow(finder)
-        passages = beyond_kicks(finder.result(), self._problem)
-        waves = leading_waves(passages, usual_arrival(self._problem))
-        for name in ("chain", "bead", "arrival", "peak_velocity", "speed"):
+        waves = leading_waves(finder.result(), self._problem)
+        for name in ("chain", "bead", "pulse", "arrival", "peak_velocity", "speed"):
             self.results[name] = getattr(waves, name)
 
 

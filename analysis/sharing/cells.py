@@ -75,7 +75,7 @@ class CellEnergies:
         "residual energy per cell: lost by the pulse of the kicked chain from one cell to the next",
         INPUT,
         UNLIKE_CELLS,
-        column="residual energy per cell / energy input",
+        column="residual energy per cell",
     )
     chains: tuple[Left | None, ...] = declare("of each chain", undefined="no pulse ran there")
     last_bead: tuple[float | None, ...] = declare(
@@ -87,13 +87,13 @@ class CellEnergies:
 def left(found: Survey, chain: int, period: int) -> Left | None:
     """What the leading pulse of a chain, from 1, lost on the second half of its way; None if it ran nowhere."""
     problem = found.problem
-    way, share = _along(found, chain)
+    way, share, pulse = _along(found, chain)
     clear = way <= problem.beads - CLEAR
-    way, share = way[clear], share[clear]
+    way, share, pulse = way[clear], share[clear], pulse[clear]
     if len(way) == 0:
         return None
     last = int(way[-1])
-    like = (last - way) % period == 0
+    like = ((last - way) % period == 0) & (pulse == pulse[-1])
     way, share = way[like], share[like]
     start = int(np.argmin(np.abs(way - last / 2.0)))
     way, share = way[start:], share[start:]
@@ -106,20 +106,23 @@ def left(found: Survey, chain: int, period: int) -> Left | None:
     return Left(*ends, float(share[-1]), float(share[0] - share[-1]) / cells, *_law((way - way[0]) / period, share))
 
 
-def _along(found: Survey, chain: int) -> tuple[Integers, Floats]:
-    """Beads that the leading pulse passes clear of the kicked ones, along its way; its share of the energy there."""
-    problem = found.problem
-    own = found.waves.chain == chain
-    way, share = along_the_way(problem, found.waves.bead[own]), found.shape.energy[own] / found.shared.energy
+def _along(found: Survey, chain: int) -> tuple[Integers, Floats, Integers]:
+    """Beads that leading pulses pass clear of the kicked ones, along their way.
+
+    Also their share of the energy input there, and the number of the pulse; each [bead].
+    """
+    problem, in_chain = found.problem, found.waves.chain == chain
+    way, pulse = along_the_way(problem, found.waves.bead[in_chain]), found.waves.pulse[in_chain]
+    share = found.shape.energy[in_chain] / found.shared.energy
     order = np.argsort(way)
-    way, share = way[order], share[order]
+    way, share, pulse = way[order], share[order], pulse[order]
     kicked = [
         along_the_way(problem, bead)
         for _, bead, excitation in physics.excitations(problem.system)
         if excitation * found.direction > 0.0
     ]
     known = np.isfinite(share) & (way > max(kicked) + reach(problem))  # none of the energy of kicked beads
-    return way[known], share[known]
+    return way[known], share[known], pulse[known]
 
 
 def _law(cell: Floats, share: Floats) -> tuple[float, float]:
@@ -158,7 +161,7 @@ class FinalEnergy:
         assert self.beads is not None
         share = self.beads[chain - 1] / found.shared.energy
         before, at, beyond = float(share[: bead - 1].sum()), float(share[bead - 1]), float(share[bead:].sum())
-        here, (way, carried) = along_the_way(found.problem, bead), _along(found, chain)
+        here, (way, carried, _) = along_the_way(found.problem, bead), _along(found, chain)
         come = np.flatnonzero(way < here - reach(found.problem))
         incident = float(carried[come[-1]]) if len(come) else math.nan
         gone = beyond if found.direction > 0 else before
@@ -175,7 +178,7 @@ def _only_once(found: Survey, chain: int, bead: int) -> bool:
         for at, kicked_bead, _ in physics.excitations(problem.system)
         if at == chain
     )
-    way, _ = _along(found, chain)
+    way, *_ = _along(found, chain)
     passed = bool(np.any(way > here + CLEAR))
     others = [pulse for pulse in found.pulses if pulse.chain == chain and not found.leads(pulse)]
     return alone and kicked and passed and not any(_crosses(pulse, problem, here) for pulse in others)

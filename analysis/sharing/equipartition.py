@@ -1,6 +1,9 @@
 """How chains come to share a pulse: amplitudes, arrivals and beats of their leading waves over the distance run.
 
-Definitions, all over the chains at one bead: mismatch = (largest - smallest) / mean of the leading peak velocities;
+The amplitude of a wave at a bead is its peak velocity; where coupled chains have gaps, the impulse of the bead's first
+contact over its mass (`analysis.sharing.impulses`).
+
+Definitions, all over the chains at one bead: mismatch = (largest - smallest) / mean of the amplitudes;
 lag = arrival behind that of the chain that was kicked; spread = (latest - earliest arrival) over the time in which the
 exact wave passes at half its height. Agreement to a tolerance begins at the first bead from which on the mismatch stays
 below it.
@@ -13,8 +16,9 @@ from functools import cached_property
 import numpy as np
 
 from analysis.quantity import declare, result
-from analysis.shape.exact_wave import SolitaryWave, solitary_wave, wave_of
+from analysis.shape.exact_wave import SolitaryWave, has_wave, solitary_wave, wave_of
 from analysis.shape.long_waves import LoadedSpeed, period_of, repeats_between
+from analysis.sharing.impulses import Impulses, compared_by_impulses
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import of_one_kind
 from analysis.tracking.undisturbed import CLEAR
@@ -32,6 +36,9 @@ AGREEMENT = 0.01
 SETTLED = 1e-6
 """Relative change of an amplitude from one stretch of beads to the next that is none: time steps leave as much."""
 
+LARGEST_DEVIATION = 0.5
+"""Largest deviation from the mean amplitude, over that, at which the mean is one that amplitudes settle at."""
+
 CONVERGES = 0.5
 """Largest ratio of such a change to the one before at which an amplitude approaches a limit."""
 
@@ -42,6 +49,9 @@ shortest, which is that of two chains. Unless the row is open, kappa is that of 
 
 SMALLEST_BEAT = 1e-5
 """Relative deviation below which a change of sign is no beat."""
+
+REGULAR = 0.5
+"""Largest standard deviation of half beats, over their mean, at which they are alike."""
 
 LEAST_TAIL = 5
 """Places over which the final amplitude is taken at least."""
@@ -67,9 +77,8 @@ class Sharing:
         bead: [place], counted from 1, ascending.
         arrival: [place, chain], in units of T.
             NaN where it is not defined.
-        amplitude: [place, chain] peak velocity, in units of V.
+        amplitude: [place, chain] peak velocity, or impulse of the first contact over the mass, in units of V.
         energy: input by kicks, pushes and drives, in units of m V**2; NaN where that is not known.
-        noise: standard deviation of an amplitude, in units of V; 0 for a record without noise.
         arrival_error, amplitude_error: [place, chain] bounds on what the time between frames leaves; NaN if unknown.
         exact: the exact wave of the contacts.
     """
@@ -79,7 +88,6 @@ class Sharing:
     arrival: Floats
     amplitude: Floats
     energy: float
-    noise: float = 0.0
     arrival_error: Floats | None = None
     amplitude_error: Floats | None = None
     exact: SolitaryWave = field(default_factory=solitary_wave)
@@ -87,9 +95,18 @@ class Sharing:
     """How fast waves run on a static load; None without one."""
     changing: str = ""
     """Why amplitudes have no limit, whatever the last of them are; empty where they may have one."""
+    of_impulses: bool = False
+    """Whether amplitudes are those of impulses."""
+    pulse: Floats | None = None
+    """[place, chain] number of the pulse that leads; None where one pulse leads in each chain."""
 
     def __len__(self) -> int:
         return len(self.bead)
+
+    @property
+    def compared(self) -> str:
+        """What amplitudes are, in words."""
+        return "impulses of first contacts" if self.of_impulses else "amplitudes"
 
     @cached_property
     def _mean(self) -> Floats:
@@ -100,6 +117,21 @@ class Sharing:
         """[place, chain that counts] of a table [place, chain]."""
         counts = np.isfinite(self.amplitude).any(axis=0)
         return values if counts.all() or not counts.any() else values[:, counts]
+
+    @property
+    def changes(self) -> Integers:
+        """Places at which another pulse leads than at the one before, in a chain that counts."""
+        if self.pulse is None:
+            return np.zeros(0, dtype=np.int64)
+        return np.flatnonzero(np.any(np.diff(self.of_tied(self.pulse), axis=0) != 0, axis=1)) + 1
+
+    @property
+    def followed(self) -> "Sharing":
+        """The places from the last change on: one pulse in each chain, which verdicts are about."""
+        if len(self.changes) == 0:
+            return self
+        tables = {name: vars(self)[name] for name in _AT_PLACES if vars(self)[name] is not None}
+        return replace(self, **{name: values[self.changes[-1] :] for name, values in tables.items()})
 
     @cached_property
     def mismatch(self) -> Floats:
@@ -133,7 +165,8 @@ class Sharing:
             return 0.0, 0.0
         late = self.bead >= self.bead[-1] - (self.half_beat or 0.0)
         known = np.where(np.isfinite(self.arrival), np.nan_to_num(self.arrival_error), np.inf)
-        arrival, relative = self.of_tied(known), self.of_tied(np.nan_to_num(self.amplitude_error) / self.amplitude)
+        with np.errstate(divide="ignore", invalid="ignore"):  # a bead may have received no impulse
+            arrival, relative = self.of_tied(known), self.of_tied(np.nan_to_num(self.amplitude_error) / self.amplitude)
         return float(np.max(relative[late])), float(np.max(arrival[late] / self._passage[late, np.newaxis]))
 
     @cached_property
@@ -145,14 +178,14 @@ class Sharing:
     def beats(self) -> Floats:
         """Beads, in fractions, where the wave of the kicked chain passes the chains' mean, downwards or upwards.
 
-        Changes of sign after which the deviation stays below `SMALLEST_BEAT` or three times the noise are left out, and
+        Changes of sign after which the deviation stays below `SMALLEST_BEAT` are left out, and
         so are two that are less than the distance of two places apart.
         """
         if len(self) < 2:
             return np.zeros(0)
         mean = self._mean
         deviation = self.amplitude[:, self.kicked] / mean - 1.0
-        large = np.flatnonzero(np.abs(deviation) > np.maximum(SMALLEST_BEAT, 3.0 * self.noise / mean))
+        large = np.flatnonzero(np.abs(deviation) > SMALLEST_BEAT)
         if len(large) < 2:
             return np.zeros(0)
         bead, deviation = self.bead[large], deviation[large]
@@ -175,6 +208,12 @@ class Sharing:
             return None
         scatter = float(np.std(half, ddof=1)) if len(half) > 1 else 0.5 * float(half[0])
         return Estimate(2.0 * float(np.mean(half)), 2.0 * scatter)
+
+    @property
+    def regular_beat(self) -> Estimate | None:
+        """The beat length where half beats are alike; None before half a beat was seen."""
+        beat = self.beat_length
+        return beat if beat is not None and beat.uncertainty <= REGULAR * beat.value else None
 
     @cached_property
     def half_beat(self) -> float | None:
@@ -210,18 +249,20 @@ class Sharing:
         """Amplitude that the leading waves settle at, in V: mean over chains and the last half beat.
 
         The uncertainty is the largest deviation from it, or what is still to come where that is more. None where
-        amplitudes have no limit, or do not show one: the mean changes from stretch to stretch of as many beads, by more
-        than half the deviation, and not ever less.
+        amplitudes have no limit, or do not show one: they deviate by more than half of the mean, or the mean changes
+        from stretch to stretch of as many beads, by more than half the deviation, and not ever less.
         """
         if len(self) == 0 or self.changing:
             return None
         amplitude = self.of_tied(self.amplitude)[self.tail :]
         mean, count = float(np.mean(amplitude)), len(amplitude)
-        varies = max(float(np.max(np.abs(amplitude - mean))), self.noise)
+        varies = float(np.max(np.abs(amplitude - mean)))
+        if varies > LARGEST_DEVIATION * mean:
+            return None
         starts = [start for start in (self.tail - count, self.tail - 2 * count) if start >= 0]
         means = [mean, *(float(np.mean(self._mean[start : start + count])) for start in starts)]
         change, *before = -np.diff(means) if len(means) > 1 else [math.inf]
-        if abs(change) <= max(SETTLED * mean, self.noise, 0.5 * varies):
+        if abs(change) <= max(SETTLED * mean, 0.5 * varies):
             return Estimate(mean, varies)
         ratio = change / before[0] if before and before[0] != 0.0 else math.inf
         if not 0.0 <= ratio <= CONVERGES:
@@ -270,13 +311,17 @@ class Sharing:
         return np.array(rows).reshape(-1, 2)
 
 
-def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
+_AT_PLACES = ("bead", "arrival", "amplitude", "arrival_error", "amplitude_error", "pulse")
+"""Fields of `Sharing` that are arrays [place, ...]."""
+
+
+def sharing(waves: Waves, problem: Problem, impulses: Impulses | None = None) -> Sharing:
     """The leading waves of a run side by side; those that run towards higher numbers, ahead of the kicked bead.
 
     Args:
         waves: leading waves.
         problem: what was run.
-        noise: standard deviation of an amplitude, in units of V.
+        impulses: by which the chains are compared, where `compared_by_impulses`; None where they are not known.
     """
     system = problem.system
     kicked, kicked_bead, _ = physics.largest_excitation(system)
@@ -304,13 +349,25 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         side_by_side(waves.arrival),
         side_by_side(waves.peak_velocity),
         math.nan if physics.acted_on(system) else physics.energy(system),
-        noise,
         side_by_side(waves.arrival_error),
         side_by_side(waves.peak_velocity_error),
         wave_of(system),
         LoadedSpeed(system) if physics.loaded(system) else None,
+        pulse=side_by_side(waves.pulse.astype(np.float64)),
     )
-    return replace(found, changing=_changing(found, system))
+    if impulses is not None:
+        found = _with_impulses(found, impulses, problem)
+    return replace(found, changing=_changing(found.followed, system))
+
+
+def _with_impulses(shared: Sharing, impulses: Impulses, problem: Problem) -> Sharing:
+    """Waves with the impulses of first contacts as amplitudes; 0 where a bead received none."""
+    mass = np.broadcast_to(problem.system.mass, (problem.chains, problem.beads))
+    table = np.full((problem.beads + 1, problem.chains), np.nan)
+    table[impulses.bead] = (impulses.first / mass[:, impulses.bead - 1]).T
+    amplitude = np.where(np.isfinite(shared.amplitude), table[shared.bead], np.nan)
+    error = np.full_like(amplitude, impulses.imbalance)
+    return replace(shared, amplitude=amplitude, amplitude_error=error, of_impulses=True)
 
 
 def _changing(found: Sharing, system: System) -> str:
@@ -357,18 +414,25 @@ def last_springs(system: System, kicked: int) -> int:
 
 
 def resolved(shared: Sharing, system: System) -> bool:
-    """Whether the places lie near enough together to show beats."""
+    """Whether the places show beats: they lie near enough together, or impulses are known where they are compared."""
+    if compared_by_impulses(system):
+        return shared.of_impulses
     apart = int(np.diff(shared.bead).max(initial=1))
     if apart == 1 or not physics.coupled(system):
         return True
     kappa = physics.kappa(system) if physics.open_row(system) else 0.5 * rates.modal_frequency(system) ** 2
-    return bool(physics.gap(system) == 0.0 and apart <= RESOLVED / math.sqrt(kappa))
+    return bool(apart <= RESOLVED / math.sqrt(kappa))
 
 
 def dissipates(system: System) -> bool:
     """Whether contacts or beads lose energy, or contacts yield, so that every pulse decays as long as it runs."""
     along, _, ground, _ = physics.dashpot_names(system)
     return along is not None or ground is not None or bool(physics.remembering(system))
+
+
+def runs_exact_waves(system: System) -> bool:
+    """Whether the exact solitary wave of the contacts can run in every chain: beads alike, touching, and undamped."""
+    return has_wave(system) and physics.alike(system) and not physics.gap(system) and not dissipates(system)
 
 
 def _extrapolated(tops: Floats, tolerance: float) -> float | None:

@@ -7,6 +7,9 @@ Two sources, one result:
 - frames: the force is integrated between them along a polynomial of the overlap (`ImpulseMeter`);
 - collisions of rigid beads, whose impulse is the difference of the two velocities (`from_events`).
 
+By them chains with gaps are compared (`compared_by_impulses`): a bead that flies freely exchanges its velocity with
+its neighbours in the other chains, so that the peak velocities of a row level out whatever it received.
+
 The error of the first follows from the momentum of all beads ahead, which grows by what passes a row (springs are
 within a row and cancel): `Impulses.imbalance`.
 """
@@ -18,8 +21,17 @@ import numpy as np
 
 from analysis import hermite, motion
 from analysis.files.events import Events
-from analysis.trajectory import Floats, Integers, Trajectory, joined, watch
-from lammps_inputs import Problem, physics
+from analysis.trajectory import (
+    Floats,
+    Integers,
+    Trajectory,
+    direction_of,
+    joined,
+    mirrored,
+    mirrored_problem,
+    watch,
+)
+from lammps_inputs import Problem, System, physics
 from lammps_inputs.facts import Fact
 
 TOUCH = 1e-12
@@ -63,6 +75,11 @@ class Impulses:
         return int(found[0])
 
 
+def compared_by_impulses(system: System) -> bool:
+    """Whether springs across change the velocities of beads that fly freely between their contacts."""
+    return physics.gap(system) > 0.0 and physics.coupled(system)
+
+
 def relative_difference(impulse: Floats) -> Floats:
     """How unequal the chains of a row are: (largest - smallest) / mean of [chain, row]; NaN where nothing passed."""
     mean = impulse.mean(axis=0)
@@ -76,11 +93,16 @@ class ImpulseMeter:
     Between two frames the overlap follows the polynomial of degree five through its value and two derivatives there
     (degree three, where the beads around were not recorded); the force of that is integrated by Gauss rules. At the
     default cadence the error is below 1e-6, and 4e-4 with frames 1 T apart.
+
+    Args:
+        problem: what is run.
+        direction: 1, or -1 for the impulses that beads receive from the bead ahead, with beads counted from the last.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, direction: int = 1) -> None:
         recorded = problem.recorded_beads
-        self.problem = problem
+        self.problem = problem if direction > 0 else mirrored_problem(problem)
+        self._direction = direction
         self._pair = np.flatnonzero(np.diff(recorded) == 1)
         self._bead = recorded[self._pair] + 1
         shape = (problem.chains, len(self._pair))
@@ -92,6 +114,7 @@ class ImpulseMeter:
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, evenly spaced in time with those before."""
+        block = block if self._direction > 0 else mirrored(block)
         if self._carried is None:
             self._start = block.velocity[0].copy()
             self._contacts += self._overlaps(block[:1])[0] > TOUCH
@@ -164,14 +187,28 @@ class ImpulseMeter:
         self._over = over[-1]
 
 
+def meter_of(problem: Problem) -> ImpulseMeter | None:
+    """A meter of the impulses by which chains are compared; None where they are not, or not all beads are recorded."""
+    measured = problem.whole and compared_by_impulses(problem.system)
+    return ImpulseMeter(problem, direction_of(problem)) if measured else None
+
+
 def measure(problem: Problem, blocks: Iterable[Trajectory]) -> Impulses:
     """Impulses in a run given as consecutive blocks of frames; see `ImpulseMeter`."""
     return watch(ImpulseMeter(problem), blocks).result()
 
 
-def from_events(problem: Problem, events: Events) -> Impulses:
-    """Impulses of rigid beads, a contact being one collision."""
+def from_events(problem: Problem, events: Events, direction: int = 1) -> Impulses:
+    """Impulses of rigid beads, a contact being one collision.
+
+    Args:
+        problem: what was run.
+        events: every collision.
+        direction: 1, or -1 for the impulses that beads receive from the bead ahead, with beads counted from the last.
+    """
     chain, row = events.chain - 1, events.row - 1
+    if direction < 0:
+        row = problem.beads - 2 - row
     shape = (problem.chains, problem.beads - 1)
     first, whole = np.zeros((2, *shape))
     contacts = np.zeros(shape, dtype=np.int64)

@@ -31,29 +31,38 @@ class Character:
 
     bead: int = declare("bead at which the following was measured, the last clear of the chain's ends")
     arrival: float = declare("time at which that bead is fastest", "time", symbol="t")
-    peak_velocity: float = declare("largest velocity of that bead", "velocity", symbol="v")
+    peak_velocity: float = declare(
+        "largest velocity of that bead as the pulse passes; where pulses overlap, the bead's whole velocity counts",
+        "velocity",
+        symbol="v",
+    )
     arrival_error: float = declare(
-        "bound on the error of the arrival by the time between frames, or noise",
+        "bound on the error of the arrival by the time between frames",
         "time",
         "the largest velocity is reached on a plateau (a bead that flies freely)",
     )
     peak_velocity_error: float = declare(
-        "bound on the error of the peak velocity by the time between frames, or noise", "velocity"
+        "bound on the error of the peak velocity by the time between frames", "velocity"
     )
     speed: float = declare("speed of the pulse at that bead", "speed", "it was seen at one bead only", "c")
     width: float = declare("full width of the velocity at half its maximum", "beads", UNSEEN)
-    momentum: float = declare("momentum: integral of the velocity over the passage", "momentum", UNSEEN)
+    momentum: float = declare(
+        "mass times speed times the integral of the velocity over the time in which the pulse travels from four beads "
+        "before the bead to four beads behind it",
+        "momentum",
+        f"{UNSEEN}; beads differ",
+    )
     energy: float = declare("energy of the beads near the peak", "energy", f"{UNSEEN}, or another pulse is near")
     residual: float = declare(
         "largest difference of the velocity from the exact wave of this peak velocity, over that",
-        undefined=f"{UNSEEN}; beads differ or are preloaded",
+        undefined=f"{UNSEEN}; a larger pulse overlaps; beads differ or are preloaded",
     )
     speed_excess: float = declare(
         "relative difference of the speed from the exact law at this peak velocity",
         undefined="beads differ or are preloaded",
     )
     variation: float = declare(
-        "(largest - smallest) / mean peak velocity of the passages found at the ten beads up to this one",
+        f"(largest - smallest) / mean peak velocity of the passages found at the {CONSTANT_OVER} beads up to this one",
         undefined="it ran less",
     )
     falls: bool

@@ -16,6 +16,7 @@ from analysis.shape.long_waves import LoadedSpeed
 from analysis.shape.waveforms import Passages, Shape, Waveforms, reach
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing, sharing
+from analysis.sharing.impulses import Impulses, meter_of
 from analysis.sharing.is_solitary import Character, Tolerances, characterise, measured_at
 from analysis.sharing.verdict import DecayFit, Verdict, fit_decay, verdict_on
 from analysis.tracking.leading_waves import (
@@ -26,11 +27,12 @@ from analysis.tracking.leading_waves import (
     mirrored_waves,
     of_pulses,
     opposed,
+    succession_of,
     usual_arrival,
 )
-from analysis.tracking.noise import distinct, left_by_smoothing, noise_at_start, peak_error, smoothed
-from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks
-from analysis.tracking.pulses import SMALLEST, Pulse, ahead_of_sound, track_pulses
+from analysis.tracking.peaks import PeakFinder, Peaks
+from analysis.tracking.pulses import Pulse, ahead_of_sound, track_pulses
+from analysis.tracking.succession import Change, changes
 from analysis.tracking.undisturbed import clear_of_ends, clear_of_others, once_each, returns
 from analysis.trajectory import (
     Flags,
@@ -50,9 +52,6 @@ MAX_PASSAGES = 4000
 HALF = 2.0
 """Beads from its peak within which the exact wave has all but 1e-5 of its energy."""
 
-NOISE_MARGIN = 5.0
-"""Standard deviations of the noise that a peak must exceed."""
-
 
 @dataclass(frozen=True)
 class Survey:
@@ -63,9 +62,9 @@ class Survey:
         direction: 1 if the largest kick is towards higher bead numbers, else -1; the leading waves run that way, and in
             ``shared``, ``energies``, ``decay`` and ``verdict`` beads are counted along it (from the last bead if -1).
         arrival: what an arrival of ``waves`` is; the passages of ``pulses`` are always the maxima.
-        noise: standard deviation of the recorded velocities, in units of V; 0 where there is none.
-        waves: leading waves; beads as numbered in the scene. With kicks from both sides, and in a noisy
-            record, only what belongs to a pulse.
+        waves: leading waves; beads as numbered in the scene. With kicks from both sides only what belongs to
+            a pulse.
+        succession: where one leading pulse ends and another one leads.
         waveforms: velocity over time around the passages of ``waves``, then of ``pulses``.
         shape: what those waveforms say of each wave, entry by entry of ``waves``; NaN where not measured.
         pulses: every pulse that was found, either way; under a static load the leading waves and what runs ahead of
@@ -73,14 +72,15 @@ class Survey:
         crests: of sound, under a static load; one may be taken for another on its way.
         clear: of each pulse, [passage] where the ends of its chain had not disturbed it.
         characters: of each pulse, at the last such passage that was recorded whole.
-        shared, energies, decay, verdict: how the chains share the leading pulse.
+        shared, energies, decay, verdict: how the chains share the leading pulse; decay and verdict of the pulse that
+            leads at the last bead (``shared.followed``).
     """
 
     problem: Problem
     direction: int
     arrival: Arrival
-    noise: float
     waves: Waves
+    succession: tuple[Change, ...]
     waveforms: Waveforms
     shape: Shape
     pulses: tuple[Pulse, ...]
@@ -135,6 +135,7 @@ def survey(
     arrival: Arrival | None = None,
     leading: Waves | None = None,
     counted: Callable[[Trajectory], Trajectory] | None = None,
+    impulses: Impulses | None = None,
 ) -> Survey:
     """Find everything in a run.
 
@@ -147,51 +148,40 @@ def survey(
             `analysis.tracking.leading_waves.usual_arrival`.
         leading: the leading waves with that arrival, where they were found at more beads than are recorded.
         counted: gives frames of all beads their exchange (`analysis.trajectory.EXCHANGES`) where they have none.
+        impulses: of rigid beads, along the way of the leading waves; else they are measured where chains are compared
+            by them.
 
     Raises:
         ValueError: there was no frame.
     """
     system = problem.system
-    first = next(iter(read()), None)
-    if first is None:
-        raise ValueError("no frames to analyse")
-    noise = noise_at_start(first)
-    noisy = noise > 0.0
-    left = left_by_smoothing(noise, problem.every)
-    threshold = max(THRESHOLD, NOISE_MARGIN * left)
-    finders = {way: PeakFinder(threshold, direction=way, noisy=noisy) for way in (1, -1)}
+    finders = {way: PeakFinder(direction=way) for way in (1, -1)}
     window = _Window()
     counts = counted if physics.exchanges(system) and problem.whole else None
-    last_time, energy = _first_reading(
-        read, problem, [*watchers, window], [*finders.values()], counts, noisy=noise > 0.0
-    )
+    meter = meter_of(problem) if impulses is None else None
+    watching = [*watchers, window, *finders.values(), *([] if meter is None else [meter])]
+    last_time, energy = _first_reading(read, watching, counts)
+    impulses = impulses if meter is None else meter.result()
     peaks = {way: finder.result() for way, finder in finders.items()}
-    if noisy:
-        peaks = {way: _uncertain(distinct(found, wave_of(system)), problem, noise) for way, found in peaks.items()}
 
     direction = direction_of(problem)
     along = problem if direction > 0 else mirrored_problem(problem)
-    smallest = max(SMALLEST, 2.0 * NOISE_MARGIN * left)
     tracks = once_each(
-        tuple(
-            pulse
-            for way in (1, -1)
-            for pulse in track_pulses(window.near_the_front(peaks[way]), problem, smallest=smallest, noise=left)
-        ),
+        tuple(pulse for way in (1, -1) for pulse in track_pulses(window.near_the_front(peaks[way]), problem)),
         wave_of(system),
     )
     arrival = usual_arrival(problem) if arrival is None else arrival
     if leading is None:
-        stray = opposed(problem) or noisy
-        ahead = of_pulses(peaks[direction], tracks) if stray else peaks[direction]
+        ahead = of_pulses(peaks[direction], tracks) if opposed(problem) else peaks[direction]
         ahead = beyond_kicks(ahead, problem)
-        waves = leading_waves(ahead, arrival)
-        sharp = np.isfinite(leading_waves(ahead).arrival)
+        succession = changes(ahead, problem)
+        waves = leading_waves(ahead, problem, arrival, succession)
+        sharp = np.isfinite(ahead.first().time_error)
     else:
-        waves = leading
+        waves, succession = leading, succession_of(leading, direction)
         sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # the time of the maximum of others is unknown
     every_bead = along if leading is None else replace(along, recorded=None)
-    shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
+    shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, impulses)
     shared = replace(shared, energy=energy)
     pulses, crests = _distinct_from_sound(tracks, waves, direction, problem)
     back = {direction: returns(waves, problem, direction), -direction: np.full((problem.chains, problem.beads), np.inf)}
@@ -202,7 +192,7 @@ def survey(
     chosen = np.flatnonzero(seen & (waves.bead % max(1, -(-int(seen.sum()) // MAX_PASSAGES)) == 0))
     waveforms = Waveforms(problem, _passages(waves.where(chosen), direction, pulses, at))
     energies = EnergyShares(along, shared)
-    for block in smoothed(read(), problem.every) if noisy else read():
+    for block in read():
         waveforms.add(block)
         energies.add(block if direction > 0 else mirrored(block))
     shapes = _of_one_pulse(waveforms.shape(), waveforms.passages, pulses, problem)
@@ -211,13 +201,13 @@ def survey(
         characterise(pulse, place, shapes.entry(len(chosen) + number), tolerances, problem=problem)
         for number, (pulse, place) in enumerate(zip(pulses, at, strict=True))
     )
-    decay = fit_decay(shared, along)
+    decay = fit_decay(shared.followed, along)
     return Survey(
         problem=problem,
         direction=direction,
         arrival=arrival,
-        noise=noise,
         waves=waves,
+        succession=succession,
         waveforms=waveforms,
         shape=_of_waves(shapes, chosen, sharp),
         pulses=pulses,
@@ -227,18 +217,7 @@ def survey(
         shared=shared,
         energies=energies,
         decay=decay,
-        verdict=_numbered(verdict_on(shared, along, decay), direction),
-    )
-
-
-def _uncertain(peaks: Peaks, problem: Problem, noise: float) -> Peaks:
-    """Maxima with larger errors, by the noise."""
-    late, off = peak_error(problem.every, peaks.velocity, noise)
-    return replace(
-        peaks,
-        time_error=peaks.time_error + late,
-        centre_error=peaks.centre_error + late,
-        velocity_error=peaks.velocity_error + off,
+        verdict=_numbered(verdict_on(shared.followed, along, decay), direction),
     )
 
 
@@ -296,24 +275,17 @@ class _Window:
 
 def _first_reading(
     read: Callable[[], Iterable[Trajectory]],
-    problem: Problem,
     watchers: Sequence[Watcher],
-    finders: Sequence[PeakFinder],
     counted: Callable[[Trajectory], Trajectory] | None,
-    *,
-    noisy: bool,
 ) -> tuple[float, float]:
-    """Show the run to all, a noisy one to the finders smoothed; time of the last frame, and energy input until then."""
+    """Show the run to all watchers; returns the time of the last frame, and the energy input until then."""
     last_time = energy = float("nan")
     for block in read():
         if counted is not None and block.exchange is None:
             block = counted(block)
-        for watcher in watchers if noisy else (*watchers, *finders):
+        for watcher in watchers:
             watcher.add(block)
         last_time, energy = float(block.time[-1]), float(energy_input(block)[-1])
-    for block in smoothed(read(), problem.every) if noisy else ():
-        for finder in finders:
-            finder.add(block)
     return last_time, energy
 
 

@@ -25,6 +25,7 @@ from analysis.sharing.equipartition import (
     resolved,
     unlike,
 )
+from analysis.sharing.impulses import compared_by_impulses
 from analysis.tracking.undisturbed import CLEAR
 from lammps_inputs import Problem, laws, physics
 from lammps_inputs.facts import Fact
@@ -49,7 +50,7 @@ class DecayFit:
 
     first: int = declare("first bead of the fit")
     last: int = declare("last bead of the fit")
-    v0: float = declare("amplitude at the kick; 0.6816315 expected", "V", symbol="v_0")
+    v0: float = declare(f"amplitude at the kick; {SINGLE_CHAIN} expected", "V", symbol="v_0")
     n_star: float = declare("beads from the kicked one at which the pulse would end", "beads", symbol="n^*")
     n_star_error: float = declare("standard error of ``n_star``", "beads")
     n_star_expected: float = declare(
@@ -81,7 +82,8 @@ def stiffness_of_springs(problem: Problem, chain: int) -> float | None:
 def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
     """The law fitted where it holds; None if it does not for ten recorded beads, or unless one bead was kicked.
 
-    It is one of linear springs that are the same in all rows, of the contacts of spheres, and of chains without losses.
+    It is one of linear springs that are the same in all rows, of the contacts of spheres that touch, and of chains
+    without losses.
 
     ``(v / v0)**0.4 = 1 - n / n*`` is a straight line.
     """
@@ -92,6 +94,7 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
         or len(physics.excitations(system)) != 1
         or physics.exchanges(system)
         or len(shared) == 0
+        or shared.of_impulses
     ):
         return None
     chain, kicked_bead = shared.kicked, physics.excitations(system)[0][1]
@@ -169,7 +172,7 @@ def verdict_on(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Ver
     if found.state in (State.BEATING, State.SHORT) and len(shared) and unlike(problem.system, shared.kicked):
         return Verdict(
             State.UNLIKE,
-            f"the chains are {State.UNLIKE.value}: at bead {shared.bead[-1]} amplitudes differ by "
+            f"the chains are {State.UNLIKE.value}: at bead {shared.bead[-1]} {shared.compared} differ by "
             f"{shared.mismatch[-1]:.1%}, and no agreement to 1% has lasted for half a beat",
         )
     return found
@@ -202,9 +205,12 @@ def _of_waves(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verd
         if last <= physics.largest_excitation(problem.system)[1]:
             what = f"no bead beyond the kick lies {CLEAR} beads before the end of the chains, "
         return _too_short(f"{what}so amplitudes cannot be compared", _by_rule(problem, 0), None)
-    last, differ = int(shared.bead[-1]), f"amplitudes differ by {shared.mismatch[-1]:.1%}"
+    last, differ = int(shared.bead[-1]), f"{shared.compared} differ by {shared.mismatch[-1]:.1%}"
     expected = _expected(shared, problem)
     if not resolved(shared, problem.system):
+        if compared_by_impulses(problem.system):
+            what = "chains with gaps are compared by impulses, which are known only where all beads are recorded"
+            return _verdict(State.UNSURE, what)
         apart = int(np.diff(shared.bead).max())
         what = f"the compared beads lie up to {apart} apart, too far to see beats; at bead {last} {differ}"
         return _too_short(what, expected, decay)
@@ -213,8 +219,8 @@ def _of_waves(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verd
         return _verdict(State.UNSURE, doubt)
     if level is not None and in_step is not None:
         what = (
-            f"amplitudes agree to 1% from bead {level} on, arrivals to 1% of the passage time from bead {in_step} on "
-            f"(observed to bead {last})"
+            f"{shared.compared} agree to 1% from bead {level} on, arrivals to 1% of the passage time "
+            f"from bead {in_step} on (observed to bead {last})"
         )
         return _verdict(State.EQUAL, what, max(level, in_step))
     if (end := last_springs(problem.system, shared.kicked)) + CLEAR < last:
@@ -222,18 +228,20 @@ def _of_waves(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verd
         return Verdict(State.ALONE, what)
     beat = shared.beat_length
     if beat is None and (largest := float(np.max(shared.mismatch))) < AGREEMENT:
-        what = f"no beat is seen from bead {shared.bead[0]} to {last}, where amplitudes agree to {largest:.1%}"
+        what = f"no beat is seen from bead {shared.bead[0]} to {last}, where {shared.compared} agree to {largest:.1%}"
         return _too_short(what, None, None)
     if beat is None:
         return _too_short(f"no complete half beat is observed to bead {last}, where {differ}", expected, decay)
     recent = shared.bead >= last - 0.5 * beat.value
-    beats = f"beats of {beat.value:.1f} +- {beat.uncertainty:.1f} beads"
+    beats = "without a regular beat"
+    if (regular := shared.regular_beat) is not None:
+        beats = f"beats of {regular.value:.1f} +- {regular.uncertainty:.1f} beads"
     if level is not None:
-        what = f"amplitudes agree to 1% from bead {level} on, but arrivals differ by up to "
+        what = f"{shared.compared} agree to 1% from bead {level} on, but arrivals differ by up to "
         what += f"{np.nanmax(shared.spread[recent]):.1%} of the wave's passage over the last half beat; {beats}"
         return _verdict(State.BEATING, what)
-    what = f"amplitudes differ by up to {shared.mismatch[recent].max():.2%} over the last half beat to bead {last}"
-    return _verdict(State.BEATING, f"{what}, {beats}{_about(expected)}", expected=expected)
+    what = f"{shared.compared} differ by up to {shared.mismatch[recent].max():.2%} over the last half beat"
+    return _verdict(State.BEATING, f"{what} to bead {last}, {beats}{_about(expected)}", expected=expected)
 
 
 def _doubt(shared: Sharing) -> str:

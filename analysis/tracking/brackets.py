@@ -2,9 +2,8 @@
 
 Where all beads are recorded, the equation of motion gives acceleration and its rate at each frame; velocity and its
 first two derivatives at the two frames around a maximum fix a polynomial of degree five, and with displacement one of
-degree six. Where only some beads are recorded, that degree comes from displacement and velocity at four frames; where
-the record is noisy, degree three from velocity alone. What a polynomial of a lower degree gives instead shows how
-uncertain that is.
+degree six. Where only some beads are recorded, that degree comes from displacement and velocity at four frames. What a
+polynomial of a lower degree gives instead shows how uncertain that is.
 
 Contacts and walls that close or open near a frame exert forces that no polynomial follows (`kinks`). A force that
 begins as a power of time, ``(t - a)**power`` from a on, is fitted between two frames like any other, with velocity and
@@ -302,12 +301,10 @@ def no_maxima() -> Brackets:
     return Brackets(number, number, one, one, one, one, one, one, polynomial, polynomial, two, one, mask)
 
 
-def bracketed(
-    block: Trajectory, frame: Integers, chain: Integers, bead: Integers, way: int, *, noisy: bool
-) -> Brackets:
+def bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Integers, way: int) -> Brackets:
     """Maxima whose largest frames are given. One at frame 0 stays there but of a bead that is pushed or moved."""
     spacing = block.spacing
-    by_equations = block.forces_known and not noisy
+    by_equations = block.forces_known
     if by_equations:
         rising = way * motion.acceleration_and_rate(block, frame, chain, bead)[0] > 0.0
         start = np.maximum(np.where(rising, frame, frame - 1), 0)
@@ -324,7 +321,7 @@ def bracketed(
     quick = spacing * max(1.0, fastest / FREQUENCY) if by_equations else spacing
 
     def fit(states: Floats) -> tuple[Floats, Floats]:
-        return _polynomials(nodes, states[:, : data.shape[1]], spacing, quick, by_equations=by_equations, noisy=noisy)
+        return _polynomials(nodes, states[:, : data.shape[1]], spacing, quick, by_equations=by_equations)
 
     velocity, other = fit(data)
     kink, acted_on = np.zeros((2, len(frame))), np.zeros(len(frame), dtype=bool)
@@ -369,7 +366,7 @@ def _beside(block: Trajectory, frame: Integers, start: Integers, chain: Integers
         return found
     frame, start, chain, bead = frame[near], start[near], chain[near], bead[near]
     data = way * np.array([_states(block, at, chain, bead, by_equations=True) for at in (start, start + 1)])
-    curve, _ = _polynomials((0, 1), data, block.spacing, block.spacing, by_equations=True, noisy=False)
+    curve, _ = _polynomials((0, 1), data, block.spacing, block.spacing, by_equations=True)
     along = [hermite.value(curve, np.full(len(near), s)) for s in np.linspace(0.0, 1.0, _SAMPLES)]
     found[near] += np.max(along, axis=0) - way * block.velocity[frame, chain, bead]
     return found
@@ -403,7 +400,7 @@ def _pushed(
 
 
 def _polynomials(
-    nodes: tuple[int, ...], data: Floats, spacing: float, quick: float, *, by_equations: bool, noisy: bool
+    nodes: tuple[int, ...], data: Floats, spacing: float, quick: float, *, by_equations: bool
 ) -> tuple[Floats, Floats]:
     """Velocity as a polynomial, and as one of another degree, each [power, maximum].
 
@@ -413,13 +410,10 @@ def _polynomials(
         spacing: time between frames.
         quick: the same in the time scale of the system's fastest motion, see `FREQUENCY`.
         by_equations: whether acceleration and its rate are there.
-        noisy: whether displacements are of no use.
     """
     by_velocity = hermite.coefficients(nodes, data[:, 1:], spacing)
     by_both = hermite.derivative(hermite.coefficients(nodes, data, spacing)) / spacing
-    if noisy:
-        best, other = (by_velocity, by_velocity) if spacing < FAR_APART else (by_both, by_both)
-    elif not by_equations or spacing >= FAR_APART:
+    if not by_equations or spacing >= FAR_APART:
         best, other = by_both, by_velocity
     elif quick >= FAR_APART:
         best, other = by_velocity, by_both

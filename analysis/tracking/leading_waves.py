@@ -1,6 +1,7 @@
 """The leading pulse at every bead: the first passage above the threshold, its peak, and its local speed.
 
-With kicks both ways, or noise, not every first maximum of a bead is the leading pulse's (`leading_passages`).
+With kicks both ways not every first maximum of a bead is the leading pulse's (`leading_passages`). `succession` finds
+where one leading pulse ends and another one leads.
 """
 
 import csv
@@ -12,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.columns import Columns
-from analysis.quantity import declare, declared, result, table
+from analysis.quantity import declare, declared, in_units, result, table
 from analysis.tracking.peaks import PeakFinder, Peaks
-from analysis.tracking.pulses import EARLIEST, FAINTEST, LATEST, Pulse, local_speed, track_pulses
+from analysis.tracking.pulses import Pulse, local_speed, track_pulses
+from analysis.tracking.succession import Change, changes, numbers
 from analysis.trajectory import Flags, Floats, Integers, direction_of, mirrored_bead
 from lammps_inputs import Problem, physics
 from lammps_inputs.units import Scale
@@ -26,6 +28,10 @@ class Waves(Columns):
 
     chain: Integers = declare("number of the chain")
     bead: Integers = declare("number of the bead")
+    pulse: Integers = declare(
+        "number of the pulse that leads at the bead, from 1 in the order of the beads: where it changes, the pulse has "
+        "ended, and another one arrives first"
+    )
     arrival: Floats = declare(
         "time at which the pulse passes the bead: that of the largest velocity, or the centre of the impulse",
         "time",
@@ -33,20 +39,24 @@ class Waves(Columns):
         "t",
     )
     peak_velocity: Floats = declare(
-        "largest velocity of the bead, positive along the pulse's way", "velocity", symbol="v"
+        "first maximum over time, above 1e-3 V, of the bead's velocity along the pulse's way; where pulses overlap, "
+        "the bead's whole velocity counts",
+        "velocity",
+        symbol="v",
     )
     speed: Floats = declare(
-        "speed of the pulse along its way, from the arrivals at the recorded beads on either side (at an end: one)",
+        "speed of the pulse along its way, from the arrivals at the recorded beads on either side (at an end of the "
+        "chain, and at the last bead reached: one)",
         "speed",
-        "one bead of the chain was reached, an arrival is undefined, or another pulse leads from one of these beads to "
-        "the next: amplitude and delay jump there",
+        "one bead of the chain was reached, an arrival is undefined, or the pulse begins or ends there within the "
+        "chain, as at a kicked bead",
         "c",
     )
     arrival_error: Floats = declare(
-        "bound on the error of the arrival by the time between frames, or noise", "time", "so is the arrival"
+        "bound on the error of the arrival by the time between frames", "time", "so is the arrival"
     )
     peak_velocity_error: Floats = declare(
-        "bound on the error of the peak velocity by the time between frames, or noise", "velocity"
+        "bound on the error of the peak velocity by the time between frames", "velocity"
     )
     time: Floats
     """Time at which the bead is fastest, in units of T, whether or not that is sharp."""
@@ -67,6 +77,11 @@ class Waves(Columns):
         for name, column in columns.items():
             made[name] = column
         return made
+
+    @property
+    def ends(self) -> Integers:
+        """Positions of entries after which another pulse of the same chain stands; entries are sorted by bead."""
+        return np.flatnonzero((np.diff(self.chain) == 0) & (np.diff(self.pulse) != 0))
 
     def at(self, bead: int) -> "Waves":
         """The chains' leading pulses at one bead."""
@@ -91,39 +106,77 @@ def usual_arrival(problem: Problem) -> Arrival:
     return "impulse" if physics.gap(problem.system) > 0.0 else "maximum"
 
 
-def leading_waves(peaks: Peaks, arrival: Arrival = "maximum") -> Waves:
-    """The first peak of every bead, which is the pulse that runs ahead of all others."""
-    found = peaks.first()
-    time, error = (found.time, found.time_error) if arrival == "maximum" else (found.centre, found.centre_error)
+def leading_waves(
+    peaks: Peaks, problem: Problem, arrival: Arrival | None = None, succession: tuple[Change, ...] | None = None
+) -> Waves:
+    """The first maximum of every bead that the leading pulse comes to, and which pulse that is.
+
+    Args:
+        peaks: maxima of a run.
+        problem: what was run.
+        arrival: what an arrival is; by default `usual_arrival`.
+        succession: where one pulse ends and another leads; by default as the maxima show.
+    """
+    passages = beyond_kicks(peaks, problem)
+    found = passages.first()
+    at_maximum = (arrival or usual_arrival(problem)) == "maximum"
+    time, error = (found.time, found.time_error) if at_maximum else (found.centre, found.centre_error)
     defined = np.where(np.isfinite(error), time, np.nan)
-    waves = with_speeds(found.chain, found.bead, defined, found.velocity, direction=found.direction)
-    return replace(waves, time=found.time, arrival_error=error, peak_velocity_error=found.velocity_error)
+    number = numbers(found, changes(passages, problem) if succession is None else succession)
+    waves = with_speeds(found.chain, found.bead, defined, found.velocity, number, direction=found.direction)
+    speed = np.where(_begins_within(found, problem), np.nan, waves.speed)
+    return replace(waves, speed=speed, time=found.time, arrival_error=error, peak_velocity_error=found.velocity_error)
+
+
+def _begins_within(first: Peaks, problem: Problem) -> Flags:
+    """Mask, [first maximum], of the beads at which the first pulse of a chain begins, but for ends of chains."""
+    along = first.direction * first.bead
+    begins = np.full(problem.chains + 1, np.max(along, initial=-problem.beads))
+    np.minimum.at(begins, first.chain, along)
+    return np.asarray((along == begins[first.chain]) & (along > np.min(first.direction * problem.recorded_beads)))
 
 
 def with_speeds(
-    chain: Integers, bead: Integers, arrival: Floats, peak_velocity: Floats, *, direction: int = 1
+    chain: Integers,
+    bead: Integers,
+    arrival: Floats,
+    peak_velocity: Floats,
+    pulse: Integers | None = None,
+    *,
+    direction: int = 1,
 ) -> Waves:
-    """Waves whose local speeds follow from their arrivals, without errors; entries are sorted by chain, then bead."""
-    speed = np.full(len(chain), np.nan)
-    for number in np.unique(chain):
-        row = chain == number
-        speed[row] = direction * local_speed(bead[row], arrival[row])
-        other = another_leads(bead[row], direction * arrival[row], peak_velocity[row])
-        speed[np.flatnonzero(row)[np.append(other, False) | np.insert(other, 0, False)]] = np.nan
-    unknown = np.full(len(chain), np.nan)
-    return Waves(chain, bead, arrival, peak_velocity, speed, unknown, unknown, time=arrival)
+    """Waves whose local speeds follow from their arrivals, without errors; entries are sorted by chain, then bead.
 
-
-def another_leads(bead: Integers, arrival: Floats, peak_velocity: Floats) -> Flags:
-    """Between which neighbouring recorded beads of one chain the pulse that leads is another one, [bead - 1].
-
-    Amplitudes differ there as those of no two passages of one pulse, and so does the delay from those before and after.
+    Args:
+        chain, bead: [wave] numbers from 1.
+        arrival: [wave] in units of T.
+        peak_velocity: [wave] in units of V.
+        pulse: [wave] number of the pulse in its chain; by default one pulse leads everywhere.
+        direction: 1 towards higher bead numbers, -1 towards lower ones.
     """
-    delay = np.diff(arrival) / np.diff(bead)
-    beside = np.stack([np.append(np.nan, delay[:-1]), np.append(delay[1:], np.nan)])
-    jumps = np.where(np.isnan(beside), True, (delay < EARLIEST * beside) | (delay > LATEST * beside)).all(axis=0)
-    smaller, larger = np.sort([peak_velocity[1:], peak_velocity[:-1]], axis=0)
-    return np.asarray(jumps & (smaller < FAINTEST * larger) & (len(bead) > 2))
+    number, speed = np.ones(len(chain), dtype=np.int64) if pulse is None else pulse, np.full(len(chain), np.nan)
+    for each in np.unique(chain):
+        in_chain = chain == each
+        speed[in_chain] = direction * local_speed(bead[in_chain], arrival[in_chain])
+    unknown = np.full(len(chain), np.nan)
+    waves = Waves(chain, bead, number, arrival, peak_velocity, speed, unknown, unknown, time=arrival)
+    speed[waves.ends], speed[waves.ends + 1] = np.nan, np.nan
+    return waves
+
+
+def succession_of(waves: Waves, direction: int) -> tuple[Change, ...]:
+    """Ends of leading pulses after which another one leads, by the numbers of the pulses alone.
+
+    Args:
+        waves: leading waves, sorted by chain, then bead.
+        direction: 1 if they run towards higher bead numbers, -1 towards lower ones.
+    """
+    ends = []
+    for at in waves.ends[::direction].tolist():
+        last, first = (at, at + 1) if direction > 0 else (at + 1, at)
+        beads = int(waves.bead[last]), int(waves.bead[first])
+        ends.append(Change(int(waves.chain[last]), *beads, float(waves.peak_velocity[last]), np.nan))
+    return tuple(ends)
 
 
 def mirrored_waves(waves: Waves, problem: Problem) -> Waves:
@@ -132,30 +185,30 @@ def mirrored_waves(waves: Waves, problem: Problem) -> Waves:
     return replace(waves, bead=bead).where(np.lexsort((bead, waves.chain)))
 
 
-def from_csv(text: str, scale: Scale, *, direction: int = 1) -> Waves:
+def from_csv(text: str, scale: Scale) -> Waves:
     """The waves of a table in the scene's units; an arrival that is not given is not defined.
 
     Args:
         text: the table.
         scale: of the scene.
-        direction: which way the waves run.
 
     Raises:
         ValueError: it is no such table.
     """
     rows = list(csv.DictReader(io.StringIO(text)))
     try:
-        chain, bead = (np.array([int(row[name]) for row in rows], dtype=np.int64) for name in ("chain", "bead"))
-        names = "arrival", "peak_velocity", "arrival_error", "peak_velocity_error"
+        chain, bead, pulse = (
+            np.array([int(row[name]) for row in rows], dtype=np.int64) for name in ("chain", "bead", "pulse")
+        )
+        names = "arrival", "peak_velocity", "speed", "arrival_error", "peak_velocity_error"
         units = [declared(Waves)[name][0].unit for name in names]
-        arrival, peak, late, off = (
-            np.array([float(row[scale.heading(name, unit)] or "nan") for row in rows]) / getattr(scale, unit)
+        arrival, peak, speed, late, off = (
+            np.array([float(row[scale.heading(name, unit)] or "nan") for row in rows]) / in_units(1.0, unit, scale)
             for name, unit in zip(names, units, strict=True)
         )
     except (KeyError, TypeError) as error:
         raise ValueError(f"no table of waves ({error})") from None
-    waves = with_speeds(chain, bead, arrival, peak, direction=direction)
-    return replace(waves, arrival_error=np.where(np.isnan(arrival), np.inf, late), peak_velocity_error=off)
+    return Waves(chain, bead, pulse, arrival, peak, speed, np.where(np.isnan(arrival), np.inf, late), off, time=arrival)
 
 
 def opposed(problem: Problem) -> bool:
@@ -165,24 +218,20 @@ def opposed(problem: Problem) -> bool:
 
 def leading_finder(problem: Problem) -> PeakFinder:
     """What finds the maxima that `leading_passages` chooses from."""
-    return PeakFinder(first_only=not opposed(problem) and not _overtaken(problem))
+    return PeakFinder(first_only=not opposed(problem))
 
 
 def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
-    """Those of a noiseless run's maxima that may be the leading pulse's: all, or with kicks both ways a few."""
-    if not opposed(problem):
-        return beyond_kicks(peaks, problem)
-    return beyond_kicks(of_pulses(peaks, track_pulses(peaks, problem)), problem)
+    """Those of a run's maxima that may be the leading pulse's: all, or with kicks both ways a few."""
+    passages = of_pulses(peaks, track_pulses(peaks, problem)) if opposed(problem) else peaks
+    return beyond_kicks(passages, problem)
 
 
 def beyond_kicks(peaks: Peaks, problem: Problem) -> Peaks:
-    """The maxima at beads that the leading pulse comes to; behind the kicked ones, walls reflect others.
+    """The maxima at beads that the leading pulse comes to, from the first kicked bead on.
 
-    Beside slow resonators, only those of beads whose first maximum is the largest.
+    Behind it others pass: those that walls reflect, and what runs back from the kick under a static load.
     """
-    peaks = largest_first(peaks) if _overtaken(problem) else peaks
-    if not physics.walls(problem.system):
-        return peaks
     way = peaks.direction
     first = min(
         (way * bead for _, bead, velocity in physics.excitations(problem.system) if velocity * way > 0.0),
@@ -191,26 +240,8 @@ def beyond_kicks(peaks: Peaks, problem: Problem) -> Peaks:
     return peaks.where(way * peaks.bead >= first)
 
 
-LARGER = 0.01
-"""Part by which a later maximum of a bead may exceed the first, which is then that of the leading pulse."""
-
-
-def largest_first(peaks: Peaks) -> Peaks:
-    """The maxima of the beads whose first one is the largest; where a later one is larger, no pulse leads."""
-    if len(peaks) == 0:
-        return peaks
-    new = np.flatnonzero(np.diff(peaks.chain, prepend=0) | np.diff(peaks.bead, prepend=0))
-    leads = peaks.velocity[new] * (1.0 + LARGER) >= np.maximum.reduceat(peaks.velocity, new)
-    return peaks.where(np.repeat(leads, np.diff(new, append=len(peaks))))
-
-
-def _overtaken(problem: Problem) -> bool:
-    """Whether there are resonators so slow that what runs ahead may be smaller than what follows."""
-    return physics.slowest_resonator(problem.system) < physics.PULSE_RATE
-
-
 def of_pulses(peaks: Peaks, pulses: tuple[Pulse, ...]) -> Peaks:
-    """The maxima that belong to pulses running their way; others are noise, or left by pulses from the far end."""
+    """The maxima that belong to pulses running their way; pulses from the far end leave others."""
     passages = {
         (pulse.chain, number, time)
         for pulse in pulses

@@ -94,7 +94,6 @@ class PeakFinder:
     Args:
         threshold: smallest maximum that counts, in units of V.
         first_only: whether only the first maximum of each bead is wanted, which is several times faster.
-        noisy: whether the states do not obey the equation of motion, so that velocities alone are used.
         direction: 1 for velocities towards higher bead numbers, -1 towards lower ones; None for the way of the largest
             kick.
     """
@@ -104,11 +103,9 @@ class PeakFinder:
         threshold: float = THRESHOLD,
         *,
         first_only: bool = False,
-        noisy: bool = False,
         direction: int | None = None,
     ) -> None:
         self._threshold = threshold
-        self._noisy = noisy
         self._direction = direction
         self._found = [no_maxima()]
         self._carried: Trajectory | None = None
@@ -212,7 +209,7 @@ class PeakFinder:
             self._passed.flat[place[first]] = True
         if len(frame) == 0:
             return
-        self._found.append(bracketed(block, frame, chain, bead, self._way(block), noisy=self._noisy))
+        self._found.append(bracketed(block, frame, chain, bead, self._way(block)))
 
 
 def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD, *, direction: int | None = None) -> Peaks:

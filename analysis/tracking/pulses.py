@@ -12,8 +12,9 @@ crests of it that were taken for one pulse by chance run at any speed.
 A train is of pulses that follow each other past a bead, as when several beads are kicked or one is pushed for long.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -42,9 +43,6 @@ LATEST, EARLIEST = 1.8, 0.3
 
 UNSTEADIEST = 0.7
 """Bound on the change of that quotient from one passage to the next."""
-
-SCATTER = 30.0
-"""Allowed change of a delay by noise, in T for noise as large as the amplitude; an arrival scatters by 5 to 10."""
 
 CONSTANT_OVER = 10
 """Beads over which an amplitude is compared with itself."""
@@ -96,20 +94,13 @@ class Pulse(Columns):
         return float(np.max(np.abs(self.peak_velocity[recent] - self.peak_velocity[at])))
 
 
-def track_pulses(
-    peaks: Peaks,
-    problem: Problem,
-    *,
-    smallest: float = SMALLEST,
-    noise: float = 0.0,
-) -> tuple[Pulse, ...]:
+def track_pulses(peaks: Peaks, problem: Problem, *, smallest: float = SMALLEST) -> tuple[Pulse, ...]:
     """Every pulse in a table of passages, by chain, then by time of its first passage.
 
     Args:
         peaks: maxima of velocity along the way of the pulses.
         problem: what was run.
         smallest: largest velocity that a pulse must reach, in units of V; a quarter of it continues one.
-        noise: standard deviation of the peak velocities, in units of V; allows for arrivals that scatter.
     """
     direction = peaks.direction
     if direction < 0:
@@ -120,8 +111,7 @@ def track_pulses(
     recorded = like if direction > 0 else mirrored_bead(problem, like)[::-1]
     least = max(2, min(LEAST_BEADS, len(recorded)))
     exact = wave_of(problem.system)
-    ahead = problem if direction > 0 else mirrored_problem(problem)
-    loaded = LoadedSpeed(ahead.system) if physics.loaded(problem.system) else None
+    speed_at = speed_of_pulses(problem if direction > 0 else mirrored_problem(problem))
     pressed = PRESSED * exact.overlap(0.5) * peaks.velocity ** (2.0 / (exact.exponent + 1.0))
     passages = peaks.where(
         (peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed) & np.isin(peaks.bead, recorded)
@@ -129,13 +119,24 @@ def track_pulses(
     found = []
     for chain in np.unique(passages.chain):
         own = passages.where(passages.chain == chain)
-        for track in _linked(own, recorded, noise, exact, loaded):
+        for track in _linked(own, recorded, partial(speed_at, int(chain))):
             if len(track) >= least and np.max(own.velocity[track]) >= smallest:
                 one = own.where(track)
                 bead = one.bead if direction > 0 else mirrored_bead(problem, one.bead)
                 speed, errors = local_speed(one.bead, one.time), (one.time_error, one.velocity_error)
                 found.append(Pulse(int(chain), direction, bead, one.time, one.velocity, speed, *errors))
     return tuple(sorted(found, key=lambda pulse: (pulse.chain, pulse.arrival[0])))
+
+
+def speed_of_pulses(problem: Problem) -> Callable[[int, Integers, Floats], Floats]:
+    """Speed, in beads / T, of a pulse as a function of chain, beads (counted from 1) and peak velocities (in V).
+
+    That of the exact wave; on a static load that of the long-wave theory.
+    """
+    if physics.loaded(problem.system):
+        return LoadedSpeed(problem.system).at
+    exact = wave_of(problem.system)
+    return lambda chain, bead, peak_velocity: exact.speed_at(peak_velocity)  # noqa: ARG005  the same everywhere
 
 
 def ahead_of_sound(pulse: Pulse, loaded: LoadedSpeed) -> bool:
@@ -191,7 +192,7 @@ class _Track:
 
     Attributes:
         passages: positions in the table.
-        usual_delay: the last delay over the exact wave's; with noise a mean.
+        usual_delay: the last delay over the exact wave's.
         bound: how far the next may be from it.
     """
 
@@ -200,14 +201,8 @@ class _Track:
     bound: float = np.inf
 
 
-def _linked(
-    peaks: Peaks, recorded: Integers, noise: float, exact: SolitaryWave, loaded: LoadedSpeed | None
-) -> Iterator[list[int]]:
+def _linked(peaks: Peaks, recorded: Integers, speed_at: Callable[[Integers, Floats], Floats]) -> Iterator[list[int]]:
     """Positions in the table of the passages of one chain, pulse by pulse. Beads are taken in ascending order."""
-
-    def speed_at(amplitude: Floats, bead: Integers) -> Floats:
-        return exact.speed_at(amplitude) if loaded is None else loaded.at(int(peaks.chain[0]), bead, amplitude)
-
     starts = np.searchsorted(peaks.bead, recorded)
     ends = np.searchsorted(peaks.bead, recorded, side="right")
     place = np.searchsorted(recorded, peaks.bead)
@@ -221,18 +216,16 @@ def _linked(
             here = np.arange(start, end)
             amplitude = np.sqrt(peaks.velocity[last][:, np.newaxis] * peaks.velocity[here])
             way = (recorded[number] - peaks.bead[last])[:, np.newaxis]
-            delay = (peaks.time[here] - peaks.time[last][:, np.newaxis]) * speed_at(amplitude, peaks.bead[here]) / way
+            delay = (peaks.time[here] - peaks.time[last][:, np.newaxis]) * speed_at(peaks.bead[here], amplitude) / way
             ratio = peaks.velocity[here] / peaks.velocity[last][:, np.newaxis]
             ratio = np.minimum(ratio, 1.0 / ratio)
             cost = (delay - usual_delay) ** 2 + 0.1 * np.log(ratio) ** 2
-            slack = SCATTER * noise / amplitude * speed_at(amplitude, peaks.bead[here]) / way
-            far = (np.abs(delay - usual_delay) > bound + slack) | (delay < EARLIEST - slack) | (delay > LATEST + slack)
+            far = (np.abs(delay - usual_delay) > bound) | (delay < EARLIEST) | (delay > LATEST)
             cost[far | (ratio < FAINTEST)] = np.inf
             for row, column in _cheapest_pairs(cost):
-                track, late = open_tracks[row], float(delay[row, column])
+                track = open_tracks[row]
                 track.passages.append(int(here[column]))
-                steady = noise > 0.0 and np.isfinite(track.bound)
-                track.usual_delay = 0.5 * (track.usual_delay + late) if steady else late
+                track.usual_delay = float(delay[row, column])
                 track.bound = UNSTEADIEST
                 taken.add(column)
         open_tracks += [_Track([k]) for k in range(int(start), int(end)) if k - start not in taken]
@@ -272,9 +265,7 @@ class Train(Columns):
     @property
     @derived()
     def pulses(self) -> int:
-        """Number of pulses, from the first on, that are steady there: clear of the ends of the chain and of other
-        pulses, and of an amplitude that is constant to 1 % over the ten beads before.
-        """
+        """Number of pulses, from the first on, that are steady there (see `granchain help steady`)."""
         return len(self)
 
     @property

@@ -75,6 +75,7 @@ def render_continuation(problem: Problem) -> str:
             *([f"variable snapshots index {snapshots_part(2)}"] if "snapshots" in dumps else []),
             *deck.number_lines(problem),
             *scheme.variable_lines(problem.scheme),
+            deck.STATED,
         ],
         [
             *deck.START,

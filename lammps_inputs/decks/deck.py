@@ -47,6 +47,9 @@ START = (
 )
 """First commands of a deck and of its continuation."""
 
+STATED = "info variables out log           # the log states the values; granchain compares them with the scene's"
+"""Command after the last parameter of a deck and of its continuation, see `lammps_inputs.decks.parameters`."""
+
 
 def render(scene: "Scene", problem: Problem | None = None) -> dict[str, str]:
     """File name -> text of everything LAMMPS needs, and the scene itself; the problem is the scene's.
@@ -81,11 +84,9 @@ def render_deck(problem: Problem) -> str:
         [
             "# parameters; a value on the command line, -var NAME VALUE, replaces the one here",
             *number_lines(problem),
-            *(
-                f"variable kick{number} index {text(velocity)}   # bead {bead} of chain {chain}"
-                for number, (chain, bead, velocity) in enumerate(system.kicks, 1)
-            ),
+            *kick_lines(problem),
             *scheme.variable_lines(problem.scheme),
+            STATED,
         ],
         [
             *START,
@@ -357,6 +358,14 @@ def number_lines(problem: Problem) -> list[str]:
         f"variable every index {problem.steps_per_frame}   # steps between frames",
         f"variable thermo index {min(max(1, problem.steps // 20), 2**31 - 1)}   # steps between lines of the log",
         *(line for found in spelling(problem) for line in found.variables),
+    ]
+
+
+def kick_lines(problem: Problem) -> list[str]:
+    """LAMMPS variables that are the velocities of the kicked beads."""
+    return [
+        f"variable kick{number} index {text(velocity)}   # bead {bead} of chain {chain}"
+        for number, (chain, bead, velocity) in enumerate(problem.system.kicks, 1)
     ]
 
 

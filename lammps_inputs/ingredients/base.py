@@ -13,7 +13,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.links import Across, Link
 from lammps_inputs.loads import Load, Motion
-from lammps_inputs.units import PURE, Unit
+from lammps_inputs.units import PURE, Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -59,8 +59,11 @@ def with_keys(keys: dict[str, Any]) -> Callable[[type[Model]], type[Model]]:
 
 def ends(unit: Any, first: str, last: str, default: Any = ...) -> dict[str, Any]:
     """Keys ``from`` and ``to`` of a ramp, for `with_keys`: type, and meaning of each."""
-    said = {"from": first, "to": last}
-    return {key: (Annotated[unit, Field(description=meaning)], default) for key, meaning in said.items()}
+    meanings = {"from": (first, "value before the ramp"), "to": (last, "value after the ramp")}
+    return {
+        key: (Annotated[unit, Field(description=meaning), Label(words)], default)
+        for key, (meaning, words) in meanings.items()
+    }
 
 
 def refuse_range(key: str, given: tuple[int, int] | None, most: int, *, of: str = "bead", least: int = 0) -> None:

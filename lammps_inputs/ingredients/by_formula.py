@@ -14,7 +14,7 @@ from pydantic import (
     model_validator,
 )
 
-from lammps_inputs import physics
+from lammps_inputs import laws, physics
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.laws import expression, written
 from lammps_inputs.laws.expression import STRAIN
@@ -30,6 +30,9 @@ _SAME, _ROUNDED = 1e-12, 1e-13
 
 MOST_EXPONENT = 3.0
 """Exponent of contacts up to which there are solitary waves to compare with."""
+
+STIFFEST = 1e12
+"""Dimensionless stiffness; beyond it the beads do not move."""
 
 SMALL = 1e-20
 """A strain at which only the leading power of a force is left, in any units."""
@@ -149,7 +152,7 @@ def kind_of_contact(force: Force, tension: str | None) -> written.Kind:
     Raises:
         ValueError: there is no contact of such a force.
     """
-    rest, small = float(force.at(0.0)), SMALL
+    rest, small = force.at_rest, SMALL
     if not np.isfinite(rest):
         raise ValueError("contact.force: has no real value at s = 0, where beads rest; valid: `A/(d+s)^p` with d > 0")
     if rest < 0.0:
@@ -163,6 +166,11 @@ def kind_of_contact(force: Force, tension: str | None) -> written.Kind:
         raise ValueError("contact.force: falls as beads come closer; it should grow, as A*s^1.5 with A > 0")
     kind = written.Kind(way, cut=rest == 0.0 if tension is None else tension == "cut")
     if not kind.cut and not np.isfinite(slopes[1 if way > 0.0 else 0]):
+        if tension is None:
+            raise ValueError(
+                f"contact.force: is {rest:.6g} at s = 0, so that it acts at a distance, and has no real value where "
+                "beads are apart; a force of beads that touch is 0 at s = 0, as A*s^1.5"
+            )
         raise ValueError(
             "contact.tension: the force has no real value where beads are apart; leave it out: it is then cut there"
         )
@@ -194,11 +202,10 @@ def refuse_unrest(key: str, force: Force) -> None:
     Raises:
         ValueError: naming the key and what was found.
     """
-    rest = float(force.at(0.0))
-    largest = float(np.nanmax(np.where(np.isfinite(found := np.abs(force.at(_SPAN))), found, 0.0)))
+    rest = force.at_rest
     if not np.isfinite(rest):
         raise ValueError(f"{key}.force: has no real value at s = 0, where beads rest; add a term to what is divided by")
-    if abs(rest) > _SAME * largest:
+    if rest:
         raise ValueError(f"{key}.force: is {rest:.6g} at s = 0, where beads rest; it should be 0 there")
     law = force.law(written.ToGround)
     slope, beyond = (float(law.stiffness(s, *law)) for s in (SMALL, 4.0 * SMALL))
@@ -255,11 +262,22 @@ def refuse_reach(key: str, law: Any, system: "System", length: float, *, pressed
         if float(law.energy(side * far, *law)) >= 0.99 * energy:
             continue
         s = law.kind.way * side * far * length
-        if np.isfinite(law.force(beyond, *law)):
+        if not np.isfinite(law.force(beyond, *law)):
             raise ValueError(
-                f"{key}.force: its energy falls below that at rest near s = {s:.3g}, so s = 0 is no stable rest"
+                f"{key}.force: has no real value from s = {s:.3g} on, which the energy of the excitation reaches; "
+                "slower kicks or other parameters"
+            )
+        if written.first_pole(law, side, np.linspace(0.0, 1.001 * far, written.FINE))[1] < np.inf:
+            raise ValueError(
+                f"{key}.force: is infinite at s = {s:.3g}, which the energy of the excitation reaches; slower kicks or "
+                "other parameters"
             )
         raise ValueError(
-            f"{key}.force: has no real value from s = {s:.3g} on, which the energy of the excitation reaches; slower "
-            "kicks or other parameters"
+            f"{key}.force: its energy falls below that at rest near s = {s:.3g}, so s = 0 is no stable rest"
+        )
+    stiffest = laws.stiffest(law, energy)
+    if not stiffest <= STIFFEST:
+        raise ValueError(
+            f"{key}.force: its slope reaches {stiffest:.3g} in dimensionless units within the energy of the "
+            f"excitation; at most {STIFFEST:g}, where beads do not move"
         )

@@ -25,7 +25,7 @@ from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.laws.written import AlongChains, Force, Kind
 from lammps_inputs.links import Along
 from lammps_inputs.numbers import random_shares
-from lammps_inputs.units import PURE, Unit
+from lammps_inputs.units import PURE, Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -169,12 +169,12 @@ class Contact(by_formula.ByFormula):
         Fact.REVERSIBLE: "contacts of an exponent below 1.5 open and close so abruptly that suzuki4 gains nothing",
     }
 
-    exponent: Exponent = HERTZ
+    exponent: Annotated[Exponent, Label("contact exponent", "p")] = HERTZ
     """Exponent p, or a list with one for each contact; in reduced units and without `stiffness`."""
-    stiffness: Annotated[Positive, Unit("N/m^p")] | None = None
+    stiffness: Annotated[Annotated[Positive, Unit("N/m^p")] | None, Label("contact constant", "A")] = None
     """Constant A. Reduced units: 1 if omitted. With a material: required unless p = 1.5, where the material gives it.
     """
-    strength: Strength | None = None
+    strength: Annotated[Strength | None, Label("contact strength")] = None
     """Factor on A of each contact: a number, a profile, or a list with one for each contact; 1 if omitted."""
 
     force: str | None = None
@@ -257,7 +257,7 @@ class Contact(by_formula.ByFormula):
         """Refuse what is said twice, and forces at rest that nothing holds."""
         self.refuse_beside("contact", "exponent", "stiffness", "yield")
         kind = self._kind
-        rest = float(force.at(0.0))
+        rest = force.at_rest
         if kind.cut and rest:
             raise ValueError(f"contact.tension: the force is {rest:.6g} at s = 0, where it would be cut; leave it out")
         damping = getattr(scene, "damping", None)

@@ -14,6 +14,7 @@ from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.laws.written import AcrossChains, Force
 from lammps_inputs.layout import Layout
 from lammps_inputs.links import Across
+from lammps_inputs.units import Label
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -71,14 +72,14 @@ class Coupling(by_formula.ByFormula):
 
     model: Literal["linear"] = "linear"
     """Kind of spring."""
-    stiffness: _Stiffness | None = None
+    stiffness: Annotated[_Stiffness | None, Label("coupling stiffness", "k")] = None
     """Linear stiffness k: a number, or a ramp `{from, to, rows}`. Required unless every edge has its own."""
     rows: Rows | None = None
     """First and last row with springs; all rows if omitted."""
     topology: _Topology | None = None
     """Which chains are coupled, by the table below; `open` if omitted."""
-    cubic: Cubic | None = None
-    """Cubic stiffness c; none if omitted."""
+    cubic: Annotated[Cubic | None, Label("cubic coupling stiffness", "k_3")] = None
+    """Cubic stiffness k3; none if omitted."""
     force: str | None = None
     """Force as a formula of s, odd, with its parameters as keys beside it; in place of `stiffness` and `cubic`."""
 

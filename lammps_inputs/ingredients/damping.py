@@ -28,7 +28,7 @@ from lammps_inputs.laws.dashpot import (
     alpha,
 )
 from lammps_inputs.links import Across, Along, Ground, Link, Wall
-from lammps_inputs.units import Unit
+from lammps_inputs.units import Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -69,16 +69,16 @@ class Damping(Ingredient):
         Fact.REVERSIBLE: "suzuki4 has steps backwards in time, in which dashpots would give",
     }
 
-    contact: Annotated[NotNegative, Unit(_of_law)] | None = None
-    """Coefficient g of the contacts; of the law `restitution` the coefficient of restitution e, 0 to 1."""
+    contact: Annotated[Annotated[NotNegative, Unit(_of_law)] | None, Label("contact damping")] = None
+    """Coefficient gamma of the contacts; of the law `restitution` the coefficient of restitution e, 0 to 1."""
     law: Literal["linear", "viscoelastic", "restitution"] | None = None
     """Law of the contacts' dashpots; `linear` if omitted."""
     tension: Literal["allowed", "cut"] | None = None
     """Whether the sum of elastic and dashpot force may be tensile while a contact opens; `allowed` if omitted."""
-    beads: Coefficient | None = None
-    """Coefficient c of the drag force on every bead."""
-    coupling: Coefficient | None = None
-    """Coefficient c of a dashpot parallel to every spring between chains."""
+    beads: Annotated[Coefficient | None, Label("drag coefficient of the beads", "c_b")] = None
+    """Coefficient c_b of the drag force on every bead."""
+    coupling: Annotated[Coefficient | None, Label("damping coefficient of the coupling", "c_{12}")] = None
+    """Coefficient c12 of a dashpot parallel to every spring between chains."""
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what says nothing, or more than there is, and what runs in pieces that start again."""

@@ -21,16 +21,13 @@ from lammps_inputs.laws.spring import Duffing, Linear, Varying
 from lammps_inputs.laws.written import ToGround
 from lammps_inputs.links import Ground
 from lammps_inputs.numbers import number_or_array
-from lammps_inputs.units import PURE, Unit
+from lammps_inputs.units import PURE, Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
     from lammps_inputs.system import System
 
 Time = Annotated[float, Field(ge=-1e30, le=1e30), Unit("s")]
-
-MOST = 1e12
-"""Dimensionless stiffness; beyond it the beads do not move."""
 
 
 @base.with_keys(
@@ -103,13 +100,13 @@ class Foundation(by_formula.ByFormula):
         Fact.REVERSIBLE: "its stiffness depends on time, and suzuki4 steps back in time within each cycle",
     }
 
-    stiffness: _Stiffness = 0.0
+    stiffness: Annotated[_Stiffness, Label("foundation stiffness")] = 0.0
     """Linear stiffness k of all chains: a number or a ramp `{from, to, rows}` or `{from, to, times}`; or a list with
     one for each chain."""
     modulation: Modulation | None = None
     """Factor on the linear stiffness that oscillates in time; none if omitted."""
-    cubic: Cubic | tuple[Cubic, ...] = 0.0
-    """Cubic stiffness c of all chains, or a list with one for each chain."""
+    cubic: Annotated[Cubic | tuple[Cubic, ...], Label("cubic foundation stiffness", "k_3")] = 0.0
+    """Cubic stiffness k3 of all chains, or a list with one for each chain."""
     rows: Rows | None = None
     """First and last bead with springs; all beads if omitted."""
     force: str | None = None
@@ -139,13 +136,13 @@ class Foundation(by_formula.ByFormula):
             raise ValueError("foundation.stiffness: is missing beside modulation")
         for key, ramp in self._ramps():
             ramp.refuse(key, scene.beads)
-        if self.modulation is not None and self.modulation.frequency * scene.scale.time > MOST:
+        if self.modulation is not None and self.modulation.frequency * scene.scale.time > by_formula.STIFFEST:
             raise ValueError("foundation.modulation.frequency: at most 1e12, dimensionless")
         for link in self.links(scene):
             if isinstance(link.law, ToGround):
                 continue
             largest = {"stiffness": laws.stiffest(link.law, 0.0), "cubic": np.max(getattr(link.law, "cubic", 0.0))}
-            for key in (key for key, value in largest.items() if value > MOST):
+            for key in (key for key, value in largest.items() if value > by_formula.STIFFEST):
                 raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
         base.refuse_range("foundation.rows", self.rows, scene.beads)
 

@@ -18,7 +18,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Count, Ingredient, NotNegative, Phase, Positive, refuse_outside
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, TimeLaw, make_table
 from lammps_inputs.loads import Load, Motion
-from lammps_inputs.units import Unit
+from lammps_inputs.units import Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -54,7 +54,7 @@ class OnBead(Ingredient):
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse a bead outside the array."""
-        refuse_outside(self.key, self, scene)
+        refuse_outside(scene.key_of(self), self, scene)
 
 
 class Push(OnBead):
@@ -64,7 +64,7 @@ class Push(OnBead):
 
     key = "push"
 
-    peak: Force | None = None
+    peak: Annotated[Force | None, Label("peak force of the push")] = None
     """Largest force, positive towards higher bead numbers; with `duration` and `shape`."""
     duration: Annotated[Positive, Unit("s")] | None = None
     """Time from the start to the end of the force."""
@@ -155,11 +155,11 @@ class Drive(OnBead):
 
     key = "drive"
 
-    displacement: Annotated[Positive, Unit("m")] | None = None
+    displacement: Annotated[Annotated[Positive, Unit("m")] | None, Label("drive displacement", "X")] = None
     """Amplitude of the prescribed displacement; or give `force`."""
-    force: Annotated[Positive, Unit("N")] | None = None
+    force: Annotated[Annotated[Positive, Unit("N")] | None, Label("drive force", "F")] = None
     """Amplitude of the force on the bead; or give `displacement`."""
-    frequency: Annotated[Positive, Unit("Hz")]
+    frequency: Annotated[Positive, Unit("Hz"), Label("drive frequency", "f")]
     """Frequency f, in cycles per unit time."""
     phase: Phase = 0.0
     """Phase; with -90 the bead starts at rest and moves towards higher bead numbers."""
@@ -179,18 +179,20 @@ class Drive(OnBead):
         if self.displacement is not None and any(
             (kick.chain, kick.bead) == (self.chain, self.bead) for kick in scene.kicks
         ):
-            raise ValueError("drive.displacement: says how the bead moves, so it cannot be kicked; drive another bead")
+            key = scene.key_of(self)
+            raise ValueError(f"{key}.displacement: says how the bead moves, so it cannot be kicked; drive another bead")
 
-    def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
+    def refuse_system(self, scene: "BaseScene", system: "System") -> None:
         """Refuse what else would move a bead whose motion is given."""
         if self.displacement is None:
             return
         places = [(load.chain, load.bead) for load in system.loads]
         places += [(motion.chain, motion.bead) for motion in system.motions]
         if places.count((self.chain, self.bead)) > 1:
+            key = scene.key_of(self)
             raise ValueError(
-                f"drive.displacement: bead {self.bead} of chain {self.chain} is moved or pushed otherwise, too; "
-                "leave one of them out"
+                f"{key}.displacement: bead {self.bead} of chain {self.chain} is moved or pushed otherwise, too; leave "
+                "one of them out"
             )
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002

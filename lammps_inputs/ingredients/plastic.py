@@ -15,7 +15,7 @@ from lammps_inputs.ingredients.unequal import sizes_and_moduli, yield_strengths
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.plastic import YIELD_PRESSURE, Thornton, WaltonBraun
 from lammps_inputs.numbers import number_or_array
-from lammps_inputs.units import PURE, Unit
+from lammps_inputs.units import PURE, Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene, Material
@@ -36,9 +36,11 @@ class Yield(Part):
 
     law: Literal["thornton", "walton-braun"] = "thornton"
     """Law: elastic, perfectly plastic spheres, or two straight lines with a restitution that no velocity changes."""
-    overlap: Annotated[Positive, Unit("m")] | None = None
+    overlap: Annotated[Annotated[Positive, Unit("m")] | None, Label("overlap at yield", "d_y")] = None
     """Overlap at which the contact of two reference beads yields (`thornton`)."""
-    restitution: Annotated[float, Field(ge=0.01, le=1), PURE] | None = None
+    restitution: Annotated[
+        Annotated[float, Field(ge=0.01, le=1), PURE] | None, Label("restitution of contacts that yield", "e")
+    ] = None
     """Restitution of two beads (`walton-braun`)."""
 
     @property

@@ -19,7 +19,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Positive
 from lammps_inputs.laws.contact import faces
 from lammps_inputs.layout import Layout
-from lammps_inputs.units import Unit
+from lammps_inputs.units import Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -65,7 +65,7 @@ class Precompression(_Load):
 
     key: ClassVar[str] = "precompression"
 
-    force: Annotated[Positive, Unit("N")]
+    force: Annotated[Positive, Unit("N"), Label("precompression", "F_0")]
     """Static force F0 at both ends of every chain."""
 
     def static(self, scene: "BaseScene", mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
@@ -80,7 +80,7 @@ class Gravity(_Load):
     alone: ClassVar[str | None] = "acceleration"
     sources = ("hong1999",)
 
-    acceleration: Annotated[Positive, Unit("m/s2")]
+    acceleration: Annotated[Positive, Unit("m/s2"), Label("acceleration of gravity", "g")]
     """Acceleration towards higher bead numbers."""
 
     @model_validator(mode="before")

@@ -13,7 +13,7 @@ from pydantic import field_validator
 
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import base
+from lammps_inputs.ingredients import base, unequal
 from lammps_inputs.ingredients.base import Coefficient, Ingredient, Inner, NotNegative, Rows, Stiffness
 from lammps_inputs.ingredients.damping import MOST
 from lammps_inputs.laws.dashpot import Dashpot
@@ -21,7 +21,7 @@ from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across
 from lammps_inputs.numbers import number_or_array
 from lammps_inputs.physics import PULSE_RATE
-from lammps_inputs.units import Unit
+from lammps_inputs.units import Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -31,8 +31,8 @@ Mass = Annotated[NotNegative, Unit("kg")]
 
 KEY = "resonators"
 
-LIGHTEST = 1e-6
-"""Mass in that of the reference bead; a lighter one is none."""
+LIGHTEST, HEAVIEST = 1e-6, unequal.MOST
+"""Masses in that of the reference bead: a lighter one is none, a heavier one rests."""
 
 FASTEST = 1e6
 """Dimensionless angular frequency, beyond which it is part of the bead."""
@@ -49,11 +49,11 @@ class Resonators(Ingredient):
         Fact.REVERSIBLE: "suzuki4 has steps backwards in time, in which dashpots would give",
     }
 
-    mass: Mass | tuple[Mass, ...]
+    mass: Annotated[Mass | tuple[Mass, ...], Label("resonator mass", "m_2")]
     """Mass m2 of a resonator; or a list with one for each chain, 0 for none."""
-    stiffness: Stiffness | tuple[Stiffness, ...]
+    stiffness: Annotated[Stiffness | tuple[Stiffness, ...], Label("resonator stiffness", "k_2")]
     """Stiffness k2 of its spring; or a list with one for each chain."""
-    damping: Coefficient | tuple[Coefficient, ...] = 0.0
+    damping: Annotated[Coefficient | tuple[Coefficient, ...], Label("resonator damping", "c_2")] = 0.0
     """Coefficient c2 of the dashpot parallel to the spring; or a list with one for each chain."""
     rows: Rows | None = None
     """First and last bead with resonators; all beads if omitted."""
@@ -61,29 +61,35 @@ class Resonators(Ingredient):
     _from_list = field_validator("mass", "stiffness", "damping", mode="before")(strict_yaml.as_tuple)
 
     def refuse(self, scene: "BaseScene") -> None:
-        """Refuse what does not fit the chains, and masses that are none."""
+        """Refuse what does not fit the chains, masses that are none, and those beside which a bead is at rest."""
+        part = scene.key_of(self)
         for key in ("mass", "stiffness", "damping"):
-            base.refuse_other_count(f"{KEY}.{key}", getattr(self, key), scene.chains)
-        base.refuse_range(f"{KEY}.rows", self.rows, scene.beads)
+            base.refuse_other_count(f"{part}.{key}", getattr(self, key), scene.chains)
+        base.refuse_range(f"{part}.rows", self.rows, scene.beads)
         mass, stiffness, damping = self._of_chains(scene)
         if np.any((damping > 0.0) & (mass > 0.0) & (stiffness == 0.0)):
-            raise ValueError(f"{KEY}.stiffness: is 0 beside a damping; give a stiffness, or leave the damping out")
+            raise ValueError(f"{part}.stiffness: is 0 beside a damping; give a stiffness, or leave the damping out")
         there = (mass > 0.0) & (stiffness > 0.0)
         if np.any(mass[there] < LIGHTEST):
             raise ValueError(
-                f"{KEY}.mass: {np.min(mass[there]):.3g} of the reference bead's; at least {LIGHTEST:g}, or 0 for none"
+                f"{part}.mass: {np.min(mass[there]):.3g} of the reference bead's; at least {LIGHTEST:g}, or 0 for none"
+            )
+        if np.any(mass[there] > HEAVIEST):
+            raise ValueError(
+                f"{part}.mass: {np.max(mass[there]):.3g} times the reference bead's; at most {HEAVIEST:g}, where "
+                "the resonator rests (`foundation`)"
             )
         dragged = float(np.max(damping[there] / mass[there], initial=0.0))
         if dragged > MOST:
             raise ValueError(
-                f"{KEY}.damping: {dragged:.3g} times the mass in dimensionless units; at most {MOST:g}, where the "
+                f"{part}.damping: {dragged:.3g} times the mass in dimensionless units; at most {MOST:g}, where the "
                 "resonator sticks to its bead"
             )
         fastest = math.sqrt(float(np.max(stiffness[there] / mass[there], initial=0.0)))
         if fastest > FASTEST:
             raise ValueError(
-                f"{KEY}.stiffness: an angular frequency of {fastest:.3g} in dimensionless units; at most {FASTEST:g}, "
-                "where it moves with its bead"
+                f"{part}.stiffness: an angular frequency of {fastest:.3g} in dimensionless units; at most "
+                f"{FASTEST:g}, where it moves with its bead"
             )
 
     def inner(self, scene: "BaseScene") -> Inner | None:
@@ -97,8 +103,7 @@ class Resonators(Ingredient):
         spring = Linear(number_or_array(self._in_rows(np.where(there, stiffness, 0.0), scene)))
         dashpot: Any = Dashpot(number_or_array(self._in_rows(np.where(there, damping, 0.0), scene)))
         dampers = (Across("resonator_damping", dashpot, edges=edges),) if np.any(damping[there]) else ()
-        kinds = [one is self for one in getattr(scene, KEY)]
-        name = KEY if len(kinds) == 1 else f"{KEY}_{kinds.index(True) + 1}"
+        name = scene.key_of(self).replace("[", "_").rstrip("]")
         return Inner(table, (Across(name, spring, edges=edges),), dampers)
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:

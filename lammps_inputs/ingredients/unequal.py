@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from lammps_inputs import materials
 from lammps_inputs.ingredients.base import Count, Part, Positive, Seed, Spread, refuse_other_count, refuse_outside
 from lammps_inputs.numbers import number_or_array, random_shares
-from lammps_inputs.units import PURE, Unit, sphere_mass
+from lammps_inputs.units import PURE, Label, Unit, sphere_mass
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene, Material
@@ -100,7 +100,7 @@ class Replacement(Part):
 
     chain: Count = 1
     """Chain of the bead."""
-    bead: Count
+    bead: Annotated[Count, Label("replaced bead")]
     """Number of the bead."""
     kind: Name
     """Its kind, one of `kinds`."""
@@ -111,11 +111,11 @@ class Disorder(Part):
 
     example: ClassVar[str] = "{mass: 0.01}"
 
-    mass: Spread = 0.0
+    mass: Annotated[Spread, Label("spread of the masses")] = 0.0
     """Largest relative deviation of the mass."""
-    radius: Spread = 0.0
+    radius: Annotated[Spread, Label("spread of the radii")] = 0.0
     """Largest relative deviation of the radius; the mass follows with its cube."""
-    stiffness: Spread = 0.0
+    stiffness: Annotated[Spread, Label("spread of the contact constants")] = 0.0
     """Largest relative deviation of the plane modulus."""
     seed: Seed = 1
     """Seed of the random numbers; the same beads on any machine."""
@@ -244,18 +244,23 @@ def _refuse(scene: "BaseScene") -> None:
     if scene.pattern and isinstance(scene.pattern[0], tuple):
         refuse_other_count("pattern", scene.pattern, scene.chains, what="lists")
     used = [("pattern", name) for row in _rows(scene) for name in row]
-    used += [("replace", change.kind) for change in scene.replace or ()]
+    used += [(_key_of_replacement(scene, number), change.kind) for number, change in enumerate(scene.replace or (), 1)]
     for key, name in used:
         if name not in kinds:
             known = ", ".join(kinds) or "none"
             raise ValueError(f"{key}: {name!r} is not among the kinds ({known})")
-    for change in scene.replace or ():
-        refuse_outside("replace", change, scene)
+    for number, change in enumerate(scene.replace or (), 1):
+        refuse_outside(_key_of_replacement(scene, number), change, scene)
     places = [(change.chain, change.bead) for change in scene.replace or ()]
     if scene.striker is not None:
         places.append((scene.striker.chain, 1))
     if len(set(places)) < len(places):
         raise ValueError("replace: one bead is replaced twice (a striker is bead 1 of its chain)")
+
+
+def _key_of_replacement(scene: "BaseScene", number: int) -> str:
+    """Key in messages, with a number where there is a list of several."""
+    return f"replace[{number}]" if len(scene.replace or ()) > 1 else "replace"
 
 
 def _rows(scene: "BaseScene") -> tuple[tuple[str, ...], ...]:
@@ -268,6 +273,11 @@ def _rows(scene: "BaseScene") -> tuple[tuple[str, ...], ...]:
 def radii(scene: "BaseScene") -> Floats:
     """Radius of each bead, [chain, bead], over that of the reference bead."""
     return _beads(scene)[1]
+
+
+def moduli(scene: "BaseScene") -> Floats:
+    """Plane modulus of each bead, [chain, bead], over that of the reference bead."""
+    return _beads(scene)[2]
 
 
 def _beads(scene: "BaseScene") -> tuple[Floats, Floats, Floats, Floats]:

@@ -24,7 +24,7 @@ from lammps_inputs.ingredients.unequal import modulus, radii, unlike, with_its_l
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.links import Wall
-from lammps_inputs.units import Unit
+from lammps_inputs.units import Label, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -64,9 +64,9 @@ class Walls(Ingredient):
     takes_away = frozenset({Fact.MOMENTUM, Fact.FRONT})
     why: ClassVar[dict[Fact, str]] = {Fact.FRONT: "a window lets go of the rows that pulses come back through"}
 
-    left: Kind | None = None
+    left: Annotated[Kind | None, Label("left wall")] = None
     """Wall before the first beads; none if omitted."""
-    right: Kind | None = None
+    right: Annotated[Kind | None, Label("right wall")] = None
     """Wall behind the last beads; none if omitted."""
 
     def refuse(self, scene: "BaseScene") -> None:

@@ -12,11 +12,11 @@ in which the law has them, as scalars or arrays:
 - ``stiffest(energy, ...)``, only where `stiffest_of_each` would not find it: largest stiffness at such an energy.
 
 A law whose force depends on the past has a parameter ``memory``, the state of each contact: in the law of a system that
-at the start, in the law that analyses compute with that of frames. It has one more function:
+at the start, in the law that analyses compute with that of frames. It has three more functions:
 
-- ``remember(s, ...)``: memory after a strain.
-
-Where energy is dissipated, ``lost(...)`` is the part of it that follows from the memory.
+- ``remember(s, ...)``: memory after a strain;
+- ``permanent(...)``: overlap at which unloading ends;
+- ``lost(...)``: energy dissipated since the start.
 
 A law that depends on time takes the time ``t`` after the strain in all of these but the bounds, and has
 
@@ -113,6 +113,17 @@ _PARTS = (1.0, 0.75, 0.5, 0.25, 0.0, -0.25, -0.5, -0.75, -1.0)
 def remembers(law: Any) -> bool:
     """Whether the force of a law depends on the past."""
     return hasattr(law, "remember")
+
+
+def refuse_incomplete(law: Any) -> None:
+    """Refuse a law with a memory that lacks a function which analyses need of it.
+
+    Raises:
+        ValueError: naming the law and the function.
+    """
+    for name in ("permanent", "lost"):
+        if remembers(law) and not hasattr(law, name):
+            raise ValueError(f"contacts: the law {type(law).__name__} has a memory; it needs a function `{name}`, too")
 
 
 def with_memory(law: Any, memory: Any) -> Any:

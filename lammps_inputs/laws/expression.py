@@ -143,6 +143,23 @@ def _size(node: ast.expr) -> str:
     return f"abs({ast.unparse(node)})"
 
 
+@functools.lru_cache(maxsize=256)
+def vanishing(text: str) -> tuple[str, ...]:
+    """Parts of a formula where it may be infinite if one is 0: divisors, bases of powers, cosines of tangents."""
+    parts: list[ast.expr] = []
+    for node in ast.walk(tree(text, _FOUND)):
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
+            parts.append(node.right)
+        elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
+            exponent = _whole(node.right)
+            parts += [node.left] if exponent is None or exponent.startswith("(") else []
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("log", "tan"):
+            cosine = ast.Call(ast.Name("cos"), node.args, [])
+            parts.append(cosine if node.func.id == "tan" else node.args[0])
+    texts = dict.fromkeys(ast.unparse(part) for part in parts)
+    return tuple(part for part in texts if STRAIN in names(part))
+
+
 class Derived(NamedTuple):
     """A force and what follows from it, as texts in Python's spelling; empty where it is not known.
 

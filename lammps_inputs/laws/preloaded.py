@@ -5,14 +5,15 @@ beads there (forces on the ends, walls, gravity) is constant, and so part of the
 moves the beads. Nesterenko, Dynamics of Heterogeneous Materials (2001), chapter 1.
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
 from lammps_inputs.deck_lines import Lines
-from lammps_inputs.laws import Parameter
+from lammps_inputs.laws import Parameter, Pure
 from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.laws.plastic import Thornton
+from lammps_inputs.units import Dimension
 
 if TYPE_CHECKING:
     from lammps_inputs.layout import Layout
@@ -26,11 +27,11 @@ _NEAR, _TERMS = 0.1, 14
 class Preloaded(NamedTuple):
     """``A (d0 + s)+^1.5 - F0`` with ``F0 = A d0^1.5``."""
 
-    strength: Parameter
+    strength: Pure
     """A, in units of the scale's contact constant."""
-    rest: Parameter
+    rest: Annotated[Parameter, Dimension("length")]
     """d0, the overlap at rest."""
-    load: Parameter
+    load: Annotated[Parameter, Dimension("force")]
     """F0, to the last bit what the first term is at s = 0."""
 
     @property
@@ -75,13 +76,13 @@ class Preloaded(NamedTuple):
 class PreloadedPower(NamedTuple):
     """``A (d0 + s)+^p - F0`` with ``F0 = A d0^p``, p >= 1, written as ``F0 ((1 + s / d0)^p - 1)``: 0 at s = 0."""
 
-    strength: Parameter
+    strength: Pure
     """A, in units of the scale's contact constant."""
-    exponent: Parameter
+    exponent: Pure
     """p."""
-    rest: Parameter
+    rest: Annotated[Parameter, Dimension("length")]
     """d0, the overlap at rest, never quite 0."""
-    load: Parameter
+    load: Annotated[Parameter, Dimension("force")]
     """F0."""
 
     @staticmethod

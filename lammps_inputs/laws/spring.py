@@ -314,26 +314,61 @@ class Varying(NamedTuple):
 
     def ground(self, name: str, layout: "Layout") -> Lines:
         """A variable that is the stiffness at every step: one for all, for each value, or for each profile of rows."""
-        shape = (layout.chains, layout.beads)
         if not laws.differs(self):
-            numbers = {label: value for label, value in zip(self._fields, self, strict=True) if label in _MODULATION}
-            variables = [f"variable {name} index {text(float(self.spring))}"]
+            comment = "   # at the end of its ramp" if self.from_its_end else ""
+            variables = [f"variable {name} index {text(self.counted_from)}{comment}"]
             if self.depth:
-                variables += [f"variable {name}_{label} index {text(float(value))}" for label, value in numbers.items()]
+                variables += [f"variable {name}_{label} index {text(getattr(self, label))}" for label in _MODULATION]
             names = (f"v_{name}_{label}" for label in _MODULATION)
             lines = held_by_variable(name, "", _formula(self, f"v_{name}", *names), layout)
             return Lines(variables=tuple(variables), motion=tuple(lines))
-        modulation = [_signed(getattr(self, label)) for label in _MODULATION]
-        if (profiles := atoms_by_row(self.spring, shape)) is not None:
-            own = [(_formula(self, row_formula(values, ROW), *modulation), atoms) for values, atoms in profiles]
-        else:
-            found = atoms_by_value(self[:_OF_RAMP], shape)
-            each = ((Varying(*values, *self[_OF_RAMP:]), atoms) for values, atoms in found)
-            own = [(_formula(law, text(float(law.spring)), *modulation), atoms) for law, atoms in each]
-        lines = []
-        for number, (formula, atoms) in enumerate(own, 1):
+        formulas = self._formulas((layout.chains, layout.beads))
+        lines = [row_variable(layout)] if any(ROW in formula for formula, _ in formulas) else []
+        for number, (formula, atoms) in enumerate(formulas, 1):
             lines += held_by_variable(f"{name}{number}", atoms, formula, layout)
-        return Lines(motion=(*([row_variable(layout)] if profiles is not None else []), *lines))
+        return Lines(motion=tuple(lines))
+
+    def _formulas(self, shape: tuple[int, int]) -> list[tuple[str, str]]:
+        """Stiffness over time of springs that differ: formulas of LAMMPS, each with its atoms.
+
+        One formula holds a profile along chains; a chain whose springs ramp in time has one for each value.
+        """
+        modulation = [_signed(getattr(self, label)) for label in _MODULATION]
+        ramps = np.any(np.broadcast_to(self.rate, shape) != 0.0, axis=1)
+        profiles = atoms_by_row(self.spring, shape, ~ramps)
+        by_value = ramps[:, np.newaxis] | (profiles is None)
+        values = atoms_by_value([np.where(by_value, parameter, 0.0) for parameter in self[:_OF_RAMP]], shape)
+        formulas = []
+        for profile, atoms in profiles or []:
+            steady = self._replace(rate=0.0)
+            formulas.append((_formula(steady, row_formula(profile, ROW), *modulation), atoms))
+        for parameters, atoms in values:
+            law = Varying(*parameters, *self[_OF_RAMP:])
+            formulas.append((_formula(law, text(law.counted_from), *modulation), atoms))
+        return formulas
+
+    @property
+    def counted_from(self) -> float:
+        """Stiffness of equal springs at the end of the ramp from which its formula counts, in units of m / T**2."""
+        return self.lowest if self.from_its_end else float(self.spring)
+
+    @property
+    def lowest(self) -> float:
+        """Stiffness after a falling ramp of equal springs, in units of m / T**2; 0 where rounding leaves no more."""
+        _, after = _ends_of_ramp(*self[:_OF_RAMP])
+        return float(after) if after > 2.0 * np.spacing(self.spring) else 0.0
+
+    @property
+    def from_its_end(self) -> bool:
+        """Whether the formula of a ramp of equal springs counts from its end in LAMMPS.
+
+        Counted from its start, a stiffness that falls to nearly 0 would be negative by rounding of the times, which
+        `fix spring/self` refuses.
+        """
+        if not self.rate < 0.0:
+            return False
+        rounding = np.spacing(_LATEST + np.maximum(np.abs(self.begin), np.abs(self.end)))
+        return bool(self.lowest <= -self.rate * rounding)
 
 
 def _ends_of_ramp(spring: Any, rate: Any, begin: Any, end: Any) -> tuple[Any, Any]:
@@ -345,13 +380,21 @@ _MODULATION = ("depth", "omega", "phase")
 _OF_RAMP = 4
 """Parameters that may differ from bead to bead."""
 
+_LATEST = 1e12
+"""Time that no run passes, in units of T."""
+
 
 def _formula(law: Varying, spring: str, depth: str, omega: str, phase: str) -> str:
     """Of the stiffness in LAMMPS."""
     t, level = "step*v_timestep", spring
     if np.any(law.rate):
-        begin, end = (f"({t}>{at})*({t}-{at})" for at in (_signed(float(law.begin)), _signed(float(law.end))))
-        level = f"({spring}+{_signed(float(law.rate))}*({begin}-{end}))"
+        rate, begin, end = (float(parameter) for parameter in (law.rate, law.begin, law.end))
+        if law.from_its_end:
+            rate = -rate
+            before, after = (f"({t}<{_signed(at)})*({_signed(at)}-{t})" for at in (end, begin))
+        else:
+            before, after = (f"({t}>{_signed(at)})*({t}-{_signed(at)})" for at in (begin, end))
+        level = f"({spring}+{_signed(rate)}*({before}-{after}))"
     return f"{level}*(1+{depth}*sin({omega}*{t}+{phase}))" if law.depth else level
 
 

@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 _OWN = ("strength", "length", "per_force", "at_rest")
 """Fields before the formula's own parameters, which follow with a prefix."""
 
-FARTHEST, _FINE = 1e8, 2000
+FARTHEST, FINE = 1e8, 2000
 """Largest strain that is looked at, in units of L, and steps of a grid."""
 
 _GEOMETRIC = np.geomspace(1.0 / FARTHEST, FARTHEST, 1281)
@@ -235,12 +235,12 @@ def reach(law: Any, energy: float, side: float) -> float:
         return np.isfinite(law.force(side * size, *law)) & (held < energy) & (held >= -1e-9 * energy)
 
     there = within(_GEOMETRIC)
-    if there.all():
-        return np.inf
     beyond = int(np.argmin(there))
     low, high = (_GEOMETRIC[beyond - 1] if beyond else 0.0), _GEOMETRIC[beyond]
-    far = _bisected(within, low, high)
-    return _before_pole(law, side, far)
+    far = np.inf if there.all() else _bisected(within, low, high)
+    grid = _GEOMETRIC if far == np.inf else np.linspace(0.0, far, FINE)
+    before, pole = first_pole(law, side, grid)
+    return far if pole == np.inf else _bisected(within, before, pole)
 
 
 def _bisected(within: Callable[[float], Any], low: float, high: float) -> float:
@@ -250,26 +250,60 @@ def _bisected(within: Callable[[float], Any], low: float, high: float) -> float:
     return low
 
 
-def _before_pole(law: Any, side: float, far: float) -> float:
-    """A strain, or that of the first pole on the way to it, where the force changes its sign by infinity."""
-    grid = np.linspace(0.0, far, _FINE)
-    push = side * law.force(side * grid, *law)
-    for place in (np.flatnonzero(push[1:-1] * push[2:] < 0.0) + 1).tolist():
+@np.errstate(all="ignore")
+def first_pole(law: Any, side: float, grid: Floats) -> tuple[float, float]:
+    """Strain of a grid before the first pole of a law's formula on a side, and that of the pole; inf if there is none.
 
-        def as_before(size: float, before: float = float(push[place])) -> bool:
-            return bool(side * law.force(side * size, *law) * before > 0.0)
+    At a pole a part of the formula is 0 (`expression.vanishing`), and the force is far larger than around it.
 
-        turn = _bisected(as_before, grid[place], grid[place + 1])
-        if abs(law.force(side * turn, *law)) > 2.0 * np.max(np.abs(push[place : place + 2])):
-            return turn
-    return far
+    Args:
+        law: dimensionless.
+        side: 1 or -1.
+        grid: sizes of strains, ascending.
+    """
+    numbers = [getattr(law, name) for name in _parameters(type(law))]
+    poles = [(np.inf, np.inf)]
+    for part in expression.vanishing(law.derived.force):
+        value = _value(type(law), part)
+
+        def size(strain: Any, value: Callable[..., Floats] = value) -> Floats:
+            sizes = np.abs(value(law._argument(side * strain, law.length), *numbers))
+            return np.where(np.isnan(sizes), np.inf, sizes)
+
+        sizes = size(grid)
+        lowest = np.flatnonzero((sizes[1:-1] <= sizes[:-2]) & (sizes[1:-1] <= sizes[2:])) + 1
+        for place in lowest.tolist():
+            ends = grid[[place - 1, place + 1]]
+            pole = _least(size, *ends)
+            near, around = (np.abs(law.force(side * strain, *law)) for strain in (pole * _BESIDE, ends))
+            if size(pole) <= _NOTHING * np.max(size(ends)) and not np.all(near <= 2.0 * np.max(around)):
+                poles.append((pole, float(ends[0])))
+                break
+    pole, before = min(poles)
+    return before, pole
+
+
+_BESIDE = 1.0 + 1e-15 * np.arange(-4.0, 5.0)
+"""Factors on the strain of a pole."""
+
+_NOTHING = 1e-6
+"""Size that counts as 0, over that one step of a grid away."""
+
+
+def _least(size: Callable[[Any], Floats], low: float, high: float) -> float:
+    """Strain between two others at which a size is least, from ever finer grids."""
+    for _ in range(12):
+        grid = np.linspace(low, high, 41)
+        place = int(np.argmin(size(grid)))
+        low, high = grid[max(place - 1, 0)], grid[min(place + 1, 40)]
+    return float(0.5 * (low + high))
 
 
 def _stiffest(law: Any, energy: float) -> float:
     found = [abs(float(law.stiffness(0.0, *law)))]
     for side in (1.0,) if law.kind.cut else (1.0, -1.0):
         far = reach(law, energy, side)
-        grid = np.linspace(0.0, far, _FINE) if far < np.inf else _GEOMETRIC
+        grid = np.linspace(0.0, far, FINE) if far < np.inf else _GEOMETRIC
         found.append(float(np.nanmax(np.abs(law.stiffness(side * grid, *law)))))
     return max(found)
 
@@ -433,12 +467,23 @@ class Force(NamedTuple):
     def law(self, base: Any, kind: Kind = Kind(), strength: Parameter = 1.0) -> Any:  # noqa: B008
         """Its law in the scene's units, for `laws.dimensionless`; counted from the force at s = 0."""
         found = law_class(base, self.derived, kind)
-        return found(strength, 1.0, 1.0, float(self.at(0.0)), *(number for _, number in sorted(self.numbers)))
+        return found(strength, 1.0, 1.0, self.at_rest, *(number for _, number in sorted(self.numbers)))
+
+    @property
+    def at_rest(self) -> float:
+        """Force at s = 0, where beads rest; 0 where it is that but for rounding of the formula's terms."""
+        rest = float(self.at(0.0))
+        rounding = _ROUNDED * float(self._value(expression.size(self.text), 0.0))
+        return 0.0 if abs(rest) <= rounding < np.inf else rest
 
     def at(self, s: Any) -> Floats:
         """The force; NaN or inf where it has no real value."""
+        return self._value(self.text, s)
+
+    def _value(self, text: str, s: Any) -> Floats:
+        """Value of a formula of the same parameters."""
         ordered = [name for name, _ in self.numbers]
-        return expression.function(self.text, (STRAIN, *ordered))(s, *(number for _, number in self.numbers))
+        return expression.function(text, (STRAIN, *ordered))(s, *(number for _, number in self.numbers))
 
 
 @functools.lru_cache(maxsize=256)

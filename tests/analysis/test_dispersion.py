@@ -9,10 +9,10 @@ import pytest
 from small_problems import written_down
 
 from analysis import quantity
-from analysis.dispersion import Cell, Dispersion, Map, NoDispersionError, _ridge, cell_of
+from analysis.dispersion import Cell, Dispersion, Map, NoDispersionError, cell_of, measured_branches
 from analysis.shape.exact_wave import nesterenko
 from analysis.shape.long_waves import LoadedSpeed, sound_speed, speed_over_sound
-from analysis.trajectory import watch
+from analysis.trajectory import Trajectory, watch
 from lammps_inputs import library
 from lammps_inputs.units import make_scale
 from workflow.runs.run import run
@@ -49,17 +49,70 @@ def test_equal_beads_have_the_branch_of_the_textbook():
         ({"chains": 2, "coupling": {"stiffness": 0.1}}, [[0.0, 6.0], [0.2, 6.2]]),
         ({"chains": 3, "coupling": {"stiffness": 0.1, "topology": "ring"}}, [[0.0, 6.0], [0.3, 6.3], [0.3, 6.3]]),
         ({"foundation": {"stiffness": 0.5}}, [[0.5, 6.5]]),
+        # (3 - w)(3 - w / 2) and, of opposite motion, (7 - w)(7 - w / 2) are 9 cos(q)**2; they are equal at w = 20 / 3
+        (DIMER | {"chains": 2, "coupling": {"stiffness": 2.0}}, [[0, 3], [5, 20 / 3], [20 / 3, 9], [14, 16]]),
     ],
-    ids=["alternating beads", "two chains", "ring", "foundation"],
+    ids=["alternating beads", "two chains", "ring", "foundation", "crossing branches"],
 )
 def test_bands_have_the_edges_of_the_textbook(changes, edges):
     np.testing.assert_allclose(cell_of(loaded(**changes).system).bands() ** 2, edges, rtol=1e-9, atol=1e-9)
 
 
-def test_a_ridge_is_where_a_parabola_through_its_logarithm_is_highest():
+def test_branches_that_cross_have_no_gap():
+    bands = cell_of(loaded(**DIMER, chains=2, coupling={"stiffness": 2.0}).system).bands()
+    assert bands[1, 1] == bands[2, 0]
+
+
+def test_a_branch_is_measured_where_a_parabola_through_the_logarithm_of_its_power_is_highest():
     frequency = 0.25 * np.arange(20)
-    power = np.exp(-((frequency - 2.57) ** 2))
-    assert _ridge(frequency, power, np.arange(5, 15)) == pytest.approx(2.57, abs=1e-12)
+    power = np.exp(-((frequency - 2.57) ** 2))[np.newaxis, np.newaxis]
+    assert measured_branches(frequency, power, np.array([[2.6]])).item() == pytest.approx(2.57, abs=1e-12)
+
+
+def linear(scene):
+    """The frames of a scene of one chain of equal beads of exponent 2 with resonators, kicked weakly: by its modes."""
+    problem, beads = scene.problem(), scene.beads
+    contact = 2.0 * math.sqrt(scene.precompression.force)
+    spring, inner = scene.resonators[0].stiffness, scene.resonators[0].mass
+    difference = np.diff(np.eye(beads), axis=0)
+    stiffness = np.kron([[1.0, -1.0], [-1.0, 1.0]], spring * np.eye(beads))
+    stiffness[:beads, :beads] += contact * difference.T @ difference
+    root = np.sqrt(np.repeat([1.0, inner], beads))
+    squares, shapes = np.linalg.eigh(stiffness / np.outer(root, root))
+    time = np.arange(problem.frames + 1) * problem.every
+    swing = np.cos(np.outer(time * problem.scale.time, np.sqrt(np.maximum(squares, 0.0))))
+    velocity = (swing * shapes[scene.kick[0].bead - 1]) @ shapes.T / root
+    atoms = velocity[:, :beads].reshape(-1, 1, beads), velocity[:, beads:].reshape(-1, 1, 1, beads)
+    return Trajectory(problem, time, 0.0 * atoms[0], atoms[0], inner=np.concatenate([0.0 * atoms[1], atoms[1]], axis=1))
+
+
+def test_a_weak_branch_is_not_given_the_power_of_a_strong_one():
+    scene = library.from_plain(
+        {
+            "name": "weak",
+            "beads": 14,
+            "contact": {"exponent": 2},
+            "precompression": {"force": 0.13},
+            "resonators": {"mass": 0.92, "stiffness": 0.13},
+            "kick": {"velocity": 0.01, "bead": 7},
+            "duration": 116,
+            "output": {"every": 0.46},
+        },
+        "weak",
+    )
+    found = watch(Dispersion(scene.problem()), [linear(scene)]).result()
+    assert np.all(found.measured_bands()[:, 1] < found.cell.bands()[:, 1] + found.bin)
+    assert np.isfinite(found.measured).mean() > 0.8
+    assert np.nanmax(np.abs(found.measured - found.exact) / found.uncertainty()) < 1.0
+
+
+def test_a_branch_without_power_is_undefined():
+    problem = loaded(chains=2, coupling={"stiffness": 0.5}, duration=50.0).problem()
+    bead = np.arange(1, 65)
+    alike = written_down(problem, lambda t: (0.0 * t, np.cos(0.8 * bead - 0.95 * t)))
+    low, high = watch(Dispersion(problem), [alike]).result().measured_bands()
+    assert np.all(np.isfinite(low))
+    assert np.all(np.isnan(high))
 
 
 def test_the_map_does_not_depend_on_where_blocks_end():
@@ -105,14 +158,14 @@ def test_a_wave_towards_higher_bead_numbers_has_a_positive_wavenumber(way):
 def test_the_table_has_a_line_for_each_branch_in_the_scenes_units(si):
     cell = Cell(np.array([[1.0, 2.0]]), np.ones((1, 2)), np.zeros((2, 1, 1)))
     exact, measured = np.array([[0.5, 3.0]]), np.array([[np.nan, 2.9]])
-    found = Map(1, np.zeros(1), np.zeros(1), np.zeros((1, 1)), cell, np.array([0.25]), exact, measured)
+    found = Map(1, np.zeros(1), np.zeros(2), np.zeros((2, 1)), cell, np.array([0.25]), exact, measured)
     scale = make_scale(2.0, 3.0, 0.1, si=si)
     head, first, second = csv.reader(io.StringIO(quantity.to_csv(quantity.table(found.branches(), scale))))
     unit = " (rad/s)" if si else ""
-    assert head == ["wavenumber", "branch", f"frequency{unit}", f"measured{unit}"]
-    assert (first[:2], first[3]) == (["0.25", "1"], "")
+    assert head == ["wavenumber", "branch", f"frequency{unit}", f"measured{unit}", f"uncertainty{unit}"]
+    assert (first[:2], first[3:]) == (["0.25", "1"], ["", ""])
     assert second[:2] == ["0.25", "2"]
-    assert [float(first[2]), *map(float, second[2:])] == pytest.approx([w / scale.time for w in (0.5, 3.0, 2.9)])
+    assert [float(first[2]), *map(float, second[2:4])] == pytest.approx([w / scale.time for w in (0.5, 3.0, 2.9)])
 
 
 @pytest.mark.parametrize(

@@ -251,7 +251,7 @@ def with_mdanalysis(directory: Path, problem: Problem) -> float:
     read = time.perf_counter() - started
     times = np.arange(len(displacement)) * problem.every
     trajectory = Trajectory(problem, times.astype(np.float64), np.array(displacement), np.array(velocity))
-    (directory / "waves.csv").write_text(csv_of(leading_waves(find_peaks([trajectory])), problem.scale))
+    (directory / "waves.csv").write_text(csv_of(leading_waves(find_peaks([trajectory]), problem), problem.scale))
     return read
 
 
@@ -272,7 +272,7 @@ def ours(directory: Path, one: Scene) -> None:
     for block in blocks([directory / file_names.DUMP], one.problem()):
         finder.add(block)
         conservation.add(block)
-    (directory / "waves.csv").write_text(csv_of(leading_waves(finder.result()), one.scale))
+    (directory / "waves.csv").write_text(csv_of(leading_waves(finder.result(), one.problem()), one.scale))
 
 
 def reader_ratios(root: Path) -> Iterator[Ratio]:

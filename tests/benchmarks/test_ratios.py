@@ -18,7 +18,7 @@ def test_the_textbook_way_finds_the_same_waves(tmp_path):
     scene = coupled_scene(2, 120, 30.0)
     ratios.textbook(tmp_path / "plain", scene.problem())
     table = np.genfromtxt(tmp_path / "plain" / "waves.csv", delimiter=",", names=True)
-    waves = leading_waves(find_peaks([run(scene, tmp_path / "ours", check=False).trajectory]))
+    waves = leading_waves(find_peaks([run(scene, tmp_path / "ours", check=False).trajectory]), scene.problem())
     np.testing.assert_array_equal(table["bead"], waves.bead)
     # the neighbour lists differ, so sums are taken in other orders
     np.testing.assert_allclose(table["peak_velocity"], waves.peak_velocity, atol=1e-11)

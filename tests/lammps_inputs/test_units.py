@@ -67,3 +67,42 @@ def test_every_quantity_of_steel_has_its_si_unit_and_a_reduced_one_none():
     names = ("mass", "length", "velocity", "time", "stiffness", "force", "momentum", "energy", "speed")
     assert [BALL.symbol(name) for name in names] == ["kg", "m", "m/s", "s", "N/m", "N", "kg m/s", "J", "beads/s"]
     assert units.make_scale(1.0, 1.0, 1.0, si=False).symbol("velocity") == "reduced"
+
+
+@pytest.mark.parametrize(
+    ("label", "mathtext", "plain"),
+    [
+        (units.Label("time", "t", "ms"), "time $t$ (ms)", "time t (ms)"),
+        (units.Label("amplitude", "v", "V"), "amplitude $v / V$", "amplitude v / V"),
+        (units.Label("error of velocities", "", "V"), "error of velocities / $V$", "error of velocities / V"),
+        (units.Label("residual energy", "", "energy input"),) + 2 * ("residual energy / energy input",),
+        (units.Label("coupling", "\\kappa"), "coupling $\\kappa$", "coupling κ"),
+        (units.Label("lag", "\\Delta t", "s"), "lag $\\Delta t$ (s)", "lag Δt (s)"),
+        (
+            units.Label("contact constant", "A", "N/m^1.5"),
+            "contact constant $A$ (N/m$^{1.5}$)",
+            "contact constant A (N/m^1.5)",
+        ),
+        (units.Label("density", "", "kg/m3"), "density (kg/m$^{3}$)", "density (kg/m3)"),
+        (units.Label("bead"), "bead", "bead"),
+    ],
+)
+def test_a_label_is_words_a_symbol_and_a_unit_and_own_units_divide(label, mathtext, plain):
+    assert label.mathtext == mathtext
+    assert label.plain == plain
+
+
+@pytest.mark.parametrize(
+    ("unit", "largest", "shown"),
+    [
+        ("Hz", 9.3e4, ("kHz", 1e-3)),
+        ("m/s", 0.02, ("mm/s", 1e3)),
+        ("beads/s", 9e4, ("beads/s", 1.0)),
+        ("reduced", 9e4, ("reduced", 1.0)),
+        ("V", 1e-4, ("V", 1.0)),
+        ("", 1e9, ("", 1.0)),
+    ],
+)
+def test_labels_take_the_prefix_of_an_si_unit_that_makes_numbers_short(unit, largest, shown):
+    label, worth = units.Label("x", "", unit).prefixed(largest)
+    assert (label.unit, worth) == (shown[0], pytest.approx(shown[1]))

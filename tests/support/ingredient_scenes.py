@@ -51,6 +51,7 @@ RANDOM = {"spread": 0.3, "seed": 4}
 
 RISING_BED = {"from": 0.1, "to": 0.6, "rows": [2, 7]}
 MODULATED = {"depth": 0.5, "frequency": 0.3, "phase": 30.0}
+VANISHING = {"from": 0.3, "to": 0.0, "times": [0.1, 3.3]}
 SOFTENING = {"from": 0.9, "to": 0.2, "times": [1.37, 9.1]}
 KINDS = [
     {"mass": 0.3, "stiffness": 0.2, "rows": [2, 5]},
@@ -77,6 +78,9 @@ CASES: dict[str, dict[str, Any]] = {
     "foundation rising in some rows": {"foundation": {"stiffness": RISING_BED, "cubic": 0.3, "rows": [1, 6]}},
     "foundations over time": {
         "foundation": {"stiffness": [{"from": 0.3, "to": 0.9, "times": [0, 12]}, SOFTENING], "cubic": 0.2},
+    },
+    "foundation that vanishes in time beside a graded one": {
+        "foundation": {"stiffness": [VANISHING, RISING_BED], "modulation": MODULATED},
     },
     "foundation by chain": {"foundation": {"stiffness": [0.5, 0.2], "cubic": 0.3}},
     "wall on the left": {"walls": {"left": "flat"}, "kick": {"bead": 3, "velocity": -1.0}},

@@ -4,6 +4,7 @@ import random
 from typing import Any
 
 from lammps_inputs import Coupling, Kick, Material, Output, Scene
+from lammps_inputs.laws import expression
 
 
 def draw(chance: random.Random, number: int | str) -> Scene:
@@ -12,8 +13,11 @@ def draw(chance: random.Random, number: int | str) -> Scene:
     Raises:
         ValueError: this one is not.
     """
-    if (which := chance.random()) < 0.4:
+    which = chance.random()
+    if which < 0.4:
         return _draw_more(chance, number) if which < 0.25 else _draw_lossy(chance, number)
+    if 0.5 < which < 0.9:
+        return draw_of_springs(chance, number)
     windowed = chance.random() < 0.1
     chains = chance.choice([1, 2, 2, 3])
     beads = chance.randint(90, 130) if windowed else chance.randint(2, 12)
@@ -133,3 +137,109 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
     if "drive" not in more or chance.random() < 0.5:
         more["kick"] = {"chain": other[0], "bead": other[1], "velocity": chance.choice([1.0, -1.0, 0.3])}
     return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
+
+
+FORMULAS_OF_SPRINGS = ("k*s/sqrt(1+(s/d)^2)", "k*s+c*s^3", "k*s*exp(-(s/d)^2)", "k*d*tanh(s/d)", "k*d*sinh(s/d)", "k*s")
+"""Odd forces, as springs between chains have."""
+
+FORMULAS_OF_FOUNDATIONS = (*FORMULAS_OF_SPRINGS, "k*d*sin(s/d)", "k*d*(exp(s/d)-1)", "k*s/(1-(s/d)^2)", "k*s+c*s^3+f")
+"""Forces to the ground; the last is 0 at rest where f is."""
+
+FORMULAS_OF_CONTACTS = (
+    "A*s^p",
+    "A*s^1.5*(1+b*s)",
+    "A*(s^1.5+b*s^2.5)",
+    "A*(exp(b*s)-1)",
+    "A/(d+s)^p",
+    "A/(d-s)^2-A/d^2",
+)
+"""Forces of contacts that touch, and of magnets."""
+
+
+def draw_of_springs(chance: random.Random, number: int | str) -> Scene:
+    """A scene of resonators, foundations in space and time, and forces by formula, each as likely as not."""
+    chains, beads = chance.choice([1, 2, 2, 3]), chance.randint(2, 10)
+    more: dict[str, Any] = {"duration": chance.uniform(4.0, 16.0), "output": {"every": 0.5}}
+    if chance.random() < 0.5:
+        more["resonators"] = _resonators(chance, chains, beads)
+    if chance.random() < 0.6:
+        more["foundation"] = _foundation(chance, chains, beads, more["duration"])
+    if chains > 1:
+        springs = {"stiffness": 10.0 ** chance.uniform(-3.0, 0.3)}
+        more["coupling"] = _by_formula(chance, FORMULAS_OF_SPRINGS) if chance.random() < 0.3 else springs
+    if chance.random() < 0.3:
+        more["contact"] = _by_formula(chance, FORMULAS_OF_CONTACTS)
+    if chance.random() < 0.4 or "/" in more.get("contact", {}).get("force", ""):
+        more["walls"] = {"left": "bead", "right": "bead"}
+    if chance.random() < 0.2:
+        more["damping"] = {"contact": 10.0 ** chance.uniform(-3.0, -0.5)}
+    if chance.random() < 0.2:
+        more.setdefault("damping", {})["beads"] = 10.0 ** chance.uniform(-3.0, -0.5)
+    more |= chance.choice([{}, {}, {"gap": chance.uniform(0.05, 1.0)}, {"precompression": {"force": 0.3}}])
+    place = {"chain": chance.randint(1, chains), "bead": chance.randint(1, beads)}
+    if chance.random() < 0.2:
+        drive = {"displacement": chance.uniform(0.1, 1.0)}
+        more["drive"] = {**place, **drive, "frequency": chance.uniform(0.02, 0.3), "phase": -90.0}
+    else:
+        more["kick"] = {**place, "velocity": chance.choice([1.0, -1.0, 0.3, 3.0])}
+    return Scene.model_validate({"name": f"scene-{number}", "chains": chains, "beads": beads, **more})
+
+
+def _rows(chance: random.Random, beads: int) -> list[int]:
+    first = chance.randint(1, beads)
+    return [first, chance.randint(first, beads)]
+
+
+def _for_chains(chance: random.Random, chains: int, draw_one: Any) -> Any:
+    """One value, or a list with one for each chain."""
+    return draw_one() if chains == 1 or chance.random() < 0.6 else [draw_one() for _ in range(chains)]
+
+
+def _resonators(chance: random.Random, chains: int, beads: int) -> Any:
+    kinds = []
+    for _ in range(chance.choice([1, 1, 1, 2, 3])):
+        keys = {
+            "mass": _for_chains(chance, chains, lambda: 10.0 ** chance.uniform(-1.5, 0.5)),
+            "stiffness": _for_chains(chance, chains, lambda: 10.0 ** chance.uniform(-1.5, 0.5)),
+        }
+        keys |= {"damping": 10.0 ** chance.uniform(-3.0, -0.5)} if chance.random() < 0.3 else {}
+        kinds.append(keys | ({"rows": _rows(chance, beads)} if chance.random() < 0.4 else {}))
+    return kinds[0] if len(kinds) == 1 else kinds
+
+
+def _foundation(chance: random.Random, chains: int, beads: int, duration: float) -> dict[str, Any]:
+    if chance.random() < 0.3:
+        keys = _by_formula(chance, FORMULAS_OF_FOUNDATIONS)
+        return keys | ({"rows": _rows(chance, beads)} if chance.random() < 0.3 else {})
+
+    def level() -> float:
+        return chance.choice([0.0, 1e-9, round(chance.uniform(0.01, 1.0), 2)])
+
+    def stiffness() -> Any:
+        ramp = {"from": level(), "to": level()}
+        begin = chance.choice([0.0, -2.0, round(chance.uniform(0.0, 0.6 * duration), 1)])
+        times = [begin, begin + chance.choice([0.01, 3.0, round(chance.uniform(0.1, duration), 1)])]
+        rows = sorted(chance.sample(range(1, beads + 1), 2))
+        return chance.choice([level(), {**ramp, "rows": rows}, {**ramp, "times": times}, {**ramp, "times": times}])
+
+    keys: dict[str, Any] = {"stiffness": _for_chains(chance, chains, stiffness)}
+    if chance.random() < 0.3:
+        wave = {"depth": chance.choice([1.0, -1.0, 0.5]), "frequency": round(chance.uniform(0.02, 0.5), 3)}
+        keys["modulation"] = wave | {"phase": chance.choice([0.0, 90.0, -37.0])}
+    keys |= {"cubic": 0.1} if chance.random() < 0.2 else {}
+    return keys | ({"rows": _rows(chance, beads)} if chance.random() < 0.3 else {})
+
+
+def _by_formula(chance: random.Random, formulas: tuple[str, ...]) -> dict[str, Any]:
+    """A formula with numbers for its parameters; few different ones, for each is compiled."""
+    force = chance.choice(formulas)
+    numbers = {
+        "k": chance.choice([0.05, 0.3, 1.0]),
+        "c": chance.choice([0.0, 0.1, 2.0]),
+        "d": chance.choice([0.5, 1.0, 4.0]),
+        "f": chance.choice([0.0, 0.0, 1e-6, 0.2]),
+        "A": chance.choice([0.5, 1.0, 3.0]),
+        "b": chance.choice([-0.1, 0.2, 1.0]),
+        "p": chance.choice([1.0, 1.3, 1.5, 2.0, 4.0]),
+    }
+    return {"force": force} | {name: value for name, value in numbers.items() if name in expression.names(force)}

@@ -9,11 +9,11 @@ from workflow import screen
 from workflow.cli import main
 
 
-def refusal(words: Any, capsys: pytest.CaptureFixture[str]) -> str:
-    """The one line that a command ends with, without the name in front."""
+def refusal(words: Any, capsys: pytest.CaptureFixture[str], code: int = 2) -> str:
+    """The one line that a command ends with, without the name in front, and with this exit code."""
     capsys.readouterr()
     with screen.without_bars():  # nor hints, which depend on what was compiled before
-        assert main([str(word) for word in words]) == 2
+        assert main([str(word) for word in words]) == code
     out, err = capsys.readouterr()
     assert out == ""
     assert err.startswith("granchain: ")

@@ -53,7 +53,6 @@ def exact_waves(
     every: float = 0.1,
     beads: int = 40,
     recorded: Any = "all",
-    noise: float = 0.0,
     direction: int = 1,
     duration: float | None = None,
 ) -> Trajectory:
@@ -67,8 +66,6 @@ def exact_waves(
         xi = np.arange(beads) - exact.speed_at(peak) * (time[:, np.newaxis] - arrival)
         v[:, 0] += peak * exact.velocity(xi)
         x[:, 0] += peak**0.8 * exact.displacement(xi)
-    rng = np.random.default_rng(7)
-    x, v = x + noise * rng.standard_normal(x.shape), v + noise * rng.standard_normal(v.shape)
     if direction < 0:
         x, v = -x[..., ::-1], -v[..., ::-1]
     columns = what.recorded_beads - 1

@@ -22,12 +22,15 @@ States = tuple[Floats, Floats]
 
 
 def deck_run(scene: Scene, path: Path, edit: Callable[[Path], None] | None = None, *options: str) -> RunDirectory:
-    """The deck of a scene in a new directory, edited, and run by plain ``lmp``; no ``run.json``."""
+    """The deck of a scene in a new directory, edited, and run by plain ``lmp``; no ``run.json``.
+
+    Nor a log, which would state values that were edited.
+    """
     path.mkdir()
     deck.write(scene, path)
     if edit is not None:
         edit(path)
-    command = [str(WHEEL), "-in", file_names.DECK, "-log", file_names.LOG, "-screen", "none", *options]
+    command = [str(WHEEL), "-in", file_names.DECK, "-log", "none", "-screen", "none", *options]
     subprocess.run(command, cwd=path, check=True, timeout=HANGS)
     return RunDirectory(path)
 

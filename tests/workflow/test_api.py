@@ -12,6 +12,7 @@ from notebook import NOTEBOOK, executed
 
 from lammps_inputs import Scene, library
 from workflow import api
+from workflow.cli import main
 
 SCENE = {"name": "tiny", "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0}
 STEEL = SCENE | {
@@ -87,7 +88,7 @@ def test_numbers_of_a_run_are_had_in_its_own_units(ran):
 def test_waves_are_a_structured_array(ran):
     waves = api.analyse(ran).waves
     found = waves.array()
-    assert found.dtype.names[:3] == ("chain", "bead", "arrival")
+    assert found.dtype.names[:3] == ("chain", "bead", "pulse")
     assert np.array_equal(found["peak_velocity"], waves.peak_velocity)
 
 
@@ -108,11 +109,22 @@ def test_a_run_its_error_its_validation_and_its_scene_show_themselves(ran):
         (ran.check, "velocities (V)"),
         (judged, "momentum"),
         (api.load(STEEL), "radius"),
-        (api.analyse(ran, figures=False), "last bead"),
+        (api.analyse(ran, figures=False), "peak velocity (m/s)"),
     ):
         assert any(words in text for text in Cells(shown._repr_html_()).text)
         assert len(repr(shown)) < 200
         assert repr(shown).startswith("<")
+
+
+def test_a_notebook_shows_the_table_of_the_leading_pulse_that_the_command_prints_clear_of_the_free_end(ran, capsys):
+    shown = Cells(api.analyse(ran, figures=False)._repr_html_()).text
+    capsys.readouterr()
+    assert main(["analyze", str(ran.directory.path), "--no-figures"]) == 0
+    printed = capsys.readouterr().out.partition("leading pulse")[2].splitlines()
+    first, last = (line.split() for line in printed[2:4])
+    assert (first[0], last[0]) == ("2", "3")  # five beads before the free end
+    assert set(first + last) <= set(shown)
+    assert str(STEEL["beads"]) not in shown
 
 
 def test_what_holds_many_numbers_says_how_many_in_a_line(ran):

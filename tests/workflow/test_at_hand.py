@@ -98,6 +98,32 @@ def test_help_explains_keys_and_commands(capsys):
     assert "usage: granchain run" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("words", "explanation"),
+    [
+        ("leading pulse", "the first pulse that reaches a bead of a chain"),
+        ("beat length", "beat_length\n"),
+        ("peak velocity", "analysis.json: waves > peak_velocity"),
+        ("contact force", "Force as a formula of s"),
+        ("budget", "analysis.json: budget holds time, energy_input, kinetic"),
+        ("budget.closed", "largest missing over the largest energy_input"),
+        ("notation", "kappa\n      dimensionless coupling stiffness"),
+        ("Static load", "Static load. F_(0,n) is the force in contact n at rest"),
+        ("contact constant", "A = 4/3 E^* sqrt(R^*), 1 / (E^*) = (1 - nu_1^2) / (E_1)"),
+        ("steady", "amplitude of the last 10 beads"),
+        ("too short", "no half beat was seen"),
+        ("asymptotic amplitude", "equipartition.final, amplitude, amplitude_uncertainty"),
+    ],
+)
+def test_help_explains_phrases_keys_of_results_sections_of_the_model_and_terms_of_verdicts(words, explanation, capsys):
+    assert explanation in said(capsys, "help", *words.split())
+
+
+def test_help_refuses_a_phrase_that_no_page_has(capsys):
+    assert main(["help", "leading", "elephant"]) == 2
+    assert "'leading elephant' is no key of a scene" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("name", QUANTITIES)
 def test_help_says_where_a_quantity_stands(name, capsys):
     lines = said(capsys, "help", name).splitlines()

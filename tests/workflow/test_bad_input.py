@@ -80,7 +80,7 @@ COMMAND_LINES = [
     ("sweep sweep.yaml -o out --nodes 2", "add --slurm"),
     ("sweep sweep.yaml -o out --slurm --partition 'a;ls'", "--partition"),
     ("threshold s.yaml -o out --where agre_1=3 --vary gap=0:1", "did you mean"),
-    ("threshold s.yaml -o out --where agree_1 --vary gap=0:1", "--where: 'agree_1' given; such as agree_1=100"),
+    ("threshold s.yaml -o out --where agree_1 --vary gap=0:1", "--where: 'agree_1' given; such as agree_1=50"),
     ("threshold s.yaml -o out --where mass=much --vary gap=0:1", "--where: 'much' is no number"),
     (f"{MASS} gap=1:0", "--vary: 1:0 given; the smaller number first"),
     (f"{MASS} gap=0:1 --log", "both above 0 with --log"),

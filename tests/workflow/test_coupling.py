@@ -36,7 +36,7 @@ def scene(name="one chain", **changes):
 
 def peaks(directory, bead):
     """Leading peaks of all chains at a bead, and the error that the run states."""
-    waves = leading_waves(find_peaks(directory.blocks()))
+    waves = leading_waves(find_peaks(directory.blocks()), directory.problem)
     return waves.peak_velocity[waves.bead == bead]
 
 
@@ -63,7 +63,7 @@ def test_springs_that_end_leave_each_chain_its_own_wave(tmp_path):
         chains=2, beads=120, coupling={"stiffness": 0.1, "rows": [1, 40]}, duration=200.0, output={"every": 0.1}
     )
     result = run(one, tmp_path / "run", check=False)
-    waves = leading_waves(find_peaks(result.directory.blocks()))
+    waves = leading_waves(find_peaks(result.directory.blocks()), result.directory.problem)
     for chain in (1, 2):
         far = waves.peak_velocity[(waves.chain == chain) & (waves.bead >= 70) & (waves.bead <= 110)]
         assert np.ptp(far) < 2e-5  # constant to 1e-5 to either side

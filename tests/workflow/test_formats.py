@@ -1,9 +1,12 @@
-"""Formats of figures: PNG, or what `--formats` asks for."""
+"""Formats and width of figures: PNG of their own width, or what `--formats` and `--width` ask for."""
+
+import struct
 
 import pytest
 
-from workflow import api
+from workflow import api, cli, formats
 from workflow.cli import main
+from workflow.sweep import carry_out
 
 
 @pytest.fixture
@@ -34,3 +37,45 @@ def test_a_figure_of_the_users_own_stays(ran):
     assert main(["analyze", str(ran), "--quiet"]) == 0
     assert (ran / "response.pdf").read_text() == "mine"
     assert main(["analyze", str(ran), "--quiet", "--formats", "pdf"]) == 2
+
+
+def inches(png):
+    """Width of a PNG with 200 pixels an inch."""
+    return struct.unpack(">I", png.read_bytes()[16:20])[0] / 200.0
+
+
+def test_figures_have_the_width_that_is_asked_for(ran):
+    assert main(["analyze", str(ran), "--quiet", "--width", "3.4"]) == 0
+    assert inches(ran / "response.png") == pytest.approx(3.4, abs=0.01)
+
+
+def test_cases_of_a_sweep_are_drawn_with_the_width_that_is_asked_for(ran):
+    with formats.written_as(("png",), 3.4):
+        asked = carry_out.task(ran, None, check=False, figures=("png",)).arguments
+    assert carry_out.compute(**asked) == "done"
+    assert inches(ran / "response.png") == pytest.approx(3.4, abs=0.01)
+
+
+@pytest.mark.parametrize("width", ["0", "1.9", "21", "nan", "wide"])
+def test_a_width_that_no_figure_has_is_refused_in_one_line_with_an_example(ran, width, capsys):
+    assert main(["analyze", str(ran), "--width", width]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "such as 3.4" in line
+
+
+def test_every_command_that_writes_figures_takes_their_width():
+    drawing = [name for name in cli.COMMANDS if getattr(cli.module_of(name), "DRAWS", False)]
+    assert {"analyze", "collect", "fit", "sweep", "threshold", "trade", "validate"} <= set(drawing)
+    for name in drawing:
+        assert "--width INCHES" in help_of(name)
+
+
+def help_of(name):
+    (subparsers,) = [action for action in cli.parser([name])._actions if action.dest == "command"]
+    return subparsers.choices[name].format_help()
+
+
+def test_a_command_in_a_job_draws_in_the_width_that_is_asked_for():
+    with formats.written_as(("png", "pdf"), 3.4):
+        assert formats.words() == ["--formats", "png,pdf", "--width", "3.4"]
+    assert formats.words() == ["--formats", "png"]

@@ -7,11 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.quantity import cell, headings
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
-from analysis.tracking.leading_waves import ARRIVALS, Waves
-from analysis.tracking.pulses import of_one_kind
+from analysis.tracking.leading_waves import ARRIVALS
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import along_the_way
 from lammps_inputs import InputError, physics
@@ -20,14 +18,12 @@ from workflow.engines.lammps.worker import ENERGY_TOLERANCE
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Answer, one_line, print_table
 from workflow.verdicts.analyse import Analysis, analyse
-from workflow.verdicts.analysis_report import REPORT, last_clear_bead, train
+from workflow.verdicts.analysis_report import REPORT, train
 from workflow.verdicts.findings.finding import MOST_CHAINS
+from workflow.verdicts.pulse_table import pulse_table
 
 FEW = 4
 """Chains up to which each has its own line."""
-
-MOST_ROWS = 32
-"""Of the table of the leading pulse."""
 
 MOST_PULSES = 6
 """Of a train, that are printed."""
@@ -46,7 +42,7 @@ ANSWERS = "what analysis.json holds"
 DRAWS = True
 EXAMPLES = (
     "analyze demo",
-    "analyze demo --beads 10,55,90 --formats png,pdf",
+    "analyze demo --beads 10,55,90 --formats pdf --width 3.4",
 )
 
 
@@ -96,9 +92,11 @@ def _print(found: Analysis) -> None:
         )
     if found.altered:
         print("frame checksum mismatch with run.json: a file was damaged or modified")
+    _print_doubt(found)
     if problem.system.holds(Fact.PULSE):
-        _print_waves(found)
-        _print_overtaken(found)
+        if (table := pulse_table(found.survey)) is not None:
+            print_table(*table)
+        _print_changes(found.survey)
         _print_accuracy(found)
     _print_pulses(found.survey)
     for finding in found.findings.values():
@@ -110,55 +108,54 @@ def _print(found: Analysis) -> None:
     _print_drifts(found)
 
 
-def _print_overtaken(found: Analysis) -> None:
-    """How many beads on the way of the leading pulse have none, as a later maximum is larger."""
-    if physics.slowest_resonator(found.problem.system) >= physics.PULSE_RATE:
-        return
+def _print_changes(found: Survey) -> None:
+    """Print of each chain where leading pulses end and why, the first of them with its peak velocity."""
     for chain in range(1, found.problem.chains + 1):
-        reached = found.waves.of_chain(chain).bead
-        passed = found.problem.recorded_beads
-        passed = passed[(passed >= np.min(reached, initial=10**9)) & (passed <= np.max(reached, initial=0))]
-        missing = np.setdiff1d(passed, reached)
-        if len(missing):
-            print(
-                f"chain {chain}: no leading pulse at {len(missing)} beads from {missing[0]} to {missing[-1]}: a later "
-                "maximum is larger (slow resonators)"
-            )
-
-
-def _print_waves(found: Analysis) -> None:
-    """The leading pulse at some beads."""
-    waves, scale = found.waves, found.problem.scale
-    words = {"arrival": "arrival", "peak_velocity": "peak velocity", "speed": "speed"}
-    head = ["bead", "chain", *headings(Waves, scale, words)]
-    if scale.si:
-        head.append("peak velocity / V")
-    rows = []
-    for bead in _rows(found):
-        at = waves.at(bead)
-        measured = at.measured(scale)
-        for k in range(min(len(at), MOST_CHAINS)):
-            numbers = (cell(getattr(measured, name)[k], ".7g" if name == "arrival" else ".5g") for name in words)
-            row = [str(bead) if k == 0 else "", str(at.chain[k]), *numbers]
-            rows.append([*row, f"{at.peak_velocity[k]:.5f}"] if scale.si else row)
-        if len(at) > MOST_CHAINS:
-            rows.append(["", f"of {len(at)}", "", "", ""])
-    if rows:
-        print_table(f"{found.problem.name}: leading pulse", head, rows)
+        changes = [change for change in found.succession if change.chain == chain]
+        if not changes:
+            continue
+        first, others = changes[0], [str(change.last) for change in changes[1:]]
+        peak = f"{first.peak_velocity:.3g} V"
+        why = (
+            f"where it merges into the pulse behind it ({first.behind:.3g} V), which leads from bead {first.first} on"
+            if math.isfinite(first.behind)
+            else f"and another one leads from bead {first.first} on"
+        )
+        further = f"; others end at bead{'s' * (len(others) > 1)} {', '.join(others)}" if others else ""
+        print(f"chain {chain}: the leading pulse ends at bead {first.last} ({peak}), {why}{further}")
+        print(
+            f"chain {chain}: amplitude and verdict are those of the pulse that leads from bead {changes[-1].first} on"
+        )
 
 
 def _print_drifts(found: Analysis) -> None:
-    """Of energy, unless its budget has been printed, and of momentum; what to think of them if they are large."""
-    problem, seen = found.problem, found.conservation
-    exchanges = physics.exchanges(problem.system)
-    drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
-    known = {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
-    shown = [f"{name} {drift:.1e}" for name, drift in known.items() if name != "energy" or not exchanges]
-    right = "the input" if exchanges else "the kick's"
+    """Print the drift of the energy, unless its budget has been printed, and of the momentum."""
+    exchanges = physics.exchanges(found.problem.system)
+    shown = [f"{name} {drift:.1e}" for name, drift in _drifts(found).items() if name != "energy" or not exchanges]
     if shown:
-        print(f"drift: {', '.join(shown)} of {right}")
-    if max(known.values(), default=0.0) > ENERGY_TOLERANCE:
-        print(found.failure or "these are not frames of this scene: was the deck run with another kappa or kick?")
+        print(f"drift: {', '.join(shown)} of {_input(found)}")
+
+
+def _print_doubt(found: Analysis) -> None:
+    """Print why the frames cannot be right where energy or momentum is not conserved."""
+    drifts = _drifts(found)
+    if max(drifts.values(), default=0.0) > ENERGY_TOLERANCE:
+        name = max(drifts, key=lambda name: drifts[name])
+        changes = f"the {name} changes by {drifts[name]:.2g} of {_input(found)}"
+        cause = "these are not frames of this scene, or the time step is too large (see `granchain validate`)"
+        print(found.failure or f"{changes}: {cause}")
+
+
+def _drifts(found: Analysis) -> dict[str, float]:
+    """Relative drifts of energy and momentum, by name, as far as they are known."""
+    seen = found.conservation
+    drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
+    return {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
+
+
+def _input(found: Analysis) -> str:
+    """What drifts are relative to, in words."""
+    return "the input" if physics.exchanges(found.problem.system) else "the kick's"
 
 
 def _print_accuracy(found: Analysis) -> None:
@@ -175,11 +172,11 @@ def _print_accuracy(found: Analysis) -> None:
     if len(waves) and waves.peak_velocity_error.max() > DOCUMENTED:
         worst = int(np.argmax(waves.peak_velocity_error))
         late = waves.arrival_error[np.isfinite(waves.arrival_error)].max(initial=0.0)
-        why = "noise" if found.survey.noise else f"frames {scale.written(problem.every, 'time', '.3g')} apart"
+        apart = scale.written(problem.every, "time", ".3g")
         arrivals = f", of arrivals up to {scale.written(late, 'time', '.1e')}" if late > 0.0 else ""
         print(
-            f"uncertainty by {why}: of peak velocities up to {waves.peak_velocity_error[worst]:.1e} V (bead "
-            f"{waves.bead[worst]} of chain {waves.chain[worst]}){arrivals}; of each in waves.csv"
+            f"uncertainty by frames {apart} apart: of peak velocities up to {waves.peak_velocity_error[worst]:.1e} V "
+            f"(bead {waves.bead[worst]} of chain {waves.chain[worst]}){arrivals}; of each in waves.csv"
         )
     if problem.every > FAR:
         far = scale.written(FAR, "time", ".3g")
@@ -211,13 +208,11 @@ def _print_pulses(found: Survey) -> None:
     if found.crests:
         largest = max(crest.peak_velocity.max() for crest in found.crests)
         print(f"sound waves, with peak velocities up to {largest:.3f} V")
-    if found.noise:
-        print(f"noise of the recorded velocities: standard deviation {found.noise:.1e} V; they were smoothed")
 
 
 def _print_amplitude(found: Survey) -> None:
     """What the leading waves settle at, or why they do not and between what they vary; the energy in them."""
-    shared, system, scale = found.shared, found.problem.system, found.problem.scale
+    shared, system, scale = found.shared.followed, found.problem.system, found.problem.scale
     if shared.span is None:
         return
     energy = np.sum(found.energies.wave[-1]) if len(found.energies.wave) else math.nan
@@ -226,8 +221,9 @@ def _print_amplitude(found: Survey) -> None:
     if final is None:
         first, least, largest = shared.span
         why = shared.changing or "it has not settled"
+        compared = shared.compared if shared.of_impulses else "peak velocities"
         numbers = f"{least:.5f} to {largest:.5f} V over beads {first} to {shared.bead[-1]}"
-        print(f"no asymptotic amplitude: {why}; peak velocities of {numbers} ({worth}){share}")
+        print(f"no asymptotic amplitude: {why}; {compared} of {numbers} ({worth}){share}")
         return
     kicked = any(
         abs(velocity) == max(abs(impulse) for *_, impulse in physics.excitations(system))
@@ -285,7 +281,7 @@ def _words(character: Character) -> str:
     parts = []
     if math.isfinite(character.speed_excess):
         if not math.isfinite(character.residual):
-            return f"{place}: not recorded long enough around its passage to compare its shape"
+            return f"{place}: a larger pulse overlaps, or the record ends too early, to compare its shape"
         parts.append(
             f"shape differs by {character.residual:.1e}, speed by {character.speed_excess:+.1e} from the exact wave"
         )
@@ -302,28 +298,3 @@ def _words(character: Character) -> str:
     else:
         kind = "not steady" if fails else "steady"
     return f"{kind} {place}: {', '.join(parts)}"
-
-
-def _rows(found: Analysis) -> list[int]:
-    """Some beads that a pulse was seen at, from early to the last that the pulse passed undisturbed: seven at most."""
-    if len(found.waves) == 0:
-        return []
-    recorded = np.unique(found.waves.bead)
-    alike = recorded[of_one_kind(found.problem)[recorded - 1]]
-    recorded = alike if len(alike) else recorded
-    recorded = along_the_way(found.problem, recorded)
-    # behind the kicked beads first maxima are those of rebounds
-    kicked_beads = [
-        along_the_way(found.problem, kicked_bead)
-        for _, kicked_bead, impulse in physics.excitations(found.problem.system)
-        if impulse * found.survey.direction > 0.0
-    ]
-    recorded = recorded[recorded >= min(kicked_beads)]
-    if len(recorded) == 0:
-        return []
-    last = int(along_the_way(found.problem, found.waves.bead)[last_clear_bead(found.waves, found.problem)])
-    few = max(2, min(7, MOST_ROWS // min(found.problem.chains, MOST_CHAINS)))
-    wanted = [2, 5, 10, 20, 55, 90, last] if last <= 200 else np.geomspace(5, last, 7).round().astype(int).tolist()
-    wanted = [wanted[place] for place in np.linspace(0, len(wanted) - 1, few).round().astype(int)]
-    near = {int(recorded[np.argmin(np.abs(recorded - bead))]) for bead in wanted if bead <= last}
-    return [along_the_way(found.problem, bead) for bead in sorted(near)]

@@ -9,22 +9,11 @@ from lammps_inputs import InputError, strict_yaml
 from workflow.runs.files import write_text
 from workflow.screen import Answer, one_line, print_table
 from workflow.sweep import collect as collecting
-from workflow.sweep.collect import QUANTITIES, UNCERTAINTIES, Table
+from workflow.sweep.collect import QUANTITIES, SHOWN, UNCERTAINTIES, Table
 
 TABLE = "table.csv"
 
 _MOST_ROWS = 40
-
-_SHOWN = {
-    "amplitude": ".4f",
-    "agree_10": "d",
-    "agree_1": "d",
-    "energy_share": ".3f",
-    "error_velocity": ".0e",
-    "wall_seconds": ".2f",
-}
-"""Quantities on the screen; the file has all of them."""
-
 
 ANSWERS = "a list of the table's rows, in the scenes' units"
 DRAWS = True
@@ -94,7 +83,7 @@ def _refuse(output: Path) -> None:
 
 
 def _print(table: Table, title: str, drawn: str | None) -> None:
-    columns = list(dict.fromkeys([*table.fields, "outcome", *filter(None, [drawn]), *_SHOWN]))
+    columns = list(dict.fromkeys([*table.fields, "outcome", *filter(None, [drawn]), *SHOWN]))
     rows = [[cell(name, row) for name in columns] for row in table.rows[:_MOST_ROWS]]
     print_table(title, [table.heading(name) for name in columns], rows)
     if len(table.rows) > _MOST_ROWS:
@@ -114,5 +103,5 @@ def cell(name: str, row: dict[str, Any]) -> str:
         digits = min(4, max(0, 1 - math.floor(math.log10(uncertainty))))
         return f"{value:.{digits}f} +- {uncertainty:.2g}"
     if isinstance(value, int | float):
-        return format(value, _SHOWN.get(name, ".6g"))
+        return format(value, SHOWN.get(name, ".6g"))
     return "".join(letter if letter.isprintable() else "?" for letter in str(value))

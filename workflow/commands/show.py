@@ -1,15 +1,16 @@
-"""Print a scene with every default, its units and the size of its run."""
+"""Print a scene with every default, its units and the size of its run, or its values from bead to bead."""
 
 import argparse
 
-from lammps_inputs import library, physics, strict_yaml
+from lammps_inputs import InputError, Scene, library, physics, strict_yaml, values
 from workflow.prepare.settings import settle, unstable
 from workflow.runs.size import size_of, too_large
 from workflow.screen import Answer
 
-ANSWERS = "the scene"
+ANSWERS = "the scene; with `--values`, each column as a list of chains of beads"
 EXAMPLES = (
     "show two-chains",
+    "show disordered-chain --values > values.csv",
     "show my/scene.yaml        # times, lengths in the scene's units: reduced, or SI with a material",
 )
 
@@ -17,10 +18,17 @@ EXAMPLES = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The scene."""
     parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
+    parser.add_argument(
+        "--values",
+        action="store_true",
+        help="print as CSV what differs from bead to bead instead: exact masses, radii, contact strengths, springs",
+    )
 
 
 def execute(arguments: argparse.Namespace) -> Answer:
-    """Print YAML that is a scene again; what follows from it stands in comments."""
+    """Print YAML that is a scene again, what follows from it in comments; or the table of its values."""
+    if arguments.values:
+        return _values(library.find(arguments.scene), arguments.scene)
     scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=True)
     scene = scene.resolved()
     problem, scale = scene.problem(), scene.scale
@@ -44,3 +52,12 @@ def execute(arguments: argparse.Namespace) -> Answer:
         print(f"# theta = omega D / V = {theta:.6g}, omega = sqrt(2 kappa): all that rigid beads depend on;")
         print(f"#   eq. 5 has theta = {modes.THETA_OF_EQ_5:.6g}, which is a gap of {gap}")
     return Answer(0, scene.plain())
+
+
+def _values(scene: Scene, source: str) -> Answer:
+    table = values.columns(scene)
+    if not table:
+        raise InputError(f"{source}: all beads, contacts and springs are alike, so --values has nothing to list")
+    for line in values.csv(table):
+        print(line)
+    return Answer(0, values.plain(table))

@@ -490,6 +490,7 @@ def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, Settings]:
         seconds=time.perf_counter() - started,
         asked=asked,
         unreached=unreached,
+        rule_timestep=guessed_step(problem, accuracy),
     )
 
 

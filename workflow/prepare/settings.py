@@ -28,6 +28,8 @@ class Settings:
         seconds: what the choice cost, the compiler apart.
         asked: whether the scene names the accuracy.
         unreached: why no step keeps the default accuracy, where none does.
+        rule_timestep: step for the accuracy by the rule (`lammps_inputs.limits.rates.timestep_for`); None in records
+            of earlier versions.
         reference: the pilot run's, for the check of the run; not recorded.
     """
 
@@ -42,6 +44,7 @@ class Settings:
     seconds: float = 0.0
     asked: bool = True
     unreached: str = ""
+    rule_timestep: float | None = None
     reference: "Kept | None" = field(default=None, repr=False, compare=False)
 
     def plain(self) -> dict[str, Any]:
@@ -51,7 +54,7 @@ class Settings:
     def sentence(self, problem: Problem) -> str:
         """What was chosen and why, in one line."""
         step = problem.scale.written(self.timestep, "time", ".3g")
-        pilot = f"pilot run of {self.seconds:.1f} s"
+        pilot = f"pilot run ({self.seconds:.1f} s of wall time)"
         if self.unreached:
             how = f"by a rule, not measured, since {self.unreached}"
         elif self.measured == 0.0:
@@ -70,10 +73,18 @@ class Settings:
                 and (physics.coupled(problem.system) or physics.gap(problem.system) > 0.0)
             ):
                 how += "; larger behind the front in a long run, where repeated contacts amplify errors"
+        if not self.unreached and self.rule_timestep is not None and self.timestep < _USUAL * self.rule_timestep:
+            how += (
+                f"; {self.rule_timestep / self.timestep:.0f} times as short as where errors grow in proportion to "
+                "time: repeated contacts or growing oscillations amplify them; a larger `accuracy` allows a longer step"
+            )
         longer = "; frames, energy or stability allow no longer step" if self.limited else ""
         default = "" if self.asked else " (default)"
         return f"accuracy {self.accuracy:g} V{default}: timestep {step}, {how}{longer}"
 
+
+_USUAL = 0.2
+"""Part of the step by the rule, which is for errors that grow in proportion to time, that is rarely too long."""
 
 _DECK_BYTES = 250
 """Of memory, a bead that exists, to write a deck; measured."""

@@ -12,9 +12,10 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from analysis.against.difference import Deviation, Place, errors_of, waves_apart
-from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages, leading_waves, usual_arrival
+from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages, leading_waves
 from analysis.trajectory import Trajectory, watch
 from lammps_inputs import Problem, html, physics
+from lammps_inputs.facts import Fact
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.engines.reference.step_halving import MOST_HALVINGS, StepHalving, Uncertainty
@@ -122,6 +123,7 @@ class Check:
         rows = [
             (name, f"{error:.1e}", f"{uncertainty[name]:.1e}" if name in uncertainty else "")
             for name, error in errors.items()
+            if math.isfinite(error)
         ]
         return html.table("error against the reference", ("", "largest", "uncertainty of the reference"), rows)
 
@@ -153,7 +155,7 @@ def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
         velocity = max(velocity, others["velocity"], key=lambda deviation: deviation.largest)
         uncertainty = replace(uncertainty, velocity=max(uncertainty.velocity, of_snapshots.velocity))
     amplitude, arrival = (found[name].largest if name in found else math.nan for name in ("amplitude", "arrival"))
-    waves = directory.peaks_table()
+    waves = directory.peaks_table() if problem.system.holds(Fact.PULSE) else None
     if waves is not None:
         true, of_waves = _leading(replace(problem, recorded=None), settings)
         more = waves_apart(waves, true)
@@ -192,4 +194,4 @@ def _leading(problem: Problem, settings: Settings | None) -> tuple[Waves, Uncert
     """The reference's own leading waves, found at the same times as LAMMPS's, and its uncertainty."""
     for halving in references_of(problem, settings):
         finder = watch(leading_finder(problem), halving.blocks())
-    return leading_waves(leading_passages(finder.result(), problem), usual_arrival(problem)), halving.uncertainty
+    return leading_waves(leading_passages(finder.result(), problem), problem), halving.uncertainty

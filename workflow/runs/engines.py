@@ -52,6 +52,7 @@ class Engine(ABC):
 
     Attributes:
         name: in commands and records.
+        title: in sentences.
         own_step: whether it computes with the time step of the scene, so that its error is measured by the reference.
         deforms: whether beads have overlaps and forces.
         inputs: names of the files that it begins with.
@@ -59,6 +60,7 @@ class Engine(ABC):
     """
 
     name: ClassVar[str]
+    title: ClassVar[str]
     own_step: ClassVar[bool] = False
     deforms: ClassVar[bool] = True
     inputs: ClassVar[tuple[str, ...]] = (file_names.SCENE,)
@@ -101,6 +103,7 @@ class Engine(ABC):
 
 class _Lammps(Engine):
     name = "lammps"
+    title = "LAMMPS"
     own_step = True
     inputs = (file_names.SCENE, file_names.DECK, file_names.DATA)
     files = LAMMPS_FILES
@@ -142,6 +145,7 @@ class _Lammps(Engine):
 
 class _Reference(Engine):
     name = "reference"
+    title = "the reference integrator"
 
     def seconds(self, problem: Problem, ranks: int) -> float | None:  # noqa: ARG002  it runs on one core
         from workflow.engines.reference import engine  # numba takes a third of a second to import
@@ -177,6 +181,7 @@ class _Reference(Engine):
 
 class _Collisions(Engine):
     name = "collisions"
+    title = "the engine of rigid beads"
     deforms = False
 
     def refusal(self, scene: Scene) -> str:

@@ -69,6 +69,7 @@ class StepChoice(_Part):
     seconds: Seconds
     asked: bool = True
     unreached: str = ""
+    rule_timestep: Number | None = None
     model_config = ConfigDict(extra="forbid")
 
 

@@ -32,10 +32,13 @@ from typing import Any
 
 import numpy as np
 
+from analysis.against import start
 from analysis.files import recording
 from analysis.tracking.leading_waves import Waves, from_csv
-from analysis.trajectory import Floats, Trajectory, direction_of, joined
+from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, file_names, load
+from lammps_inputs.decks import parameters
+from workflow.errors import RunError
 from workflow.runs.files import RECORD, parts
 from workflow.runs.job import Job, account, update
 from workflow.runs.job import load as load_job
@@ -137,11 +140,45 @@ class RunDirectory:
         return self.dumps[0]
 
     def blocks(self, stride: int = 1) -> Iterator[Trajectory]:
-        """The frames there are, or every stride-th of them, in blocks of bounded size."""
+        """The frames there are, or every stride-th of them, in blocks of bounded size.
+
+        Raises:
+            InputError: there are none, or they cannot be read.
+            RunError: they are not frames of the scene, by LAMMPS's log, by their times or by the state of the first.
+        """
         problem, dumps = self.problem, self.dumps
         if stride > 1 or 16.0 * problem.frames * problem.chains * problem.rows_a_frame > KEPT_BYTES:
-            return recording.blocks(dumps, problem, stride)
-        return _read_once(dumps, problem)
+            return self._begun_as_the_scene(recording.blocks(dumps, problem, stride))
+        return self._begun_as_the_scene(_read_once(dumps, problem))
+
+    @cached_property
+    def _other_parameters(self) -> list[str]:
+        """Parameters of the deck that differ from the scene's, as LAMMPS's log states; none where there is no log."""
+        path = self.path / file_names.LOG
+        try:
+            log = path.read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return []
+        return parameters.differences(log, self.problem)
+
+    def _begun_as_the_scene(self, blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
+        """Frames of the scene's atoms, whose parameters, times and first state are tested as they are read."""
+        begun = False
+        try:
+            for block in blocks:
+                if not begun:
+                    self._refuse(self._other_parameters or _of_another_start(block))
+                begun = True
+                yield block
+        except recording.OtherTimesError as error:
+            self._refuse(self._other_parameters)
+            raise RunError(f"{error}; {_ADVICE}") from None
+
+    def _refuse(self, differences: list[str]) -> None:
+        """Raise an error that says what differs from the scene, if anything does."""
+        if differences:
+            texts = "; ".join(differences)
+            raise RunError(f"{self.path}: its frames are not those of {file_names.SCENE}: {texts}; {_ADVICE}")
 
     def snapshots(self, stride: int = 1) -> Iterator[Trajectory]:
         """The snapshots of all beads, or every stride-th of them, in blocks of bounded size; none if there are none."""
@@ -167,7 +204,7 @@ class RunDirectory:
         if not problem.peaks or problem.recorded is None or not path.is_file():
             return None
         try:
-            waves = from_csv(path.read_text(encoding="utf-8"), problem.scale, direction=direction_of(problem))
+            waves = from_csv(path.read_text(encoding="utf-8"), problem.scale)
         except (ValueError, OSError):
             raise InputError(
                 f"{path}: cannot be read as a table of peaks; delete it to analyse the frames alone"
@@ -178,6 +215,16 @@ class RunDirectory:
         if not (in_order and np.all(there & np.isfinite(waves.peak_velocity))):
             raise InputError(f"{path}: holds what is not this scene's; delete it to analyse the frames alone")
         return waves
+
+
+_ADVICE = "for other values, change the scene and run it again"
+
+
+def _of_another_start(block: Trajectory) -> list[str]:
+    """Sentences on what differs in the first frame of a run from the start of the scene."""
+    if block.time[0] != 0.0:
+        return [f"they begin at t = {block.problem.scale.written(block.time[0], 'time')} instead of 0"]
+    return start.differences(block)
 
 
 _kept: list[tuple[list[tuple[int, int, int]], list[Trajectory]]] = []

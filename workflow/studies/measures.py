@@ -14,13 +14,14 @@ from analysis.gauges.far_end import FarEnd
 from analysis.motion import bead_energy, participation
 from analysis.sharing.energies import EnergyFlow
 from analysis.sharing.equipartition import sharing
+from analysis.sharing.impulses import meter_of
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey
-from analysis.tracking.leading_waves import Waves, beyond_kicks, leading_waves, opposed, usual_arrival
+from analysis.tracking.leading_waves import Waves, leading_waves, opposed
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Trajectory, blocks, direction_of
 from lammps_inputs import InputError, Problem, Scene, library, physics
-from lammps_inputs.units import REDUCED, SI
+from lammps_inputs.units import REDUCED, SI, Label
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.prepare.extent import with_duration
@@ -101,6 +102,18 @@ def heading(name: str, scene: dict[str, Any]) -> str:
     return name if unit in ("", REDUCED) else f"{name} ({unit})"
 
 
+def label(name: str, scene: dict[str, Any]) -> Label:
+    """Words, symbol and unit of a field of a scene, given as plain data, or of a quantity, for a figure or page."""
+    si = "material" in scene
+    if name == MASS:
+        return Label("mass of all beads", "", SI["mass"] if si else REDUCED)
+    base, bead = _at_bead(name)
+    if (base or name) not in QUANTITIES:
+        return fields.label(fields.parse(name, scene), scene)
+    axis = QUANTITIES[base or name].axis(si=si)
+    return dataclasses.replace(axis, words=axis.words.replace("the last clear bead", f"bead {bead}")) if base else axis
+
+
 def mass_of(scene: Scene) -> float:
     """Of all beads, in the scene's units."""
     system, scale = scene.system, scene.scale
@@ -176,14 +189,16 @@ def _quick(
     """What an analysis finds of the leading waves and of the last frame, without all else that it looks for."""
     if not any(name in (*_OF_SHARING, PARTICIPATION) or _at_bead(name)[0] for name in names):
         return {}
-    finder, last = PeakFinder(), None
+    finder, meter, last = PeakFinder(), meter_of(problem), None
     for last in frames():
         finder.add(last)
-    waves = leading_waves(beyond_kicks(finder.result(), problem), usual_arrival(problem))
+        if meter is not None:
+            meter.add(last)
+    waves = leading_waves(finder.result(), problem)
     quick: dict[str, float | None] = dict(_at_beads(waves, problem, scene, names))
     if set(names) & set(_OF_SHARING):
-        found = sharing(waves, problem)
-        final, beat = found.final, found.beat_length
+        found = sharing(waves, problem, impulses=None if meter is None else meter.result())
+        final, beat = found.final, found.regular_beat
         quick |= {
             "amplitude": None if final is None else final.value,
             "agree_10": found.agrees_from(0.1),

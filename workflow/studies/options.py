@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 from lammps_inputs import InputError, file_names, library, strict_yaml
 from lammps_inputs.slurm.job import render_command
 from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.units import Label
 from workflow.runs.files import write_text
 from workflow.runs.own_files import claim, make_directory
 from workflow.screen import Answer
+from workflow.studies.measures import label
 from workflow.studies.study import floats
 from workflow.sweep import fields
 
@@ -159,12 +161,17 @@ class SecondField:
         """Whether the values can stand along an axis."""
         return bool(self.name) and all(isinstance(value, int | float) for value in self.values)
 
-    def numbered(self, values: Iterable[Any]) -> "Axis | None":
-        """The field in a figure whose lines are its values, by their numbers; None without one."""
+    def axis(self, values: Sequence[Any], scene: dict[str, Any]) -> "Axis | None":
+        """Values of the field in a figure, by their numbers from 1 where they are no numbers; None without a field."""
         from analysis.figures.studies import Axis  # matplotlib takes half a second to import
 
-        numbers = floats([self.values.index(value) + 1 for value in values]) if self.name else None
-        return None if numbers is None else Axis(f"value of {self.name}, by its number", numbers)
+        if not self.name:
+            return None
+        named = label(self.name, scene)
+        if self.is_numeric:
+            return Axis(named, floats(values))
+        numbers = floats([self.values.index(value) + 1 for value in values])
+        return Axis(Label(f"value of {named.words}, by its number"), numbers)
 
 
 NO_SECOND_FIELD = SecondField()

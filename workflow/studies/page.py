@@ -129,7 +129,11 @@ def render(title: str, summary: str, sections: Sequence[Section]) -> str:
         for number, section in enumerate(sections)
     )
     body = "\n".join(_section(section, number, cited) for number, section in enumerate(sections))
-    return document(title, summary, f'<ol class="contents">{contents}</ol>\n{body}', cited)
+    return document(title, summary, f'<ol id="contents">{contents}</ol>\n{body}\n{_UP}', cited)
+
+
+_UP = '<a class="up" href="#contents">contents</a>'
+"""The way back to the list of sections, in sight everywhere on the page."""
 
 
 def document(title: str, summary: str, body: str, cited: Iterable[str]) -> str:
@@ -154,7 +158,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table of text in HTML."""
     lines = [("th", head), *(("td", row) for row in rows)]
     cells = ("".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in line) for tag, line in lines)
-    return f"<table>{''.join(f'<tr>{line}</tr>' for line in cells)}</table>"
+    return f'<div class="wide"><table>{"".join(f"<tr>{line}</tr>" for line in cells)}</table></div>'
 
 
 def _verdicts(section: Section) -> str:
@@ -205,8 +209,11 @@ def _row(statement: Statement, cited: Sequence[str]) -> str:
         html.escape(statement.derived) or "-",
         "".join(f"<p>{html.escape(line)}</p>" for line in found),
     )
-    verdict = f'<td class="{_kind(statement.holds)}"><strong>{html.escape(statement.holds)}</strong>{correction}</td>'
-    return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}{verdict}</tr>"
+    verdict = f"<strong>{html.escape(statement.holds)}</strong>{correction}"
+    kinds = ("", "", "", _kind(statement.holds))
+    columns = zip(HEADS, kinds, (*cells, verdict), strict=True)
+    texts = [f'<td class="{kind}" data-head="{head}">{cell}</td>' for head, kind, cell in columns]
+    return f"<tr>{''.join(texts)}</tr>"
 
 
 def shown(picture: Picture) -> str:

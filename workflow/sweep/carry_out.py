@@ -147,15 +147,16 @@ def task(directory: Path, case: Asked | None, *, check: bool, figures: tuple[str
         directory: of the case, an absolute path.
         case: what to run first; None to analyse only what is there.
         check: whether to measure the error of a LAMMPS run.
-        figures: formats of the figures to draw; none without any.
+        figures: formats of the figures to draw, of the width that is asked for now; none without any.
     """
     plain = None if case is None else case.plain()
-    return Task(
-        f"{__name__}:compute", {"directory": str(directory), "case": plain, "check": check, "figures": list(figures)}
-    )
+    drawn = {"figures": list(figures), "width": formats.width_asked()}
+    return Task(f"{__name__}:compute", {"directory": str(directory), "case": plain, "check": check, **drawn})
 
 
-def compute(directory: str, case: dict[str, Any] | None, check: bool, figures: list[str]) -> str:
+def compute(
+    directory: str, case: dict[str, Any] | None, check: bool, figures: list[str], width: float | None = None
+) -> str:
     """Run and analyse a case; "done" or "stopped"."""
     path = Path(directory)
     if case is not None:
@@ -167,7 +168,7 @@ def compute(directory: str, case: dict[str, Any] | None, check: bool, figures: l
         if check and (path / RECORD).is_file():
             resume(path)  # it is done, but perhaps its error was not measured any more
         analysed = RunDirectory(path)
-    with formats.written_as(tuple(figures)):
+    with formats.written_as(figures, width):
         analyse(analysed, figures=bool(figures))
     return "done"
 

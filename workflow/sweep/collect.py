@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from analysis.quantity import to_csv
 from analysis.sharing.verdict import State
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats
 from lammps_inputs import InputError, file_names, html, library, strict_yaml
 from lammps_inputs.numbers import text
-from lammps_inputs.units import REDUCED
+from lammps_inputs.units import REDUCED, Label
 from workflow.runs.files import RECORD, write_figure
 from workflow.runs.job import account
 from workflow.runs.status import slurm_queue, status
@@ -37,6 +37,16 @@ QUANTITIES = collect_columns()
 UNCERTAINTIES = {name.removesuffix("_uncertainty"): name for name in QUANTITIES if name.endswith("_uncertainty")}
 """Column -> the one that holds its uncertainty, in the same unit."""
 
+SHOWN = {
+    "amplitude": ".4f",
+    "agree_10": "d",
+    "agree_1": "d",
+    "energy_share": ".3f",
+    "error_velocity": ".0e",
+    "wall_seconds": ".2f",
+}
+"""Columns of the printed table, and their formats; the file has all of them."""
+
 UNSETTLED = (State.BEATING.value, State.SHORT.value, State.UNSURE.value)
 """States of a case whose chains have not come to share equally, so that its numbers may yet change."""
 
@@ -50,7 +60,7 @@ class Table:
         rows: one a case: its name as ``case``, fields, ``outcome``, quantities, ``reason``; None is unknown.
         si: whether the scenes are in SI units; None if some are and some are not.
         scene: name of the scenes; empty if they have several.
-        units: of the fields: a symbol, "reduced", or empty for none.
+        labels: words, symbol and unit of the fields.
         bands: case -> lowest and highest frequencies at which small waves pass, [[low, high], ...]; where known.
     """
 
@@ -58,7 +68,7 @@ class Table:
     rows: list[dict[str, Any]]
     si: bool | None
     scene: str = ""
-    units: dict[str, str] = field(default_factory=dict)
+    labels: dict[str, Label] = field(default_factory=dict)
     bands: dict[str, list[list[float]]] = field(default_factory=dict)
 
     @property
@@ -111,6 +121,11 @@ class Table:
             dtype=np.float64,
         )
 
+    def unsettled(self, name: str) -> Flags:
+        """[case] whether chains have not come to share equally, where a column is one of equipartition."""
+        shares = name in QUANTITIES and QUANTITIES[name].path[0] == "equipartition"
+        return np.array([shares and row["state"] in UNSETTLED for row in self.rows], dtype=bool)
+
     def passed(self, name: str) -> Floats | None:
         """Frequencies at which small waves pass, [band, 2], if a field is one and all cases have the same."""
         if name.rpartition(".")[2] != "frequency":
@@ -127,18 +142,17 @@ class Table:
         unit = self._unit(name)
         return name if unit in ("", REDUCED) or (unit in OWN and not self.si) else f"{name} ({unit})"
 
-    def label(self, name: str) -> str:
-        """What to write at an axis that shows a column."""
-        words = name.replace("_", " ").replace(".", " ") if name in self.fields else QUANTITIES[name].label
-        unit = self._unit(name)
-        if unit in OWN:
-            return f"{words} / ${unit}$"
-        return f"{words} ({unit})" if unit else words
+    def label(self, name: str) -> Label:
+        """Words, symbol and unit of a column: ``.mathtext`` in figures, ``.plain`` in pages; of text its name."""
+        if name in self.labels:
+            return self.labels[name]
+        column = QUANTITIES.get(name)
+        return column.axis(si=self.si) if column is not None and column.label else Label(name)
 
     def _unit(self, name: str) -> str:
         """Of a column; empty where it has none, or the scenes do not agree on one."""
         if name in self.fields:
-            return self.units.get(name, "")
+            return self.labels[name].unit if name in self.labels else ""
         unit = "" if name not in QUANTITIES else QUANTITIES[name].unit(si=self.si is True)
         return unit if self.si is not None or unit in OWN else ""
 
@@ -197,15 +211,15 @@ def collect(directory: Path) -> Table:
         rows,
         si=None if len(kinds) > 1 else kinds == {True},
         scene=scenes.pop() if len(scenes) == 1 else "",
-        units={name: _shared_unit(paths[name], requests.values()) for name in names},
+        labels={name: _shared_label(paths[name], requests.values()) for name in names},
         bands=bands,
     )
 
 
-def _shared_unit(path: fields.Path, requests: Iterable[Asked]) -> str:
-    """Of a field; empty where the cases have several."""
-    found = {fields.unit(path, request.scene) for request in requests if request.scene}
-    return found.pop() if len(found) == 1 else ""
+def _shared_label(path: fields.Path, requests: Iterable[Asked]) -> Label:
+    """Label of a field; without a unit where the cases have several."""
+    labels = {fields.label(path, request.scene) for request in requests if request.scene} or {fields.label(path, {})}
+    return labels.pop() if len(labels) == 1 else replace(labels.pop(), unit="")
 
 
 def _are_bands(value: Any) -> bool:
@@ -356,9 +370,7 @@ def drawn(table: Table, quantity: str, over: str, beside: str | None = None, tit
         placed.label(quantity),
         placed.numbers(quantity),
         None if error is None else placed.numbers(error),
-        np.array(
-            [QUANTITIES[quantity].path[0] == "equipartition" and row["state"] in UNSETTLED for row in placed.rows]
-        ),
+        placed.unsettled(quantity),
     )
     title = ", ".join(filter(None, (table.scene, title)))
     return swept_figure(upwards, along, second[0] if second else None, title, bands)

@@ -17,7 +17,7 @@ from lammps_inputs.ingredients import INGREDIENTS
 from lammps_inputs.ingredients.base import Part
 from lammps_inputs.ingredients.by_formula import ByFormula
 from lammps_inputs.scene import SEVERAL
-from lammps_inputs.units import Unit
+from lammps_inputs.units import Label, Unit
 
 _STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(?:\[([1-9][0-9]{0,5})\])?")
 
@@ -176,6 +176,28 @@ def unit(path: Path, scene: dict[str, Any]) -> str:
     beside = look_up(scene, path[:-1]) if len(path) > 1 else {}
     keys = {**scene, **(beside if isinstance(beside, dict) else {})}
     return "" if found is None else found.symbol(keys, si="material" in scene)
+
+
+def label(path: Path, scene: dict[str, Any]) -> Label:
+    """Words, symbol and unit of a field: those that its type declares, else the words of its path.
+
+    Of a key of a part that is labelled itself, such as the ends of a ramp, both are named; so are the number of an
+    entry and the name of a kind.
+    """
+    keys = [key.replace("_", " ") for key, _ in path]
+    names = [f"{key} {number}" for key, number in path if number is not None]
+    if keys[0] in _NAMED and len(keys) > 2:
+        names, keys = [f"kind {path[1][0]}"], keys[2:]
+    declared = [_declared_label(path[:count]) for count in range(1, len(path) + 1)]
+    words = list(dict.fromkeys(label.words for label in declared if label is not None))
+    if declared[-1] is None:
+        words.append(keys[-1] if words else " ".join(keys))
+    symbol = "" if declared[-1] is None or names else declared[-1].symbol
+    return Label(", ".join([*words, *names]), symbol, unit(path, scene))
+
+
+def _declared_label(path: Path) -> Label | None:
+    return next((part for part in _parts(_field(path)) if isinstance(part, Label)), None)
 
 
 def _field(path: Path) -> FieldInfo | None:

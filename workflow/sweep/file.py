@@ -16,9 +16,11 @@ import itertools
 import json
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, ValidationError, model_validator
@@ -263,6 +265,7 @@ LONGEST_NAME = 150
 """Characters; file systems take 255, and figures and temporary files add to it."""
 
 _LONGEST_VALUE = 40
+_FEW_DIGITS, _EXACT, _LARGEST = 6, 17, 10**300
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
@@ -271,7 +274,8 @@ class Case:
     """One case.
 
     Attributes:
-        name: of its directory; depends on the fields and values of this case alone.
+        name: of its directory; depends on the fields and values of this case alone, unless a value of another case has
+            the same first digits.
         values: field -> value.
     """
 
@@ -287,9 +291,10 @@ def all_cases(sweep: Sweep) -> list[Case]:
     """
     cases, names = [], set()
     columns = list(sweep.vary.values())
+    digits = {field: _digits(values) for field, values in sweep.vary.items()}
     for row in itertools.product(*columns) if sweep.combine == "product" else zip(*columns, strict=True):
         values = dict(zip(sweep.vary, row, strict=True))
-        case = Case(case_name(values), values)
+        case = Case(case_name(values, digits), values)
         if case.name in names:
             raise InputError(f"{sweep.source}: vary: the case {case.name} is there twice; a value is given twice")
         names.add(case.name)
@@ -312,26 +317,42 @@ def scene_of(sweep: Sweep, case: Case) -> Scene:
     return library.from_plain(scene, where)
 
 
-def case_name(values: dict[str, Any]) -> str:
+def case_name(values: dict[str, Any], digits: Mapping[str, int] = MappingProxyType({})) -> str:
     """``coupling.stiffness=0.05,kick.velocity=0.1``: letters, digits and ``._-+=,``, of bounded length.
 
-    Numbers are written so that they read back exactly; what cannot be written shortly is a fingerprint.
+    What cannot be written shortly is a fingerprint.
+
+    Args:
+        values: field -> value.
+        digits: field -> significant digits of its numbers; numbers of other fields read back exactly.
     """
-    full = ",".join(f"{field.replace('[', '').replace(']', '')}={_written(value)}" for field, value in values.items())
+    full = ",".join(
+        f"{field.replace('[', '').replace(']', '')}={_written(value, digits.get(field, _EXACT))}"
+        for field, value in values.items()
+    )
     if len(full) <= LONGEST_NAME:
         return full
     mark = f"..{_fingerprint(full)}"
     return full[: LONGEST_NAME - len(mark)] + mark
 
 
-def _written(value: Any) -> str:
+def _written(value: Any, digits: int) -> str:
     if value is None:
         return "none"
-    if isinstance(value, float) or (isinstance(value, int) and 2**53 <= abs(value) <= 10**300):
-        return text(value + 0.0)  # zero has no sign
+    if isinstance(value, float) or (isinstance(value, int) and 2**53 <= abs(value) <= _LARGEST):
+        return text(float(f"{value:.{digits}g}") + 0.0)  # zero has no sign
     plain = str(value) if isinstance(value, int | str) else ""
     short = len(plain) <= _LONGEST_VALUE and (isinstance(value, int) or _WORD.fullmatch(plain))
     return plain if short else _fingerprint(json.dumps(value, sort_keys=True))
+
+
+def _digits(values: list[Any]) -> int:
+    """Significant digits that keep the numbers of a field apart, at least `_FEW_DIGITS`."""
+    numbers = {value for value in values if isinstance(value, int | float) and abs(value) <= _LARGEST}
+    for digits in range(_FEW_DIGITS, _EXACT):
+        if len({f"{value:.{digits}g}" for value in numbers}) == len(numbers):
+            return digits
+    return _EXACT
 
 
 def _fingerprint(words: str) -> str:

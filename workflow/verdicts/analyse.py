@@ -10,8 +10,11 @@ import numpy as np
 
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
+from analysis.files.events import from_csv
 from analysis.files.recording import FARTHEST
-from analysis.quantity import csv_of, headings, plain
+from analysis.quantity import csv_of, plain
+from analysis.sharing.equipartition import runs_exact_waves
+from analysis.sharing.impulses import Impulses, from_events
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
@@ -21,12 +24,14 @@ from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from workflow.formats import figure_files, in_any_format
 from workflow.runs.check import accountant
-from workflow.runs.files import write_figure, write_json, write_text
+from workflow.runs.engines import ENGINES
+from workflow.runs.files import EVENTS, write_figure, write_json, write_text
 from workflow.runs.own_files import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, report, waves_csv
 from workflow.verdicts.findings import FINDINGS, energy
 from workflow.verdicts.findings.finding import Finding
+from workflow.verdicts.pulse_table import pulse_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -81,12 +86,8 @@ class Analysis:
 
     def _repr_html_(self) -> str:
         drawn = ", ".join(path.name for path in self.figures)
-        shown = {"arrival": "arrival", "peak_velocity": "peak velocity", "speed": "speed"}
-        head = ["chain", "last bead", *headings(type(self.waves), self.problem.scale, shown)]
-        rows = []
-        for chain in np.unique(self.waves.chain).tolist():
-            last = self.si.of_chain(chain).array()[-1]
-            rows.append((chain, last["bead"], *(float(last[name]) for name in shown)))
+        table = pulse_table(self.survey)
+        head, rows = ([], []) if table is None else (table.head, table.rows)
         return html.table(repr(self)[1:-1], head, rows) + html.text(drawn)
 
 
@@ -142,6 +143,7 @@ def analyse(
         arrival=arrival,
         leading=directory.peaks_table() if arrival in (None, usual_arrival(problem)) else None,
         counted=exchange.of,
+        impulses=_of_collisions(directory, problem),
     )
     whole = conservation
     if problem.frames_per_snapshot is not None:
@@ -173,6 +175,13 @@ def analyse(
         altered=directory.fingerprint not in ("", fingerprint.sha256()),
         findings=there,
     )
+
+
+def _of_collisions(directory: RunDirectory, problem: Problem) -> Impulses | None:
+    """Impulses of rigid beads, whose frames hold no overlaps; None where beads deform."""
+    if ENGINES[directory.engine].deforms:
+        return None
+    return from_events(problem, from_csv(directory.path / EVENTS, problem.scale), direction_of(problem))
 
 
 def _write(
@@ -250,14 +259,15 @@ def _makers(found: Survey, spacetime: Any, history: Any) -> "dict[str, Callable[
 
     problem = found.problem
     system = problem.system
-    makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history)}
+    waves = found.waves if system.holds(Fact.PULSE) else None
+    makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history, waves)}
     if spacetime is not None and len(spacetime.beads) > 1:
         makers["spacetime"] = lambda: spacetime_figure(spacetime)
     if len(found.shared) > 1 and system.holds(Fact.PULSE):
         makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
     whole = np.unique(along_the_way(problem, found.waves.bead[np.isfinite(found.shape.residual)]))
     whole = along_the_way(problem, whole[whole <= problem.beads - CLEAR])
-    if len(whole) and system.holds(Fact.PULSE) and system.holds(Fact.SONIC_VACUUM) and not physics.gap(system):
+    if len(whole) and runs_exact_waves(system):
         early, late = whole[min(len(whole) - 1, int(np.searchsorted(along_the_way(problem, whole), 10)))], whole[-1]
         makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
     return makers

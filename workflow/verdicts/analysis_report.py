@@ -6,13 +6,14 @@ import numpy as np
 
 from analysis.conservation import Conservation
 from analysis.quantity import Column, declare, derived, result, table, to_csv
-from analysis.shape.exact_wave import has_wave, wave_of
-from analysis.sharing.equipartition import AGREEMENTS, Estimate, dissipates, resolved
+from analysis.shape.exact_wave import wave_of
+from analysis.sharing.equipartition import AGREEMENTS, CONVERGES, Estimate, resolved, runs_exact_waves
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import DecayFit
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse, Train, train_of
+from analysis.tracking.succession import Change
 from analysis.tracking.undisturbed import CLEAR, clear_of_others
 from analysis.trajectory import Floats, along_the_way, mirrored_bead
 from lammps_inputs import Problem, physics
@@ -31,7 +32,7 @@ class WavesTable(Waves):
     )
     residual: Floats = declare(
         "largest difference from the velocity of the exact wave of this peak velocity, over that",
-        undefined="the passage is not recorded completely, or there is no exact wave",
+        undefined="the passage is not recorded completely, a larger pulse overlaps, or there is no exact wave",
     )
     chain_energy: Floats = declare(
         "energy of the chain, with half of its springs', in the frame nearest to when the waves (on average) pass this "
@@ -92,7 +93,10 @@ STEADY = 0.01
 
 NOT_REACHED = "no recorded bead was reached"
 
-UNRESOLVED = "no pulse keeps its shape, or recorded beads are too far apart to show beats"
+UNRESOLVED = (
+    "no pulse keeps its shape, recorded beads are too far apart to show beats, or coupled chains have gaps and not all "
+    "beads are recorded"
+)
 NO_AGREEMENT = f"it does not, or not for as long as half a beat; a single chain; {UNRESOLVED}"
 COUNTED = (
     "to the last recorded bead that all leading waves passed clear of the chains' ends; counted along the pulse's way, "
@@ -106,6 +110,9 @@ class ChainSummary:
 
     chain: int = declare("number of the chain")
     beads_reached: int = declare("number of recorded beads that the wave passed")
+    ended: list[int] = declare(
+        "beads at which a leading pulse ended, in the order of its way: from the next recorded bead on another one led"
+    )
     bead: int | None = declare(
         "last recorded bead, five before the end, that the wave passed", undefined=NOT_REACHED, column="last clear bead"
     )
@@ -117,7 +124,7 @@ class ChainSummary:
         column="arrival at the last clear bead",
     )
     peak_velocity: float | None = declare(
-        "largest velocity of that bead along the wave's way",
+        "largest velocity of that bead along the wave's way as the wave passes",
         "velocity",
         NOT_REACHED,
         "v",
@@ -126,17 +133,17 @@ class ChainSummary:
     speed: float | None = declare(
         "speed of the wave there, from the arrivals at the recorded beads on either side",
         "speed",
-        f"{NOT_REACHED}, one of those arrivals is undefined, or another pulse leads at one of those beads",
+        f"{NOT_REACHED}, one of those arrivals is undefined, or the pulse begins or ends there within the chain",
         "c",
         column="speed at the last clear bead",
     )
     arrival_error: float | None = declare(
-        "bound on the error of the arrival by the time between frames, or noise",
+        "bound on the error of the arrival by the time between frames",
         "time",
         NOT_REACHED,
     )
     peak_velocity_error: float | None = declare(
-        "bound on the error of the peak velocity by the time between frames, or noise", "velocity", NOT_REACHED
+        "bound on the error of the peak velocity by the time between frames", "velocity", NOT_REACHED
     )
     arrival_reduced: float | None = declare("the arrival in units of T", "T", "as ``arrival``", "t / T")
     peak_velocity_reduced: float | None = declare(
@@ -147,16 +154,17 @@ class ChainSummary:
     )
 
     @classmethod
-    def of(cls, waves: Waves, problem: Problem, chain: int) -> "ChainSummary":
-        """Of a chain's leading waves."""
+    def of(cls, waves: Waves, problem: Problem, chain: int, succession: tuple[Change, ...] = ()) -> "ChainSummary":
+        """Summary of a chain's leading waves, with the changes from one pulse to another that were found."""
         own = waves.of_chain(chain)
         if len(own) == 0:
-            return cls(chain, 0, *[None] * 8)
+            return cls(chain, 0, [], *[None] * 8)
         last = last_clear_bead(own, problem)
         names = ("arrival", "peak_velocity", "speed", "arrival_error", "peak_velocity_error")
         at = {name: float(getattr(own, name)[last]) for name in names}
         reduced = {f"{name}_reduced": at[name] for name in ("arrival", "peak_velocity")}
-        return cls(chain, len(own), int(own.bead[last]), **at, **reduced)
+        ended = [change.last for change in succession if change.chain == chain]
+        return cls(chain, len(own), ended, int(own.bead[last]), **at, **reduced)
 
 
 @result
@@ -205,7 +213,11 @@ class EnergyShare:
 
 @result
 class Equipartition:
-    """How the chains share the leading pulse. Beads count from the end that was kicked along the pulse's way."""
+    """How the chains share the leading pulse. Beads count from the end that was kicked along the pulse's way.
+
+    The amplitude at a bead is the peak velocity of the leading pulse; where coupled chains have gaps, the impulse of
+    the bead's first contact over its mass.
+    """
 
     verdict: str = declare("what the run shows of equipartition, in words", column="")
     state: str = declare("the same in few words", column="")
@@ -219,23 +231,26 @@ class Equipartition:
         f"0.01 and 0.001 {COUNTED}",
         undefined=NO_AGREEMENT,
         columns=(
-            Column("agree_10", "bead from which the chains agree to 10%", "0.1"),
-            Column("agree_1", "bead from which the chains agree to 1%", "0.01"),
+            Column("agree_10", "bead from which amplitudes agree to 10 %", "0.1", "d_{10}"),
+            Column("agree_1", "bead from which amplitudes agree to 1 %", "0.01", "d_1"),
         ),
     )
     arrivals: dict[str, int | None] = declare(
         "bead from which on the difference of the chains' arrivals, latest - earliest over the time in which the wave "
         f"passes (at half its height), stays below 0.1, 0.01 and 0.001 {COUNTED}",
         undefined=NO_AGREEMENT,
-        columns=(Column("in_step_1", "bead from which arrivals agree to 1%", "0.01"),),
+        columns=(Column("in_step_1", "bead from which arrivals agree to 1 %", "0.01"),),
     )
     final: Final | None = declare(
         "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
         "V",
-        "amplitudes have no limit, or do not approach one; no pulse keeps its shape",
+        "no pulse keeps its shape; amplitudes have no limit (energy is dissipated, beads or loads differ along the "
+        "chain, less than half a beat was seen), deviate by more than half of it, or do not approach one: the mean "
+        "over as many beads before differs by more than half of the largest deviation, and from stretch to stretch "
+        f"such differences do not become smaller by a factor of {1.0 / CONVERGES:g}",
         "v",
         columns=(
-            Column("amplitude", "asymptotic amplitude", "value"),
+            Column("amplitude", "asymptotic amplitude", "value", "v"),
             Column("amplitude_uncertainty", "uncertainty of the asymptotic amplitude", "uncertainty"),
         ),
     )
@@ -246,16 +261,16 @@ class Equipartition:
     beat_length: Estimate | None = declare(
         "beads from one excess of a chain to the next, and its scatter",
         "beads",
-        f"no beat is seen; {UNRESOLVED}",
+        f"no beat is seen, or half beats scatter by more than half of their mean; {UNRESOLVED}",
         columns=(
-            Column("beat_length", "beat length (beads)", "value"),
-            Column("beat_length_uncertainty", "uncertainty of the beat length (beads)", "uncertainty"),
+            Column("beat_length", "beat length", "value"),
+            Column("beat_length_uncertainty", "uncertainty of the beat length", "uncertainty"),
         ),
     )
     decay_law: DecayFit | None = declare(
         "law v = v0 (1 - n / n_star)**2.5 fitted to the kicked chain",
-        undefined="neighbours are nowhere weak over ten beads, springs are not linear and equal, beads are unlike or "
-        "loaded, energy is dissipated, or not just one bead was kicked",
+        undefined="neighbours are nowhere weak over ten beads, springs are not linear and equal, beads are unlike, "
+        "loaded or have gaps, energy is dissipated, or not just one bead was kicked",
     )
 
 
@@ -308,12 +323,14 @@ class Report:
         symbol="\\kappa",
     )
     arrival: str = declare("definition of arrivals: ``maximum`` of the velocity, or centre of the ``impulse``")
-    noise: float = declare("standard deviation of the recorded velocities' noise; 0 without noise", "V")
     waves: list[ChainSummary] = declare("leading wave of each chain at its last clear bead")
     train: Train | None = declare(
         "pulses that follow each other in the kicked chain", undefined="none is steady anywhere"
     )
-    equipartition: Equipartition = declare("how the chains share the leading pulse")
+    equipartition: Equipartition = declare(
+        "how the chains share the leading pulse, whose amplitude at a bead is its peak velocity or, where coupled "
+        "chains have gaps, the impulse of the bead's first contact over its mass"
+    )
     tolerances: Tolerances = declare("relative differences within which a pulse is called solitary")
     pulses: list[PulseEntry] = declare("every pulse, the strongest first")
 
@@ -333,8 +350,9 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> Report:
         scale={"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
         kappa=physics.kappa(problem.system),
         arrival=found.arrival,
-        noise=found.noise,
-        waves=[ChainSummary.of(found.waves, problem, chain) for chain in range(1, problem.chains + 1)],
+        waves=[
+            ChainSummary.of(found.waves, problem, chain, found.succession) for chain in range(1, problem.chains + 1)
+        ],
         train=train(found),
         equipartition=equipartition(found),
         tolerances=tolerances,
@@ -375,12 +393,11 @@ def train(found: Survey) -> Train | None:
 
 def equipartition(found: Survey) -> Equipartition:
     """How the chains share the leading pulse."""
-    shared, decay, verdict, system = found.shared, found.decay, found.verdict, found.problem.system
+    shared, decay, verdict, system = found.shared.followed, found.decay, found.verdict, found.problem.system
     pulse = system.holds(Fact.PULSE)
     seen = pulse and resolved(shared, system)
     final, span = shared.final, shared.span if pulse else None
     measured = np.sum(found.energies.wave, axis=1)
-    exact = has_wave(system) and physics.alike(system) and not physics.gap(system) and not dissipates(system)
     return Equipartition(
         verdict=verdict.sentence,
         state=verdict.state.value,
@@ -391,10 +408,10 @@ def equipartition(found: Survey) -> Equipartition:
         final=None if final is None else Final(final.value, final.uncertainty),
         range=None if span is None else Range(span[0], int(shared.bead[-1]), *span[1:]),
         energy_share=EnergyShare(
-            exact=float(np.sum(shared.wave_share[-1])) if len(shared) and exact else None,
+            exact=float(np.sum(shared.wave_share[-1])) if len(shared) and runs_exact_waves(system) else None,
             measured=float(measured[-1]) if len(measured) and pulse else None,
         ),
-        beat_length=shared.beat_length if seen else None,
+        beat_length=shared.regular_beat if seen else None,
         decay_law=decay,
     )
 

@@ -1,5 +1,6 @@
 """Beads, springs and contact forces that move along the chains, under a slider."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -11,16 +12,18 @@ from bokeh.models import (
     Div,
     HoverTool,
     LinearColorMapper,
+    Range1d,
     Slider,
     Span,
     Toggle,
 )
 from bokeh.plotting import figure
 
+from analysis.figures.spacetime import STILL
 from analysis.figures.style import Unit
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
-from workflow.view.plots import label, name_places, number
+from workflow.view.plots import chain_name, label, lists, name_places, number
 from workflow.view.thin import Thinned, Units, behind
 
 BEADS_IN_SIGHT = 40
@@ -33,10 +36,10 @@ _EXAGGERATED = 0.25
 """Distances between neighbouring beads of a page for a displacement of L: what LAMMPS's, 4 wide, have."""
 
 _MOVE = """
-const seen = Math.min(sight, places.at(-1) - places[0] + 2 * spacing);
-const widest = Math.min(most, 0.95 * spacing * plot.inner_width / seen);
-const k = slider.value, n = places.length, T = time[k];
-now.location = T;
+const sight = Math.min(most_places, places.at(-1) - places[0] + 2 * spacing);
+const widest = Math.min(most_pixels, 0.95 * spacing * plot.inner_width / sight);
+const n = places.length, k = Math.min(time.length - 1, Math.round((slider.value - slider.start) / slider.step));
+for (const line of now) line.location = time[k];
 const x = [], y = [], v = [], d = [], r = [], bead = [], chain = [], fx = [], fy = [], fh = [];
 const sx0 = [], sx1 = [], sy0 = [], sy1 = [], sc = [];
 let front = 0, fastest = 0;
@@ -46,44 +49,43 @@ for (let c = 0; c < images.length; c++) {
     const at = k * n + i;
     r.push(widest * radius[c][i]); x.push(places[i] + exaggerated * dis[at]); y.push(-c); v.push(vel[at]);
     d.push(dis[at] * length); bead.push(beads[i]); chain.push(chains[c]);
-    if (force[at] > 0) { fx.push(places[i] + 0.5 * spacing); fy.push(-c + 0.3); fh.push(0.45 * force[at] / strongest); }
+    if (force[at] > least) {
+      fx.push(places[i] + 0.5 * spacing); fy.push(-c + 0.3); fh.push(0.45 * force[at] / strongest);
+    }
     if (Math.abs(vel[at]) > fastest) { fastest = Math.abs(vel[at]); front = i; }
   }
 }
 for (const [a, b] of springs)
   for (let i = 0; i < n; i++) {
-    const one = k * n + i, dis = moved.data.displacement, p = exaggerated * dis[a][one], q = exaggerated * dis[b][one];
+    const at = k * n + i, dis = moved.data.displacement, p = exaggerated * dis[a][at], q = exaggerated * dis[b][at];
     sx0.push(places[i] + p); sx1.push(places[i] + q);
     sy0.push(-a); sy1.push(-b); sc.push(Math.min(1, 0.15 + Math.abs(p - q) / spacing));
   }
 balls.data = {x, y, v, d, r, bead, chain};
 pushes.data = {x: fx, y: fy.map((low, i) => low + fh[i] / 2), h: fh};
 ties.data = {x0: sx0, x1: sx1, y0: sy0, y1: sy1, alpha: sc};
-const half = 0.5 * sight, first = places[0] - spacing, last = places[n - 1] + spacing;
+const half = 0.5 * most_places, first = places[0] - spacing, last = places[n - 1] + spacing;
 const middle = Math.max(first + half, Math.min(last - half, places[front]));
-if (last - first > sight) { range.start = middle - half; range.end = middle + half; }
+if (last - first > most_places) { range.start = middle - half; range.end = middle + half; }
 """
-
-_TIME = "return time[Math.max(0, Math.min(time.length - 1, Math.round(tick)))].toPrecision(5) + unit"
-
-_PLAY_LABEL = """
-.bk-btn::after { content: 'play'; } .bk-btn.bk-active::after { content: 'pause'; }
-"""
-"""A label that is changed in the model draws the button again, which takes the focus from it."""
 
 _PLAY = """
 clearInterval(window.playing);
+const last = Math.round((slider.end - slider.start) / slider.step), jump = Math.max(1, Math.round(last / 400));
 if (button.active) window.playing = setInterval(() => {
-  slider.value = slider.value >= slider.end ? slider.start : slider.value + Math.max(1, Math.round(slider.end / 400));
+  const k = Math.round((slider.value - slider.start) / slider.step);
+  slider.value = k >= last ? slider.start : slider.start + Math.min(last, k + jump) * slider.step;
 }, 40);
 """
+
+_TIME = "return tick.toFixed(digits) + unit"
 
 
 def moving_beads(
     problem: Problem,
     part: Thinned,
     images: list[ColumnDataSource],
-    now: Span,
+    now: list[Span],
     colours: LinearColorMapper,
     units: Units,
     radius: Floats,
@@ -94,7 +96,7 @@ def moving_beads(
         problem: what was run.
         part: of its frames, in units of the page.
         images: maps of the chains.
-        now: marks the time in them.
+        now: lines that mark the time in other plots.
         colours: of velocities.
         units: of the page.
         radius: of each bead of the part, [chain, bead], over the largest.
@@ -106,31 +108,29 @@ def moving_beads(
     moved = ColumnDataSource(
         name="moved", data={"displacement": [(x / length).astype(np.float32) for x in part.displacement]}
     )
-    shown = CustomJSTickFormatter(args={"time": part.time.tolist(), "unit": behind(units["time"])}, code=_TIME)
-    slider = Slider(start=0, end=max(1, len(part.time) - 1), value=0, step=1, title="time", name="time", format=shown)
-    slider.sizing_mode = "stretch_width"
-    button = Toggle(label="", width=70, name="play", stylesheets=[_PLAY_LABEL])
+    slider = _slider(part, units["time"])
+    button = Toggle(label="play / pause", width=100, name="play")
+    least = STILL * colours.high / units["velocity"].worth * units["force"].worth
+    strongest = float(np.nanmax(part.force, initial=0.0))
     move = CustomJS(
         args={
             "slider": slider,
             "now": now,
-            "beads": part.beads.tolist(),
-            "places": part.places.tolist(),
-            "chains": part.chains,
-            "time": part.time.tolist(),
+            **lists(part),
             "images": images,
             "moved": moved,
             **sources,
             "range": plot.x_range,
             "springs": _springs(problem, part),
-            "strongest": float(np.nanmax(part.force, initial=0.0)) or 1.0,
+            "least": least,
+            "strongest": strongest,
             "exaggerated": _EXAGGERATED * part.spacing,
             "length": length,
             "spacing": part.spacing,
-            "sight": sight,
+            "most_places": sight,
             "plot": plot,
             "radius": radius.tolist(),
-            "most": _WIDEST,
+            "most_pixels": _WIDEST,
         },
         code=_MOVE,
     )
@@ -138,22 +138,36 @@ def moving_beads(
     button.js_on_change("active", CustomJS(args={"slider": slider, "button": button}, code=_PLAY))
     plot.js_on_change("inner_width", move)  # once, when the page is laid out
     bar = row(button, slider, sizing_mode="stretch_width")
-    return plot, column(bar, Div(text=_scales(part, units["length"])), sizing_mode="stretch_width")
+    scales = Div(text=_scales(part, units, strongest if strongest > least else 0.0))
+    return plot, column(bar, scales, sizing_mode="stretch_width")
+
+
+def _slider(part: Thinned, unit: Unit) -> Slider:
+    """A slider whose values are times, written to a tenth of the time between frames."""
+    digits = max(0, 1 - math.floor(math.log10(part.every)))
+    written = CustomJSTickFormatter(args={"digits": digits, "unit": behind(unit)}, code=_TIME)
+    start = float(part.time[0])
+    end = start + max(1, len(part.time) - 1) * part.every
+    slider = Slider(start=start, end=end, value=start, step=part.every, title="time", name="time", format=written)
+    slider.sizing_mode = "stretch_width"
+    return slider
 
 
 def _springs(problem: Problem, part: Thinned) -> list[list[int]]:
     """Pairs of the chains shown, counted from 0 in their order, between which there are springs."""
     rows = {chain - 1: k for k, chain in enumerate(part.chains)}
     edges = (edge for link in problem.system.across for edge in link.edges)
-    return [[rows[one], rows[other]] for one, other in edges if one in rows and other in rows]
+    return [[rows[first], rows[second]] for first, second in edges if first in rows and second in rows]
 
 
-def _scales(part: Thinned, length: Unit) -> str:
-    """How displacements and forces are drawn."""
+def _scales(part: Thinned, units: Units, strongest: float) -> str:
+    """How velocities, displacements and forces are drawn."""
+    length, force = units["length"], units["force"]
     unit = f"{length.worth:.3g} {length.symbol} (L)" if length.symbol else "L (the unit of length)"
     between = "neighbouring beads" if part.bead_stride == 1 and part.even else "the beads shown"
-    forces = "; bars above the beads: contact forces" if np.any(np.isfinite(part.force)) else ""
-    return f"A displacement of {unit} is drawn as {_EXAGGERATED:g} of the distance between {between}{forces}."
+    forces = f"; bars above the beads: contact forces, the highest {strongest:.3g}{behind(force)}" if strongest else ""
+    displacements = f"a displacement of {unit} is drawn as {_EXAGGERATED:g} of the distance between {between}"
+    return f"Colours follow the signed square root of the velocity; {displacements}{forces}."
 
 
 def _plot(part: Thinned, sight: float) -> Any:
@@ -161,16 +175,20 @@ def _plot(part: Thinned, sight: float) -> Any:
     chains = len(part.chains)
     first, last = float(part.places[0]) - part.spacing, float(part.places[-1]) + part.spacing
     plot = figure(
+        name="beads",
         tools="xpan,xwheel_zoom,reset,save",
-        height=110 + 46 * chains,
+        toolbar_location="above",
+        toolbar_sticky=False,
+        height=130 + 46 * chains,
         sizing_mode="stretch_width",
-        x_range=(first, min(last, first + sight)),
+        x_range=Range1d(first, min(last, first + sight), bounds=(first, last)),
         y_range=(-chains + 0.4, 0.9),
     )
+    plot.toolbar.logo = None
     label(plot)
     name_places(plot, part)
     plot.yaxis.ticker = [-k for k in range(chains)]
-    plot.yaxis.major_label_overrides = {-k: f"chain {chain}" for k, chain in enumerate(part.chains)}
+    plot.yaxis.major_label_overrides = {-k: chain_name(chain) for k, chain in enumerate(part.chains)}
     plot.grid.visible = False
     return plot
 

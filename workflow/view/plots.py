@@ -1,34 +1,49 @@
-"""Plots of a run's page: how they write numbers, beads and chains; maps in space and time; traces of clicked beads."""
+"""What the plots of a run's page share: axes, numbers, looks of lines and legends; and maps in space and time."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from bokeh.events import Tap
 from bokeh.models import (
     AdaptiveTicker,
     ColorBar,
     ColumnDataSource,
     CrosshairTool,
-    CustomJS,
     CustomJSHover,
     CustomJSTickFormatter,
     FixedTicker,
     HoverTool,
+    Legend,
+    LegendItem,
     LinearColorMapper,
+    Range1d,
+    Select,
     Span,
 )
 from bokeh.plotting import figure
 from matplotlib.colors import to_hex
 
-from analysis.figures.spacetime import COLOUR_SCALE, COLOURS, round_ticks, signed_root
+from analysis.figures.spacetime import COLOURS, panels, round_ticks, signed_root
 from analysis.figures.style import CHAIN_COLOURS as ON_PAPER
+from analysis.figures.style import CHAIN_DASHES as DASHES_ON_PAPER
 from analysis.figures.style import Unit
 from analysis.trajectory import Floats
+from lammps_inputs import Problem
 from workflow.view.thin import Thinned, Units, axis_label, behind
 
 CHAIN_COLOURS = tuple("#44aa99" if colour == "#000000" else colour for colour in ON_PAPER)
-"""Teal (Tol) for black, which is not seen in dark mode."""
+"""Colours of the figures, with teal (Tol) for black, which is not seen in dark mode."""
+
+LINE_WIDTH = 1.5
+
+CHAIN_DASHES = tuple(
+    [round(LINE_WIDTH * length) for length in dash[1]] if isinstance(dash, tuple) else [] for dash in DASHES_ON_PAPER
+)
+"""Dashes of the figures, in pixels; an empty list is a solid line."""
+
+MARKS = ("circle", "square", "triangle", "diamond", "inverted_triangle", "plus", "x", "asterisk")
+"""Marks at the largest value of a line, one for each bead or gauge, where colour and dashes are the chain's."""
 
 TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 
@@ -41,12 +56,23 @@ _NAME = "return Number.isInteger(tick) && tick in beads ? String(beads[tick]) : 
 """Of a bead that stands side by side with those that are not its neighbours."""
 
 
-def graph(title: str, units: Units, y: str, x_range: Any, x: str = "time") -> Any:
-    """A plot of lines, of a quantity over another one or over beads."""
+def graph(title: str, name: str, units: Units, y: str, x_range: Range1d, x: str = "time") -> Any:
+    """A plot of lines, of a quantity over another one or over beads.
+
+    Args:
+        title: above it.
+        name: of the file that is saved.
+        units: of the page.
+        y, x: quantities with a unit; or other words for the latter, which then counts beads.
+        x_range: shared by plots over the same quantity.
+    """
     plot = figure(
         title=title,
+        name=name,
         tools=TOOLS,
-        height=330,
+        toolbar_location="above",
+        toolbar_sticky=False,
+        height=360,
         sizing_mode="stretch_width",
         x_axis_label=axis_label(x, units[x]) if x in units else x,
         y_axis_label=axis_label(y, units[y]),
@@ -54,17 +80,77 @@ def graph(title: str, units: Units, y: str, x_range: Any, x: str = "time") -> An
     )
     plot.toolbar.logo = None
     label(plot)
+    if x == "time":
+        plot.add_layout(Span(dimension="height", location=x_range.start, line_color="#888888", line_width=1.5))
+    if x not in units:
+        plot.xaxis.ticker = whole_numbers()
     return plot
 
 
-def put_legend_aside(plot: Any) -> None:
-    """Where it hides no curve."""
-    legend = plot.legend[0]
-    legend.label_text_font_size = "8pt"
-    legend.padding = 3
-    legend.border_line_color = None
-    legend.background_fill_alpha = 0.0
-    plot.add_layout(legend, "right")
+def whole_numbers() -> AdaptiveTicker:
+    """Ticks at whole numbers only."""
+    return AdaptiveTicker(mantissas=[1, 2, 5], min_interval=1, num_minor_ticks=0)
+
+
+def look(place: int) -> dict[str, Any]:
+    """How the line of a chain is drawn, or of a bead or gauge where there is one chain."""
+    colour, dash = CHAIN_COLOURS[place % len(CHAIN_COLOURS)], CHAIN_DASHES[place % len(CHAIN_DASHES)]
+    return {"line_color": colour, "line_dash": dash, "line_width": LINE_WIDTH}
+
+
+def mark(plot: Any, source: ColumnDataSource, chain: int, number: int) -> Any:
+    """The mark of the bead or gauge of a number, in the colour of a chain (by its place), at the points of a source."""
+    colour = CHAIN_COLOURS[chain % len(CHAIN_COLOURS)]
+    kind = MARKS[number % len(MARKS)]
+    return plot.scatter("x", "y", source=source, marker=kind, size=8, line_color=colour, fill_color=colour)
+
+
+def largest(x: Floats, y: Floats) -> dict[str, list[float]]:
+    """The point of a line where its value is largest in size, as data of a source; none where all values are NaN."""
+    if not np.any(np.isfinite(y)):
+        return {"x": [], "y": []}
+    place = int(np.nanargmax(np.abs(y)))
+    return {"x": [float(x[place])], "y": [float(y[place])]}
+
+
+def add_legend(plot: Any, items: Sequence[tuple[str, list[Any]]]) -> Legend:
+    """A legend below a plot, where it hides no curve; a click on a name hides what is drawn for it, or shows it again.
+
+    Args:
+        plot: to add it to.
+        items: names, empty for what is not shown yet, and what is drawn for each.
+    """
+    legend = Legend(
+        items=[LegendItem(label=name, renderers=drawn, visible=bool(name)) for name, drawn in items],
+        click_policy="hide",
+        orientation="horizontal",
+        ncols=3,
+        location="left",
+        label_text_font_size="8pt",
+        glyph_width=36,  # dashes are told apart
+        margin=0,
+        spacing=8,
+        padding=3,
+        border_line_color=None,
+        background_fill_alpha=0.0,
+    )
+    plot.add_layout(legend, "below")
+    return legend
+
+
+def chain_name(chain: int) -> str:
+    """Name of what is drawn for a chain."""
+    return f"chain {chain}"
+
+
+_DARK_CHOICE = """
+@media (prefers-color-scheme: dark) { .bk-input { background-color: #26292f; color: #ddd; } }
+"""
+
+
+def choice(title: str, value: str, options: Sequence[str | tuple[str, str]], name: str) -> Select:
+    """A choice among some words, or among values with words for each."""
+    return Select(title=title, value=value, options=list(options), name=name, stylesheets=[_DARK_CHOICE])
 
 
 def label(plot: Any) -> None:
@@ -73,11 +159,17 @@ def label(plot: Any) -> None:
         axis.formatter = CustomJSTickFormatter(code=TICK)
 
 
+def lists(part: Thinned) -> dict[str, list[Any]]:
+    """Beads, their places, chains and times, for scripts."""
+    beads, places, time = part.beads.tolist(), part.places.tolist(), part.time.tolist()
+    return {"beads": beads, "places": places, "chains": part.chains, "time": time}
+
+
 def name_places(plot: Any, part: Thinned) -> None:
     """Write beads along the first axis; under those that stand side by side, their names."""
     plot.xaxis.axis_label = "bead" if part.even else "recorded bead"
+    plot.xaxis.ticker = whole_numbers()
     if not part.even:
-        plot.xaxis.ticker = AdaptiveTicker(mantissas=[1, 2, 5], min_interval=1, num_minor_ticks=0)
         plot.xaxis.formatter = CustomJSTickFormatter(args={"beads": part.beads.tolist()}, code=_NAME)
 
 
@@ -86,20 +178,10 @@ def number(unit: Unit) -> CustomJSHover:
     return CustomJSHover(args={"unit": behind(unit)}, code=_NUMBER)
 
 
-def of_chain(place: int, chain: int) -> dict[str, Any]:
-    """How the line of a chain is drawn."""
-    return {"line_color": CHAIN_COLOURS[place], "legend_label": f"chain {chain}", "line_width": 1.5}
+# --- maps -------------------------------------------------------------------------------------------------------------
 
-
-# --- maps and traces --------------------------------------------------------------------------------------------------
-
-BEAD_DASHES = ("solid", "6 3", "2 2", "8 2 2 2", "12 3", "5 2 2 2 2 2", "2 5", "12 3 3 3")
-"""Of the traces of a bead, one for each bead that is shown."""
-
-MOST_TRACES = len(BEAD_DASHES)
-"""Or those of one bead, where there are more chains."""
-
-PLOTS_A_ROW = 4
+_HIGH, _LOW = 430, 300
+"""Pixels of a map, where they stand in one row and in several."""
 
 _BEAD = (
     "return String(beads[Math.max(0, Math.min(beads.length - 1, Math.round((special_vars.x - places[0]) / spacing)))])"
@@ -110,54 +192,71 @@ const k = time.length > 1 ? Math.round((special_vars.y - time[0]) / (time[1] - t
 return time[Math.max(0, Math.min(time.length - 1, k))].toPrecision(6) + unit
 """
 
-_TRACE = """
-const distance = places.map(place => Math.abs(place - cb_obj.x)), i = distance.indexOf(Math.min(...distance));
-const n = beads.length, some = chains.length, data = {...traces.data};
-for (const key in data) data[key] = Array.from(data[key]);
-if (data.label.includes(`bead ${beads[i]}, chain ${chains[0]}`)) return;
-while (data.label.length > Math.max(0, most - some)) for (const key in data) data[key].splice(0, some);
-let look = 0;
-while (data.look.includes(look)) look++;
-for (let c = 0; c < some; c++) {
-  const vel = images[c].data.velocity[0], ys = [];
-  for (let k = 0; k < time.length; k++) ys.push(vel[k * n + i]);
-  data.xs.push(Array.from(time)); data.ys.push(ys); data.look.push(look);
-  data.colour.push(colours[some > 1 ? c : look]); data.dash.push(dashes[some > 1 ? look : 0]);
-  data.label.push(`bead ${beads[i]}, chain ${chains[c]}`);
-}
-traces.data = data;
-"""
-
 
 def image_source(part: Thinned, place: int) -> ColumnDataSource:
     """What a chain's map shows, and where it stands."""
-    first, last = float(part.places[0]), float(part.places[-1])
-    step = float(part.time[1] - part.time[0]) if len(part.time) > 1 else 1.0
     arrays = {name: [getattr(part, name)[place].astype(np.float32)] for name in ("velocity", "overlap", "force")}
-    half = 0.5 * part.spacing
-    box = {
-        "x": [first - half],
-        "y": [float(part.time[0]) - 0.5 * step],
-        "dw": [last - first + 2.0 * half],
-        "dh": [float(part.time[-1] - part.time[0]) + step],
-    }
+    (left, right), (start, end) = ends(part.places, part.spacing), ends(part.time, part.every)
+    box = {"x": [left], "y": [start], "dw": [right - left], "dh": [end - start]}
     return ColumnDataSource(name=f"chain-{part.chains[place]}", data={**arrays, **box})
 
 
+def ends(values: Floats, spacing: float) -> tuple[float, float]:
+    """Ends of an axis on which evenly spaced values stand in the middle of their pixels."""
+    return float(values[0]) - 0.5 * spacing, float(values[-1]) + 0.5 * spacing
+
+
 def maps_of(
+    problem: Problem,
     part: Thinned,
     images: list[ColumnDataSource],
-    now: Span,
     colours: LinearColorMapper,
     units: Units,
-    sight: tuple[float, float],
-) -> tuple[list[Any], Any, Any]:
-    """Velocity in space and time, a plot for each chain, with linked axes and a cursor that says the numbers.
+    ranges: tuple[Range1d, Range1d],
+) -> list[list[Any]]:
+    """Velocity in space and time, a plot for each chain, in rows; a cursor says the numbers.
 
     Args:
-        sight: places that are seen at first.
+        problem: what was run; the chains of a lattice stand as they do in it.
+        part: of its frames, in units of the page.
+        images: maps of the chains.
+        colours: of velocities.
+        units: of the page.
+        ranges: of beads and of time, shared by all maps.
     """
-    across = min(PLOTS_A_ROW, len(part.chains))
+    rows, across = panels(problem, len(part.chains))
+    # black on a white rim is seen on all colours of a map
+    now = [Span(dimension="width", location=part.time[0], line_color="#ffffff", line_width=4, line_alpha=0.8)]
+    now.append(Span(dimension="width", location=part.time[0], line_color="#000000", line_width=1.5))
+    hover = _hover(part, units)
+    maps: list[list[Any]] = [[] for _ in range(rows)]
+    for place, (source, chain) in enumerate(zip(images, part.chains, strict=True)):
+        plot = figure(
+            title=chain_name(chain),
+            tools=TOOLS,
+            height=_HIGH if rows == 1 else _LOW,
+            sizing_mode="stretch_width",
+            x_range=ranges[0],
+            y_range=ranges[1],
+            y_axis_label=axis_label("time", units["time"]),
+        )
+        drawn = plot.image("velocity", x="x", y="y", dw="dw", dh="dh", source=source, color_mapper=colours)
+        plot.add_tools(HoverTool(renderers=[drawn], **hover), CrosshairTool(line_alpha=0.4))
+        for line in now:
+            plot.add_layout(line)
+        plot.grid.visible = False
+        plot.yaxis.visible = place % across == 0
+        label(plot)
+        name_places(plot, part)
+        plot.xaxis.ticker.desired_num_ticks = 8 // across + 2
+        if place == across - 1 or place == len(images) - 1 < across:
+            plot.add_layout(_bar(colours, axis_label("velocity", units["velocity"])), "right")
+        maps[place // across].append(plot)
+    return maps
+
+
+def _hover(part: Thinned, units: Units) -> dict[str, Any]:
+    """What a cursor over a map says: bead, time, velocity and, where they are known, overlap and force."""
     lists = {"beads": part.beads.tolist(), "places": part.places.tolist(), "spacing": part.spacing}
     when = {"time": part.time.tolist(), "unit": behind(units["time"])}
     kinds = {"velocity": ("velocity", "velocity")}
@@ -166,37 +265,14 @@ def maps_of(
     formatters = {"$x": CustomJSHover(args=lists, code=_BEAD), "$y": CustomJSHover(args=when, code=_WHEN)}
     formatters |= {f"@{name}": number(units[kind]) for name, (_, kind) in kinds.items()}
     tips = [("bead", "$x{custom}"), ("time", "$y{custom}")]
-    tips += [(said, f"@{name}{{custom}}") for name, (said, _) in kinds.items()]
-    found: list[Any] = []
-    for source, chain in zip(images, part.chains, strict=True):
-        shared = {"x_range": found[0].x_range, "y_range": found[0].y_range} if found else {"x_range": sight}
-        plot = figure(
-            title=f"chain {chain}",
-            tools=TOOLS,
-            active_scroll="wheel_zoom",
-            height=430,
-            sizing_mode="stretch_width",
-            y_axis_label=axis_label("time", units["time"]),
-            **shared,
-        )
-        drawn = plot.image("velocity", x="x", y="y", dw="dw", dh="dh", source=source, color_mapper=colours)
-        plot.add_tools(HoverTool(renderers=[drawn], tooltips=tips, formatters=formatters))
-        plot.add_tools(CrosshairTool(line_alpha=0.4))
-        plot.add_layout(now)
-        plot.grid.visible = False
-        label(plot)
-        name_places(plot, part)
-        plot.xaxis.ticker.desired_num_ticks = 8 // across + 2
-        if len(found) == across - 1:
-            plot.add_layout(_bar(colours, axis_label("velocity", units["velocity"])), "right")
-        found.append(plot)
-    return found, found[0].x_range, found[0].y_range
+    tips += [(words, f"@{name}{{custom}}") for name, (words, _) in kinds.items()]
+    return {"tooltips": tips, "formatters": formatters}
 
 
-def root_colours(largest: float) -> LinearColorMapper:
+def root_colours(limit: float) -> LinearColorMapper:
     """Those of the figures: diverging from 0, along the signed square root of the velocity."""
     share = np.linspace(-1.0, 1.0, 1025)
-    return LinearColorMapper(palette=_palette(signed_root(share)), low=-largest, high=largest, nan_color="#999999")
+    return LinearColorMapper(palette=_palette(signed_root(share)), low=-limit, high=limit, nan_color="#999999")
 
 
 def _palette(share: Floats) -> list[str]:
@@ -211,53 +287,8 @@ def _bar(colours: LinearColorMapper, title: str) -> ColorBar:
     ticks = {float(signed_root(np.array(tick))): f"{tick:.4g}" for tick in round_ticks(colours.high)}
     return ColorBar(
         color_mapper=even,
-        title=f"{title}; {COLOUR_SCALE}",
+        title=title,
         width=10,
         ticker=FixedTicker(ticks=list(ticks)),
         major_label_overrides=ticks,
     )
-
-
-def traces_of(part: Thinned, shown: list[int], time_range: Any, units: Units) -> tuple[Any, ColumnDataSource]:
-    """Velocity of some beads over time; a click into a map adds one."""
-    data: dict[str, list[Any]] = {"xs": [], "ys": [], "label": [], "colour": [], "dash": [], "look": []}
-    many = len(part.chains) > 1
-    for look, bead in enumerate(shown[: max(1, 6 // len(part.chains))]):
-        k = int(np.argmin(np.abs(part.beads - bead)))
-        for place, chain in enumerate(part.chains):
-            data["xs"].append(part.time.astype(np.float32))
-            data["ys"].append(part.velocity[place, :, k].astype(np.float32))
-            data["colour"].append(CHAIN_COLOURS[place if many else look])
-            data["dash"].append(BEAD_DASHES[look if many else 0])
-            data["look"].append(look)
-            data["label"].append(f"bead {part.beads[k]}, chain {chain}")
-    source = ColumnDataSource(name="traces", data=data)
-    span = float(part.time[0]), float(part.time[-1])
-    plot = graph("velocity over time; click a map for more", units, "velocity", span)
-    time_range.js_link("start", plot.x_range, "start")
-    time_range.js_link("end", plot.x_range, "end")
-    plot.multi_line(
-        "xs", "ys", source=source, line_color="colour", line_dash="dash", legend_field="label", line_width=1.5
-    )
-    put_legend_aside(plot)
-    return plot, source
-
-
-def on_click(maps: list[Any], part: Thinned, images: list[ColumnDataSource], traces: ColumnDataSource) -> None:
-    """Add the traces of the bead that is clicked in a map, in place of the oldest where there are too many."""
-    tap = CustomJS(
-        args={
-            "beads": part.beads.tolist(),
-            "places": part.places.tolist(),
-            "chains": part.chains,
-            "time": part.time.tolist(),
-            "images": images,
-            "traces": traces,
-            "colours": list(CHAIN_COLOURS),
-            "dashes": list(BEAD_DASHES),
-            "most": MOST_TRACES,
-        },
-        code=_TRACE,
-    )
-    for one in maps:
-        one.js_on_event(Tap, tap)

@@ -1,130 +1,233 @@
 """The page of a run: its plots, and where they stand."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from bokeh.layouts import column, gridplot, row
-from bokeh.models import HoverTool, Span
+from bokeh.models import CheckboxGroup, ColumnDataSource, CustomJS, Div, HoverTool, Range1d, Span
 
 from analysis.figures.spacetime import STILL, largest_afar, moving_part
 from analysis.gauges.forces import Readings
 from analysis.sharing.survey import Survey
-from analysis.trajectory import Floats
+from analysis.tracking.leading_waves import Waves
+from analysis.trajectory import Flags, Floats, Integers, mirrored_bead
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 from workflow.view.moving import moving_beads
 from workflow.view.plots import (
-    BEAD_DASHES,
-    CHAIN_COLOURS,
-    PLOTS_A_ROW,
+    MARKS,
+    add_legend,
+    chain_name,
+    ends,
     graph,
     image_source,
+    largest,
+    look,
     maps_of,
+    mark,
     number,
-    of_chain,
-    on_click,
-    put_legend_aside,
     root_colours,
-    traces_of,
 )
 from workflow.view.thin import Thinned, Units, units_of
+from workflow.view.traces import traces_of
+
+# --- graphs over beads ------------------------------------------------------------------------------------------------
 
 
-def distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, units: Units) -> list[Any]:
-    """Peak velocity, lag and energy of the leading pulse along the chains."""
-    waves, time, velocity = found.waves, units["time"], units["velocity"]
+def distances(problem: Problem, part: Thinned, survey: Survey, bead_range: Range1d, units: Units) -> list[Any]:
+    """Peak velocity and lag of the leading pulse along the chains, and impulses where chains are compared by them."""
+    waves, time, velocity = survey.waves, units["time"], units["velocity"]
     if not len(waves):
         return []
-    peaks = graph("peak velocity of the leading pulse", units, "velocity", bead_range, "bead")
-    hit = physics.largest_excitation(problem.system)[0]
-    lags = graph(f"arrival after that in chain {hit}", units, "time", bead_range, "bead")
-    reference = waves.of_chain(hit)
-    drawn = []
-    for place, chain in enumerate(part.chains):
-        own = waves.of_chain(chain)
-        if not len(own):
-            continue
-        style = of_chain(place, chain)
-        peak = {"bead": own.bead, "peak": own.peak_velocity * velocity.worth}
-        drawn.append(peaks.line("bead", "peak", source=peak, **style))
-        both, mine, theirs = np.intersect1d(own.bead, reference.bead, return_indices=True)
-        lags.line(both, (own.arrival[mine] - reference.arrival[theirs]) * time.worth, **style)
-    tips = [("bead", "@bead"), ("peak velocity", "@peak{custom}")]
-    peaks.add_tools(HoverTool(renderers=drawn, tooltips=tips, formatters={"@peak": number(velocity)}))
-    graphs = [peaks, lags] if len(drawn) > 1 else [peaks]
-    for plot in graphs:
-        put_legend_aside(plot)
+    kicked = physics.largest_excitation(problem.system)[0]
+    of_chain = {chain: waves.of_chain(chain) for chain in part.chains}
+    peaks = {
+        chain: _pulse_by_pulse(passed, passed.peak_velocity * velocity.worth) for chain, passed in of_chain.items()
+    }
+    lags = {chain: _lag(passed, waves.of_chain(kicked), time.worth) for chain, passed in of_chain.items()}
+    title = "peak velocity of the leading pulse"
+    graphs = [_over_beads(problem, title, "peaks", "velocity", peaks, bead_range, units)]
+    if sum(len(passed) > 0 for passed in of_chain.values()) > 1:
+        title = f"arrival after that in {chain_name(kicked)}"
+        graphs.append(_over_beads(problem, title, "arrivals", "time", lags, bead_range, units))
+    shared = survey.shared
+    if shared.of_impulses:
+        bead = shared.bead if survey.direction > 0 else mirrored_bead(problem, shared.bead)
+        impulses = {chain: (bead, shared.amplitude[:, chain - 1] * velocity.worth) for chain in part.chains}
+        title = "impulse of the first contact, over the mass"
+        graphs.append(_over_beads(problem, title, "impulses", "velocity", impulses, bead_range, units))
     return graphs
 
 
-_LEAST_SPAN = 0.02
-"""Of an axis of energy, over the largest; less would show the error of the run."""
+def _pulse_by_pulse(waves: Waves, values: Floats) -> tuple[Floats, Floats]:
+    """Beads and values of a chain's leading waves, with NaN half a bead behind the end of each pulse but the last."""
+    at = waves.ends + 1
+    return np.insert(waves.bead.astype(np.float64), at, waves.bead[at - 1] + 0.5), np.insert(values, at, np.nan)
 
 
-def energy(part: Thinned, time_range: Any, units: Units) -> Any:
-    """Energy of the beads of each chain that is shown, with their contacts and what holds them, over time."""
-    plot = graph("energy of each chain, without coupling", units, "energy", time_range)
-    plot.y_range.min_interval = _LEAST_SPAN * float(np.max(part.energy))
-    for place, chain in enumerate(part.chains):
-        plot.line(part.time, part.energy[place], **of_chain(place, chain))
-    put_legend_aside(plot)
+def _lag(waves: Waves, reference: Waves, worth: float) -> tuple[Integers, Floats]:
+    """Beads that two chains' waves passed, and the time from one to the other."""
+    both, mine, theirs = np.intersect1d(waves.bead, reference.bead, return_indices=True)
+    return both, (waves.arrival[mine] - reference.arrival[theirs]) * worth
+
+
+def _over_beads(
+    problem: Problem,
+    title: str,
+    name: str,
+    quantity: str,
+    values: Mapping[int, tuple[Integers | Floats, Floats]],
+    bead_range: Range1d,
+    units: Units,
+) -> Any:
+    """A quantity over the beads, a line for each chain, broken where a recorded bead has no value.
+
+    Args:
+        problem: what was run.
+        title, name: of the plot and of its file.
+        quantity: key of its unit.
+        values: by chain: beads, and their values in units of the page.
+        bead_range: of the axis.
+        units: of the page.
+    """
+    plot = graph(title, name, units, quantity, bead_range, "bead")
+    items = []
+    for place, (chain, (bead, value)) in enumerate(values.items()):
+        if not len(bead):
+            continue
+        line, alone = _broken(problem, bead, value)
+        style = look(place)
+        drawn = [plot.line("bead", "value", source=ColumnDataSource(line), name=chain_name(chain), **style)]
+        if len(alone["bead"]):
+            source, colour = ColumnDataSource(alone), style["line_color"]
+            drawn.append(plot.scatter("bead", "value", source=source, size=4, color=colour, name=chain_name(chain)))
+        items.append((chain_name(chain), drawn))
+    tips = [("bead", "@bead"), (quantity, "@value{custom}")]
+    renderers = [glyph for _, drawn in items for glyph in drawn]
+    plot.add_tools(HoverTool(renderers=renderers, tooltips=tips, formatters={"@value": number(units[quantity])}))
+    add_legend(plot, items)
     return plot
 
+
+def _broken(problem: Problem, bead: Integers | Floats, value: Floats) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Values over beads with NaN at recorded beads between them that have none; and those that stand alone."""
+    between = problem.recorded_beads[(problem.recorded_beads > bead[0]) & (problem.recorded_beads < bead[-1])]
+    every = np.union1d(bead, between)
+    values = np.full(len(every), np.nan)
+    values[np.searchsorted(every, bead)] = value
+    finite = np.pad(np.isfinite(values), 1)
+    alone = finite[1:-1] & ~finite[:-2] & ~finite[2:]
+    return {"bead": every, "value": values}, {"bead": every[alone], "value": values[alone]}
+
+
+# --- graphs over time -------------------------------------------------------------------------------------------------
+
+_LEAST_SPAN = 0.02
+"""Least range of an axis of energy, over the largest energy; less would show the error of the run."""
+
+
+def energy(part: Thinned, time_range: Range1d, units: Units) -> Any:
+    """Energy of the beads of each chain that is shown, with their contacts and what holds them, over time."""
+    plot = graph("energy of each chain, without coupling", "energy", units, "energy", time_range)
+    plot.y_range.min_interval = _LEAST_SPAN * float(np.max(part.energy))
+    items = []
+    for place, chain in enumerate(part.chains):
+        line = plot.line(part.time, part.energy[place], name=chain_name(chain), **look(place))
+        items.append((chain_name(chain), [line]))
+    add_legend(plot, items)
+    return plot
+
+
+_MOST_INSTANTS = 4000
+"""Instants of a force over time that are drawn at most."""
+
+
+@dataclass(frozen=True)
+class ForceLine:
+    """A force over time.
+
+    Attributes:
+        name: in the legend.
+        values: [instant], dimensionless.
+        chain: that it acts in.
+        place: of the chain among those that are shown.
+        item: number of the gauge or load.
+    """
+
+    name: str
+    values: Floats
+    chain: int
+    place: int
+    item: int
+
+
+def forces(problem: Problem, part: Thinned, readings: Readings | None, time_range: Range1d, units: Units) -> list[Any]:
+    """Forces that gauges read, a line for each and each chain that is shown, and those that push and drive beads."""
+    graphs, time = [], part.time / units["time"].worth
+    if readings is not None:
+        title = "total force at gauges" if readings.loaded else "force at gauges"
+        stride = slice(None, None, -(-len(readings.time) // _MOST_INSTANTS))
+        lines = [
+            ForceLine(f"{gauge.name}, {chain_name(chain)}", readings.force[stride, chain - 1, item], chain, place, item)
+            for item, gauge in enumerate(readings.gauges[: len(MARKS)])
+            for place, chain in enumerate(part.chains)
+        ]
+        graphs.append(_forces(title, "forces", readings.time[stride], lines, time_range, units))
+    if loads := problem.system.loads[: len(MARKS)]:
+        lines = [
+            ForceLine(
+                f"bead {load.bead}, {chain_name(load.chain)}",
+                np.array([load.force(t) for t in time]),
+                load.chain,
+                item,
+                0,
+            )
+            for item, load in enumerate(loads)
+        ]
+        graphs.append(_forces("external force on beads", "external-forces", time, lines, time_range, units))
+    return graphs
+
+
+def _forces(title: str, name: str, time: Floats, lines: Sequence[ForceLine], time_range: Range1d, units: Units) -> Any:
+    """A plot of forces: colour and dashes are the chain's and the mark is the gauge's, or all are the gauge's."""
+    force, instants = units["force"], time * units["time"].worth
+    plot = graph(title, name, units, "force", time_range)
+    several_chains = len({line.place for line in lines}) > 1
+    several_items = len({line.item for line in lines}) > 1
+    items, curves = [], []
+    for line in lines:
+        values = line.values * force.worth
+        source = ColumnDataSource({"time": instants, "force": values})
+        style = look(line.place if several_chains else line.item)
+        curves.append(plot.line("time", "force", source=source, name=chain_name(line.chain), **style))
+        drawn = [curves[-1]]
+        if several_chains and several_items:
+            points = ColumnDataSource(largest(instants, values))
+            drawn.append(mark(plot, points, line.place, line.item))
+            drawn[-1].name = chain_name(line.chain)
+        items.append((line.name, drawn))
+    tips = [("time", "@time{custom}"), ("force", "@force{custom}")]
+    formatters = {"@time": number(units["time"]), "@force": number(force)}
+    plot.add_tools(HoverTool(renderers=curves, tooltips=tips, formatters=formatters))
+    add_legend(plot, items)
+    return plot
+
+
+# --- layout -----------------------------------------------------------------------------------------------------------
 
 _NARROWEST = 480
 """Pixels of a plot of lines; two stand side by side where there is room."""
 
-_BAR = 70
-"""Width of the bar of colours."""
-
-
-_MOST_INSTANTS = 4000
-"""Of a force over time."""
-
-
-def forces(problem: Problem, part: Thinned, readings: Readings | None, time_range: Any, units: Units) -> list[Any]:
-    """Forces that gauges read, a line for each and each chain that is shown, and those that push and drive beads."""
-    graphs, time = [], part.time / units["time"].worth
-    if readings is not None:
-        total = "total force" if readings.loaded else "force"
-        stride = slice(None, None, -(-len(readings.time) // _MOST_INSTANTS))
-        lines = [
-            (f"{gauge.name}, chain {chain}", readings.force[stride, chain - 1, place], k, place)
-            for place, gauge in enumerate(readings.gauges[: len(BEAD_DASHES)])
-            for k, chain in enumerate(part.chains)
-        ]
-        graphs.append((f"{total} at gauges", readings.time[stride], lines))
-    pushed = [(f"bead {one.bead}, chain {one.chain}", one, k, 0) for k, one in enumerate(problem.system.loads[:8])]
-    if pushed:
-        lines = [(name, np.array([one.force(t) for t in time]), k, dash) for name, one, k, dash in pushed]
-        graphs.append(("external force on beads", time, lines))
-    return [_forces(heading, at, lines, time_range, units) for heading, at, lines in graphs]
-
-
-def _forces(
-    heading: str, time: Floats, lines: Sequence[tuple[str, Floats, int, int]], time_range: Any, units: Units
-) -> Any:
-    """A plot of forces; name, values, colour and dash of each."""
-    force = units["force"]
-    plot = graph(heading, units, "force", time_range)
-    one_chain = len({colour for _, _, colour, _ in lines}) == 1
-    drawn = []
-    for name, values, colour, dash in lines:
-        look = {"line_color": CHAIN_COLOURS[dash if one_chain else colour], "line_dash": BEAD_DASHES[dash]}
-        source = {"time": time * units["time"].worth, "force": values * force.worth}
-        drawn.append(plot.line("time", "force", source=source, legend_label=name, line_width=1.5, **look))
-    tips = [("time", "@time{custom}"), ("force", "@force{custom}")]
-    said = {"@time": number(units["time"]), "@force": number(force)}
-    plot.add_tools(HoverTool(renderers=drawn, tooltips=tips, formatters=said))
-    put_legend_aside(plot)
-    return plot
+_BAR, _TIME_AXIS = 70, 55
+"""Pixels of the bar of colours beside the last map of a row, and of the axis beside the first."""
 
 
 def layout(
     problem: Problem,
     part: Thinned,
-    found: Survey | None,
+    survey: Survey | None,
     shown: list[int],
     *,
     readings: Readings | None = None,
@@ -135,7 +238,7 @@ def layout(
     Args:
         problem: what was run.
         part: of its frames, dimensionless.
-        found: the waves in it; None where there are none.
+        survey: the waves in it; None where there are none.
         shown: beads whose velocity over time is drawn first.
         readings: of the gauges that the scene asks for.
         radius: of every bead, [chain, bead]; all are alike without it.
@@ -143,49 +246,74 @@ def layout(
     units = units_of(problem, part)
     part = part.measured(units)
     images = [image_source(part, place) for place in range(len(part.chains))]
-    now = Span(dimension="width", location=float(part.time[0]), line_color="#d55e00", line_width=1.5)
-    largest = largest_afar(problem, part.beads, part.velocity)
-    colours = root_colours(largest)
-    moved = np.nanmax(np.abs(part.velocity), axis=(0, 1), initial=0.0) > STILL * largest
-    half = 0.5 * part.spacing
-    whole = (float(part.places[0]) - half, float(part.places[-1]) + half)
-    maps, place_range, time_range = maps_of(part, images, now, colours, units, moving_part(part.places, moved, whole))
-    there = part.beads[moved] if moved.any() else part.beads
-    shown = [
-        bead if bead in there else int(there[share * (len(there) - 1) // 6])
-        for bead, share in zip(shown, (1, 3, 5), strict=False)
-    ]
-    traces, trace_source = traces_of(part, list(dict.fromkeys(shown)), time_range, units)
+    limit = largest_afar(problem, part.beads, part.velocity)
+    colours = root_colours(limit)
+    moves = np.nanmax(np.abs(part.velocity), axis=(0, 1), initial=0.0) > STILL * limit
+    all_places = ends(part.places, part.spacing)
+    place_range = Range1d(*moving_part(part.places, moves, all_places), bounds=all_places)
+    time_range = Range1d(*ends(part.time, part.every), bounds=ends(part.time, part.every))
+    maps = maps_of(problem, part, images, colours, units, (place_range, time_range))
+    every_map = [plot for line in maps for plot in line]
+    beads = _that_move(part, moves, shown)
+    traces, traces_and_choice = traces_of(part, every_map, images, beads, time_range, units)
+    below = [traces, *forces(problem, part, readings, time_range, units)]
+    if survey is not None and problem.system.holds(Fact.PULSE):
+        all_beads = (float(part.beads[0]) - 1.0, float(part.beads[-1]) + 1.0)
+        bead_range = place_range if part.even else Range1d(*all_beads, bounds=all_beads)
+        below += distances(problem, part, survey, bead_range, units)
+    if problem.whole:
+        below.append(energy(part, time_range, units))
+    plots = [*every_map, *below]
+    now = [line for plot in plots for line in plot.center if isinstance(line, Span)]
     every = np.ones((problem.chains, problem.beads)) if radius is None else radius / np.max(radius)
     sizes = every[np.ix_(np.array(part.chains) - 1, part.beads - 1)]
-    moving, controls = moving_beads(problem, part, images, now, colours, units, sizes)
-    on_click(maps, part, images, trace_source)
-    below = [traces, *forces(problem, part, readings, traces.x_range, units)]
-    if found is not None and problem.system.holds(Fact.PULSE):
-        bead_range = place_range if part.even else (float(part.beads[0]) - 1.0, float(part.beads[-1]) + 1.0)
-        below += distances(problem, part, found, bead_range, units)
-    if problem.whole:
-        below.append(energy(part, traces.x_range, units))
-    for plot in below:
-        plot.styles = {"flex": f"1 1 {_NARROWEST}px"}
-    moving.toolbar.logo = None
-    return column(
-        _side_by_side(maps),
-        controls,
-        moving,
-        row(*below, styles={"flex-wrap": "wrap"}, sizing_mode="stretch_width"),
+    moving, controls = moving_beads(problem, part, images, list(dict.fromkeys(now)), colours, units, sizes)
+    boxes = [_shown_chains(part.chains, below)] if len(part.chains) > 1 else []
+    graphs = [traces_and_choice, *below[1:]]
+    for graph_or_column in graphs:
+        graph_or_column.styles = {"flex": f"1 1 {_NARROWEST}px"}
+    wrapped = row(*graphs, styles={"flex-wrap": "wrap"}, sizing_mode="stretch_width")
+    return column(_side_by_side(maps), controls, moving, *boxes, wrapped, sizing_mode="stretch_width")
+
+
+def _that_move(part: Thinned, moves: Flags, shown: Sequence[int]) -> list[int]:
+    """Beads to show at first: those asked for that move, or others that do in their place."""
+    beads = part.beads[moves] if moves.any() else part.beads
+    at = [
+        bead if bead in beads else int(beads[share * (len(beads) - 1) // 6])
+        for bead, share in zip(shown, (1, 3, 5), strict=False)
+    ]
+    return sorted(set(at))
+
+
+def _shown_chains(chains: list[int], graphs: list[Any]) -> Any:
+    """Boxes, one for each chain, which hide it in all graphs."""
+    names = [chain_name(chain) for chain in chains]
+    boxes = CheckboxGroup(
+        labels=names,
+        active=list(range(len(chains))),
+        inline=True,
+        name="chains",
+        stylesheets=[".bk-input-group { flex-wrap: wrap; }"],
         sizing_mode="stretch_width",
     )
+    drawn = [[line for plot in graphs for line in plot.renderers if line.name == name] for name in names]
+    code = "drawn.forEach((lines, k) => lines.forEach(line => line.visible = boxes.active.includes(k)))"
+    boxes.js_on_change("active", CustomJS(args={"drawn": drawn, "boxes": boxes}, code=code))
+    return row(Div(text="Shown below:"), boxes, sizing_mode="stretch_width")
 
 
-def _side_by_side(maps: list[Any]) -> Any:
+def _side_by_side(maps: list[list[Any]]) -> Any:
     """The maps of the chains in rows; a narrow page makes all of them narrower."""
-    across = min(PLOTS_A_ROW, len(maps))
-    found = gridplot(
-        [maps[k : k + across] for k in range(0, len(maps), across)],
-        toolbar_location="right",
+    across = len(maps[0])
+    grid = gridplot(
+        maps,
+        toolbar_location="above",
         toolbar_options={"logo": None},
         sizing_mode="stretch_width",
     )
-    found.cols = [f"calc((100% - {_BAR}px) / {across})"] * (across - 1) + ["1fr"]  # beside the last are the colours
-    return found
+    grid.name = "space-time"
+    width = f"(100% - {_BAR + _TIME_AXIS}px) / {across}"
+    if across > 1:
+        grid.cols = [f"calc({width} + {_TIME_AXIS}px)", *[f"calc({width})"] * (across - 2), "1fr"]
+    return grid

@@ -15,7 +15,7 @@ from analysis.figures.style import Frames, Unit, axis_unit, evenly_spaced
 from analysis.quantity import declared
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem
-from lammps_inputs.units import REDUCED
+from lammps_inputs.units import REDUCED, Label
 
 MOST_BEADS = 500
 """Of a chain."""
@@ -36,7 +36,8 @@ class Thinned:
         time: [frame].
         displacement: [chain, frame, bead].
         velocity: likewise; of the run's frames that are nearest to this one, the largest in size, so that peaks stay.
-        overlap, force: of each bead with the next of its chain, [chain, frame, bead]; NaN where that is not known.
+        overlap, force: of each bead with the next of its chain, [chain, frame, bead]; NaN where that is not known, and
+            of rigid beads.
         energy: of each chain's beads, [chain, frame]; NaN where not every bead was recorded.
         bead_stride, frame_stride: every how many there are here.
     """
@@ -67,6 +68,11 @@ class Thinned:
         """Between two neighbouring places."""
         return float(self.places[1] - self.places[0]) if len(self.beads) > 1 else 1.0
 
+    @property
+    def every(self) -> float:
+        """Time from one frame to the next."""
+        return float(self.time[1] - self.time[0]) if len(self.time) > 1 else 1.0
+
     def measured(self, units: Mapping[str, Unit]) -> "Thinned":
         """The same in units of time, velocity, length, force and energy."""
         kinds = {name: name for name in ("time", "velocity", "force", "energy")}
@@ -74,7 +80,14 @@ class Thinned:
         return replace(self, **{name: getattr(self, name) * units[kind].worth for name, kind in kinds.items()})
 
 
-def thinned(problem: Problem, blocks: Iterable[Trajectory], chains: list[int], *, most: int = MOST_NUMBERS) -> Thinned:
+def thinned(
+    problem: Problem,
+    blocks: Iterable[Trajectory],
+    chains: list[int],
+    *,
+    most: int = MOST_NUMBERS,
+    deforms: bool = True,
+) -> Thinned:
     """Every n-th bead and m-th frame of some chains.
 
     Args:
@@ -82,6 +95,7 @@ def thinned(problem: Problem, blocks: Iterable[Trajectory], chains: list[int], *
         blocks: all of its frames.
         chains: which to keep, counted from 0.
         most: numbers that are kept of each kind, about.
+        deforms: whether beads have overlaps and forces.
     """
     recorded = problem.recorded_beads
     beads = slice(None, None, max(1, -(-len(recorded) // MOST_BEADS)))
@@ -94,7 +108,9 @@ def thinned(problem: Problem, blocks: Iterable[Trajectory], chains: list[int], *
     seen = 0
     for block in blocks:
         frames = _whole(block[-seen % stride :: stride])
-        parts.append((frames.time, _energy(frames)[:, chains], *(values[:, chains, beads] for values in _of(frames))))
+        parts.append(
+            (frames.time, _energy(frames)[:, chains], *(values[:, chains, beads] for values in _of(frames, deforms)))
+        )
         near = (np.arange(seen, seen + block.frames) + stride // 2) // stride
         near, first = np.unique(near, return_index=True)
         largest = replace(block, displacement=block.displacement[first], velocity=_largest(block.velocity, first))
@@ -130,11 +146,11 @@ def _largest(values: Floats, first: NDArray[np.intp]) -> Floats:
     return np.asarray(np.where(highest >= -lowest, highest, lowest))
 
 
-def _of(frames: Trajectory) -> tuple[Floats, Floats, Floats]:
+def _of(frames: Trajectory, deforms: bool) -> tuple[Floats, Floats, Floats]:
     """Displacement, and overlap and force of each bead with the next, all [frame, chain, bead]."""
     problem, x = frames.problem, frames.displacement
     overlap, force = np.full_like(x, np.nan), np.full_like(x, np.nan)
-    if problem.recorded is None:
+    if problem.recorded is None and deforms:
         overlap[..., :-1] = motion.overlaps(problem.system, x)
         force[..., :-1] = motion.contact_force(frames.system, overlap[..., :-1])
     return x, overlap, force
@@ -173,7 +189,7 @@ def units_of(problem: Problem, part: Thinned) -> Units:
 
 def axis_label(name: str, unit: Unit) -> str:
     """Such as ``time t (ms)``, with the symbol of the figures."""
-    return f"{name} {declared(Frames)[name][0].symbol} ({unit.symbol or REDUCED})"
+    return Label(name, declared(Frames)[name][0].symbol, unit.symbol or REDUCED).plain
 
 
 def behind(unit: Unit) -> str:

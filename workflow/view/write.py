@@ -6,22 +6,24 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from bokeh.embed import file_html
 from bokeh.events import DocumentReady
-from bokeh.models import CustomJS, Plot
+from bokeh.models import CustomJS, GridPlot, Plot, SaveTool, Slider
 from bokeh.resources import INLINE
 
 from analysis.figures.style import axis_unit, shown_chains
 from analysis.files.binary_dump import CutDumpWarning
-from lammps_inputs import InputError, Problem, Scene, file_names, references, strict_yaml
+from lammps_inputs import InputError, Problem, file_names, references, strict_yaml
 from lammps_inputs.ingredients.unequal import radii
 from workflow import provenance
+from workflow.formats import in_any_format
+from workflow.runs.engines import ENGINES, LAMMPS, RIGID
 from workflow.runs.files import write_text
-from workflow.runs.job import Job
 from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.collect import collect
-from workflow.verdicts.analyse import analyse, default_beads
+from workflow.verdicts.analyse import FIGURES, analyse, default_beads
 from workflow.verdicts.findings.gauges import Forces
 from workflow.view.run_page import layout
 from workflow.view.sweep_page import layout as sweep_layout
@@ -35,7 +37,7 @@ _DARK = """
 if (!window.matchMedia('(prefers-color-scheme: dark)').matches) return;
 for (const plot of plots) {
   if (plot.title) plot.title.text_color = '#ddd';
-  plot.background_fill_color = '#1b1d21'; plot.border_fill_color = '#1b1d21'; plot.outline_line_color = '#777';
+  plot.background_fill_color = '#1b1d21'; plot.outline_line_color = '#777';
   for (const part of [...plot.above, ...plot.below, ...plot.left, ...plot.right, ...plot.center]) {
     for (const name of ['axis_label_text_color', 'major_label_text_color', 'axis_line_color', 'major_tick_line_color',
                         'minor_tick_line_color', 'text_color', 'label_text_color', 'title_text_color'])
@@ -46,13 +48,53 @@ for (const plot of plots) {
 }
 """
 
+_NAMED = """
+for (const {id, title} of sliders)
+  Bokeh.index.find_one_by_id(id).slider_el.querySelector('.noUi-handle').setAttribute('aria-label', title);
+"""
+"""Handles of sliders have their title as name, also for screen readers."""
+
+_PRINT_PIXELS = 2100
+"""Least width of a saved image: 7 in at 300 dots an inch."""
+
+_FINE = """
+const screen = Object.getOwnPropertyDescriptor(window, 'devicePixelRatio');
+const legends = view => [...view.renderer_views?.values() ?? []].filter(part => part._paint_glyphs);
+let drawing = false;
+for (const name of ['Figure', 'GridPlot']) {
+  const view = Bokeh.Models.get(name).prototype.default_view.prototype, draw = view.export;
+  view.export = function (...options) {
+    if (drawing) return draw.apply(this, options);
+    const value = Math.max(devicePixelRatio, Math.ceil(width / this.bbox.width));
+    const inside = [this, ...this.child_views].flatMap(legends);
+    drawing = true;
+    Object.defineProperty(window, 'devicePixelRatio', {value, configurable: true});
+    try {
+      for (const legend of inside) legend._paint_glyphs();
+      const image = draw.apply(this, options), {canvas} = image, brush = canvas.getContext('2d');
+      brush.setTransform(1, 0, 0, 1, 0, 0);
+      brush.globalCompositeOperation = 'destination-over';
+      brush.fillStyle = getComputedStyle(document.body).backgroundColor;
+      brush.fillRect(0, 0, canvas.width, canvas.height);
+      return image;
+    } finally {
+      Object.defineProperty(window, 'devicePixelRatio', screen);
+      for (const legend of inside) legend._paint_glyphs();
+      drawing = false;
+    }
+  };
+}
+"""
+"""Images are saved in so many pixels and on the page's background: Bokeh draws them with the pixels of the screen, for
+which it asks the window."""
+
 _TEMPLATE = """{% block preamble %}
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <link rel="icon" href="data:,">
 <style>
 :root { color-scheme: light dark; }
 html { height: auto; }
-body { font: 15px/1.45 system-ui, sans-serif; max-width: 88rem; height: auto; }
+body { font: 15px/1.45 system-ui, sans-serif; max-width: 88rem; height: auto; background: #fff; }
 html > body { margin: 1.2rem auto; padding: 0 1rem; }
 @media (prefers-color-scheme: dark) { body { background: #1b1d21; color: #ddd; } a { color: #8ab4f8; } }
 pre { overflow: auto; font-size: .85rem; }
@@ -75,13 +117,15 @@ def folded(heading: str, text: str) -> str:
     return f"<details><summary>{escape(heading)}</summary><pre>{escape(text)}</pre></details>"
 
 
-def render(title: str, root: Any, *, head: str, foot: str) -> str:
+def render(title: str, name: str, root: Any, *, head: str, foot: str, ready: CustomJS | None = None) -> str:
     """The page.
 
     Args:
         title: its heading, as text.
+        name: that names of saved images begin with.
         root: a Bokeh layout.
         head, foot: HTML above and below; the latter with `workflow.provenance.foot`.
+        ready: what to do when it is shown.
 
     Raises:
         InputError: it would be larger than `MOST_BYTES`.
@@ -91,7 +135,17 @@ def render(title: str, root: Any, *, head: str, foot: str) -> str:
     document = Document()
     document.add_root(root)
     plots = [model for model in document.models if isinstance(model, Plot)]
-    document.js_on_event(DocumentReady, CustomJS(args={"plots": plots}, code=_DARK))
+    for plot in plots:
+        plot.border_fill_color = None  # the page's; Bokeh leaves a rim of colours that are changed
+    for drawn in (*plots, *root.select({"type": GridPlot})):
+        for tool in drawn.toolbar.tools:
+            if isinstance(tool, SaveTool) and tool.filename is None:
+                tool.filename = f"{name}-{drawn.name}"
+    sliders = [model for model in document.models if isinstance(model, Slider)]
+    codes = [CustomJS(args={"plots": plots}, code=_DARK), CustomJS(args={"width": _PRINT_PIXELS}, code=_FINE)]
+    for code in (*codes, CustomJS(args={"sliders": sliders}, code=_NAMED), ready):
+        if code is not None:
+            document.js_on_event(DocumentReady, code)
     variables = {"head": head, "foot": foot}
     made: str = file_html(document, INLINE, title=escape(title), template=_TEMPLATE, template_variables=variables)
     if len(made) > MOST_BYTES:
@@ -125,13 +179,15 @@ def write(directory: Path) -> Path:
 def _run(path: Path) -> Path:
     directory = RunDirectory(path)
     problem, scene = directory.problem, directory.scene
-    lines, found, readings = [], None, None
+    lines, survey, readings = [_sentence(scene.units)], None, None
     try:
         analysis = analyse(directory, figures=False)
-        found = analysis.survey
-        readings = next((one.readings for one in analysis.findings.values() if isinstance(one, Forces)), None)
+        survey = analysis.survey
+        readings = next(
+            (finding.readings for finding in analysis.findings.values() if isinstance(finding, Forces)), None
+        )
         if problem.chains > 1:
-            lines.append(f"Equipartition: {found.verdict.sentence}.")
+            lines.append(_sentence(survey.verdict.sentence))
         if not analysis.complete:
             lines.append("The run is incomplete; what there is is shown.")
     except InputError as error:
@@ -139,9 +195,10 @@ def _run(path: Path) -> Path:
     check = directory.job.check
     if check is not None and check.velocity is not None:
         lines.append(f"Error against the reference: velocities {check.velocity:.1e} V.")
+    deforms = ENGINES[directory.engine].deforms
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CutDumpWarning)  # that the run is incomplete is said in words
-        part = thinned(problem, directory.blocks(), shown_chains(problem))
+        part = thinned(problem, directory.blocks(), shown_chains(problem), deforms=deforms)
     lines += _left_out(problem, part)
     texts = {"scene": strict_yaml.dump(scene.plain())}
     if (path / file_names.DECK).is_file():
@@ -149,25 +206,41 @@ def _run(path: Path) -> Path:
     foot = "".join(folded(heading, text) for heading, text in texts.items())
     made = render(
         f"{scene.name}: {problem.chains} x {problem.beads} beads",
-        layout(problem, part, found, list(default_beads(problem)), readings=readings, radius=radii(scene)),
+        scene.name,
+        layout(problem, part, survey, list(default_beads(problem)), readings=readings, radius=radii(scene)),
         head="".join(f"<p>{escape(line)}</p>" for line in (scene.description, *lines) if line),
-        foot=foot + provenance.foot(_cited([scene]), _computed(directory.job)),
+        foot=foot + provenance.foot(_cited([directory]), _computed(directory)),
     )
     claim(path, (VIEW,))
     write_text(path / VIEW, made)
     return path / VIEW
 
 
-def _cited(scenes: Iterable[Scene]) -> list[str]:
-    """Publications that some scenes use, none twice."""
-    return list(dict.fromkeys(key for scene in scenes for keys in references.of_scene(scene).values() for key in keys))
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}."
 
 
-def _computed(job: Job) -> str:
-    """When, where and with which versions a run was computed, as far as it recorded that."""
-    versions = " and ".join(f"{name} {job.versions[name]}" for name in ("granchain", "lammps") if name in job.versions)
-    parts = [job.started or "", f"with {versions}" if versions else "", f"on {job.machine}" if job.machine else ""]
-    return f"The run was computed: {', '.join(filter(None, parts))}." if any(parts) else ""
+def _cited(runs: Iterable[RunDirectory]) -> list[str]:
+    """Publications that some runs use: on their scenes and on what computed or checked them; none twice."""
+    keys: dict[str, None] = {}
+    for run in runs:
+        cited = references.of_scene(run.scene)
+        if run.engine != LAMMPS.name:
+            del cited[references.OF_ENGINE]
+        if run.engine == RIGID.name:
+            del cited[references.OF_REFERENCE]
+        keys |= dict.fromkeys(key for of_subject in cited.values() for key in of_subject)
+    return list(keys)
+
+
+def _computed(directory: RunDirectory) -> str:
+    """By which engine, when and where a run was computed, as far as it recorded that."""
+    job, engine = directory.job, ENGINES[directory.engine].title
+    if directory.engine == LAMMPS.name:
+        engine = f"{engine} {job.lammps or job.versions.get('lammps', '')}".rstrip()
+    granchain = job.versions.get("granchain")
+    parts = [engine, f"granchain {granchain}" if granchain else "", job.started or "", job.machine or ""]
+    return f"The run was computed by {', '.join(filter(None, parts))}."
 
 
 def _left_out(problem: Problem, part: Thinned) -> list[str]:
@@ -186,11 +259,14 @@ def _left_out(problem: Problem, part: Thinned) -> list[str]:
             "Each velocity is the largest in size around its frame, so that no peak is lost;"
             " displacement, overlap, force and energy are those at its time."
         )
-    if apart > FINE:
+    forces = ["overlaps", "forces"] if np.any(np.isfinite(part.force)) else []
+    unknown = [*(["velocities"] if problem.every > FINE else []), *forces]
+    if apart > FINE and unknown:
+        *others, last = unknown
+        names = f"{', '.join(others)} and {last}" if others else last
         lines.append(
-            f"Frames shown are {distance} apart, too far to follow a pulse closely: "
-            + ("overlaps and forces" if problem.every <= FINE else "velocities, overlaps and forces")
-            + " may have been larger between them."
+            f"Frames shown are {distance} apart, too far to follow a pulse closely: {names} may have been larger "
+            "between them."
         )
     if problem.window is not None:
         lines.append("Grey: the window has left; what happened there is not known.")
@@ -199,13 +275,19 @@ def _left_out(problem: Problem, part: Thinned) -> list[str]:
 
 def _sweep(directory: Path) -> Path:
     table = collect(directory)
-    pages = {row["case"]: VIEW if (directory / row["case"] / VIEW).is_file() else "" for row in table.rows}
+    title = table.scene or directory.name
+    wanted = (VIEW, *in_any_format(*FIGURES))
+    files = {row["case"]: [file for file in wanted if (directory / row["case"] / file).is_file()] for row in table.rows}
+    root, choose = sweep_layout(table, files, title)
     made = render(
-        f"{table.scene or directory.name}: {len(table.rows)} cases",
-        sweep_layout(table, pages),
-        head="<p>Click a column's head to sort, a case or a point to open it"
-        " (<code>granchain view " + escape(str(directory.name)) + "/CASE</code> makes a case's page).</p>",
-        foot=provenance.foot(_cited(RunDirectory(directory / row["case"]).scene for row in table.rows)),
+        f"{title}: {len(table.rows)} cases",
+        title,
+        root,
+        ready=choose,
+        head="<p>A click on a column's head sorts, one on a case or a point opens its page or else its first figure, "
+        f"where there is one (<code>granchain view {escape(directory.name)}/CASE</code> makes a page, "
+        "<code>granchain sweep --figures</code> figures).</p>",
+        foot=provenance.foot(_cited(RunDirectory(directory / row["case"]) for row in table.rows)),
     )
     path = directory / VIEW
     if path.exists() and not path.read_text(encoding="utf-8", errors="replace").startswith("<!DOCTYPE html>"):

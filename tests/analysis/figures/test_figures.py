@@ -8,10 +8,13 @@ from small_problems import problem as small
 from synthetic_waves import reference, surveyed
 
 from analysis.conservation import Account
-from analysis.figures.energy import budget_figure
+from analysis.contacts import YieldTable
+from analysis.figures.energy import budget_figure, energy_figure
+from analysis.figures.forces import yield_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, round_ticks, spacetime_figure
-from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, axis_unit, shortened, shown_chains
+from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, axis_unit, shown_chains
 from analysis.figures.waves import distance_figure, pulses, response_figure, shape_figure
+from analysis.sharing.energies import Flow
 from analysis.sharing.survey import survey
 from analysis.trajectory import blocks
 from lammps_inputs import Kick
@@ -80,7 +83,7 @@ def test_any_scene_of_steel_beads_is_drawn_with_prefixed_units_and_a_curve_for_e
     trajectory = replace(trajectory, problem=steel)
     result = survey(lambda: blocks(trajectory), steel)
     distance = distance_figure(steel, result.shared, result.energies, result.direction)
-    response = response_figure(history(trajectory, (4, 11, 20)))
+    response = response_figure(history(trajectory, (4, 11, 20)), result.waves)
     assert (response.axes[-2].get_xlabel(), response.axes[0].get_ylabel()) == (
         "time $t$ (\N{MICRO SIGN}s)",
         "velocity $v$ (mm/s)",
@@ -117,7 +120,7 @@ def test_of_many_chains_the_one_that_was_hit_is_shown_and_the_title_says_which(h
     for figure in (spacetime_figure(spacetime(trajectory)), response_figure(history(trajectory, (1,)))):
         assert f"(chains {', '.join(str(chain + 1) for chain in shown)} are shown)" in figure.get_suptitle()
     panels = spacetime_figure(spacetime(trajectory)).axes[:MAX_PANELS]
-    assert [axis.get_title() for axis in panels] == [f"chain {chain + 1}" for chain in shown]
+    assert [axis.get_title(loc="left")[4:] for axis in panels] == [f"chain {chain + 1}" for chain in shown]
     fastest = [float(axis.get_images()[0].get_array().max()) for axis in panels]
     assert fastest.index(max(fastest)) == shown.index(hit - 1)
     lines = curves(response_figure(history(trajectory, (1,))).axes[0])
@@ -137,22 +140,37 @@ def test_velocities_of_both_signs_are_seen_and_only_the_bead_that_was_hit_is_cut
     assert min(0.5 - shade[0], shade[2] - 0.5) > 0.1  # the tail is a good part of the scale away from nothing
 
 
-def test_beside_the_whole_run_the_passage_is_shown_close_up(found):
+def test_beside_the_whole_run_the_passage_of_the_leading_pulse_of_the_kicked_chain_is_shown_close_up(found):
     trajectory = reference(2, 0.1, 60, 80.0)
-    whole, near = response_figure(history(trajectory, (50,))).axes
+    whole, near = response_figure(history(trajectory, (50,)), found.waves).axes
     assert np.ptp(curves(whole)["chain 1"].get_xdata()) == pytest.approx(80.0)
     x, y = curves(near)["chain 1"].get_data()
     assert np.ptp(x) < 15.0
     at = found.waves.at(50)
     assert y.max() == pytest.approx(at.peak_velocity[0], abs=2e-3)
     assert abs(x[np.argmax(y)]) < 0.5
-    assert near.get_title(loc="left").startswith(r"(b) $t_\mathrm{peak}$ = ")
+    assert near.get_title(loc="left") == f"(b) arrival {at.arrival[0]:.4g}"
+    assert near.get_xlabel() == "time after arrival\nin chain 1 (reduced)"
+
+
+def test_the_passage_is_that_of_the_leading_pulse_also_where_a_later_one_is_larger():
+    trajectory = reference(1, 0.0, 30, 60.0)
+    first = surveyed(trajectory).waves
+    late = replace(trajectory, velocity=trajectory.velocity - 2.0 * trajectory.velocity[::-1])
+    _, near = response_figure(history(late, (15,)), first).axes
+    assert near.get_title(loc="left") == f"(b) arrival {first.at(15).arrival[0]:.4g}"
+
+
+def test_where_no_pulse_leads_there_is_no_passage_beside_the_whole_run():
+    trajectory = reference(2, 0.1, 60, 80.0)
+    figure = response_figure(history(trajectory, (10, 50)))
+    assert [axis.get_title(loc="left") for axis in figure.axes] == ["(a) bead 10", "(b) bead 50"]
 
 
 def test_a_cut_run_says_so_and_beads_that_have_not_moved_are_named_not_drawn():
     trajectory = reference(2, 0.1, 60, 80.0)
     figure = response_figure(history(trajectory, (10, 50, 60), frames=len(trajectory.time) // 4))
-    assert [axis.get_title(loc="left") for axis in figure.axes[::2]] == ["(a) bead 10"]
+    assert [axis.get_title(loc="left") for axis in figure.axes] == ["bead 10"]
     assert "beads 50, 60 have not moved" in figure.get_suptitle()
     for cut in (figure, spacetime_figure(spacetime(trajectory, len(trajectory.time) // 4))):
         assert "cut short at 25% of its time" in cut.get_suptitle()
@@ -203,7 +221,7 @@ def test_the_layers_of_the_budget_add_up_to_what_was_put_in_in_the_units_of_the_
     si = replace(small(), scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True))
     figure = budget_figure(si, account)
     (axis,) = figure.axes
-    assert legends(figure) == ["energy input", "lost in contact damping", "walls", "contacts", "kinetic"]
+    assert legends(figure) == ["energy input", "dissipated in contact damping", "walls", "contacts", "kinetic"]
     tops = [layer.get_paths()[0].vertices[:, 1].max() for layer in axis.collections]
     nano = si.scale.energy * 1e9
     assert tops == pytest.approx([0.3 * nano, 0.49 * nano, 0.5 * nano, 0.5 * nano])
@@ -214,18 +232,62 @@ def test_the_layers_of_the_budget_add_up_to_what_was_put_in_in_the_units_of_the_
     assert not any(hatches[:-1])
 
 
-@pytest.mark.parametrize(
-    ("label", "values", "shown"),
-    [
-        ("drive frequency (Hz)", [4e3, np.nan, 9.3e4], ("drive frequency (kHz)", 1e-3)),
-        ("peak velocity (m/s)", [-0.02, 0.01], ("peak velocity (mm/s)", 1e3)),
-        ("speed (beads/s)", [9e4], ("speed (beads/s)", 1.0)),
-        ("coupling (reduced)", [9e4], ("coupling (reduced)", 1.0)),
-        ("peak velocity / $V$", [1e-4], ("peak velocity / $V$", 1.0)),
-    ],
-)
-def test_labels_that_end_in_an_si_unit_take_the_prefix_that_makes_numbers_short(label, values, shown):
-    assert shortened(label, np.array(values)) == (shown[0], pytest.approx(shown[1]))
+def account_of(kinetic, time):
+    nothing = np.zeros(len(time))
+    stored = dict.fromkeys(("springs", "ground", "walls", "resonators"), nothing)
+    return Account(time, np.ones(len(time)), kinetic=kinetic, contacts=1.0 - kinetic, **stored, lost={})
+
+
+@pytest.mark.parametrize(("period", "mean"), [(2.7, True), (40.0, False)])
+def test_oscillations_that_instants_do_not_resolve_are_drawn_as_means(period, mean):
+    time = np.arange(400.0)
+    kinetic = 0.5 + 0.4 * np.sin(2.0 * np.pi * time / period)
+    (axis,) = budget_figure(small(), account_of(kinetic, time)).axes
+    x, y = axis.collections[0].get_paths()[0].vertices.T
+    top = y[(y > 0.0) & (x > 50.0) & (x < 350.0)]
+    assert ("mean over" in axis.get_ylabel()) == mean
+    assert np.ptp(top) == pytest.approx(0.8 * (not mean), abs=0.01)
+
+
+def test_a_panel_that_is_constant_is_left_out_of_the_energy():
+    problem = reference(1, 0.0, 10, 8.0).problem
+    time, one = np.arange(3.0), np.ones((3, 1))
+    flow = Flow(time, one, np.zeros(3), time[:, np.newaxis] + one, 0.1 * one)
+    (panel,) = energy_figure(problem, flow).axes
+    assert panel.get_ylabel().startswith("centre of the energy")
+
+
+def test_contacts_that_have_not_begun_to_open_are_not_drawn_and_a_printed_power_law_is():
+    contact = np.arange(1, 41)
+    force = 5.0 * contact**-0.5
+    opened = (contact <= 38).astype(np.int64)
+    force[38:] = 1e-3
+    table = YieldTable(np.ones(40, dtype=np.int64), contact, force, force, 0.1 * force, opened, force)
+    figure = yield_figure(small(chains=1), table)
+    curve, law = figure.axes[0].get_lines()
+    assert curve.get_xdata().tolist() == list(range(1, 39))
+    assert law.get_xdata().tolist() == list(range(20, 39))
+    np.testing.assert_allclose(law.get_ydata(), 5.0 * law.get_xdata() ** -0.5)
+    assert legends(figure) == ["chain 1", r"$\propto n^{-0.500}$"]
+    assert figure.axes[1].get_ylabel() == "permanent overlap $d_r$ (reduced)"
+
+
+@pytest.mark.parametrize("width", [3.4, 7.0])
+def test_figures_of_a_width_that_is_asked_for_have_that_width_and_no_title(found, width):
+    trajectory = reference(2, 0.1, 60, 80.0)
+    with written_as(("png",), width):
+        figures = [
+            distance_figure(found.problem, found.shared, found.energies),
+            response_figure(history(trajectory, (10, 50)), found.waves),
+            spacetime_figure(spacetime(trajectory)),
+            shape_figure(found.problem, found.waveforms, [10, 50]),
+        ]
+    for figure in figures:
+        assert figure.get_figwidth() == width
+        assert figure.get_suptitle() == ""
+        figure.draw_without_rendering()
+        for axis in figure.axes:  # no panel has vanished between labels
+            assert axis.get_window_extent().width > 10.0
 
 
 @pytest.mark.parametrize("top", [1.0, 0.55, 4.3e2, 2.0001e-6])

@@ -12,7 +12,7 @@ from synthetic_waves import of_keys
 from analysis.against.difference import Deviation, ErrorMap
 from analysis.dispersion import Cell, Map
 from analysis.figures.energy import energy_figure
-from analysis.figures.engines import Curve, engines_figure, scan_figure
+from analysis.figures.engines import Curve, PublishedPoint, engines_figure, relative_mode_figure, scan_figure
 from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figure
 from analysis.figures.forces import force_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
@@ -28,8 +28,10 @@ from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.waveforms import Passages
 from analysis.sharing.energies import EnergyShares, Flow
 from analysis.sharing.equipartition import Sharing
+from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, physics
+from lammps_inputs.units import Label
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
@@ -76,18 +78,19 @@ def unit_on(label, what, unit):
 def test_the_energy_figure_has_the_share_centre_and_spread_of_each_chain(problem):
     time = np.array([0.0, 1.0, 4.0])
     number = np.arange(1.0, CHAINS + 1.0)
-    flow = Flow(time, np.tile(number / 100.0, (3, 1)), np.zeros(3), np.tile(number, (3, 1)), np.full((3, CHAINS), 0.5))
+    later = np.array([[1.0], [2.0], [3.0]])
+    flow = Flow(time, later * number / 100.0, np.zeros(3), later * number, np.full((3, CHAINS), 0.5))
     share, centre = energy_figure(problem, flow).axes
     assert share.get_ylabel() == "share of the energy $E_n / E$"
     assert centre.get_ylabel().startswith("centre of the energy (bead)")
     seconds = unit_on(centre.get_xlabel(), problem, "s")
     for chain, line in all_shown(share, problem):
-        assert line.get_ydata().tolist() == [chain / 100.0] * 3
+        assert line.get_ydata().tolist() == (later[:, 0] * chain / 100.0).tolist()
         assert line.get_xdata() * seconds == pytest.approx(time * problem.scale.time)
     bands = [band.get_paths()[0].get_extents() for band in centre.collections]
     for (chain, line), band in zip(all_shown(centre, problem), bands, strict=True):
-        assert line.get_ydata().tolist() == [chain] * 3
-        assert (band.y0, band.y1) == (chain - 0.5, chain + 0.5)
+        assert line.get_ydata().tolist() == (later[:, 0] * chain).tolist()
+        assert (band.y0, band.y1) == (chain - 0.5, 3 * chain + 0.5)
 
 
 def test_the_force_figure_has_each_gauge_and_chain_where_it_says(problem):
@@ -100,7 +103,7 @@ def test_the_force_figure_has_each_gauge_and_chain_where_it_says(problem):
     axes = force_figure(problem, readings).axes
     assert [axis.get_title(loc="left") for axis in axes] == ["(a) contact 2", "(b) contact 7", "(c) sensor 5"]
     for gauge, axis in enumerate(axes, 1):
-        newtons = unit_on(axis.get_ylabel(), problem, "N")
+        newtons = unit_on(axis.figure.get_supylabel(), problem, "N")
         for chain, line in all_shown(axis, problem):
             assert line.get_ydata() * newtons == pytest.approx([0.0, (100 * gauge + chain) * problem.scale.force])
         largest = float(axis.get_title(loc="right").removeprefix("largest "))
@@ -123,7 +126,7 @@ def test_the_spectra_figure_has_each_bead_chain_and_drive_where_it_says(problem)
             expected = amplitude[:, chain - 1, place] * problem.scale.velocity
             assert line.get_ydata() * velocity == pytest.approx(expected)
             assert line.get_xdata() == pytest.approx(spectra.frequency * hertz)
-        (drive,) = (line for line in axis.get_lines() if line.get_linestyle() == ":")
+        (drive,) = (line for line in axis.get_lines() if line.get_label() == "drive")
         assert drive.get_xdata()[0] == pytest.approx(0.07 * hertz)
 
 
@@ -146,6 +149,7 @@ def test_the_dispersion_figure_has_power_and_branches_where_its_axes_say(problem
     q, branch = axis.get_lines()[0].get_data()
     assert np.asarray(branch) == pytest.approx(3.0 * worth * np.abs(np.sin(np.asarray(q) / 2.0)), abs=1e-9 * worth)
     assert "chain 7" in figure.get_suptitle()
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["exact branches", "edges of bands"]
 
 
 def test_what_is_left_of_a_trace_is_data_minus_run_in_units_of_the_noise(problem):
@@ -180,19 +184,20 @@ def test_a_validation_shows_each_error_at_its_bead_and_as_a_share_of_its_toleran
     edges = ErrorMap(np.array([0.0, 2.0, 4.0]), np.arange(1, 12), error)
     deviations = {"velocity": Deviation(1e-3, 1e-4), "arrival": Deviation(4e-3, 1e-4)}
     figure = validation_figure(problem, edges, deviations, {"velocity": 5e-4, "arrival": 1e-2}, "reference")
-    space, bars = figure.axes[:2]
+    space, shares = figure.axes[:2]
     (mesh,) = space.collections
     corners = mesh.get_coordinates()
     row, column = np.unravel_index(np.argmax(mesh.get_array()), (2, 10))
     assert corners[row, column : column + 2, 0].mean() == 7.0
     seconds = unit_on(space.get_ylabel(), problem, "s")
     np.testing.assert_allclose(corners[row : row + 2, column, 1] * seconds, np.array([2.0, 4.0]) * problem.scale.time)
-    widths = {name.get_text(): bar for name, bar in zip(bars.get_yticklabels(), bars.patches, strict=True)}
-    assert widths["velocity"].get_width() == pytest.approx(2.0)
-    assert widths["arrival"].get_width() == pytest.approx(0.4)
-    colours = {"velocity": BAD, "arrival": GOOD}
-    for name, bar in widths.items():
-        assert "#{:02X}{:02X}{:02X}".format(*(round(255 * c) for c in bar.get_facecolor()[:3])) == colours[name]
+    names = [name.get_text() for name in shares.get_yticklabels()]
+    points = {
+        names[int(point.get_ydata()[0])]: point for point in shares.get_lines() if point.get_marker() in ("o", "X")
+    }
+    assert points["velocity"].get_xdata() == pytest.approx([2.0])
+    assert points["arrival"].get_xdata() == pytest.approx([0.4])
+    assert {name: point.get_color() for name, point in points.items()} == {"velocity": BAD, "arrival": GOOD}
 
 
 def test_samples_from_before_the_peak_are_drawn_ahead_of_it():
@@ -213,7 +218,7 @@ def test_samples_from_before_the_peak_are_drawn_ahead_of_it():
 
 @pytest.mark.parametrize(("sign", "best"), [(1.0, [3.0, 3.0, 1.0, 1.0]), (-1.0, [3.0, 3.0, 3.0, 5.0])])
 def test_the_best_so_far_is_the_smallest_or_largest_of_what_keeps_the_limits(sign, best):
-    (axis,) = history_figure(Objective("force (N)", sign, 4.0), np.array([3.0, np.nan, 1.0, 5.0])).axes
+    (axis,) = history_figure(Objective(Label("force", "", "N"), sign, 4.0), np.array([3.0, np.nan, 1.0, 5.0])).axes
     lines = {line.get_label(): line for line in axis.get_lines()}
     assert lines["best so far"].get_ydata().tolist() == best
     assert lines["best so far"].get_xdata().tolist() == [1, 2, 3, 4]
@@ -223,18 +228,26 @@ def test_the_best_so_far_is_the_smallest_or_largest_of_what_keeps_the_limits(sig
 
 def test_each_front_is_of_what_its_legend_says():
     force, mass = np.array([1.0, 2.0, 3.0, 4.0]), np.array([5.0, 3.0, 9.0, 6.0])
-    (axis,) = front_figure(Objective("force", 1.0, None), force, "mass", mass).axes
+    (axis,) = front_figure(Objective(Label("force"), 1.0, None), force, Label("mass"), mass).axes
     lines = {line.get_label(): line for line in axis.get_lines()}
     assert lines["front to the left"].get_xydata().tolist() == [[3.0, 2.0], [5.0, 1.0]]
     assert lines["front to the right"].get_xydata().tolist() == [[5.0, 1.0], [9.0, 3.0]]
 
 
-def test_a_scan_has_a_panel_for_each_row_that_it_names():
-    axes = scan_figure(np.array([0.1, 0.2]), np.array([[0.5, 0.7], [0.6, 0.8]]), (10, 55), 0.01).axes
-    assert {axis.get_title(loc="left"): axis.get_lines()[0].get_ydata().tolist() for axis in axes} == {
-        "(a) row 10": [0.5, 0.6],
-        "(b) row 55": [0.7, 0.8],
-    }
+def test_a_scan_has_a_panel_for_each_row_that_it_names_with_the_published_point():
+    point = PublishedPoint("gap of eq. 5", 0.15, np.array([0.55, 0.75]))
+    theta, differences = np.array([0.1, 0.2]), np.array([[0.5, 0.7], [0.6, 0.0]])
+    axes = scan_figure(theta, differences, (10, 55), 0.01, point).axes
+    found = {axis.get_title(loc="left"): {line.get_label(): line for line in axis.get_lines()} for axis in axes}
+    assert found["(a) row 10"]["rigid beads"].get_ydata().tolist() == [0.5, 0.6]
+    np.testing.assert_array_equal(found["(b) row 55"]["rigid beads"].get_ydata(), [0.7, np.nan])  # 0 has no logarithm
+    assert found["(b) row 55"]["gap of eq. 5"].get_xydata().tolist() == [[0.15, 0.75]]
+    assert set(found["(a) row 10"]["1 %"].get_ydata()) == {0.01}
+
+
+def test_a_difference_of_0_leaves_a_gap_in_the_relative_mode():
+    (axis,) = relative_mode_figure([("rigid", np.arange(4), np.array([0.5, 0.0, -0.1, 1e-9]))]).axes
+    np.testing.assert_array_equal(axis.get_lines()[0].get_ydata(), [0.5, np.nan, 0.1, np.nan])
 
 
 # --- places -----------------------------------------------------------------------------------------------------------
@@ -260,7 +273,9 @@ def moving(what, chain, bead, frame, velocity=0.5):
 
 def panel(figure, chain):
     """The image of a chain."""
-    (axis,) = (axis for axis in figure.axes if axis.get_title() == f"chain {chain}")
+    several = len([axis for axis in figure.axes if axis.get_images()]) > 1
+    title = f"({'ab'[chain - 1]}) chain {chain}" if several else ""
+    (axis,) = (axis for axis in figure.axes if axis.get_images() and axis.get_title(loc="left") == title)
     (image,) = axis.get_images()
     return axis, image
 
@@ -310,7 +325,9 @@ def test_the_response_is_that_of_the_bead_and_chain_it_names(chain, bead, frame,
     what = pair(si)
     data = BeadHistory(what, (3, 8))
     data.add(moving(what, chain, bead, frame))
-    whole, near = response_figure(data).axes  # of the other bead, which has not moved, there is none
+    arrival = np.array([frame * what.every])
+    waves = with_speeds(np.array([1]), np.array([bead]), arrival, np.array([0.5]))
+    whole, near = response_figure(data, waves).axes  # of the other bead, which has not moved, there is none
     assert whole.get_title(loc="left") == f"(a) bead {bead}"
     velocities = unit_on(whole.get_ylabel(), what, "m/s")
     for axis, when in ((whole, frame * what.every * what.scale.time), (near, 0.0)):
@@ -352,7 +369,7 @@ def test_the_distance_figure_has_each_chain_at_its_beads_in_its_units(si):
     (late,) = (line for line in lag.get_lines() if line.get_label() == "chain 2")
     seconds = late.get_ydata() * unit_on(lag.get_ylabel(), what, "s")
     assert seconds == pytest.approx(0.25 * what.scale.time)
-    assert "behind chain 1" in lag.get_ylabel()
+    assert "lag behind\nchain 1" in lag.get_ylabel()
 
 
 @pytest.mark.parametrize("si", [False, True])
@@ -371,6 +388,19 @@ def test_the_engines_figure_has_each_bead_and_engine_where_it_says(si):
     assert moved.get_xdata() * unit_on(rows[1].get_xlabel(), what, "s") == pytest.approx(time * what.scale.time)
 
 
+def test_lines_are_interrupted_at_recorded_beads_where_no_pulse_leads():
+    what = pair(False, chains=1, kappa=0.0, beads=40)
+    bead = np.array([*range(2, 20), *range(25, 28), 30, *range(33, 36)])
+    one = np.ones((len(bead), 1))
+    sharing = Sharing(0, bead, bead[:, np.newaxis] * one, 0.4 * one, physics.energy(what.system))
+    amplitude = distance_figure(what, sharing, EnergyShares(what, sharing)).axes[0]
+    line, dots = amplitude.get_lines()
+    x, y = line.get_data()
+    assert np.flatnonzero(np.isnan(y)).tolist() == [18, 22, 24]
+    assert x[np.isfinite(y)].tolist() == bead.tolist()
+    assert dots.get_xdata().tolist() == [30.0]  # no line leads to it
+
+
 def test_a_line_marks_the_bead_from_which_on_the_chains_agree():
     amplitude = np.full((80, 2), 0.3)
     amplitude[:60, 0] *= 1.0 + 0.05 * np.cos(np.arange(60))
@@ -379,7 +409,7 @@ def test_a_line_marks_the_bead_from_which_on_the_chains_agree():
     axis = distance_figure(what, agreeing, EnergyShares(what, agreeing)).axes[0]
     (mark,) = (line for line in axis.get_lines() if not line.get_label().startswith("chain"))
     assert set(mark.get_xdata()) == {agreeing.agrees_from(0.01)}
-    assert axis.get_title(loc="right") == f"within 1% from bead {agreeing.agrees_from(0.01)} on"
+    assert axis.get_title(loc="right") == f"within 1 % from bead {agreeing.agrees_from(0.01)} on"
 
 
 @pytest.mark.parametrize(("direction", "label"), [(1, "bead"), (-1, "bead, counted from bead 10")])
@@ -395,7 +425,7 @@ def test_the_title_tells_name_chains_coupling_and_gap():
     data.add(moving(what, 1, 1, 0))
     # kappa at V = 1, the gap as in the scene
     gap = f"{0.5 * SPEED**0.8:.4g}"
-    assert spacetime_figure(data).get_suptitle() == f"test: $N$ = 2, $\\kappa = k T^2 / m$ = 0.25, gap {gap}"
+    assert spacetime_figure(data).get_suptitle() == f"test: 2 chains, $\\kappa = k T^2 / m$ = 0.25, gap {gap}"
 
 
 def coupled(chains, beads=20, **coupling):
@@ -414,7 +444,7 @@ def coupled(chains, beads=20, **coupling):
     ],
 )
 def test_the_title_tells_where_springs_are_and_of_which_kind(coupling, words):
-    assert title(coupled(3, **coupling)) == f"test: $N$ = 3, $\\kappa$ {words}"
+    assert title(coupled(3, **coupling)) == f"test: 3 chains, $\\kappa$ {words}"
 
 
 def test_lattices_have_a_panel_for_each_chain_and_lines_for_those_far_from_each_other():

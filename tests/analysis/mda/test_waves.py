@@ -17,7 +17,7 @@ from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
 SCENE = scene(name="small", chains=2, beads=30, kappa=0.1, duration=40.0)
-COLUMNS = ("chain", "bead", "arrival", "peak_velocity", "speed")
+COLUMNS = ("chain", "bead", "pulse", "arrival", "peak_velocity", "speed")
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def ran(runs: tuple[RunDirectory, RunDirectory]) -> mda.Universe:
 
 
 def expected(trajectory: Trajectory) -> Waves:
-    return leading_waves(find_peaks([trajectory]))
+    return leading_waves(find_peaks([trajectory]), trajectory.problem)
 
 
 def test_results_are_those_of_the_arrays(ran: mda.Universe, runs: tuple[RunDirectory, RunDirectory]) -> None:

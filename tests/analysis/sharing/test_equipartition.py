@@ -8,9 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic_waves import of_keys, problem, reference, surveyed
 
-from analysis.sharing.equipartition import Sharing
+from analysis.sharing.equipartition import Sharing, runs_exact_waves
+from analysis.sharing.impulses import measure
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star, fit_decay, verdict_on
+from analysis.trajectory import mirrored_problem
 from lammps_inputs import Kick
 from workflow.engines.reference import engine
 
@@ -160,18 +162,43 @@ def test_agreement_that_is_lost_again_begins_after_the_loss():
     assert shared.agrees_from(0.01) == shared.bead[last_bad + 1]
 
 
-def test_noise_makes_no_beats():
-    rng = np.random.default_rng(3)
-    amplitude = 0.36 + 1e-3 * rng.standard_normal((100, 2))
-    assert len(Sharing(0, np.arange(2, 102), np.zeros((100, 2)), amplitude, 0.5, 1e-3).beats) <= 1
-
-
 def test_changes_of_sign_between_two_beads_make_no_beat():
     amplitude = np.full((20, 2), 0.36)
     amplitude[:, 0] *= np.where(np.arange(20) == 12, 0.9999, 1.01)
     shared = Sharing(0, np.arange(2, 22), np.zeros((20, 2)), amplitude, 0.5)
     assert shared.beat_length is None
     assert shared.agrees_from(0.1) is None
+
+
+def test_half_beats_that_scatter_by_more_than_half_of_their_mean_have_no_length_in_words():
+    sign = np.repeat([1.0, -1.0] * 4, [2, 20, 2, 3, 25, 2, 2, 20])
+    amplitude = 0.36 * np.stack([1.0 + 0.2 * sign, 1.0 - 0.2 * sign], axis=1)
+    shared = Sharing(0, np.arange(2, 2 + len(sign)), np.zeros(amplitude.shape), amplitude, 0.5)
+    assert shared.beat_length.uncertainty > 0.5 * shared.beat_length.value
+    assert shared.regular_beat is None
+    sentence = verdict_on(shared, problem(2, 0.1), None).sentence
+    assert sentence.startswith("beating: amplitudes differ by up to 40.00% over the last half beat")
+    assert "without a regular beat" in sentence
+    assert "+-" not in sentence
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_chains_with_gaps_are_compared_by_the_impulses_of_first_contacts(direction):
+    what = problem(2, 0.1, 30, 250.0, 0.25, gap=2.8742376715100764)
+    kicked = what if direction > 0 else mirrored_problem(what)
+    found = surveyed(engine.run(kicked)).shared
+    expected = measure(what, [engine.run(what)])
+    rows = np.isin(expected.bead, found.bead)
+    assert found.compared == "impulses of first contacts"
+    assert len(found) > 10
+    np.testing.assert_allclose(found.amplitude, expected.first[:, rows].T, rtol=0, atol=2e-6)
+
+
+def test_chains_with_gaps_of_which_few_beads_are_recorded_are_not_compared():
+    what = problem(2, 0.1, 30, 250.0, 0.25, gap=2.8742376715100764, recorded=(5, 10, 15, 20))
+    verdict = surveyed(engine.run(what)).verdict
+    assert verdict.state is State.UNSURE
+    assert "known only where all beads are recorded" in verdict.sentence
 
 
 @pytest.mark.parametrize(
@@ -324,3 +351,21 @@ def test_where_amplitudes_have_no_limit_the_reason_is_stated(why, keys):
     plain = {"beads": 40, "kick": KICK, "duration": 60.0, "output": {"every": 0.2}}
     found = surveyed(engine.run(of_keys(**{**plain, **keys}))).shared
     assert (found.changing, found.final) == (why, None)
+
+
+@pytest.mark.parametrize(
+    ("keys", "exact"),
+    [
+        ({}, True),
+        ({"coupling": {"stiffness": 0.1}, "chains": 2}, True),
+        ({"contact": {"exponent": 2}}, True),
+        ({"kinds": {"a": {"mass": 1}, "b": {"mass": 0.5}}, "pattern": ["a", "b"]}, False),
+        ({"contact": {"yield": {"overlap": 0.1}}}, False),
+        ({"damping": {"contact": 0.1}}, False),
+        ({"gap": 0.5}, False),
+        ({"precompression": {"force": 0.1}}, False),
+    ],
+)
+def test_exact_waves_run_in_touching_equal_elastic_beads_without_a_load(keys, exact):
+    plain = {"chains": 1, "beads": 20, "kick": {"velocity": 1.0}, "duration": 5.0}
+    assert runs_exact_waves(of_keys(**{**plain, **keys}).system) == exact

@@ -7,8 +7,8 @@ import pytest
 from small_problems import problem
 
 from analysis.files.events import Events
-from analysis.sharing.impulses import from_events, measure, relative_difference
-from analysis.trajectory import joined
+from analysis.sharing.impulses import ImpulseMeter, from_events, measure, relative_difference
+from analysis.trajectory import joined, watch
 from workflow.engines import collisions
 from workflow.engines.reference import engine
 
@@ -40,10 +40,13 @@ def hertz(**changes):
     return measure(problem, blocks(problem))
 
 
-def rigid(**changes):
-    problem = make_problem(**changes)
+def of_rigid(problem, direction=1):
     run = collisions.run(problem)
-    return from_events(problem, Events(run.time, run.chain, run.row, run.striker, run.target))
+    return from_events(problem, Events(run.time, run.chain, run.row, run.striker, run.target), direction)
+
+
+def rigid(**changes):
+    return of_rigid(make_problem(**changes))
 
 
 @pytest.mark.parametrize(("every", "error"), [(0.05, ERROR), (0.1, ERROR), (0.3, ERROR), (0.5, 2e-5), (1.0, 4e-4)])
@@ -94,6 +97,19 @@ def test_the_impulses_of_a_row_are_the_momentum_that_the_beads_ahead_gain():
     assert 0.0 < found.imbalance < 10 * ERROR  # which add up over the contacts of three chains
     touching = hertz(chains=2, beads=20, kappa=0.3, gap=0.0, duration=20.0)
     assert 0.0 < touching.imbalance < 10 * ERROR
+
+
+@pytest.mark.parametrize("source", ["hertz", "rigid"])
+def test_impulses_on_beads_from_ahead_are_those_of_the_mirrored_run(source):
+    forwards = make_problem(chains=2, beads=8, kappa=0.3, gap=0.4, duration=20.0)
+    backwards = make_problem(chains=2, beads=8, kicks=((1, 8, -1.0),), kappa=0.3, gap=0.4, duration=20.0)
+    if source == "hertz":
+        expected = measure(forwards, blocks(forwards))
+        found = watch(ImpulseMeter(backwards, -1), blocks(backwards)).result()
+    else:
+        expected, found = of_rigid(forwards), of_rigid(backwards, -1)
+    np.testing.assert_array_equal(found.bead, expected.bead)
+    np.testing.assert_allclose(found.first, expected.first, rtol=0, atol=ERROR if source == "hertz" else 1e-12)
 
 
 def test_a_wrong_impulse_shows_in_the_imbalance():

@@ -1,4 +1,4 @@
-"""The whole reading of a run: waveforms against the exact wave, what is called solitary, noise, memory."""
+"""The whole reading of a run: waveforms against the exact wave, what is called solitary, memory."""
 
 import tracemalloc
 from collections.abc import Iterator
@@ -15,11 +15,10 @@ from analysis.shape.long_waves import sound_speed
 from analysis.shape.waveforms import Passages, Waveforms
 from analysis.sharing.is_solitary import Tolerances, characterise
 from analysis.sharing.survey import survey
-from analysis.tracking.leading_waves import from_csv, leading_waves, usual_arrival
-from analysis.tracking.noise import noise_at_start, peak_error, smoothed, width_error
+from analysis.tracking.leading_waves import from_csv, leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Trajectory, blocks, joined, mirrored, mirrored_problem, watch
+from analysis.trajectory import Trajectory, blocks, mirrored, mirrored_problem, watch
 from lammps_inputs import Kick
 from workflow.engines.reference import engine
 
@@ -47,9 +46,10 @@ def test_an_exact_wave_has_the_momentum_energy_and_shape_of_the_exact_wave(peak,
 @given(st.floats(0.05, 1.0), st.floats(0.01, 1.0), st.floats(6.0, 15.0))
 @pytest.mark.slow
 def test_width_is_within_its_stated_error_on_any_grid(peak, every, arrival):
+    """The bound is twice the errors that `Shape` states: 5e-7 at 0.1, 3e-3 at 0.5 and 9e-2 at 1."""
     trajectory = exact_waves([(peak, arrival)], every=every)
     width = shape_of(trajectory, peak, arrival).width[0]
-    assert width == pytest.approx(EXACT.width, rel=width_error(trajectory.problem.every))
+    assert width == pytest.approx(EXACT.width, rel=4e-6 + 0.2 * trajectory.problem.every**5)
 
 
 def test_with_few_beads_recorded_the_energy_is_that_of_the_virial_theorem():
@@ -80,6 +80,14 @@ def test_a_wave_that_is_too_wide_has_the_width_put_in_and_a_residual(peak, stret
     grid = np.linspace(-2.9, 2.9, 400)
     expected = np.max(np.abs(EXACT.velocity(grid / stretch) - EXACT.velocity(grid)))
     assert shape.residual[0] == pytest.approx(expected, rel=0.15, abs=1e-6)
+
+
+@pytest.mark.parametrize("arrival", [8.0, 8.13, 8.21])
+def test_the_momentum_is_that_of_eight_beads_of_travel_wherever_frames_lie(arrival):
+    trajectory = exact_waves([(0.5, arrival)], every=0.25)
+    drifting = Trajectory(trajectory.problem, trajectory.time, trajectory.displacement, trajectory.velocity + 0.1)
+    momentum = shape_of(drifting, 0.5, arrival).momentum[0]
+    assert momentum == pytest.approx(float(EXACT.momentum_at(0.5)) + 8.0 * 0.1, rel=1e-5)
 
 
 def test_a_passage_that_the_run_does_not_show_whole_has_no_shape_but_an_energy():
@@ -128,41 +136,6 @@ def test_speed_is_compared_with_the_exact_wave_and_the_amplitude_with_itself_ove
 def test_a_pulse_that_could_not_be_measured_is_not_called_solitary():
     found = surveyed(reference(1, 0.0, 40, 8.0))
     assert all(not character.solitary for character in found.characters)
-
-
-def noisy(trajectory: Trajectory, noise: float) -> Trajectory:
-    rng = np.random.default_rng(11)
-    x, v = (
-        values + noise * rng.standard_normal(values.shape) for values in (trajectory.displacement, trajectory.velocity)
-    )
-    return Trajectory(trajectory.problem, trajectory.time, x, v)
-
-
-@pytest.mark.parametrize("noise", [1e-3, 1e-2])
-def test_a_noisy_run_gives_the_same_waves_within_the_noise(noise):
-    clean = reference(2, 0.1, 80, 110.0)
-    dirty = noisy(clean, noise)
-    found, exact = (surveyed(each) for each in (dirty, clean))
-    assert found.noise == pytest.approx(noise, rel=0.2)
-    assert exact.noise == 0.0
-    assert np.array_equal(found.shared.bead[8:], exact.shared.bead[8:])
-    assert np.max(np.abs(found.shared.amplitude - exact.shared.amplitude)[8:]) < 5.0 * noise
-    late, _ = peak_error(0.1, exact.shared.amplitude.min(), noise)
-    assert np.max(np.abs(found.shared.arrival - exact.shared.arrival)[8:]) < late
-    assert found.verdict.sentence.split(":")[0] in {exact.verdict.state.value, "beating"}
-
-
-def test_smoothing_block_by_block_is_smoothing_at_once():
-    trajectory = exact_waves([(0.5, 8.0)], noise=0.01)
-    once = joined(smoothed([trajectory], trajectory.problem.every))
-    pieces = [trajectory[start : start + 37] for start in range(0, trajectory.frames, 37)]
-    split = joined(smoothed(pieces, trajectory.problem.every))
-    assert np.array_equal(split.time, trajectory.time)
-    assert np.allclose(split.velocity, once.velocity, rtol=0, atol=1e-12)
-
-
-def test_a_clean_record_has_no_noise():
-    assert noise_at_start(reference(2, 0.1, 20, 5.0)) == 0.0
 
 
 def test_the_mirror_of_the_mirror_is_the_run_itself():
@@ -241,7 +214,7 @@ def test_with_kicks_from_both_ends_the_leading_wave_is_a_pulse_and_not_what_the_
 @pytest.mark.parametrize("gap", [0.0, 0.5])
 def test_of_waves_found_on_the_way_those_have_a_shape_whose_maximum_is_known(gap):
     whole = engine.run(problem(1, 0.0, 20, 60.0, gap=gap))
-    waves = leading_waves(find_peaks(blocks(whole)), usual_arrival(whole.problem))
+    waves = leading_waves(find_peaks(blocks(whole)), whole.problem)
     scale = whole.problem.scale
     few = problem(1, 0.0, 20, 60.0, recorded=(10, 20), gap=gap)
     seen = Trajectory(few, whole.time, whole.displacement[..., [9, 19]], whole.velocity[..., [9, 19]])

@@ -9,10 +9,9 @@ from synthetic_waves import arrivals, exact_waves, reference, surveyed
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.tracking.brackets import on_a_grid
-from analysis.tracking.noise import distinct, left_by_smoothing, peak_error, smoothed
-from analysis.tracking.peaks import PeakFinder, find_peaks
+from analysis.tracking.peaks import find_peaks
 from analysis.tracking.pulses import Pulse, local_speed, of_one_kind, track_pulses, train_of
-from analysis.trajectory import Trajectory, blocks, watch
+from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import Kick
 from workflow.engines.reference import engine
 
@@ -22,14 +21,6 @@ EVERY = st.floats(0.03, 1.0)
 
 def found_in(trajectory: Trajectory, direction: int = 1) -> tuple[Pulse, ...]:
     return track_pulses(find_peaks(blocks(trajectory), direction=direction), trajectory.problem)
-
-
-def noisy_pulses(trajectory: Trajectory, noise: float) -> tuple[Pulse, ...]:
-    every = trajectory.problem.every
-    left = left_by_smoothing(noise, every)
-    finder = watch(PeakFinder(5.0 * left, noisy=True), smoothed(blocks(trajectory), every))
-    peaks = distinct(finder.result(), solitary_wave())
-    return track_pulses(peaks, trajectory.problem, smallest=max(0.02, 10.0 * left), noise=left)
 
 
 @settings(max_examples=25)
@@ -60,25 +51,6 @@ def test_the_speed_of_a_wave_is_that_of_the_exact_law_within_the_error_of_its_ar
 def test_nothing_runs_between_beads_that_were_kicked_at_once():
     speed = local_speed(np.array([1, 2, 3, 4]), np.array([0.0, 0.0, 0.5, 1.5]))
     np.testing.assert_array_equal(speed, [np.nan, 4.0, 2.0 / 1.5, 1.0])
-
-
-@settings(max_examples=15)
-@given(st.floats(0.2, 1.0), st.floats(0.03, 1.0), st.floats(1e-4, 0.02))
-def test_a_noisy_wave_is_one_pulse_within_the_stated_error(peak, every, noise):
-    trajectory = exact_waves([(peak, 8.0)], every=every, noise=noise)
-    (pulse,) = noisy_pulses(trajectory, noise)
-    assert len(pulse) >= 36
-    late, off = peak_error(trajectory.problem.every, peak, noise)
-    whole = (pulse.bead > 2) & (pulse.bead < 39)
-    assert np.max(np.abs(pulse.arrival - arrivals(peak, 8.0, pulse.bead))[whole]) < late
-    assert np.max(np.abs(pulse.peak_velocity - peak)[whole]) < off
-
-
-@settings(max_examples=10)
-@given(st.floats(1e-5, 0.05), st.floats(0.03, 1.0))
-def test_noise_alone_holds_no_pulse(noise, every):
-    trajectory = exact_waves([], every=every, noise=noise)
-    assert noisy_pulses(trajectory, noise) == ()
 
 
 def test_silence_holds_no_pulse():

@@ -2,11 +2,15 @@
 
 import numpy as np
 import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
 from plain_scene import scene
 
-from lammps_inputs import InputError, laws, library
+from lammps_inputs import InputError, laws, library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.laws import expression
+from lammps_inputs.laws.expression import names
+from lammps_inputs.laws.written import Force, Written, reach
 from lammps_inputs.limits import rates
 
 SATURATING = {"force": "k*s/sqrt(1+(s/s0)^2)", "k": 0.3, "s0": 0.5}
@@ -48,6 +52,10 @@ NO_FORCES = [
     ("coupling", {"force": "k*s", "k": 1.0, "stiffness": 1.0}, "leave one of them out"),
     ("coupling", {"force": "stiffness*s", "stiffness": 1.0}, "a key with another meaning"),
     ("coupling", {"force": "k*(s+1)", "k": 1.0}, "is 1 at s = 0"),
+    ("coupling", {"force": "k*s+c*s^3+f", "k": 0.1, "c": 0.1, "f": 0.3}, "is 0.3 at s = 0, where beads rest"),
+    ("foundation", {"force": "k*s+c*s^3+f", "k": 0.1, "c": 0.1, "f": 0.3}, "is 0.3 at s = 0, where beads rest"),
+    ("foundation", {"force": "k*s+f", "k": 0.1, "f": 1e-14}, "is 1e-14 at s = 0, where beads rest"),
+    ("foundation", {"force": "k*s+c*s^9-f", "k": 0.1, "c": 1e9, "f": 1e-6}, "is -1e-06 at s = 0, where beads rest"),
     ("coupling", {"force": "k/s", "k": 1.0}, "no real value at s = 0"),
     ("contact", {"force": "A/(d-s)^2-1", "A": 0.5, "d": 1.0}, "is -0.5 at s = 0"),
     ("contact", {"force": "A/s", "A": 0.5}, "no real value at s = 0"),
@@ -58,10 +66,15 @@ UNSTABLE = [
     ("coupling", {"force": "k*s^2", "k": 1.0}, "it should be odd"),
     ("coupling", {"force": "-k*s", "k": 1.0}, "drives beads away from rest"),
     ("coupling", {"force": "k*s/sqrt(1-(s/s0)^2)", "k": 0.1, "s0": 0.1}, "no real value from s = 0.1 on"),
-    ("coupling", {"force": "k*s/(1-b*s^2)", "k": 0.5, "b": 5.0}, "its energy falls below that at rest near s = 0.447"),
+    ("coupling", {"force": "k*s/(1-b*s^2)", "k": 0.5, "b": 5.0}, "is infinite at s = 0.447, which the energy"),
     ("coupling", {"force": "k*s - c*s^3", "k": 0.1, "c": 0.1}, "falls below that at rest near s = 1.41"),
     ("contact", {"force": "A*s^0.5", "A": 1.0}, "infinitely stiff"),
     ("contact", {"force": "A*tanh(s)/(1+s^4)", "A": 0.1}, "pass through each other"),
+    ("contact", {"force": "A*s^1.5+f", "A": 1.0, "f": 0.3}, "is 0.3 at s = 0, so that it acts at a distance"),
+    ("foundation", {"force": "k*s+a*s/(s-d)", "k": 0.1, "a": 1e-6, "d": 0.5}, "is infinite at s = 0.5,"),
+    ("foundation", {"force": "k*s/abs(s+d)", "k": 0.1, "d": 0.5}, "is infinite at s = -0.5,"),
+    ("coupling", {"force": "k*s+a*s/(d^2-s^2)^2", "k": 0.1, "a": 1e-7, "d": 0.5}, "its slope reaches"),
+    ("contact", {"force": "A*s^1.5+a*s^2/(d-s)", "A": 1.0, "a": 1e-7, "d": 0.3}, "is infinite at s = 0.3,"),
     ("contact", MAGNETS, "nothing holds the beads at the ends"),
 ]
 
@@ -75,6 +88,53 @@ def test_a_force_that_is_none_is_refused_in_one_line(key, keys, complaint):
     assert complaint in str(refused.value)
     assert f"{key}" in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("force", ["k*((s+0.1)^2-0.01)", "k*(s+0.3)^3-k*0.027"])
+def test_a_force_at_rest_by_rounding_of_its_terms_is_none(force):
+    assert abs(Force(force, (("k", 0.3),)).at(0.0)) > 0.0
+    assert Force(force, (("k", 0.3),)).at_rest == 0.0
+
+
+FORMULAS = {
+    "k*s+c*s^3+f": (),
+    "k*(s+d)^3-k*d^3": (),
+    "k*s+c*s^3/(1-s/d)^2": ("d",),
+    "k*s+c*s/(s-d)+c*s/d": ("d",),
+    "k*s/(d^2-s^2)": ("d", "-d"),
+    "k*tan(s/d)": ("pi*d/2", "-pi*d/2"),
+    "k*log(1+s/d)": ("-d",),
+    "k*sinh(s/d)-f": (),
+}
+"""Forces, and where they are infinite."""
+
+NUMBERS = st.sampled_from([0.0, 1e-14, 1e-6, 0.01, 0.3])
+
+
+@pytest.mark.slow
+@settings(max_examples=100, derandomize=True, database=None, deadline=None, phases=(Phase.explicit, Phase.generate))
+@given(st.sampled_from(sorted(FORMULAS)), st.sampled_from([0.07, 0.5, 3.0]), NUMBERS, NUMBERS, st.floats(0.2, 5.0))
+def test_springs_by_formula_have_that_force_at_every_strain_that_the_energy_reaches_or_are_refused(force, k, c, f, d):
+    """A force at rest that is left out, or a pole within reach, would be another problem in each engine."""
+    numbers = {name: value for name, value in {"k": k, "c": c, "f": f, "d": d}.items() if name in names(force)}
+    at_rest = numbers.get("f", 0.0) != 0.0
+    refused, made = "", None
+    try:
+        made = scene(chains=1, coupling=None, foundation={"force": force, **numbers})
+    except InputError as error:
+        refused = str(error)
+    assert ("at s = 0, where beads rest" in refused) == at_rest
+    if made is None:
+        return
+    law, unit, energy = made.system.ground[0].law, made.scale, physics.energy(made.system)
+    if not isinstance(law, Written):  # k s
+        return
+    for side in (1.0, -1.0):
+        far = min(reach(law, energy, side), 1e3)
+        assert not any(0.0 < side * eval(pole, {"d": d, "pi": np.pi}) < far * unit.length for pole in FORMULAS[force])
+        s = side * far * np.linspace(0.0, 1.0, 4001)
+        push = eval(force.replace("^", "**"), {"s": s * unit.length, **vars(np), **numbers}) / unit.force
+        np.testing.assert_allclose(laws.force(law, s), push, rtol=1e-9, atol=1e-12 * np.max(np.abs(push)))
 
 
 @pytest.mark.slow

@@ -5,6 +5,9 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from ingredient_scenes import VANISHING
 from plain_scene import scene
 
 from analysis.conservation import Conservation
@@ -13,6 +16,7 @@ from analysis.sharing.energies import EnergyFlow
 from analysis.trajectory import Trajectory
 from lammps_inputs import find, physics
 from lammps_inputs.decks import deck
+from lammps_inputs.laws.spring import Varying
 from lammps_inputs.limits import rates
 from workflow.cli import main
 from workflow.engines.reference import engine
@@ -89,6 +93,44 @@ def test_the_time_step_is_bounded_by_the_largest_stiffness_over_time():
     assert bounds[0] == pytest.approx(bounds[1], rel=0.01)
     ramp = scene(foundation={"stiffness": {"from": 1.0, "to": largest, "times": [0, 9]}})
     assert rates.stability_bound(ramp.system) == bounds[0]
+
+
+LAYOUT = scene().problem().layout
+
+
+def stiffness_in_deck(law, steps, timestep):
+    """What LAMMPS evaluates at some steps."""
+    lines = law.ground("foundation", LAYOUT)
+    number = float(lines.variables[0].split()[3])
+    formula = next(line.split(maxsplit=3)[3] for line in lines.motion if line.startswith("variable foundation_now"))
+    return eval(f"lambda step, v_foundation, v_timestep: {formula}")(steps, number, timestep)
+
+
+RAMP = st.tuples(st.floats(1e-2, 10.0), st.floats(-5.0, 1e3), st.floats(1e-6, 1e3))
+
+
+@settings(max_examples=200, derandomize=True, database=None)
+@given(RAMP, st.sampled_from([0.0, 5e-324, 1e-20, 1e-10, 1e-3]), st.booleans())
+def test_no_ramp_to_or_from_nearly_0_is_negative_by_rounding_in_lammps(ramp, least, falling):
+    largest, begin, lasts = ramp
+    ends, end = ((largest, least) if falling else (least, largest)), begin + lasts
+    law = Varying(ends[0], (ends[1] - ends[0]) / (end - begin), begin, end, 0.0, 0.0, 0.0)
+    near = [round(100.0 * (begin + part * lasts)) + more for part in (0.0, 0.3, 0.9, 1.0) for more in range(-2, 3)]
+    steps = np.array([step for step in near if step >= 0] + list(range(0, 10**12, 10**12 // 37)), dtype=np.float64)
+    stiffness, time = stiffness_in_deck(law, steps, 0.01), 0.01 * steps
+    assert np.min(stiffness) >= 0.0
+    rounding = 1e-12 * largest + 4.0 * abs(law.rate) * np.spacing(time + abs(begin) + lasts)
+    np.testing.assert_array_less(np.abs(stiffness - np.interp(time, [begin, end], ends)), rounding)
+
+
+def test_a_foundation_that_vanishes_in_time_runs_in_lammps(tmp_path):
+    case = scene(chains=1, coupling=None, beads=3, foundation={"stiffness": VANISHING}, duration=8.0, timestep=0.01)
+    assert run(case, tmp_path / "run").check.velocity < 1e-4
+
+
+def test_ramps_that_stay_above_0_count_from_their_start_in_lammps():
+    lines = deck.render_deck(scene(foundation={"stiffness": CROSSING}).problem())
+    assert "(1.4+(-0.12779552715654952)*((step*v_timestep>1.37)*(step*v_timestep-1.37)-" in lines
 
 
 @pytest.mark.slow

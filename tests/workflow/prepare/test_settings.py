@@ -12,6 +12,7 @@ from small_problems import problem as small_problem
 
 from analysis.against.common_times import on_common_rows
 from lammps_inputs import Coupling, InputError, Kick, Output, Scene, find, strict_yaml
+from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.limits.rates import stability_bound, timestep_for
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from lammps_inputs.units import make_scale
@@ -234,12 +235,18 @@ def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({}, "error 2.0e-05 V in a pilot run of 0.5 s"),
+        ({}, "error 2.0e-05 V in a pilot run (0.5 s of wall time)"),
         (
             {"measured_error": 8e-5, "measured": 0.25, "limited": True},
             "error expected below 2.0e-05 V, from 8.0e-05 V with another step over 1/4 of the time and beads in a "
-            "pilot run of 0.5 s; larger behind the front in a long run, where repeated contacts amplify errors; "
-            "frames, energy or stability allow no longer step",
+            "pilot run (0.5 s of wall time); larger behind the front in a long run, where repeated contacts amplify "
+            "errors; frames, energy or stability allow no longer step",
+        ),
+        ({"rule_timestep": 0.0125 / 0.21}, "error 2.0e-05 V in a pilot run of 0.5 s"),
+        (
+            {"rule_timestep": 0.2},
+            "error 2.0e-05 V in a pilot run of 0.5 s; 16 times as short as where errors grow in proportion to time: "
+            "repeated contacts or growing oscillations amplify them; a larger `accuracy` allows a longer step",
         ),
         ({"measured": 0.0}, "by a rule, not measured: the scene is too large for a pilot run"),
         ({"measured": 0.0, "unreached": "errors grow"}, "by a rule, not measured, since errors grow"),
@@ -253,6 +260,18 @@ def test_the_sentence_says_how_the_step_was_chosen(changes, said):
     ):
         sentence = replace(found, **changes).sentence(small_problem(scale=scale))
         assert sentence == f"accuracy 0.0001 V: timestep {step}, {said}"
+
+
+@pytest.mark.slow
+def test_a_step_that_is_short_because_contacts_amplify_errors_is_printed_with_that_reason():
+    kicks = (Kick(velocity=1.0), Kick(bead=3, velocity=0.37))
+    case = scene(kappa=0.0, chains=1, beads=3, gap=0.3, kick=kicks, walls=Walls(left="rigid", right="rigid"))
+    printed = {}
+    for duration in (20.0, 100.0):
+        settled, settings = settle(case.model_copy(update={"duration": duration}))
+        printed[duration] = settings.sentence(settled.problem())
+    assert "amplify" not in printed[20.0]
+    assert "times as short as where errors grow in proportion to time" in printed[100.0]
 
 
 def test_a_scene_that_asks_for_an_accuracy_has_no_problem_yet():

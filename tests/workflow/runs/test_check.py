@@ -68,6 +68,18 @@ def test_without_check_it_is_left_out(tmp_path, capsys):
     assert "error:" not in capsys.readouterr().out
 
 
+def test_no_errors_of_peaks_and_arrivals_are_stated_where_no_pulse_leads(tmp_path, capsys):
+    path = tmp_path / "driven.yaml"
+    text = "name: driven\nbeads: 6\ndrive: {displacement: 0.1, frequency: 0.2}\nduration: 12\n"
+    path.write_text(f"{text}timestep: 0.01\noutput: {{every: 0.1}}\n")
+    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 0
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("error: velocities")]
+    assert "peaks" not in line
+    assert "arrivals" not in line
+    held = json.loads((tmp_path / "out" / "run.json").read_text())["check"]
+    assert (held["amplitude"], held["arrival"]) == (None, None)
+
+
 def test_of_a_little_run_its_velocity_error_is_the_full_one(finished, full):
     sure = finished.check.reference.velocity + 1e-9
     assert finished.check.velocity == pytest.approx(full["velocity"].largest, abs=sure)
@@ -127,7 +139,9 @@ def test_a_wrong_run_is_off_by_what_is_wrong(finished, tmp_path):
     import wrong_runs
 
     wrong = wrong_runs.rewritten(
-        finished.directory, tmp_path / "wrong", lambda run: (run.displacement, 1.1 * run.velocity)
+        finished.directory,
+        tmp_path / "wrong",
+        lambda run: (run.displacement, run.velocity + 0.1 * (run.time > 0.0)[:, None, None]),
     )
     assert check(RunDirectory(wrong.path)).velocity == pytest.approx(0.1, abs=1e-3)
 
@@ -159,7 +173,7 @@ def test_its_wave_errors_are_also_those_of_peaks_csv_at_beads_that_are_not_recor
     output = Output(every=0.25, beads=(1, 4), peaks=True)
     done = run(scene(beads=8, kick=kicks, duration=15.0, output=output, timestep=0.025), tmp_path / "run")
     problem = replace(done.directory.problem, recorded=None)
-    exact = leading_waves(leading_passages(find_peaks(accurate_reference(problem, 1e-9).blocks()), problem))
+    exact = leading_waves(leading_passages(find_peaks(accurate_reference(problem, 1e-9).blocks()), problem), problem)
     table = done.directory.peaks_table()
     assert len(table) == len(exact) > 4
     clear = exact.peak_velocity > 0.1

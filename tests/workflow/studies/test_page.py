@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from lammps_inputs import references
 from workflow import provenance
-from workflow.studies.page import FAILS, HOLDS, SECTION, Section, Statement, drawn, keep, kept, render
+from workflow.studies.page import FAILS, HEADS, HOLDS, SECTION, Section, Statement, drawn, keep, kept, render
 
 SOME = Section(
     "Waves",
@@ -41,6 +41,12 @@ def test_the_contents_link_to_each_section_and_count_its_verdicts():
     listed = text[text.index("<ol") : text.index("</ol>")]
     assert re.findall(r"<strong>(.*?)</strong>", listed) == ["1 holds", "1 does not hold", "failed"]
     assert "no &lt;disk&gt;" in text
+
+
+def test_a_page_has_a_way_back_to_its_contents_and_cells_name_their_column():
+    text = render("t", "s", [SOME])
+    assert text.count('<ol id="contents">') == text.count('href="#contents"') == 1
+    assert re.findall(r'<td class="\w*" data-head="([a-z ]+)"', text) == [*HEADS, *HEADS]
 
 
 def test_text_from_outside_cannot_become_markup():

@@ -2,12 +2,16 @@
 
 import csv
 import math
+import shlex
 
+import numpy as np
 import pytest
 
 from lammps_inputs import InputError, strict_yaml
 from workflow.cli import main
 from workflow.studies import measures
+from workflow.studies import study as studying
+from workflow.studies.threshold import study
 from workflow.studies.threshold.bracket import Axis, crossings, wanted
 
 pytestmark = pytest.mark.usefixtures("pool_here")
@@ -126,6 +130,32 @@ def test_a_mass_is_found_exactly_and_a_second_field_makes_a_curve_with_a_figure(
     assert (tmp_path / "found" / "threshold.png").is_file()
 
 
+@pytest.fixture
+def drawn(monkeypatch):
+    """Figures of studies, not written."""
+    figures = []
+    monkeypatch.setattr(studying, "write_figure", lambda _directory, _name, figure: figures.append(figure) or ())
+    return figures
+
+
+def test_the_figure_names_the_quantity_and_the_field_and_marks_the_value_and_the_crossing(tmp_path, drawn):
+    asked(tmp_path, *BY_MASS, scene=STRUCK)
+    (axis,) = drawn[0].axes
+    assert (axis.get_xlabel(), axis.get_ylabel()) == ("striker mass (reduced)", "mass of all beads (reduced)")
+    labels = [text.get_text() for text in drawn[0].legends[0].get_texts()]
+    assert labels[0] == "value sought: 25.5"
+    assert labels[1].startswith("crossing: 2.50")
+
+
+def test_the_figure_of_a_curve_names_the_value_and_without_a_crossing_it_shows_what_was_computed(tmp_path, drawn):
+    asked(tmp_path, *BY_MASS, "--over", "beads=24,25", scene=STRUCK)
+    assert drawn[0].axes[0].get_ylabel() == "striker mass where mass of all beads = 25.5\n(reduced)"
+    assert drawn[0].axes[0].get_xlabel() == "number of beads of a chain $n_b$"
+    asked(tmp_path, *BY_MASS, "--over", "beads=40,41", scene=STRUCK)
+    labels = [text.get_text() for text in drawn[1].legends[0].get_texts()]
+    assert labels == ["$n_b$ = 40", "$n_b$ = 41", "value sought: 25.5"]
+
+
 def test_values_of_a_second_field_are_read_as_those_of_a_scene_lists_too(tmp_path):
     kinds = {**STRUCK, "kinds": {"a": {"mass": 1.0}, "b": {"mass": 2.0}}, "pattern": ["a", "b"]}
     words = ["--where", "mass=36", "--vary", "striker.mass=0.5:20", "--points", "3"]
@@ -140,19 +170,52 @@ def test_the_reason_for_no_threshold_is_that_of_the_same_value_of_the_second_fie
     asked(tmp_path, *BY_MASS, "--where", "agree_1=3", "--over", "beads=24.5,24", scene=STRUCK)
     refused, undefined = capsys.readouterr().out.splitlines()[:2]
     assert refused.endswith("chain.yaml: beads: should be a whole number, 24.5 given)")
-    assert undefined.endswith("at beads = 24")
+    assert undefined.endswith("at beads = 24 (`granchain help agree_1` says when)")
 
 
 @pytest.mark.parametrize(
     ("where", "says"),
     [
         ("mass=100", "no threshold: mass does not cross 100: 23.5 to 26 at 3 values of striker.mass from 0.5 to 3"),
-        ("agree_1=3", "no threshold: agree_1 is undefined at 3 values of striker.mass from 0.5 to 3"),
+        (
+            "agree_1=3",
+            "no threshold: agree_1 is undefined at 3 values of striker.mass from 0.5 to 3 "
+            "(`granchain help agree_1` says when)",
+        ),
     ],
 )
 def test_no_threshold_is_one_line_and_exit_code_1(where, says, tmp_path, capsys):
     assert asked(tmp_path, *BY_MASS, "--where", where, scene=STRUCK) == (1, [])
     assert says in capsys.readouterr().out.splitlines()
+
+
+def test_without_a_threshold_the_figure_shows_the_computed_values_for_each_value_of_the_second_field(tmp_path, drawn):
+    assert asked(tmp_path, *BY_MASS, "--where", "mass=100", "--over", "beads=24,25", scene=STRUCK) == (1, [])
+    (axis,) = drawn[0].axes
+    assert (axis.get_xlabel(), axis.get_ylabel()) == ("striker mass (reduced)", "mass of all beads (reduced)")
+    lines = {line.get_label(): list(line.get_ydata()) for line in axis.get_lines()}
+    assert lines.pop("value sought: 100") == [100.0, 100.0]
+    assert lines == {"$n_b$ = 24": [23.5, 24.75, 26.0], "$n_b$ = 25": [24.5, 25.75, 27.0]}
+
+
+def test_of_a_quantity_that_is_undefined_everywhere_only_the_value_sought_is_drawn(tmp_path, drawn):
+    asked(tmp_path, *BY_MASS, "--where", "agree_1=3", scene=STRUCK)
+    (axis,) = drawn[0].axes
+    lines = {line.get_label(): np.asarray(line.get_ydata(), float) for line in axis.get_lines()}
+    assert [label for label, values in lines.items() if np.isfinite(values).any() and (values > 1.0).all()] == [
+        "value sought: 3"
+    ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("example", study.EXAMPLES)
+def test_the_examples_of_its_help_find_thresholds(example, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(shlex.split(example)) == 0
+    table = tmp_path / shlex.split(example)[-1] / "threshold.csv"
+    found = list(csv.DictReader(table.read_text().splitlines()))
+    assert [one["over"] for one in found] == (["2", "3", "4"] if "--over" in example else [""])
+    assert all(0.02 < float(one["place"]) < 0.5 for one in found)
 
 
 @pytest.mark.parametrize("name", ["in_resonators", "permanent", "residual_energy"])

@@ -13,8 +13,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from refusals import refusal
 
 from analysis.dispersion import cell_of
-from analysis.figures.studies import MOST_LINES, Axis, logarithmic, swept_figure
+from analysis.figures.studies import MOST_LINES, Axis, Sought, logarithmic, swept_figure
 from lammps_inputs import strict_yaml
+from lammps_inputs.units import Label
 from workflow import api
 from workflow.cli import main
 from workflow.commands.collect import cell
@@ -240,14 +241,14 @@ def test_a_table_of_the_users_is_not_overwritten_and_one_of_ours_is(copied, caps
 def test_an_axis_is_logarithmic_where_its_values_are_spaced_by_a_factor(values, log):
     assert logarithmic(values) is log
     numbers = np.array(values, dtype=float)
-    figure = swept_figure(Axis("y", numbers), Axis("x", numbers))
+    figure = swept_figure(Axis(Label("y"), numbers), Axis(Label("x"), numbers))
     assert figure.axes[0].get_xscale() == ("log" if log else "linear")
 
 
 @pytest.mark.parametrize("ends", [(0.02, 0.5), (0.21, 0.99), (3.0, 290.0)])
 def test_labels_of_a_logarithmic_axis_do_not_overlap(ends):
     x = np.geomspace(*ends, 20)
-    figure = swept_figure(Axis("y", np.arange(20.0)), Axis("x", x))
+    figure = swept_figure(Axis(Label("y"), np.arange(20.0)), Axis(Label("x"), x))
     FigureCanvasAgg(figure).draw()
     axis = figure.axes[0]
     low, high = axis.get_xlim()
@@ -258,24 +259,53 @@ def test_labels_of_a_logarithmic_axis_do_not_overlap(ends):
     assert all(right < left for (_, right), (left, _) in itertools.pairwise(boxes))
 
 
+def legend(figure):
+    return [text.get_text() for one in figure.legends for text in one.get_texts()]
+
+
+@pytest.mark.parametrize("holes", [False, True])
+def test_the_axis_of_a_quantity_that_is_never_negative_has_no_number_below_0(holes):
+    y = np.array([0.0, 40.0, np.nan if holes else 120.0, 120.0])
+    figure = swept_figure(Axis(Label("y"), y), Axis(Label("x"), np.arange(4.0)))
+    axis = figure.axes[0]
+    assert min(axis.get_yticks()) == 0.0
+    assert (axis.get_ylim()[0] < 0.0) == holes  # for the tick of the case without a number
+    assert holes == (axis.spines["left"].get_bounds() is not None)
+
+
+def test_a_value_that_is_sought_and_the_places_where_it_is_are_marked_in_the_units_of_the_axes():
+    x, y = np.array([1e3, 2e3, 4e3]), np.array([120.0, 90.0, 40.0])
+    sought = Sought(100.0, np.array([1.5e3]), np.array([10.0]))
+    figure = swept_figure(Axis(Label("bead"), y), Axis(Label("stiffness", "k", "N/m"), x), sought=sought)
+    axis = figure.axes[0]
+    (level,) = [line for line in axis.get_lines() if line.get_label() == "value sought: 100"]
+    assert set(level.get_ydata()) == {100.0}
+    (mark,) = axis.containers
+    assert mark.lines[0].get_xydata().tolist() == [[1.5, 100.0]]
+    assert legend(figure) == ["value sought: 100", "crossing: $k$ = 1.50 \u00b1 0.01"]
+    assert axis.get_xlabel() == "stiffness $k$ (kN/m)"
+
+
 def test_many_values_of_the_second_field_make_a_map_with_every_number_in_its_place_and_unsettled_ones_crossed():
     x, y = (part.ravel() for part in np.meshgrid([0.1, 0.2, 0.4], np.arange(1.0, MOST_LINES + 2)))
     keep = ~((x == 0.2) & (y == 3.0))
-    figure = swept_figure(Axis("z", (x * y)[keep], None, (y == 3.0)[keep]), Axis("x", x[keep]), Axis("y", y[keep]))
+    figure = swept_figure(
+        Axis(Label("z"), (x * y)[keep], None, (y == 3.0)[keep]), Axis(Label("x"), x[keep]), Axis(Label("y"), y[keep])
+    )
     (mesh,) = figure.axes[0].collections
     expected = np.arange(1.0, MOST_LINES + 2)[:, None] * np.array([0.1, 0.2, 0.4])
     expected[2, 1] = np.nan
     np.testing.assert_array_equal(np.ma.filled(mesh.get_array(), np.nan), expected)
-    assert figure.axes[0].get_title() == "crossed: not settled; grey: no number"
+    assert legend(figure) == ["not settled", "no number"]
     for line in figure.axes[0].get_lines():
         np.testing.assert_array_equal(line.get_xydata(), [[0.1, 3.0], [0.4, 3.0]])
 
 
 def test_uncertainties_are_bars_and_cases_that_are_not_settled_are_hollow():
     x, open_ = np.array([3.0, 1.0, 2.0]), np.array([False, True, False])  # cases come in the order of any field
-    figure = swept_figure(Axis("y", 2.0 * x, 0.1 * x, open_), Axis("x", x), title="scene")
+    figure = swept_figure(Axis(Label("y"), 2.0 * x, 0.1 * x, open_), Axis(Label("x"), x), title="scene")
     axis = figure.axes[0]
-    assert axis.get_title() == "scene; hollow: not settled"
+    assert (figure.get_suptitle(), legend(figure)) == ("scene", ["not settled"])
     (hollow,) = [line for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
     np.testing.assert_array_equal(hollow.get_xydata(), [[1.0, 2.0]])
     (bars,) = axis.collections
@@ -288,9 +318,9 @@ def test_cases_without_a_number_are_ticks_at_the_foot_and_no_mark_is_cut(lines):
         np.array([0.05, 0.1, 0.2]),
         np.array([np.nan, 1.0, 2.0]),
     )  # so few are the ticks themselves
-    figure = swept_figure(Axis("y", y), Axis("x", x), Axis("z", np.ones(3)) if lines else None)
+    figure = swept_figure(Axis(Label("y"), y), Axis(Label("x"), x), Axis(Label("z"), np.ones(3)) if lines else None)
     axis = figure.axes[0]
-    assert axis.get_title() == "ticks at the foot: no number"
+    assert legend(figure)[-1] == "no number"
     (foot,) = [line for line in axis.get_lines() if line.get_marker() == "|"]
     assert foot.get_xdata().tolist() == [0.05]
     figure.draw_without_rendering()
@@ -311,7 +341,7 @@ def test_the_collected_figure_knows_its_scene_its_bars_and_its_unsettled_cases(c
     found = collecting.only(collect(copied), {"beads": 20})
     collecting.plot(found, copied, "amplitude", "coupling.stiffness", None, "beads = 20")
     axis = drawn[0].axes[0]
-    assert axis.get_title().startswith("small, beads = 20")
+    assert drawn[0].get_suptitle() == "small, beads = 20"
     states = [row["state"] for row in found.rows if row["amplitude"] is not None]
     hollow = [len(line.get_xdata()) for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
     assert sum(hollow) == sum(state in ("beating", "too short") for state in states) > 0
@@ -321,19 +351,22 @@ def test_the_collected_figure_knows_its_scene_its_bars_and_its_unsettled_cases(c
 def test_columns_of_si_scenes_name_their_units_and_others_keep_their_names(swept):
     reduced = collect(swept)
     assert reduced.to_csv().splitlines()[0].split(",") == reduced.columns
-    head = type(reduced)(["kick.velocity"], [], si=True, units={"kick.velocity": "m/s"}).to_csv().splitlines()[0]
+    labels = {"kick.velocity": Label("kick velocity", "", "m/s")}
+    head = type(reduced)(["kick.velocity"], [], si=True, labels=labels).to_csv().splitlines()[0]
     found = {"kick.velocity (m/s)", "amplitude (V)", "amplitude_uncertainty (V)", "error_arrival (T)", "arrival (s)"}
     assert found <= set(head.split(","))
 
 
-def test_labels_tell_the_units_of_the_scenes(swept):
+def test_labels_are_words_symbols_and_units_of_the_scenes(swept):
     reduced = collect(swept)
-    assert reduced.label("coupling.stiffness") == "coupling stiffness (reduced)"
-    assert reduced.label("beads") == "beads"
-    assert reduced.label("speed") == "speed at the last clear bead (reduced)"
-    assert type(reduced)([], [], si=True).label("speed") == "speed at the last clear bead (beads/s)"
+    assert reduced.label("coupling.stiffness").mathtext == "coupling stiffness $k$ (reduced)"
+    assert reduced.label("beads").plain == "number of beads of a chain n_b"
+    assert reduced.label("speed").mathtext == "speed at the last clear bead $c$ (reduced)"
+    assert reduced.label("agree_1").mathtext == "bead from which amplitudes agree to 1 % $d_1$"
+    assert reduced.label("case").plain == "case"
+    assert type(reduced)([], [], si=True).label("speed").plain == "speed at the last clear bead c (beads/s)"
     for si in (True, False, None):
-        assert type(reduced)([], [], si=si).label("amplitude") == "asymptotic amplitude / $V$"
+        assert type(reduced)([], [], si=si).label("amplitude").mathtext == "asymptotic amplitude $v / V$"
 
 
 # --- over frequency ---------------------------------------------------------------------------------------------------
@@ -378,13 +411,14 @@ def test_frequencies_that_do_not_pass_are_shaded_in_the_figure_over_frequency(sh
     drawn = []
     monkeypatch.setattr(collecting, "write_figure", lambda _path, _name, figure: drawn.append(figure) or ())
     collecting.plot(collect(shaken), shaken, "transmissibility", "drive.frequency", None)
-    assert drawn[0].axes[0].get_title() == "shaken; shaded: no small waves pass"
+    assert drawn[0].get_suptitle() == "shaken"
+    assert "no small waves pass" in legend(drawn[0])
 
 
 def test_what_lies_between_bands_is_shaded():
     x = np.array([1.0, 5.0, 9.0])
     bands = np.array([[6.0, 7.0], [0.0, 3.0], [2.0, 4.0]])
-    axis = swept_figure(Axis("y", x), Axis("x", x), None, "", bands).axes[0]
+    axis = swept_figure(Axis(Label("y"), x), Axis(Label("x"), x), None, "", bands).axes[0]
     first, last = axis.get_xlim()
     shaded = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in axis.patches]
     np.testing.assert_allclose(shaded, [(4.0, 6.0), (7.0, last)])

@@ -2,6 +2,7 @@
 
 import pytest
 
+from lammps_inputs import Scene
 from workflow.sweep import collect, fields
 from workflow.sweep.collect import QUANTITIES, Table
 
@@ -150,15 +151,36 @@ UNITS = {
 
 
 def label(name, scene):
-    unit = fields.unit(fields.parse(name), scene)
-    return Table([name], [], si="material" in scene, units={name: unit}).label(name)
+    return fields.label(fields.parse(name), scene)
 
 
 @pytest.mark.parametrize(("name", "unit"), UNITS.items())
 def test_a_field_is_labelled_with_its_unit(name, unit):
-    words = name.replace("_", " ").replace(".", " ")
-    assert label(name, SI) == f"{words} ({unit})"
-    assert label(name, {}) == f"{words} (reduced)"
+    assert label(name, SI).plain.endswith(f" ({unit})")
+    assert label(name, {}).plain.endswith(" (reduced)")
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("coupling.stiffness", "coupling stiffness k (N/m)"),
+        ("foundation.stiffness.from", "foundation stiffness, value before the ramp (N/m)"),
+        ("kick[2].velocity", "kick velocity, kick 2 (m/s)"),
+        ("kinds.light.mass", "mass, kind light (kg)"),
+        ("walls.right.stiffness", "right wall, stiffness (N/m^1.5)"),
+        ("gravity.acceleration", "acceleration of gravity g (m/s2)"),
+        ("chains", "number of chains N"),
+        ("timestep", "time step (s)"),
+    ],
+)
+def test_labels_of_fields_are_nouns_with_their_symbols(name, text):
+    assert label(name, SI).plain == text
+
+
+def test_no_label_of_a_field_shows_its_key_as_it_is_written_in_a_scene():
+    for name in fields.all_fields(Scene):
+        words = label(name.replace("kinds.", "kinds.light."), {}).words
+        assert not set(words) & set("._"), name
 
 
 def test_the_unit_of_a_wall_names_no_exponent_where_the_scene_may_have_others():
@@ -169,7 +191,7 @@ def test_the_unit_of_a_wall_names_no_exponent_where_the_scene_may_have_others():
     "name", ["beads", "chains", "kick.bead", "accuracy", "material.poisson_ratio", "contact.exponent", "walls.right"]
 )
 def test_a_number_without_a_unit_has_none(name):
-    assert "(" not in label(name, SI)
+    assert label(name, SI).unit == ""
 
 
 @pytest.mark.parametrize(("law", "unit"), [("linear", "kg/s"), ("viscoelastic", "kg/(s m^0.5)"), ("restitution", "")])
@@ -178,4 +200,4 @@ def test_the_unit_of_damped_contacts_is_that_of_their_law(law, unit):
 
 
 def test_degrees_are_degrees_in_all_units():
-    assert label("drive.phase", {}) == label("drive.phase", SI) == "drive phase (degrees)"
+    assert label("drive.phase", {}).plain == label("drive.phase", SI).plain == "drive phase (degrees)"

@@ -88,6 +88,18 @@ def test_a_case_keeps_its_name_when_values_are_added():
     assert few < more
 
 
+def test_numbers_in_the_names_of_a_sweep_have_as_many_digits_as_tell_its_values_apart():
+    ratio = {"from": 0.02, "to": 0.5, "count": 3, "spacing": "log"}
+    assert [case.name for case in cases(vary={"coupling.stiffness": ratio})] == [
+        "coupling.stiffness=0.02",
+        "coupling.stiffness=0.1",
+        "coupling.stiffness=0.5",
+    ]
+    close = cases(vary={"kick.velocity": [1 / 3, 1, 1.0000004]})
+    assert [case.name for case in close] == [f"kick.velocity={number}" for number in ("0.33333333", "1", "1.0000004")]
+    assert close[0].values == {"kick.velocity": 1 / 3}
+
+
 def test_numbers_in_names_read_back_exactly():
     values = [0.1 + 0.2, 1 / 3, 1e-12, 123456789.123]
     names = [case_name({"gap": value}) for value in values]

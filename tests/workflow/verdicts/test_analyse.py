@@ -27,7 +27,7 @@ from workflow.verdicts.analysis_report import waves_csv
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-COLUMNS = ["chain", "bead", "arrival", "peak_velocity", "speed", "lag", "width", "residual"]
+COLUMNS = ["chain", "bead", "pulse", "arrival", "peak_velocity", "speed", "lag", "width", "residual"]
 COLUMNS += ["chain_energy", "wave_energy", "arrival_error", "peak_velocity_error"]
 
 
@@ -107,7 +107,7 @@ def test_waves_csv_of_an_si_scene_names_its_units(found):
     units |= {"chain_energy": "J", "wave_energy": "J", "arrival_error": "s", "peak_velocity_error": "m/s"}
     head, *lines = waves_csv(survey).splitlines()
     assert head.split(",") == [f"{name} ({units[name]})" if name in units else name for name in COLUMNS]
-    assert float(lines[0].split(",")[2]) == found.waves.arrival[0] * scale.time
+    assert float(lines[0].split(",")[3]) == found.waves.arrival[0] * scale.time
 
 
 def test_waves_csv_has_the_documented_columns_and_an_empty_cell_for_what_is_unknown(finished, found):
@@ -263,3 +263,26 @@ def test_arrivals_at_the_maximum_of_gapped_chains_get_no_verdict_and_no_numbers(
     assert "--arrival impulse is" in said
     late = [row for row in rows(gapped.path) if row["bead"] == "115"]
     assert [(row["arrival"], row["speed"]) for row in late] == [("", "")] * 2
+
+
+@pytest.mark.parametrize(
+    ("output", "why"),
+    [
+        ({}, "(0.0596 V), where it merges into the pulse behind it (0.333 V), which leads from bead 24 on"),
+        ({"beads": (10, 23, 24), "peaks": True}, "(0.0596 V), and another one leads from bead 24 on"),
+    ],
+    ids=["all beads", "peaks"],
+)
+def test_where_a_leading_pulse_ends_is_said_and_its_table_numbers_the_pulses(output, why, tmp_path, capsys):
+    steel = find("steel-beside-brass")
+    frames = steel.output.model_copy(update=output)
+    case = steel.model_copy(update={"beads": 36, "duration": 7e-4, "timestep": 1e-7, "output": frames})
+    run(case, tmp_path / "run", check=False)
+    assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert f"chain 1: the leading pulse ends at bead 23 {why}" in lines
+    pulse = {(int(row["chain"]), int(row["bead"])): int(row["pulse"]) for row in rows(tmp_path / "run")}
+    assert (pulse[1, 10], pulse[1, 23], pulse[1, 24]) == (1, 1, 2)
+    assert {number for (chain, _), number in pulse.items() if chain == 2} == {1}
+    waves = json.loads((tmp_path / "run" / "analysis.json").read_text())["waves"]
+    assert [wave["ended"] for wave in waves] == [[23], []]

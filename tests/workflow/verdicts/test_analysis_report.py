@@ -14,6 +14,7 @@ from analysis.sharing.survey import survey
 from analysis.sharing.verdict import DecayFit, State, Verdict
 from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.pulses import Pulse, Train
+from analysis.tracking.succession import Change
 from analysis.trajectory import blocks
 from lammps_inputs.units import make_scale
 from workflow.engines.reference import engine
@@ -39,13 +40,17 @@ class Shared(SimpleNamespace):
     def __len__(self):
         return 2
 
+    @property
+    def followed(self):
+        return self
+
 
 def test_how_chains_share_the_pulse_is_told_key_by_key():
     decay = DecayFit(v0=0.6, n_star=300.0, n_star_error=2.0, n_star_expected=270.9, first=10, last=90, deviation=0.01)
     found = SimpleNamespace(
         shared=Shared(
             final=Estimate(0.34, 0.01),
-            beat_length=Estimate(12.0, 0.5),
+            regular_beat=Estimate(12.0, 0.5),
             agrees_from=lambda tolerance: round(1.0 / tolerance),
             in_step_from=lambda tolerance: round(2.0 / tolerance),
             wave_share=np.array([[0.5, 0.4], [0.5, 0.47]]),
@@ -75,8 +80,10 @@ def test_each_chain_is_told_at_its_last_bead_clear_of_the_end(si):
     scale = make_scale(2.0, 3.0, 0.1, si=si)
     bead = np.array([14, 15, 16])
     columns = (bead + offset / 10.0 for offset in range(5))
-    waves = Waves(np.full(3, 2), bead, *columns, time=bead)
-    told = plain(ChainSummary.of(waves, problem(beads=20, scale=scale), 2), scale)
+    waves = Waves(np.full(3, 2), bead, np.full(3, 4), *columns, time=bead)
+    succession = tuple(Change(chain, last, last + 1, 0.5, 0.6) for chain, last in ((1, 3), (2, 5), (2, 9)))
+    told = plain(ChainSummary.of(waves, problem(beads=20, scale=scale), 2, succession), scale)
+    assert told.pop("ended") == [5, 9]
     assert told == pytest.approx(
         {
             "chain": 2,
@@ -91,7 +98,7 @@ def test_each_chain_is_told_at_its_last_bead_clear_of_the_end(si):
             "peak_velocity_error": 15.4 * scale.velocity,
         }
     )
-    nothing = dict.fromkeys(told) | {"chain": 1, "beads_reached": 0}
+    nothing = dict.fromkeys(told) | {"chain": 1, "beads_reached": 0, "ended": []}
     assert plain(ChainSummary.of(waves, problem(beads=20), 1), scale) == nothing
 
 

@@ -1,5 +1,6 @@
 """Runs whose frames are not what their scene says, or say too little, are not analysed as if they were."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,8 @@ import stock_lammps
 from refusals import refusal
 from stock_lammps import scene
 
-from lammps_inputs import Output, Scene
+from analysis.files.recording import Writer
+from lammps_inputs import Output, Scene, file_names
 from workflow.cli import main
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -19,18 +21,66 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 SMALL = scene(chains=2, beads=20, kappa=0.1, duration=20.0)
 
 
-@pytest.mark.parametrize("changed", [("timestep", "0.02"), ("every", "5")])
-def test_other_times_than_the_scenes_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], changed: tuple[str, str]
+@pytest.fixture(scope="module")
+def other_kick(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The deck of `SMALL`, run with another kick."""
+    path = tmp_path_factory.mktemp("other") / "run"
+    stock_lammps.run(SMALL, path, "-var", "kick1", "0.9")
+    return path
+
+
+@pytest.mark.parametrize("command", ["analyze", "validate", "view"])
+def test_frames_of_another_kick_are_an_error_that_names_it(
+    other_kick: Path, capsys: pytest.CaptureFixture[str], command: str
 ) -> None:
-    stock_lammps.run(SMALL, tmp_path / "r", "-var", *changed)
-    assert "Change the scene instead" in refusal(["analyze", tmp_path / "r"], capsys)
+    line = refusal([command, other_kick], capsys, code=1)
+    assert "its frames are not those of scene.yaml: kick1: 0.9, in the scene 1; for other values" in line
+    assert not (other_kick / "analysis.json").exists()
 
 
-def test_another_kappa_is_said_loudly(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    stock_lammps.run(SMALL, tmp_path / "r", "-var", "kappa", "0.5")
-    main(["analyze", str(tmp_path / "r"), "--no-figures"])
-    assert "these are not frames of this scene" in capsys.readouterr().out
+def test_another_kick_is_seen_without_a_log(
+    other_kick: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(other_kick, tmp_path / "r")
+    (tmp_path / "r" / file_names.LOG).unlink()
+    line = refusal(["analyze", tmp_path / "r"], capsys, code=1)
+    assert "bead 1 of chain 1 starts with velocity 0.9 instead of 1" in line
+
+
+@pytest.mark.parametrize(("name", "value", "of_scene"), [("timestep", "0.02", "0.01"), ("every", "5", "10")])
+def test_frames_of_other_times_are_an_error_that_names_them_with_and_without_a_log(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, value: str, of_scene: str
+) -> None:
+    path = stock_lammps.run(SMALL, tmp_path / "r", "-var", name, value).directory
+    assert f"{name}: {value}, in the scene {of_scene}" in refusal(["analyze", path], capsys, code=1)
+    (path / file_names.LOG).unlink()
+    assert f"-var {name}" in refusal(["analyze", path], capsys, code=1)
+
+
+def test_another_kappa_is_named_by_the_log_and_doubted_first_without_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = stock_lammps.run(SMALL, tmp_path / "r", "-var", "kappa", "0.5").directory
+    assert "kappa: 0.5, in the scene 0.1" in refusal(["analyze", path], capsys, code=1)
+    (path / file_names.LOG).unlink()
+    main(["analyze", str(path), "--no-figures"])
+    assert "these are not frames of this scene" in capsys.readouterr().out.splitlines()[1]
+
+
+def test_a_run_cut_short_by_its_steps_is_of_its_scene(tmp_path: Path) -> None:
+    path = stock_lammps.run(SMALL, tmp_path / "r", "-var", "steps", "500").directory
+    found = analyse(RunDirectory(path), figures=False)
+    assert (found.complete, found.conservation.frames) == (False, 51)
+
+
+def test_frames_that_begin_later_than_the_scene_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    directory = run(SMALL, tmp_path / "r", engine="reference", check=False).directory
+    frames = directory.trajectory
+    with Writer(directory.dump, directory.problem) as writer:
+        for frame in range(3, frames.frames):
+            step = frame * directory.problem.steps_per_frame
+            writer.append(step, frames.displacement[frame], frames.velocity[frame])
+    assert "they begin at t = 0.3 instead of 0" in refusal(["analyze", directory.path], capsys, code=1)
 
 
 def test_frames_too_far_apart_to_find_a_wave_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,16 +2,20 @@
 
 import os
 import shutil
+import struct
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from refusals import refusal
 
 from analysis import motion
+from analysis.figures.spacetime import STILL, largest_afar
 from workflow import api
 from workflow.cli import main
 from workflow.runs.run_directory import RunDirectory
+from workflow.studies.page import HOLDS, Section, Statement, render
 
 SCENE = {
     "name": "seen",
@@ -42,6 +46,18 @@ WHERE = """([name, x, y]) => {
   const view = found.find(one => one.model.title && one.model.title.text == name);
   const box = view.canvas_view.el.getBoundingClientRect();
   return [box.x + view.frame.x_scale.compute(x), box.y + view.frame.y_scale.compute(y)];
+}"""
+WHERE_FROM = """() => {
+  const plot = [...Bokeh.documents[0]._all_models.values()].find(one => one.title && one.title.text == 'chain 1');
+  return [plot.x_range.start, plot.x_range.end];
+}"""
+TRACES = """() => {
+  const [plot, {data}] = ['velocity', 'traces'].map(name => Bokeh.documents[0].get_model_by_name(name));
+  return plot.below.find(part => part.type == 'Legend').items.filter(item => item.visible).map(item => {
+    const [line, mark] = item.renderers;
+    return {label: item.label.value, values: Array.from(data[line.glyph.y.field]), colour: line.glyph.line_color.value,
+            dash: line.glyph.line_dash.value, mark: mark.glyph.marker.value, visible: line.visible};
+  });
 }"""
 TEXT = """() => {
   const words = [];
@@ -109,6 +125,32 @@ def test_pages_without_bokeh_are_refused_in_one_line(tmp_path, monkeypatch, caps
     assert "pip install" in refusal(["view", tmp_path], capsys)
 
 
+GAPPED = {**SCENE, "beads": 8, "gap": 1.0, "duration": 15.0}
+HELD = {**SCENE, "beads": 3, "foundation": {"stiffness": 1.0}, "duration": 5.0}
+
+
+RIGID = (GAPPED, "collisions", ("computed by the engine of rigid beads, granchain",), False)
+
+
+@pytest.mark.parametrize(
+    ("scene", "engine", "sentences", "cites_lammps"),
+    [
+        pytest.param(*RIGID, marks=pytest.mark.slow),
+        (HELD, "reference", ("computed by the reference integrator", "<p>Equipartition does not apply: no"), False),
+        (HELD, "lammps", ("computed by LAMMPS 2",), True),
+    ],
+)
+def test_a_page_says_which_engine_computed_the_run_and_states_the_verdict_as_it_is(
+    scene, engine, sentences, cites_lammps, tmp_path
+):
+    run = api.run(scene, tmp_path / "run", engine=engine, check=False)
+    text = run.view().path.read_text()
+    for sentence in sentences:
+        assert sentence in text
+    assert "Equipartition: " not in text
+    assert ("A. P. Thompson" in text) == cites_lammps
+
+
 @pytest.mark.slow
 def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran, look):
     path = ran.directory.path
@@ -130,23 +172,23 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     assert float(told["velocity:"]) == pytest.approx(frames.velocity[FRAME, 1, BEAD - 1], rel=1e-5)
     assert float(told["overlap with the next:"]) == pytest.approx(overlap, rel=1e-4)
 
-    before = model(page, "traces", "it.data.label.length")
+    before = {trace["label"] for trace in page.evaluate(TRACES)}
     page.mouse.click(*page.evaluate(WHERE, ["chain 2", BEAD, time]))
-    page.wait_for_function(
-        f"() => Bokeh.documents[0].get_model_by_name('traces').data.label.includes('bead {BEAD}, chain 2')"
-    )
-    assert model(page, "traces", "it.data.label.length") == before + 2
-    drawn = model(page, "traces", f"Array.from(it.data.ys[it.data.label.indexOf('bead {BEAD}, chain 2')])")
+    page.wait_for_function(f"() => ({TRACES})().some(one => one.label == 'bead {BEAD}, chain 2')")
+    traces = {trace["label"]: trace for trace in page.evaluate(TRACES)}
+    assert set(traces) == before | {f"bead {BEAD}, chain {chain}" for chain in (1, 2)}
+    drawn = traces[f"bead {BEAD}, chain 2"]["values"]
     assert drawn == pytest.approx(frames.velocity[:, 1, BEAD - 1].tolist(), abs=1e-7)
+    looks = {label: (trace["colour"], tuple(trace["dash"])) for label, trace in traces.items()}
+    assert len(set(looks.values())) == 2, "a chain keeps its colour and dashes"
+    assert {traces[f"bead {BEAD}, chain {chain}"]["mark"] for chain in (1, 2)} == {"diamond"}
 
-    dashes, colours = (model(page, "traces", f"Array.from(it.data.{name})") for name in ("dash", "colour"))
-    assert len(set(zip(dashes, colours, strict=True))) == len(dashes)
-    assert colours == colours[:2] * (len(dashes) // 2), "a chain keeps its colour"
-
-    page.locator(".noUi-handle").first.focus()
+    slider = page.get_by_role("slider", name="time")
+    slider.focus()
     for _ in range(3):
         page.keyboard.press("ArrowRight")
-    page.wait_for_function("() => Bokeh.documents[0].get_model_by_name('time').value == 3")
+    page.wait_for_function("() => Math.abs(Bokeh.documents[0].get_model_by_name('time').value - 0.3) < 1e-9")
+    assert slider.get_attribute("aria-valuetext") == "0.30"
     places = model(page, "balls", "Array.from(it.data.x)")
     moved = frames.beads + 0.25 * frames.displacement[3]
     assert places == pytest.approx(moved.ravel().tolist(), abs=1e-6)
@@ -154,7 +196,8 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     assert model(page, "balls", "it.data.bead[21] + ' ' + it.data.chain[21]") == "2 2"
     system = ran.directory.problem.system
     force = motion.contact_force(system, motion.overlaps(system, frames.displacement))
-    chain, contact = np.nonzero(force[3] > 0.0)
+    problem = ran.directory.problem
+    chain, contact = np.nonzero(force[3] > STILL * largest_afar(problem, frames.beads, frames.velocity))
     bars = {name: model(page, "pushes", f"Array.from(it.data.{name})") for name in ("x", "y", "h")}
     assert bars["x"] == (contact + 1.5).tolist()  # between bead n and the next
     assert bars["h"] == pytest.approx(0.45 * force[3, chain, contact] / force.max(), rel=1e-4, abs=1e-6)
@@ -176,26 +219,33 @@ def test_the_page_of_many_chains_and_few_beads_answers_clicks_and_keys(tmp_path,
     assert float(told["time:"].removesuffix(" ms")) == pytest.approx(late, rel=0.01)
     assert told["velocity:"].endswith("m/s")
 
-    # clicks add beads; chains keep their colours
-    first = [f"bead 3, chain {chain}" for chain in chains]
-    labels = model(page, "traces", "Array.from(it.data.label)")
-    assert labels == first
-    colours = model(page, "traces", "Array.from(it.data.colour)")
-    assert len(set(colours)) == len(chains)
+    # clicks and keys replace the bead where there is room for one; chains keep their looks
+    traces = page.evaluate(TRACES)
+    assert [trace["label"] for trace in traces] == [f"bead 3, chain {chain}" for chain in chains]
+    looks = [(trace["colour"], tuple(trace["dash"])) for trace in traces]
+    assert len({dash for _, dash in looks}) == len(chains)
     page.mouse.click(*page.evaluate(WHERE, [top, 1, late]))
-    page.wait_for_function(
-        "() => Bokeh.documents[0].get_model_by_name('traces').data.label.includes('bead 10, chain 1')"
-    )
-    assert model(page, "traces", "Array.from(it.data.label)") == [f"bead 10, chain {chain}" for chain in chains]
-    assert model(page, "traces", "Array.from(it.data.colour)") == colours
+    for bead, key in ((10, None), (28, "ArrowDown")):
+        if key is not None:
+            page.get_by_label("add a bead").focus()
+            page.keyboard.press("End")
+        page.wait_for_function(f"() => ({TRACES})()[0].label == 'bead {bead}, chain 1'")
+        traces = page.evaluate(TRACES)
+        assert [trace["label"] for trace in traces] == [f"bead {bead}, chain {chain}" for chain in chains]
+        assert [(trace["colour"], tuple(trace["dash"])) for trace in traces] == looks
+
+    # a legend and a box hide a chain
+    page.get_by_label("chain 12").uncheck()
+    assert [trace["visible"] for trace in page.evaluate(TRACES)] == [True] * 8 + [False]
+    page.get_by_text("bead 28, chain 1", exact=True).dispatch_event("pointerdown")
+    assert [trace["visible"] for trace in page.evaluate(TRACES)] == [False, *[True] * 7, False]
 
     # all beads are in sight; keys start and stop them
     assert model(page, "balls", "new Set(it.data.bead).size") == 3
-    page.get_by_role("button", name="play").focus()
+    page.get_by_role("button", name="play / pause").focus()
     value = "Bokeh.documents[0].get_model_by_name('time').value"
     page.keyboard.press("Enter")
-    page.wait_for_function(f"() => {value} > 2")
-    assert page.get_by_role("button", name="pause").count() == 1
+    page.wait_for_function(f"() => {value} > 0")
     page.keyboard.press("Enter")
     assert model(page, "play", "it.active") is False
     still = f"const before = {value}; await new Promise(done => setTimeout(done, 200)); return {value} == before;"
@@ -204,6 +254,30 @@ def test_the_page_of_many_chains_and_few_beads_answers_clicks_and_keys(tmp_path,
     # a narrow window has all of it
     page.set_viewport_size({"width": 800, "height": 1700})
     page.wait_for_function("() => document.documentElement.scrollWidth <= 800")
+
+
+@pytest.mark.slow
+def test_play_ends_where_the_run_does_and_begins_again(ran, look):
+    page = look(ran.view().path)
+    page.evaluate("() => { const it = Bokeh.documents[0].get_model_by_name('time'); it.value = it.end - it.step; }")
+    page.get_by_role("button", name="play / pause").click()
+    page.wait_for_function("() => Bokeh.documents[0].get_model_by_name('time').value == 0")
+    page.wait_for_function("() => Bokeh.documents[0].get_model_by_name('time').value > 0")
+
+
+@pytest.mark.slow
+def test_a_plot_is_saved_under_its_name_in_print_resolution_and_a_wheel_over_it_scrolls_the_page(ran, look):
+    page = look(ran.view().path)
+    with page.expect_download() as download:
+        page.get_by_title("Save").nth(2).click()
+    assert download.value.suggested_filename == "seen-velocity.png"
+    width = struct.unpack(">I", Path(download.value.path()).read_bytes()[16:20])[0]
+    assert width >= 2100
+    page.set_viewport_size({"width": 1300, "height": 500})
+    page.mouse.move(*page.evaluate(WHERE, ["chain 1", BEAD, 10.0]))
+    page.mouse.wheel(0, 200)
+    page.wait_for_function("() => scrollY > 100")
+    assert page.evaluate(WHERE_FROM) == [0.5, 20.5]
 
 
 @pytest.mark.slow
@@ -216,6 +290,17 @@ def test_the_page_of_a_run_is_readable_in_dark_mode(ran, tmp_path, look):
         ".every(one => one.background_fill_color == '#1b1d21')"
     )
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(27, 29, 33)"
+
+
+@pytest.mark.slow
+def test_a_page_of_statements_fits_a_narrow_screen(tmp_path, browser):
+    long = Statement("rosas2007" * 9, "rosas2007, abstract", "derived", ["LAMMPS 0.68163 V, " * 9], HOLDS, "corrected")
+    (tmp_path / "index.html").write_text(render("t", "s", [Section("Waves", "of beads", [long])]))
+    page = browser.new_page(viewport={"width": 600, "height": 800})
+    page.goto((tmp_path / "index.html").as_uri())
+    assert page.evaluate("document.documentElement.scrollWidth") == 600
+    page.get_by_role("link", name="contents").click()
+    assert page.url.endswith("#contents")
 
 
 @pytest.mark.slow
@@ -236,11 +321,15 @@ def test_the_page_of_a_sweep_draws_any_column_over_any_other(tmp_path, look):
     agree = [row["agree_10"] for row in table.rows]
     assert None in agree
     assert model(page, "cases", "Array.from(it.data.y, y => isNaN(y) ? null : y)") == agree
-    assert model(page, "plot log", "it.title.text") == f"{agree.count(None)} of 3 cases have no number here"
+    assert (
+        model(page, "plot log", "it.title.text")
+        == f"{agree.count(None)} of 3 cases have no number here; hollow: not settled"
+    )
     page.evaluate("() => { Bokeh.documents[0].get_model_by_name('over').value = 'steps'; }")
     assert model(page, "top", "it.children[0].name") == "plot linear"
-    assert model(page, "plot linear", "it.below[0].axis_label") == table.heading("steps")
-    assert page.locator("a").first.get_attribute("href") == f"{table.rows[0]['case']}/"
+    assert model(page, "plot linear", "it.below[0].axis_label") == table.label("steps").plain
+    assert model(page, "plot linear", "it.below[0].ticker.min_interval") == 1  # steps are whole numbers
+    assert page.locator(".slick-row a").count() == 0  # no case has a page or a figure
     page.evaluate("() => { Bokeh.documents[0].get_model_by_name('column').value = 'amplitude'; }")
     for value, kept in (("1", [False, False, True]), ("all", [True, True, True])):
         page.evaluate(f"() => {{ Bokeh.documents[0].get_model_by_name('only coupling.stiffness').value = '{value}'; }}")

@@ -16,7 +16,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.quantity import csv_of
-from analysis.tracking.leading_waves import leading_finder, leading_passages, leading_waves, usual_arrival
+from analysis.tracking.leading_waves import leading_passages, leading_waves
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Floats, frames_per_block, of_atoms
 from lammps_inputs import Problem, file_names, physics, scheme, window
@@ -156,7 +156,7 @@ class LivePeaks:
         self._travel = travel
         self._problem = replace(problem, recorded=None)
         self._keeps = keeps
-        self._finder = leading_finder(problem)
+        self._finder = PeakFinder()  # all maxima: which pulse leads depends on later ones, too
         self._size = frames_per_block(self._problem)
         self._steps: list[int] = []
         self._states: list[tuple[Floats, Floats]] = []
@@ -196,7 +196,7 @@ class LivePeaks:
             return
         self._look()
         peaks = leading_passages(self._finder.result(), self._problem)
-        waves = leading_waves(peaks, usual_arrival(self._problem))
+        waves = leading_waves(peaks, self._problem)
         write_whole(Path(file_names.PEAKS), csv_of(waves, self._problem.scale).encode())
         Path(file_names.PEAKS_STATE).unlink(missing_ok=True)
 

@@ -11,11 +11,12 @@ from analysis.figures.studies import Objective, front_figure, history_figure, me
 from analysis.gauges.gauge import at_frames, gauges
 from analysis.trajectory import Floats, direction_of, watch
 from lammps_inputs import references
+from lammps_inputs.units import Label
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.design.found import SET_AGAINST, Found
 from workflow.studies.design.search import RULED_OUT, worth
+from workflow.studies.measures import label
 from workflow.studies.page import Picture, document, drawn, shown, table
-from workflow.sweep.collect import QUANTITIES
 
 
 def page(found: Found) -> str:
@@ -31,9 +32,10 @@ def page(found: Found) -> str:
     scene = best.directory.scene.name
     summary = (
         f"Of {len(found.records)} designs of {scene} the one with the {wanted}. Numbers are in the scene's units; "
-        "every design was computed by the reference, the best again by LAMMPS. "
-        f"In {found.undefined} of them the objective or a quantity with a limit is undefined; they do not count."
+        "every design was computed by the reference, the best again by LAMMPS."
     )
+    if found.undefined:
+        summary += f" In {found.undefined} of them the objective or a quantity with a limit is undefined."
     cited = {key: None for keys in references.of_scene(best.directory.scene).values() for key in keys}
     body = "\n".join(f"<section><h2>{name}</h2>{part}</section>" for name, part in parts.items())
     return document(f"{scene}: {wanted}", summary, body, cited)
@@ -73,11 +75,8 @@ def _objective(found: Found) -> Objective:
     return Objective(_label(found, found.design.objective), found.design.sign, beside)
 
 
-def _label(found: Found, name: str) -> str:
-    if name not in QUANTITIES:
-        return found.design.heading(name)
-    unit = QUANTITIES[name].unit(si=found.verified[0].directory.problem.scale.si)
-    return f"{QUANTITIES[name].label} ({unit})" if unit else QUANTITIES[name].label
+def _label(found: Found, name: str) -> Label:
+    return label(name, found.design.scene)
 
 
 def _of_search(found: Found) -> list[Picture]:
@@ -100,8 +99,10 @@ def _of_best(found: Found) -> list[Picture]:
     ]
     if curves:
         scale = best.problem.scale
-        time, force = scale.symbol("time"), scale.symbol("force")
-        labels = (f"time ({time})", f"force on the wall, all chains ({force})")
+        labels = (
+            Label("time", "t", scale.symbol("time")),
+            Label("force on the wall, all chains", "F", scale.symbol("force")),
+        )
         pictures.append(drawn("wall", wall_figure(curves, *labels), "Force on the far wall over time, by LAMMPS."))
     return pictures
 
@@ -129,4 +130,4 @@ def _made(found: Found) -> str:
     if not small.enough:
         return words
     figure: Figure = members_figure(_objective(found), best, small.members)
-    return words + _shown([drawn("members", figure, "The ensemble.")])
+    return words + _shown([drawn("members", figure, "Distribution over designs with these errors.")])

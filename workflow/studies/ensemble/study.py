@@ -20,10 +20,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lammps_inputs import InputError, Scene, library
+from lammps_inputs.units import Label
 from workflow.formats import figure_files
 from workflow.screen import Answer, cell, one_line, print_table
 from workflow.studies import options
-from workflow.studies.measures import case, heading, refuse_unknown, scene_to_run
+from workflow.studies.measures import case, heading, label, refuse_unknown, scene_to_run
 from workflow.studies.study import Study, csv_text, floats
 from workflow.sweep import fields
 from workflow.sweep.file import MAX_CASES
@@ -237,23 +238,23 @@ def _figure(found: Found, name: str) -> "Figure":
     from analysis.figures.studies import Axis, swept_figure  # matplotlib takes half a second to import
 
     asked = found.question
-    label, title = heading(name, asked.scene), f"{asked.source}: {len(asked.seeds)} seeds"
+    quantity, title = label(name, asked.scene), f"{asked.source}: {len(asked.seeds)} seeds"
     if asked.over.is_numeric:
         of = [found.statistics[name, over] for over in asked.over.values]
         mean, error, *ends = (
             floats([getattr(one, key) for one in of]) for key in ("mean", "interval_95", "q2_5", "q97_5", "q16", "q84")
         )
         bands = (np.array(ends[:2]), np.array(ends[2:]))
-        over = Axis(heading(asked.over.name, asked.scene), floats(asked.over.values))
+        over = Axis(label(asked.over.name, asked.scene), floats(asked.over.values))
         title = f"{title}; bars: 95 % interval of the mean; bands: quantiles 2.5, 16, 84 and 97.5 %"
-        return swept_figure(Axis(label, mean, error, bands=bands), over, title=title)
+        return swept_figure(Axis(quantity, mean, error, bands=bands), over, title=title)
     rows = sorted((row for row in found.seeds if row[name] is not None), key=lambda row: float(row[name]))
     values, share = floats([row[name] for row in rows]), np.zeros(len(rows))
     for over in asked.over.values:
         own = [k for k, row in enumerate(rows) if row["over"] == over]
         share[own] = np.searchsorted(values[own], values[own]) / max(len(own), 1)
-    numbered = asked.over.numbered(row["over"] for row in rows)
-    return swept_figure(Axis("share of defined values below", share), Axis(label, values), numbered, title)
+    numbered = asked.over.axis([row["over"] for row in rows], asked.scene)
+    return swept_figure(Axis(Label("share of defined values below"), share), Axis(quantity, values), numbered, title)
 
 
 # --- command ----------------------------------------------------------------------------------------------------------

@@ -23,6 +23,7 @@ from analysis.files.traces import Traces
 from analysis.gauges.gauge import read_at
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, library, shipped, strict_yaml
+from workflow import formats
 from workflow.cluster import add_job_arguments, job_options
 from workflow.formats import figure_files
 from workflow.runs.files import as_json
@@ -216,7 +217,7 @@ def _words(arguments: argparse.Namespace) -> list[str]:
     library.find(scene)
     words = ["fit", path, "--against", str(arguments.against.absolute()), "--free", arguments.free, "-o", "."]
     words += [] if arguments.offset is None else [f"--offset={arguments.offset!r}"]
-    words += ["--formats", ",".join(arguments.formats)]
+    words += formats.words()
     return [*words, *(["--no-lammps"] if arguments.no_lammps else [])]
 
 

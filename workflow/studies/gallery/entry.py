@@ -9,13 +9,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.dispersion import Dispersion, Map
-from analysis.figures.style import CHAIN_COLOURS, STYLE
+from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, label_log_axis, new_figure, styled
 from analysis.gauges.forces import ForceMeter, Readings
 from analysis.gauges.gauge import gauges
 from analysis.sharing.cells import left
@@ -26,7 +25,6 @@ from analysis.tracking.peaks import Peaks, find_peaks
 from analysis.tracking.pulses import Pulse, Train, track_pulses, train_of
 from analysis.trajectory import Floats, Trajectory, watch
 from lammps_inputs import library
-from lammps_inputs.facts import Fact
 from workflow.runs.engines import ENGINES as KNOWN_ENGINES
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.page import Picture, Section, Statement, drawn
@@ -66,7 +64,7 @@ class Ran(RunDirectory):
     @cached_property
     def waves(self) -> Waves:
         """Leading pulse at every bead."""
-        return leading_waves(self._forwards)
+        return leading_waves(self._forwards, self.problem, "maximum")
 
     def peak(self, bead: int) -> float:
         """Velocity of the leading pulse of chain 1 at a bead."""
@@ -171,28 +169,31 @@ def each(measure: Callable[..., Value], *runs: Runs) -> dict[str, Value]:
 # --- figures ----------------------------------------------------------------------------------------------------------
 
 PUBLISHED: dict[str, Any] = {"color": "0.45", "linewidth": 1.0, "linestyle": (0, (4, 2))}
-"""Style of lines of published or derived values."""
+"""Style of lines of published or derived values, each with its words in the legend."""
 
 
 Draw = Callable[[Axes, Results], None]
 """Fills one panel."""
 
 
+def line(place: int) -> dict[str, Any]:
+    """Colour and dashes of one of several curves in a panel, which grey distinguishes too."""
+    return {"color": COLOURS[place], "linestyle": CHAIN_DASHES[place]}
+
+
+@styled
 def _panel(labels: tuple[str, str], draw: Draw, results: Results) -> Figure:
     """A figure of one panel with labelled axes and a legend."""
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.4, 3.4), layout="constrained")
-        axis = figure.subplots()
-        draw(axis, results)
-        axis.set_xlabel(labels[0])
-        axis.set_ylabel(labels[1])
-        for line in (axis.xaxis, axis.yaxis):
-            decades = float(np.ptp(np.log10(line.get_view_interval()))) if line.get_scale() == "log" else np.inf
-            if decades < 1.5:
-                line.set_major_formatter("{x:g}")
-                line.set_minor_formatter("{x:g}" if decades < 0.7 else "")
-        if axis.get_legend_handles_labels()[1]:
-            axis.legend()
+    figure = new_figure(3.4, 6.4)
+    axis = figure.subplots()
+    draw(axis, results)
+    axis.set_xlabel(labels[0])
+    axis.set_ylabel(labels[1])
+    for setting in (axis.xaxis, axis.yaxis):
+        if setting.get_scale() == "log":
+            label_log_axis(setting)
+    if axis.get_legend_handles_labels()[1]:
+        axis.legend()
     return figure
 
 
@@ -259,7 +260,7 @@ def _own_errors(results: Results) -> str:
     both = [runs for runs in results.values() if set(runs) == set(ENGINES)]
     # two beads have no leading pulse, and so no error of one
     lammps, reference = (np.fmax.reduce([runs[engine].errors for runs in both]) for engine in ENGINES)
-    if not any(runs["lammps"].problem.system.holds(Fact.PULSE) for runs in both):
+    if np.isnan(lammps[0]):
         return f"Measured error of these runs: any velocity of the reference is within {reference[0]:.1e} V."
     return (
         "Measured error of these runs: the peaks of LAMMPS's leading pulse are off by at most "

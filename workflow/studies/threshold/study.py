@@ -6,20 +6,22 @@ A threshold study: scans of the field, brackets that are halved, and what is wri
 |-------------------|--------------------------------------------------------------------------|
 | threshold.csv     | a line for each place where the quantity crosses the value               |
 | points.csv        | the quantity at every computed value of the field                        |
-| threshold.png     | the quantity over the field; with a second field the place over that     |
+| threshold.png     | the quantity over the field; with a second field the place over that,    |
+|                   | or, where the value is crossed nowhere, the quantity in lines            |
 | evaluations.jsonl | the cache: every scene that was computed, as it was done                 |
 """
 
 import argparse
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lammps_inputs import InputError, library
+from lammps_inputs.units import REDUCED
 from workflow.formats import figure_files
 from workflow.screen import Answer, cell, one_line, print_table
 from workflow.studies import options
-from workflow.studies.measures import case, heading, refuse_unknown
+from workflow.studies.measures import case, heading, label, refuse_unknown
 from workflow.studies.study import Study, floats, to_csv
 from workflow.studies.threshold.bracket import Axis, Crossing, crossings, wanted
 from workflow.sweep import fields
@@ -142,16 +144,18 @@ class Found:
         """Why there is no threshold at a value of the second field, in one line."""
         asked = self.question
         at = f" at {asked.over.name} = {cell(over)}" if asked.over.name else ""
-        values = [point.quantity for point in self.points if point.over == over]
-        found = [value for value in values if value is not None]
-        where = f"at {len(values)} values of {asked.field} from {asked.axis.low:g} to {asked.axis.high:g}{at}"
+        points = [point for point in self.points if point.over == over]
+        found = [point.quantity for point in points if point.quantity is not None]
+        undefined = [point.value for point in points if point.quantity is None]
+        where = f"at {len(points)} values of {asked.field} from {asked.axis.low:g} to {asked.axis.high:g}{at}"
         if not found:
-            refused = f" ({self.refused[over]})" if over in self.refused else ""
-            return f"no threshold: {asked.quantity} is undefined {where}{refused}"
-        undefined = f", undefined at {len(values) - len(found)}" if len(found) < len(values) else ""
+            name, _, _ = asked.quantity.partition("@")
+            reason = self.refused.get(over, f"`granchain help {name}` says when")
+            return f"no threshold: {asked.quantity} is undefined {where} ({reason})"
+        without = f", undefined at {len(undefined)}, {undefined[0]:g} to {undefined[-1]:g}" if undefined else ""
         return (
             f"no threshold: {asked.quantity} does not cross {asked.level:g}: {min(found):.6g} to {max(found):.6g} "
-            f"{where}{undefined}"
+            f"{where}{without}"
         )
 
     def by_over(self) -> dict[Any, list[Threshold]]:
@@ -215,21 +219,29 @@ def _threshold(question: Question, over: Any, crossing: Crossing, errors: list[f
 
 def _figure(found: Found) -> "Figure":
     from analysis.figures.studies import Axis as Shown  # matplotlib takes half a second to import
-    from analysis.figures.studies import swept_figure
+    from analysis.figures.studies import Sought, swept_figure
 
     asked = found.question
-    named, field = heading(asked.quantity, asked.scene), heading(asked.field, asked.scene)
-    title = f"{asked.source}: {named} = {asked.level:g}"
-    if asked.over.is_numeric:
+    quantity, field = label(asked.quantity, asked.scene), label(asked.field, asked.scene)
+    if asked.over.is_numeric and found.thresholds:
         lines: list[tuple[Any, float | None, float | None]] = []
         for over, thresholds in found.by_over().items():
             lines += [(over, one.place, one.uncertainty) for one in thresholds]
             lines += [] if thresholds else [(over, None, None)]  # a tick at the foot
         over, place, error = map(floats, zip(*lines, strict=True))
-        return swept_figure(Shown(field, place, error), Shown(heading(asked.over.name, asked.scene), over), title=title)
-    quantity = Shown(named, floats([point.quantity for point in found.points]))
+        unit = "" if quantity.unit in ("", REDUCED) else f" {quantity.unit}"
+        named = f"${quantity.symbol}$" if quantity.symbol else quantity.words
+        comma = "," if field.symbol else ""
+        crossing = replace(field, words=f"{field.words} where {named} = {asked.level:g}{unit}{comma}")
+        over_field = Shown(label(asked.over.name, asked.scene), over)
+        return swept_figure(Shown(crossing, place, error), over_field, title=asked.source)
+    values = Shown(quantity, floats([point.quantity for point in found.points]))
     over_field = Shown(field, floats([point.value for point in found.points]))
-    return swept_figure(quantity, over_field, asked.over.numbered(point.over for point in found.points), title)
+    places, errors = (
+        floats([getattr(threshold, name) for threshold in found.thresholds]) for name in ("place", "uncertainty")
+    )
+    beside = asked.over.axis([point.over for point in found.points], asked.scene)
+    return swept_figure(values, over_field, beside, asked.source, sought=Sought(asked.level, places, errors))
 
 
 # --- command ----------------------------------------------------------------------------------------------------------
@@ -237,8 +249,8 @@ def _figure(found: Found) -> "Figure":
 ANSWERS = "the thresholds, and how many scenes were computed"
 DRAWS = True
 EXAMPLES = (
-    "threshold two-chains --where agree_1=100 --vary coupling.stiffness=0.02:0.5 --log -o found",
-    "threshold two-chains --where agree_1=100 --vary coupling.stiffness=0.02:0.5 --log --over chains=2,3,4 -o curve",
+    "threshold two-chains --where agree_1=50 --vary coupling.stiffness=0.02:0.5 --log -o found",
+    "threshold two-chains --where agree_1=50 --vary coupling.stiffness=0.02:0.5 --log --over chains=2,3,4 -o curve",
 )
 
 
@@ -272,7 +284,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
 def _question(arguments: argparse.Namespace) -> Question:
     name = arguments.scene
     plain = library.find(name).plain()
-    quantity, level = options.split(arguments.where, "--where", "agree_1=100")
+    quantity, level = options.split(arguments.where, "--where", "agree_1=50")
     field, ends = options.split(arguments.vary, "--vary", "coupling.stiffness=0.02:0.5")
     over = options.second_field(arguments.over)
     low, high = options.both_ends(ends, "--vary", "FIELD=0.02:0.5")
@@ -286,7 +298,7 @@ def _question(arguments: argparse.Namespace) -> Question:
     if whole and not (low.is_integer() and high.is_integer()):
         raise InputError(f"--vary: {field} takes whole numbers; {ends} given")
     axis = Axis(low, high, arguments.log, whole, arguments.points, arguments.tolerance)
-    return Question(name, plain, quantity, options.number(level, "--where", "agree_1=100"), field, axis, over)
+    return Question(name, plain, quantity, options.number(level, "--where", "agree_1=50"), field, axis, over)
 
 
 def _print(found: Found, output: Path) -> None:

@@ -286,7 +286,7 @@ class PlasticContacts(Finding):
     def measure(cls, directory: RunDirectory) -> Measure | None:
         """Of all beads."""
         problem = directory.problem
-        if not problem.memory_columns or not hasattr(problem.system.along[0].law, "permanent"):
+        if not problem.memory_columns:
             return None
         meter = YieldMeter()
 

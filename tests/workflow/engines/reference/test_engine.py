@@ -55,9 +55,8 @@ def order(h, error):
 
 @functools.cache
 def waves(chains, kappa, beads, duration):
-    return leading_waves(
-        find_peaks(blocks(problem(chains=chains, kappa=kappa, beads=beads, duration=duration, every=0.2)))
-    )
+    what = problem(chains=chains, kappa=kappa, beads=beads, duration=duration, every=0.2)
+    return leading_waves(find_peaks(blocks(what)), what)
 
 
 @pytest.mark.parametrize(
@@ -362,7 +361,7 @@ def long(chains, beads, kappa, duration):
 
 def test_leading_peaks_are_those_of_recorded_frames():
     short = long(2, 60, 0.1, 90.0)
-    recorded = leading_waves(find_peaks([run(short, steps_per_frame=1)]))
+    recorded = leading_waves(find_peaks([run(short, steps_per_frame=1)]), short)
     noted = passages(short, timestep=0.1)
     clear = recorded.bead < 55  # the free end makes arrivals ill-defined
     np.testing.assert_array_equal(noted.bead, recorded.bead)

@@ -3,6 +3,7 @@
 from workflow.studies.gallery.entries import (
     alternating,
     foundations,
+    impacts,
     loaded,
     losses,
     nonuniform,
@@ -23,6 +24,9 @@ ENTRIES: dict[str, Entry] = {
     "nesterenko": solitary_waves.NESTERENKO,
     "exact-wave": solitary_waves.EXACT_WAVE,
     "collision": reflections.COLLISION,
+    "two-spheres": impacts.TWO_SPHERES,
+    "rigid-plane": impacts.PLANE,
+    "impact-restitution": impacts.RESTITUTION,
     "striker-trains": solitary_waves.STRIKER_TRAINS,
     "dimers": alternating.DIMERS,
     "dimer-resonance": alternating.DIMER_RESONANCE,

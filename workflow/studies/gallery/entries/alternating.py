@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from analysis.shape.exact_wave import solitary_wave
 from analysis.trajectory import Floats
 from workflow.studies.gallery.criteria import Measured, at_most, near, state
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, line
 
 # --- anti-resonances of dimers ----------------------------------------------------------------------------------------
 
@@ -60,8 +60,9 @@ def _draw_anti_resonances(axis: Axes, results: Results) -> None:
     """Residual energy over the ratio."""
     for place, ratio in enumerate(ANTI_RESONANCES):
         cases = sorted((*AROUND, 1.0))
-        axis.semilogy(cases, _residuals(results, ratio, cases), "o-", ms=4, color=COLOURS[place], label=f"near {ratio}")
-    axis.axvline(1.0, **PUBLISHED)
+        look = {"color": COLOURS[place], "marker": "os^"[place], "linestyle": "none", "markersize": 5}
+        axis.semilogy(cases, _residuals(results, ratio, cases), label=f"near {ratio}", **look)
+    axis.axvline(1.0, label="published ratio", **PUBLISHED)
 
 
 DIMERS = Entry(
@@ -72,7 +73,7 @@ DIMERS = Entry(
     scenes={f"ratio-{ratio:.4f}": _dimer(ratio, 90) for ratio in ANTI_RESONANCES},
     swept={f"ratio-{ratio * factor:.4f}": _dimer(ratio * factor, 90) for ratio in ANTI_RESONANCES for factor in AROUND},
     statements=_anti_resonances,
-    axes=("mass ratio (published ratio)", "share of the energy that stays in a cell"),
+    axes=("mass ratio / published ratio", "energy that stays in a cell /\nenergy of the pulse"),
     draw=_draw_anti_resonances,
     caption="Residual energy of a cell around the published mass ratios (reference).",
 )
@@ -127,8 +128,8 @@ def _resonance(results: Results) -> Statements:
 def _draw_resonance(axis: Axes, results: Results) -> None:
     """Velocity after some cells over the mass ratio."""
     for place, cell in enumerate(CELLS):
-        axis.plot(*_curve(results, cell), "o-", ms=4, color=COLOURS[place], label=f"cell {cell}")
-    axis.axvline(RESONANCE, **PUBLISHED)
+        axis.plot(*_curve(results, cell), marker="os"[place], ms=4, label=f"cell {cell}", **line(place))
+    axis.axvline(RESONANCE, label=f"published: {RESONANCE}", **PUBLISHED)
 
 
 DIMER_RESONANCE = Entry(
@@ -139,9 +140,9 @@ DIMER_RESONANCE = Entry(
     scenes={f"ratio-{ratio:g}": _dimer(ratio, 150) for ratio in (RESONANCE, OTHER)},
     swept={f"ratio-{ratio:g}": _dimer(ratio, 150) for ratio in SWEPT if ratio != OTHER},
     statements=_resonance,
-    axes=("mass of the light beads (m)", "peak velocity of the heavy bead (V)"),
+    axes=("mass of the light beads / mass of the heavy ones", r"peak velocity of a heavy bead $v_\mathrm{max} / V$"),
     draw=_draw_resonance,
-    caption="Peak velocity of a heavy bead in two cells over the mass of the light beads (reference); line: 0.59.",
+    caption="Peak velocity of a heavy bead in two cells over the mass of the light beads (reference).",
 )
 
 # --- decorated chains -------------------------------------------------------------------------------------------------
@@ -207,7 +208,7 @@ DECORATED = Entry(
     sources={"harbola2009decorated": "abstract read; the paper's own effective constants could not be read"},
     scenes={name: _decorated_chain(radius) for name, radius in RADII.items()},
     statements=_decorated,
-    axes=("radius of the small beads (share of that of the large ones)", "speed (cells / T)"),
+    axes=("radius of the small beads / radius of the large ones", "speed $c\\,T$ (cells)"),
     draw=_draw_decorated,
     caption="Speed of the pulse over the radius of the small beads; the line is the effective chain's.",
 )

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, near, state
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, line
 
 # --- beats ------------------------------------------------------------------------------------------------------------
 
@@ -49,8 +49,8 @@ def _draw_beats(axis: Axes, results: Results) -> None:
     """Share of the second chain over time."""
     for place, (engine, run) in enumerate(results["beats"].items()):
         time = run.flow.time * run.problem.scale.time
-        axis.plot(time, run.flow.share[:, 1], "--" if place else "-", color=COLOURS[place], label=NAMES[engine])
-    axis.axvline(HALF_BEAT, **PUBLISHED)
+        axis.plot(time, run.flow.share[:, 1], label=NAMES[engine], **line(place))
+    axis.axvline(HALF_BEAT, label="half a beat of two oscillators", **PUBLISHED)
 
 
 BEATS = Entry(
@@ -60,9 +60,9 @@ BEATS = Entry(
     sources={"starosvetsky2012": "could not be read; the exchange time is that of two linear oscillators"},
     scenes={"beats": chain(40, 80, timestep=None, every=0.25, kick={"velocity": 0.1}, **BEATING)},
     statements=_beats,
-    axes=("time (reduced)", "share of the energy in chain 2"),
+    axes=("time $t$ (reduced)", "share of the energy in chain 2"),
     draw=_draw_beats,
-    caption="Share of the energy in the chain that was not kicked; the line is half a beat of two oscillators.",
+    caption="Share of the energy in the chain that was not kicked.",
 )
 
 # --- parametric growth ------------------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -98,12 +99,15 @@ def _edges(results: Results, scene: str, edges: Sequence[Edge], source: str) -> 
 def _draw_bands(axis: Axes, run: Ran, edges: Sequence[Edge], *, exact: bool) -> None:
     """Branches, and the edges of the bands."""
     found, second = run.spectrum, run.problem.scale.time
-    for branch in range(2):
-        axis.plot(found.folded, found.measured[:, branch] / second, "o", ms=4, color=COLOURS[branch])
+    for branch, (name, mark) in enumerate((("lower", "o"), ("upper", "s"))):
+        look: dict[str, Any] = {"color": COLOURS[branch], "marker": mark, "linestyle": "none", "markersize": 4}
+        axis.plot(found.folded, found.measured[:, branch] / second, label=f"{name} branch (LAMMPS)", **look)
         if exact:
-            axis.plot(found.folded, found.exact[:, branch] / second, color=COLOURS[branch], linewidth=0.8)
-    for edge, _, _ in edges:
-        axis.axhline(edge, **PUBLISHED)
+            label = None if branch else "exact branches"
+            axis.plot(found.folded, found.exact[:, branch] / second, color="black", linewidth=0.8, label=label)
+    edge_words = "derived edges" if exact else "published edges"
+    for number, (edge, _, _) in enumerate(edges):
+        axis.axhline(edge, label=None if number else edge_words, **PUBLISHED)
 
 
 LIGHT, LOAD = 0.5, 1.0
@@ -133,7 +137,7 @@ BAND_GAP = Entry(
     statements=lambda results: _edges(results, "diatomic", OF_TWO_MASSES, "brillouin1946"),
     axes=BANDS,
     draw=lambda axis, results: _draw_bands(axis, results["diatomic"]["lammps"], OF_TWO_MASSES, exact=False),
-    caption="Frequencies over wavenumber in the LAMMPS run; lines: the published edges.",
+    caption="Frequencies over wavenumber in the LAMMPS run.",
 )
 
 # --- resonators -------------------------------------------------------------------------------------------------------
@@ -201,7 +205,7 @@ RESONATORS = Entry(
     statements=_resonators,
     axes=BANDS,
     draw=lambda axis, results: _draw_bands(axis, results["kicked"]["lammps"], OF_RESONATORS, exact=True),
-    caption="Frequencies over wavenumber in the LAMMPS run, the exact branches, and the derived edges of the bands.",
+    caption="Frequencies over wavenumber in the LAMMPS run, the exact branches, and the edges of the bands.",
 )
 
 # --- a column under gravity -------------------------------------------------------------------------------------------
@@ -238,7 +242,7 @@ def _draw_gravity(axis: Axes, results: Results) -> None:
     """Velocity over depth."""
     peaks = results["column"]["lammps"].peaks(DEPTHS)
     axis.loglog(DEPTHS, peaks, "o", color=COLOURS[0], label="LAMMPS")
-    axis.loglog(DEPTHS, peaks[0] * (DEPTHS / DEPTHS[0]) ** -0.25, label="depth^(-1/4)", **PUBLISHED)
+    axis.loglog(DEPTHS, peaks[0] * (DEPTHS / DEPTHS[0]) ** -0.25, label=r"$\propto$ depth$^{-1/4}$", **PUBLISHED)
 
 
 GRAVITY = Entry(
@@ -250,7 +254,7 @@ GRAVITY = Entry(
     },
     scenes={"column": _weakly_kicked(300, 230, gravity=0.01, walls={"right": "flat"})},
     statements=_gravity,
-    axes=("depth (beads)", "velocity of the leading peak (V)"),
+    axes=("depth (beads)", r"velocity of the leading peak $v_\mathrm{max} / V$"),
     draw=_draw_gravity,
     caption="Velocity of the leading peak over depth.",
 )

@@ -11,7 +11,18 @@ from analysis.contacts import YieldMeter
 from analysis.trajectory import Floats, watch
 from lammps_inputs.laws.plastic import restitution_of
 from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, by_engine, near, state
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, exponent
+from workflow.studies.gallery.entry import (
+    COLOURS,
+    PUBLISHED,
+    Entry,
+    Ran,
+    Results,
+    Statements,
+    chain,
+    each,
+    exponent,
+    line,
+)
 
 # --- contacts that yield ----------------------------------------------------------------------------------------------
 
@@ -97,7 +108,7 @@ def _draw_plastic(axis: Axes, results: Results) -> None:
     """Restitution over velocity."""
     every = np.geomspace(0.3, 1e4, 200)
     axis.loglog(every, restitution_of(every, 1.0), label="Thornton, closed form", **PUBLISHED)
-    for engine, colour, mark in zip(NAMES, COLOURS, "o+", strict=False):
+    for engine, colour, mark in zip(NAMES, COLOURS, "ox", strict=False):
         found = [_restitution(results[name][engine]) for name in RATIOS]
         axis.loglog([*RATIOS.values()], found, mark, color=colour, label=NAMES[engine])
 
@@ -188,8 +199,10 @@ def _draw_rosas(axis: Axes, results: Results) -> None:
     """Velocity over distance."""
     for place, damping in enumerate((TWO_WAVES, STRONG)):
         run = results[f"damping-{damping:g}"]["lammps"]
-        velocity = np.maximum(_along(run), 1e-4)
-        axis.semilogy(run.trajectory.beads, velocity, color=COLOURS[place], label=f"damping {damping:g}")
+        velocity = _along(run)
+        forwards = np.where(velocity > 0.0, velocity, np.nan)  # others have no logarithm
+        axis.semilogy(run.trajectory.beads, forwards, label=f"damping {damping:g}", **line(place))
+    axis.set_ylim(bottom=1e-4)
 
 
 ROSAS = Entry(
@@ -203,7 +216,7 @@ ROSAS = Entry(
         f"damping-{damping:g}": chain(140, 130, damping={"contact": damping}) for damping in (WEAK, TWO_WAVES, STRONG)
     },
     statements=_rosas,
-    axes=("bead", f"velocity at t = {WHEN:g} T (V)"),
+    axes=("bead", f"velocity $v / V$ at $t$ = {WHEN:g} $T$"),
     draw=_draw_rosas,
     caption="Velocity along the chain: a narrow pulse and a broad one behind it, or a single one (LAMMPS).",
 )
@@ -227,7 +240,7 @@ def _draw_kuwabara_kono(axis: Axes, results: Results) -> None:
     """The same over distance."""
     for place, (name, coefficient) in enumerate(VISCOELASTIC.items()):
         power = results[name]["lammps"].peaks(BEADS) ** -0.2
-        axis.plot(BEADS, power, color=COLOURS[place], label=f"coefficient {coefficient:g}")
+        axis.plot(BEADS, power, label=f"coefficient {coefficient:g}", **line(place))
 
 
 KUWABARA_KONO = Entry(
@@ -242,7 +255,7 @@ KUWABARA_KONO = Entry(
         for name, coefficient in VISCOELASTIC.items()
     },
     statements=_kuwabara_kono,
-    axes=("bead", "(peak velocity / V)^(-1/5)"),
+    axes=("bead", r"peak velocity $(v_\mathrm{max} / V)^{-1/5}$"),
     draw=_draw_kuwabara_kono,
     caption="Peak velocity to the power -1/5 along the chain (LAMMPS).",
 )

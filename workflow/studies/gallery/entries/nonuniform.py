@@ -9,7 +9,18 @@ from matplotlib.axes import Axes
 from analysis.shape.exact_wave import solitary_wave
 from lammps_inputs import laws, physics
 from workflow.studies.gallery.criteria import Measured, at_least, at_most, by_engine, near, state
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, exponent
+from workflow.studies.gallery.entry import (
+    COLOURS,
+    PUBLISHED,
+    Entry,
+    Ran,
+    Results,
+    Statements,
+    chain,
+    each,
+    exponent,
+    line,
+)
 
 # --- tapered chains ---------------------------------------------------------------------------------------------------
 
@@ -83,7 +94,7 @@ TAPERED = Entry(
     },
     scenes={name: chain(BEADS, 25, timestep=0.002, every=0.02, taper=taper) for name, taper in TAPERS.items()},
     statements=_tapered,
-    axes=("taper (decrease of the radius from bead to bead)", "energy of bead 20 (share of the kick)"),
+    axes=("taper (decrease of the radius from bead to bead)", "largest energy of bead 20 / energy of the kick"),
     draw=_draw_tapered,
     caption="Largest kinetic energy of bead 20 as a share of that of the kick; the line is for hard spheres.",
 )
@@ -150,7 +161,7 @@ def _draw_graded(axis: Axes, results: Results) -> None:
     at = strength[waves.bead[inside] - 1]
     axis.loglog(at, waves.speed[inside], "o", markersize=3, color=COLOURS[0], label="LAMMPS")
     every = np.geomspace(1.0, STRONGEST, 50)
-    axis.loglog(every, run.speed(BEFORE - 15, BEFORE) * every**0.4, label="strength^0.4", **PUBLISHED)
+    axis.loglog(every, run.speed(BEFORE - 15, BEFORE) * every**0.4, label=r"$\propto$ strength$^{0.4}$", **PUBLISHED)
 
 
 GRADED = Entry(
@@ -163,7 +174,7 @@ GRADED = Entry(
         for name, ends in RAMPS.items()
     },
     statements=_graded,
-    axes=("strength of the contact (first contact = 1)", "speed (beads / T)"),
+    axes=("strength of the contact / strength of the first", "speed $c\\,T$ (beads)"),
     draw=_draw_graded,
     caption="Speed of the leading pulse over the strength of the contacts that it passes; ramp over 100 contacts.",
 )
@@ -228,7 +239,7 @@ def _draw_impurity(axis: Axes, results: Results) -> None:
     """The impurities over time."""
     for place, mass in enumerate((0.1, *HEAVY.values())):
         run = results[f"mass-{mass:g}"]["lammps"].trajectory
-        axis.plot(run.time, run.velocity[:, 0, PLACE - 1], color=COLOURS[place], label=f"mass {mass:g}")
+        axis.plot(run.time, run.velocity[:, 0, PLACE - 1], label=f"mass {mass:g}", **line(place))
     axis.set_xlim(42.0, 65.0)
 
 
@@ -238,7 +249,7 @@ IMPURITY = Entry(
     sources={"job2009": "abstract read; its intruders are smaller, not only lighter"},
     scenes={name: _with_impurity(mass) for name, mass in (LIGHT | HEAVY).items()},
     statements=_impurity,
-    axes=("time (T)", "velocity of the impurity (V)"),
+    axes=("time $t / T$", "velocity of the impurity $v / V$"),
     draw=_draw_impurity,
     caption="A light impurity oscillates several times while the wave passes; heavy ones move slowly (LAMMPS).",
 )

@@ -14,7 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from analysis.figures.engines import Curve, engines_figure, relative_mode_figure, scan_figure
+from analysis.figures.engines import Curve, PublishedPoint, engines_figure, relative_mode_figure, scan_figure
 from analysis.files.events import Events
 from analysis.sharing import impulses
 from analysis.sharing.impulses import Impulses, relative_difference
@@ -367,8 +367,10 @@ def pictures(_: Results) -> list[Picture]:
         caption = f"Fig. {number}: first impulses, and velocities of beads 5 and 25; kappa = {kappa:g}, gap of eq. 5."
         found.append(drawn(f"fig{number}", engines_figure(problem, ROWS, curves(problem, ROWS)), caption))
     shown = (5, 25, 30)
-    scanned = scan_figure(swept.theta, swept.difference[:, np.isin(swept.bead, shown)], shown, AGREE)
-    found.append(drawn("scan", scanned, "Rigid beads: difference of the chains over the gap; the line is 1%."))
+    rows, chosen = np.isin(swept.bead, shown), scan(np.array([THETA_OF_EQ_5]))
+    published = PublishedPoint("gap of eq. 5", THETA_OF_EQ_5, chosen.difference[0, rows])
+    scanned = scan_figure(swept.theta, swept.difference[:, rows], shown, AGREE, published)
+    found.append(drawn("scan", scanned, "Rigid beads: difference of the chains over the gap."))
     labelled = {"rigid": rigid, **{rf"Hertz, $\kappa$ = {kappa:g}": one for kappa, one in hertz.items()}}
     modes = {label: relative_mode(one, 2, LAST) for label, one in labelled.items()}
     curve = relative_mode_figure([(label, mode.bead, mode.difference) for label, mode in modes.items()])

@@ -147,9 +147,8 @@ def pictures(runs: Results) -> list[Picture]:
         caption = f"Fig. {space}: velocity in space and time ({name}, LAMMPS)."
         found.append(drawn(f"fig{space}", spacetime_figure(watch(SpaceTime(run.problem), run.blocks())), caption))
         caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
-        found.append(
-            drawn(f"fig{time}", response_figure(watch(BeadHistory(run.problem, (bead,)), run.blocks())), caption)
-        )
+        history = watch(BeadHistory(run.problem, (bead,)), run.blocks())
+        found.append(drawn(f"fig{time}", response_figure(history, run.waves), caption))
     cases = [equipartition_distance(chains, kappa) for chains in MAP_CHAINS for kappa in MAP_COUPLINGS]
     caption = "Distance to equipartition and final amplitude over coupling and number of chains (reference integrator)."
     found.append(drawn("map", distance_map(cases), caption))

@@ -5,7 +5,7 @@ from itertools import pairwise
 from matplotlib.axes import Axes
 
 from workflow.studies.gallery.criteria import Measured, at_least, at_most, by_engine, near, state
-from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statements, chain, each
+from workflow.studies.gallery.entry import Entry, Ran, Results, Statements, chain, each, line
 
 # --- a collision of equal waves ---------------------------------------------------------------------------------------
 
@@ -70,8 +70,8 @@ def _draw_collision(axis: Axes, results: Results) -> None:
     """A bead behind the middle over time."""
     for place, name in enumerate(("even", "odd")):
         run = results[name]["lammps"].trajectory
-        axis.plot(run.time, run.velocity[:, 0, 61], color=COLOURS[place], label=f"{name} number of beads")
-    axis.set_ylim(-0.06, 0.06)
+        axis.plot(run.time, run.velocity[:, 0, 61], label=f"{name} number of beads", **line(place))
+    axis.set_ylim(-0.01, 0.06)
     axis.set_xlim(60.0, 105.0)
 
 
@@ -84,9 +84,9 @@ COLLISION = Entry(
     },
     scenes={"even": _both_ends(100), "odd": _both_ends(101), "alone": chain(100, 108)},
     statements=_collision,
-    axes=("time (T)", "velocity of bead 62 (V)"),
+    axes=("time $t / T$", "velocity of bead 62 $v / V$"),
     draw=_draw_collision,
-    caption="Velocity of bead 62, twelve beads behind the middle: after the wave a secondary wave passes.",
+    caption="Velocity of bead 62, twelve beads behind the middle: after the wave (cut off) a secondary wave passes.",
 )
 
 # --- a wall -----------------------------------------------------------------------------------------------------------
@@ -148,7 +148,7 @@ def _draw_wall(axis: Axes, results: Results) -> None:
     """Force on the walls over time."""
     for place, (name, runs) in enumerate(results.items()):
         read = runs["lammps"].forces(wall=True)
-        axis.plot(read.time, read.force[:, 0, 0], color=COLOURS[place], label=name)
+        axis.plot(read.time, read.force[:, 0, 0], label=name, **line(place))
     axis.set_xlim(64.0, 84.0)
 
 
@@ -162,7 +162,7 @@ WALL = Entry(
     },
     scenes={name: chain(60, 120, walls={"right": wall}) for name, wall in WALLS.items()},
     statements=_wall,
-    axes=("time (T)", "force on the wall (m V / T)"),
+    axes=("time $t / T$", "force on the wall $F / (m V / T)$"),
     draw=_draw_wall,
     caption="Force on the wall over time (LAMMPS).",
 )

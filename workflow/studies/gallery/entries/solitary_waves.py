@@ -8,7 +8,18 @@ from matplotlib.axes import Axes
 from analysis.shape.exact_wave import nesterenko, solitary_wave
 from analysis.trajectory import Floats
 from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, by_engine, near, state
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, exponent
+from workflow.studies.gallery.entry import (
+    COLOURS,
+    PUBLISHED,
+    Entry,
+    Ran,
+    Results,
+    Statements,
+    chain,
+    each,
+    exponent,
+    line,
+)
 
 BEAD = 80
 """Where a single wave is measured."""
@@ -42,7 +53,7 @@ def _draw_kicked(axis: Axes, results: Results) -> None:
     for place, (engine, run) in enumerate(results["kicked"].items()):
         marks = "-" if place else "o"
         axis.plot(run.waves.bead, run.waves.peak_velocity, marks, ms=3, color=COLOURS[place], label=NAMES[engine])
-    axis.axhline(0.682, **PUBLISHED)
+    axis.axhline(0.682, label="published: 0.682 $V$", **PUBLISHED)
 
 
 KICKED_CHAIN = Entry(
@@ -51,9 +62,9 @@ KICKED_CHAIN = Entry(
     sources={"hinch1999": "as quoted in the literature; the paper could not be read"},
     scenes={"kicked": chain(100, 150)},
     statements=_kicked,
-    axes=("bead", "velocity of the leading pulse (V)"),
+    axes=("bead", r"velocity of the leading pulse $v_\mathrm{max} / V$"),
     draw=_draw_kicked,
-    caption="Velocity of the leading pulse along the chain; the line is 0.682 V.",
+    caption="Velocity of the leading pulse along the chain.",
 )
 
 # --- Nesterenko's long-wave theory ------------------------------------------------------------------------------------
@@ -113,7 +124,7 @@ def _draw_nesterenko(axis: Axes, results: Results) -> None:
     _, speed, force = _train(results["striker-4"]["lammps"])
     axis.loglog(force, speed, "o", color=COLOURS[0], label="pulses of a train (LAMMPS)")
     every = np.geomspace(force.min(), force.max(), 50)
-    axis.loglog(every, speed[0] * (every / force[0]) ** (1.0 / 6.0), label="sixth root", **PUBLISHED)
+    axis.loglog(every, speed[0] * (every / force[0]) ** (1.0 / 6.0), label="sixth root of the force", **PUBLISHED)
 
 
 NESTERENKO = Entry(
@@ -128,7 +139,7 @@ NESTERENKO = Entry(
     },
     scenes={"single": chain(100, 125, every=0.05), "striker-4": chain(200, 200, striker={"mass": 4, "velocity": 1})},
     statements=_nesterenko,
-    axes=("largest contact force (m V / T)", "speed (beads / T)"),
+    axes=("largest contact force $F / (m V / T)$", "speed $c\\,T$ (beads)"),
     draw=_draw_nesterenko,
     caption="Speed of the pulses of one train over their force.",
 )
@@ -193,7 +204,7 @@ def _exact(results: Results) -> Statements:
 def _draw_exact(axis: Axes, results: Results) -> None:
     """The difference of the series."""
     axis.plot(*_deviation(results["chain"]["lammps"]), color=COLOURS[0], label="series minus LAMMPS")
-    axis.axhline(0.0, **PUBLISHED)
+    axis.axhline(0.0, color="0.8", linewidth=0.8, zorder=0)
 
 
 EXACT_WAVE = Entry(
@@ -208,7 +219,7 @@ EXACT_WAVE = Entry(
     },
     scenes={"chain": chain(100, 125)},
     statements=_exact,
-    axes=("distance ahead of the wave (beads)", "difference (share of A)"),
+    axes=("distance ahead of the wave (beads)", "difference / final displacement $A$"),
     draw=_draw_exact,
     caption="Difference of the displacement by the series from that by LAMMPS, as a share of the final displacement.",
 )
@@ -261,7 +272,7 @@ def _draw_trains(axis: Axes, results: Results) -> None:
     """Velocity of a bead over time."""
     for place, (name, runs) in enumerate(results.items()):
         run = runs["lammps"].trajectory
-        axis.plot(run.time, run.velocity[:, 0, PASSED - 1], color=COLOURS[place], label=name)
+        axis.plot(run.time, run.velocity[:, 0, PASSED - 1], label=name, **line(place))
     axis.set_xlim(100.0, 220.0)
 
 
@@ -280,7 +291,7 @@ STRIKER_TRAINS = Entry(
         },
     },
     statements=_trains,
-    axes=("time (T)", f"velocity of bead {PASSED} (V)"),
+    axes=("time $t / T$", f"velocity of bead {PASSED} $v / V$"),
     draw=_draw_trains,
     caption=f"Velocity of bead {PASSED} as trains pass it (LAMMPS).",
 )

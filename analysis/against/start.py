@@ -1,0 +1,46 @@
+"""Whether frames begin as their scene does: atoms at their places at rest, with the velocities of kicks and drives."""
+
+import numpy as np
+
+from analysis.trajectory import Floats, Integers, Trajectory
+from lammps_inputs import physics
+
+SAME = 1e-6
+"""Largest difference, in units of L and V, that counts as none: files hold seven digits or more."""
+
+MOST = 3
+"""Beads that are named."""
+
+
+def differences(frames: Trajectory) -> list[str]:
+    """Sentences on the atoms that do not start as the scene says, in the scene's units; none where all do.
+
+    Args:
+        frames: [frame, chain, bead] from the start of a run on, with inner atoms where they are recorded.
+    """
+    problem = frames.problem
+    scale, chains = problem.scale, problem.chains
+    displacement, velocity = (values[0] for values in frames.atoms)
+    at_start = np.zeros_like(velocity)
+    at_start[:chains] = physics.initial_velocity(problem.system)[:, frames.beads - 1]
+
+    def name(line: int, place: int) -> str:
+        bead = f"bead {frames.beads[place]} of chain {line % chains + 1}"
+        return bead if line < chains else f"the resonator at {bead}"
+
+    moved = _largest(np.abs(displacement))
+    if len(moved):
+        line, place = moved[0]
+        off = scale.written(displacement[line, place], "length")
+        return [f"{name(line, place)} starts {off} from its place at rest (another gap or static load?)"]
+    texts = []
+    for line, place in _largest(np.abs(velocity - at_start)):
+        actual, right = (scale.written(values[line, place], "velocity") for values in (velocity, at_start))
+        texts.append(f"{name(line, place)} starts with velocity {actual} instead of {right}")
+    return texts
+
+
+def _largest(off: Floats) -> Integers:
+    """[atom, line or place] of the atoms that differ most, at most `MOST` of them."""
+    wrong = np.argwhere(off > SAME)
+    return wrong[np.argsort(-off[wrong[:, 0], wrong[:, 1]], kind="stable")][:MOST]

@@ -1,0 +1,98 @@
+"""Table of what patterns, gradients and random numbers of a scene come to, for every bead, contact and spring."""
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_inputs.ingredients import unequal
+from lammps_inputs.links import Across, Along, Link, Wall
+from lammps_inputs.numbers import known, text
+from lammps_inputs.units import Dimension, Scale
+
+if TYPE_CHECKING:
+    from lammps_inputs.scene import BaseScene
+
+Floats = NDArray[np.float64]
+
+
+class Column(NamedTuple):
+    """A quantity that differs from bead to bead.
+
+    Attributes:
+        name: ``mass``, or a link and a parameter of its law, ``foundation.spring``; its SI unit follows in brackets.
+        values: [chain, bead], in the scene's units; NaN where there is none. A contact stands at its first bead, a
+            spring between chains at the chain of lower number.
+    """
+
+    name: str
+    values: Floats
+
+
+def columns(scene: "BaseScene") -> list[Column]:
+    """Columns of all that differs from bead to bead; none where all beads, contacts and springs are alike."""
+    candidates = [*_of_beads(scene), *(column for link in scene.system.links for column in _of_link(link, scene))]
+    return [column for column in candidates if len(np.unique(column.values[np.isfinite(column.values)])) > 1]
+
+
+def csv(table: list[Column]) -> Iterator[str]:
+    """Lines of CSV, one for each bead: numbers that read back exactly, empty cells where there is none."""
+    yield ",".join(["chain", "bead", *(column.name for column in table)])
+    for chain, beads in enumerate(np.stack([column.values for column in table], axis=-1), 1):
+        for bead, values in enumerate(beads.tolist(), 1):
+            yield ",".join([f"{chain},{bead}", *("" if math.isnan(value) else text(value) for value in values)])
+
+
+def plain(table: list[Column]) -> dict[str, list[list[float | None]]]:
+    """Columns for JSON, each a list of chains of beads; null where there is none."""
+    return {name: [[known(value) for value in beads] for beads in values.tolist()] for name, values in table}
+
+
+def _of_beads(scene: "BaseScene") -> Iterator[Column]:
+    if not unequal.unlike(scene):
+        return
+    ball, scale = scene.material, scene.scale
+    shape = (scene.chains, scene.beads)
+    mass, _ = unequal.masses_and_strengths(scene)
+    radius = 1.0 if ball is None else ball.radius
+    plane_modulus = 1.0 if ball is None else ball.youngs_modulus / (1.0 - ball.poisson_ratio**2)
+    yield Column(scale.heading("mass", "mass"), scale.mass * np.broadcast_to(mass, shape))
+    yield Column(scale.heading("radius", "length"), radius * unequal.radii(scene))
+    yield Column("plane_modulus (Pa)" if scale.si else "plane_modulus", plane_modulus * unequal.moduli(scene))
+
+
+def _of_link(link: Link, scene: "BaseScene") -> Iterator[Column]:
+    hints = get_type_hints(type(link.law), include_extras=True)
+    for parameter, values in zip(type(link.law)._fields, link.law, strict=True):  # type: ignore[attr-defined]
+        dimension = next(iter(getattr(hints[parameter], "__metadata__", ())), None)
+        if np.ndim(values) == 0 or not isinstance(dimension, Dimension):
+            continue
+        name, unit = f"{link.name}.{parameter}", _symbol(dimension, scene.scale)
+        for place, table in _at_beads(link, values, scene):
+            yield Column(f"{name}{place}{unit}", dimension.worth(scene.scale) * table)
+
+
+def _at_beads(link: Link, values: Any, scene: "BaseScene") -> Iterator[tuple[str, Floats]]:
+    """Values of links, [chain, bead], and what their names end with; one table for each neighbour of a graph."""
+    shape = (scene.chains, scene.beads)
+    if isinstance(link, Along):
+        contacts = np.broadcast_to(values, (scene.chains, scene.beads - 1))
+        yield "", np.pad(contacts, ((0, 0), (0, 1)), constant_values=np.nan)
+    elif isinstance(link, Across):
+        rows = np.broadcast_to(values, (len(link.edges), scene.beads))
+        tables: dict[str, Floats] = {}
+        for (lower, higher), row in zip(link.edges, rows, strict=True):
+            place = " to the next chain" if link.open_row else f" to chain {higher + 1}"
+            tables.setdefault(place, np.full(shape, np.nan))[lower] = row
+        yield from tables.items()
+    else:
+        beads = np.array(np.broadcast_to(values, shape))
+        yield "", np.where(beads == 0.0, np.nan, beads) if isinstance(link, Wall) else beads
+
+
+def _symbol(dimension: Dimension, scale: Scale) -> str:
+    """Unit of a parameter in brackets, after a space; empty in reduced units and of pure numbers."""
+    symbol = dimension.symbol
+    return f" ({symbol})" if scale.si and symbol else ""
