@@ -1,26 +1,26 @@
-"""Departures of a trajectory from its scene: linear least squares of a factor for every kind of force and mass.
+"""What of a trajectory is not its scene's: least squares of factors on forces and masses.
 
 From one frame to the next the momentum of an atom changes by the impulses of all forces on it, which follow from the
 recorded motion (`analysis.against.momentum`), so that
 
     m_i (v_i(t_n+1) - v_i(t_n)) = sum over k of f_k I_k,i,n
 
-is linear in the factors f_k, 1 where the trajectory follows the scene. Where factors of kinds do not explain the motion,
-the links of one kind, or the masses, have a factor each; then one kind of force may have another law.
+is linear in the factors f_k, 1 where the trajectory follows the scene. Each kind of force or mass has a factor first.
+If these do not explain the motion, each link of one kind has one, or each mass; then one force may be another function
+of the strain, or of time.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from analysis.against.momentum import (
+    HOLDING,
     STATIC,
     ForceOfState,
     LinkImpulses,
     MomentumEquations,
-    MomentumTerm,
     integrals,
     name_of_beads,
     name_of_load,
@@ -28,6 +28,7 @@ from analysis.against.momentum import (
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across, Along, Ground, Link
+from lammps_inputs.loads import Load
 
 LEAST_FRAMES = 10
 
@@ -38,7 +39,7 @@ NOISE = 3.0
 """Residual over what the interpolation leaves of the reference's, up to which it counts as noise."""
 
 EXPLAINED, NEARLY = 0.03, 0.1
-"""Share of the residual that other factors may leave, and another law, of which some powers of the strain are only near."""
+"""Share of the residual that other factors may leave, and another law, to which powers of the strain are only near."""
 
 _SAFETY = 3.0
 """Uncertainty of a factor over the change of it that would make all that is left, as the least that it may be."""
@@ -53,7 +54,7 @@ _LOADS = (0.0, 0.25, 0.5, 2.0, 4.0)
 """Static loads, over that of the scene, from which the fit starts beside that of the scene."""
 
 _ITERATIONS, _SETTLED = 12, 1e-3
-"""Steps to the static load at most; largest change of it, over that of the scene, for which the equations are linear."""
+"""Steps to the static load, at most; change of it, over that of the scene, for which the equations are linear."""
 
 _FELT = 1e-6
 """Size of a column over that of the largest one, below which its force has reached nothing."""
@@ -64,44 +65,50 @@ _DISTINCT = 1e-9
 _MOST_STEPS = 200
 """Iterations of the least squares of single links."""
 
-_POWERS, _LEAST = (-2.0, -1.0, 0.5, 1.0, 2.0), 0.01
-"""Powers of the strain, or of its rate, by which the force of another law is multiplied; and the least of both, over the
-largest.
+_POWERS, _LEAST = (-2.0, -1.0, 0.0, 0.5, 1.0, 2.0), 0.01
+"""Powers of the strain, or of its rate, by which the force of another law is multiplied; share of the largest strain
+that is added to it, so that negative powers are finite.
 """
+
+_FREQUENCIES = (1.0, 0.8, 0.9, 1.1, 1.25)
+"""Frequencies over that of the scene from which the fit of a course over time starts."""
 
 
 @dataclass(frozen=True)
 class Departure:
-    """What differs from the scene.
+    """Force or mass of a trajectory that is not the scene's.
 
     Attributes:
         name: of the force or the beads.
-        what: "strength", "mass", "law" (another function of the strain) or "course" (another one of time).
-        factor: on the number of the scene; or the number itself, dimensionless, of what the scene lacks. NaN of a course.
-        uncertainty: of the factor; likewise.
-        scene: 1, or 0 of what the scene lacks.
-        effect: change of momentum that it makes over all changes, root mean square; of a law the share of its impulses
-            that the best factor leaves.
+        quantity: what differs: "strength", "mass", "law" (by a power of the strain), "law of velocity" (likewise),
+            "course" (another function of time) or a parameter of this function.
+        factor: on the number of the scene; of what the scene lacks the number itself, dimensionless; of a law the
+            power, of a phase the angle in radians. NaN of a course.
+        uncertainty: of the factor.
+        scene: factor of the scene: 1, of what it lacks and of laws 0, of a phase the angle.
+        effect: share of all changes of momentum that it makes, root mean square.
+        place: where, of a single link or bead.
         count: number of links or beads of this kind that differ, where only the one that differs most is given.
     """
 
     name: str
-    what: Literal["strength", "mass", "law", "course"]
+    quantity: str
     factor: float
     uncertainty: float
     scene: float
     effect: float
+    place: str = ""
     count: int = 1
 
 
 @dataclass(frozen=True)
 class Identification:
-    """What was found in a trajectory.
+    """Departures of a trajectory from its scene, and how far they are known.
 
     Attributes:
-        departures: largest effect first; empty if they do not explain the motion.
+        departures: largest effect first; empty if none explain the motion.
         unexplained: share of the changes of momentum, root mean square, that the forces of the scene do not explain.
-        interpolation: the same of the reference, which the interpolation between frames leaves.
+        interpolation: share that they do not explain of the reference's, by interpolation between frames.
         place: line and bead, counted from 0, where most is unexplained.
         ambiguous: whether several causes explain the motion alike, so that none is given.
     """
@@ -121,21 +128,22 @@ def identify(trajectory: Trajectory, reference: Trajectory) -> Identification:
         reference: the same frames as the scene has them, from which follows what the interpolation leaves.
     """
     equations, right = MomentumEquations(trajectory), MomentumEquations(reference)
-    noise, left, total, scale = map(_norm, (right.residual, equations.residual, equations.change, right.change))
+    noise, residual = _norm(right.residual), _norm(equations.residual)
+    interpolation = noise / right.size
     departures: list[Departure] | None = None
-    if left > NOISE * noise and noise < TOO_FAR * scale:
-        limit = max(NOISE * noise, EXPLAINED * left)
+    if residual > NOISE * noise and interpolation < TOO_FAR:
+        limit = max(NOISE * noise, EXPLAINED * residual)
         departures = _kinds(equations, noise, limit)
         if departures is None:
             departures = _links_and_beads(equations, noise, limit)
         if departures is None:
-            departures = _functions(equations, max(NOISE * noise, NEARLY * left))
+            departures = _functions(equations, noise, max(NOISE * noise, NEARLY * residual))
     power = np.sum(equations.residual**2, axis=0)
     line, bead = np.unravel_index(int(np.argmax(power)), power.shape)
     return Identification(
         departures=tuple(sorted(departures or [], key=lambda departure: -departure.effect)),
-        unexplained=left / total,
-        interpolation=noise / scale,
+        unexplained=residual / equations.size,
+        interpolation=interpolation,
         place=(int(line), int(bead)),
         ambiguous=departures == [],
     )
@@ -167,7 +175,9 @@ def least_squares(residual: Floats, columns: Sequence[Floats]) -> LeastSquares:
     """Fit a residual by columns of its shape."""
     size = np.array([_norm(column) for column in columns])
     change, bound = np.zeros(len(columns)), np.full(len(columns), np.inf)
-    felt = np.flatnonzero(size > _FELT * np.max(size))
+    felt = [k for k in range(len(columns)) if size[k] > _FELT * np.max(size)]
+    if not felt:
+        return LeastSquares(change, bound, _norm(residual))
     unit = [columns[k] / size[k] for k in felt]
     value, vector = np.linalg.eigh(np.array([[np.vdot(a, b) for b in unit] for a in unit]))
     distinct = value > _DISTINCT
@@ -175,8 +185,8 @@ def least_squares(residual: Floats, columns: Sequence[Floats]) -> LeastSquares:
     change[felt] = inverse @ [np.vdot(column, residual) for column in unit] / size[felt]
     mixed = np.sum(vector[:, ~distinct] ** 2, axis=1) > _DISTINCT
     bound[felt] = np.where(mixed, np.inf, np.sqrt(np.diag(inverse)) / size[felt])
-    left = residual - sum(factor * column for factor, column in zip(change, columns, strict=True))
-    return LeastSquares(change, bound, _norm(left))
+    fitted = sum((factor * column for factor, column in zip(change, columns, strict=True)), np.zeros_like(residual))
+    return LeastSquares(change, bound, _norm(residual - fitted))
 
 
 def _kinds(equations: MomentumEquations, noise: float, limit: float) -> list[Departure] | None:
@@ -203,25 +213,32 @@ def _kinds(equations: MomentumEquations, noise: float, limit: float) -> list[Dep
 def _departures(equations: MomentumEquations, fit: LeastSquares, noise: float) -> list[Departure]:
     """Factors that differ from those of the scene by more than their uncertainty."""
     terms = equations.terms
-    is_static = np.array([term.name == STATIC for term in terms])
-    scene = np.array([1.0 if static else term.scene for static, term in zip(is_static, terms, strict=True)])
-    factor = fit.change + [term.scene for term in terms]
-    uncertainty = np.maximum(_SAFETY * fit.bound * max(fit.left, noise), _SETTLED * is_static)
+    is_load = np.array([term.name in (STATIC, HOLDING) for term in terms])
+    scene = np.array([1.0 if term.name == STATIC else term.scene for term in terms])
+    factor = fit.change + np.array([term.scene for term in terms])
+    uncertainty = np.maximum(_SAFETY * fit.bound * max(fit.left, noise), _SETTLED * is_load)
+
+    def over(common: float) -> Floats:
+        return np.asarray(np.where(is_load, factor, factor / common))
 
     def wrong(common: float) -> Floats:
-        return np.abs(np.where(is_static, factor, factor / common) - scene) > uncertainty
+        return np.asarray(np.abs(over(common) - scene) > uncertainty)
 
     # all forces and masses may be so many times larger without a difference: as few as possible are taken to be wrong
     kinds_of_contacts = np.array([" of strength " in term.name for term in terms])
-    weight = np.where(kinds_of_contacts, 1.0 / max(1, np.count_nonzero(kinds_of_contacts)), 1.0)
-    candidates = [float(f) for f in factor[(scene == 1.0) & ~is_static & (uncertainty < 0.1)] if f > 0.0]
-    common = min([1.0, *candidates], key=lambda c: float(np.sum(weight[wrong(c)])) + (_MASS_TOO if c != 1.0 else 0.0))
-    total, result = _norm(equations.change), []
-    for k in np.flatnonzero(wrong(common)):
-        value = float(factor[k] if is_static[k] else factor[k] / common)
-        effect = abs(value - scene[k]) * _norm(terms[k].column) / total
-        what: Literal["mass", "strength"] = "mass" if terms[k].mass else "strength"
-        result.append(Departure(terms[k].name, what, value, float(uncertainty[k]), float(scene[k]), effect))
+    weight = np.where(kinds_of_contacts, 1.0 / max(1, int(np.count_nonzero(kinds_of_contacts))), 1.0)
+    candidates = [float(f) for f in factor[(scene == 1.0) & ~is_load & (uncertainty < 0.1)] if f > 0.0]
+
+    def cost(common: float) -> float:
+        return float(np.sum(weight[wrong(common)])) + (_MASS_TOO if common != 1.0 else 0.0)
+
+    common = min([1.0, *candidates], key=cost)
+    result = []
+    for k in np.flatnonzero(wrong(common)).tolist():
+        value = float(over(common)[k])
+        effect = abs(value - scene[k]) * _norm(terms[k].column) / equations.size
+        quantity = "mass" if terms[k].mass else "strength"
+        result.append(Departure(terms[k].name, quantity, value, float(uncertainty[k]), float(scene[k]), effect))
     if common != 1.0:
         name = name_of_beads(equations.usual_mass) if np.ndim(equations.system.mass) else "beads"
         bound = float(np.max(uncertainty[np.isclose(factor, common)]))
@@ -233,26 +250,31 @@ def _departures(equations: MomentumEquations, fit: LeastSquares, noise: float) -
 
 
 def _links_and_beads(equations: MomentumEquations, noise: float, limit: float) -> list[Departure] | None:
-    """Factors of the links of one kind, or of all masses, one by one; None if none leave less than a limit, [] if two do."""
+    """Factors of single links of one kind, or of single masses; None if none leave less than a limit, [] if two do."""
+    # a larger mass is a force against the change of momentum
     masses = LinkImpulses("bead", Ground("bead", Linear(0.0)), equations.change[:, : equations.system.chains])
-    families = [*equations.scene_links(), masses]  # a larger mass is a force against the change of momentum
-    fits = [(family, *_one_by_one(equations, family)) for family in families]
+    fits = [(family, *_one_by_one(equations, family)) for family in [*equations.scene_links(), masses]]
     explain = [fit for fit in fits if fit[-1] <= limit]
     if len(explain) != 1:
-        return None if not explain else []
+        return [] if explain else None
     ((family, change, size, left),) = explain
-    uncertainty = _SAFETY * max(left, noise) / np.where(size > 0.0, size, np.finfo(float).tiny)
-    effect = np.abs(change) * size / _norm(equations.change)
-    wrong = np.argwhere(np.abs(change) > uncertainty).tolist()
-    worst = max(wrong, key=lambda place: abs(float(change[tuple(place)])), default=None)
-    result = []
-    for line, bead in wrong if len(wrong) <= _MOST_SINGLE else [worst]:
-        numbers = (1.0 + change[line, bead], uncertainty[line, bead], 1.0, effect[line, bead])
-        what: Literal["mass", "strength"] = "mass" if family is masses else "strength"
-        name = f"{family.name} {_place(family.link, line, bead)}"
-        count = 1 if len(wrong) <= _MOST_SINGLE else len(wrong)
-        result.append(Departure(name, what, *map(float, numbers), count=count))
-    return result
+    uncertainty = _SAFETY * max(left, noise) / np.maximum(size, np.finfo(float).tiny)
+    wrong = np.argwhere(np.abs(change) > uncertainty)
+    wrong = wrong[np.argsort(-np.abs(change[tuple(wrong.T)]), kind="stable")]
+    count = 1 if len(wrong) <= _MOST_SINGLE else len(wrong)
+    return [
+        Departure(
+            name=family.name,
+            place=_place(family.link, line, bead),
+            quantity="mass" if family is masses else "strength",
+            factor=float(1.0 + change[line, bead]),
+            uncertainty=float(uncertainty[line, bead]),
+            scene=1.0,
+            effect=float(abs(change[line, bead]) * size[line, bead]) / equations.size,
+            count=count,
+        )
+        for line, bead in (wrong if count == 1 else wrong[:1]).tolist()
+    ]
 
 
 def _one_by_one(equations: MomentumEquations, family: LinkImpulses) -> tuple[Floats, Floats, float]:
@@ -268,7 +290,7 @@ def _one_by_one(equations: MomentumEquations, family: LinkImpulses) -> tuple[Flo
 
     def products(residual: Floats) -> Floats:
         rate = link.rate(residual.reshape(equations.change.shape)[:, equations.lines(link)])  # differences of both ends
-        return (-np.sum(impulse * rate, axis=0) / felt).reshape(-1)
+        return np.asarray(-np.sum(impulse * rate, axis=0) / felt).reshape(-1)
 
     operator = LinearOperator((equations.change.size, size.size), matvec=column, rmatvec=products, dtype=np.float64)
     residual = equations.residual.reshape(-1)
@@ -289,38 +311,107 @@ def _place(link: Link, line: int, bead: int) -> str:
 # --- other laws -------------------------------------------------------------------------------------------------------
 
 
-def _functions(equations: MomentumEquations, limit: float) -> list[Departure] | None:
-    """The force that is another function of the strain, or of time; None if none leaves less than a limit, [] if two do."""
-    candidates = [_law(equations, part) for part in equations.scene_links()]
-    for load in equations.system.loads:
-        others = equations.residual.copy()
-        others[:, load.chain - 1, load.bead - 1] = 0.0
-        effect = _norm(equations.residual - others) / _norm(equations.change)
-        candidates.append((_norm(others), Departure(name_of_load(load), "course", np.nan, np.nan, 1.0, effect)))
-    (left, departure), *rest = sorted(candidates, key=lambda candidate: candidate[0])
+def _functions(equations: MomentumEquations, noise: float, limit: float) -> list[Departure] | None:
+    """Force that is another function of strain or time; None if none leaves less than a limit, [] if two do."""
+    candidates = [_other_law(equations, part) for part in equations.scene_links()]
+    candidates += [_other_course(equations, load, noise) for load in equations.system.loads]
+    (left, departures), *rest = sorted(candidates, key=lambda candidate: candidate[0])
     if left > limit:
         return None
-    return [] if rest and rest[0][0] < max(limit, NOISE * left) else [departure]
+    return [] if rest and rest[0][0] < max(limit, NOISE * left) else departures
 
 
-def _law(equations: MomentumEquations, part: LinkImpulses) -> tuple[float, Departure]:
-    """Norm of what is left where the force of links is multiplied by a function of the strain; and the departure."""
+def _other_law(equations: MomentumEquations, part: LinkImpulses) -> tuple[float, list[Departure]]:
+    """Norm of what is left where a force is multiplied by a function of the strain or its rate; and the departure."""
     link, lines, force = part.link, equations.lines(part.link), equations.force(part.link)
-    x, v = (values[:, lines] for values in equations.trajectory.atoms)
-    strain, rate = (float(np.max(np.abs(values))) or 1.0 for values in (link.strain(x), link.rate(v)))
 
-    def weighted(power: float) -> ForceOfState:
-        return lambda t, x, v: force(t, x, v) * (_LEAST + np.abs(link.strain(x[:, lines])) / strain) ** power
+    def strain(x: Floats, _: Floats) -> Floats:
+        return np.abs(link.strain(x[:, lines]))
 
-    def weighted_by_rate(power: float) -> ForceOfState:
-        return lambda t, x, v: force(t, x, v) * (_LEAST + np.abs(link.rate(v[:, lines])) / rate) ** power
+    def rate(_: Floats, v: Floats) -> Floats:
+        return np.abs(link.rate(v[:, lines]))
 
-    forces = [*map(weighted, _POWERS), *(map(weighted_by_rate, _POWERS) if hasattr(link.law, "damping") else ())]
-    columns = [equations.column(link, impulse) for impulse in [part.impulse, *integrals(equations.trajectory, forces)]]
-    common, free = least_squares(equations.residual, columns[:1]), least_squares(equations.residual, columns)
-    share = common.left / _norm(equations.residual + columns[0])
-    factor, bound = float(1.0 + common.change[0]), float(common.bound[0] * common.left)
-    return free.left, Departure(part.name, "law", factor, bound, 1.0, share)
+    variables = {"law": strain, "law of velocity": rate} if hasattr(link.law, "damping") else {"law": strain}
+    shares, fits = np.geomspace(0.1, 1.0, 10), []
+    for quantity, variable in variables.items():
+        largest = float(np.max(variable(*equations.trajectory.atoms))) or 1.0
+
+        def multiplied(
+            power: float, variable: Callable[[Floats, Floats], Floats] = variable, largest: float = largest
+        ) -> ForceOfState:
+            return lambda t, x, v: force(t, x, v) * (_LEAST + variable(x, v) / largest) ** power
+
+        impulses = integrals(equations.trajectory, [multiplied(power) for power in _POWERS])
+        fit = least_squares(equations.residual, [equations.column(link, impulse) for impulse in impulses])
+        multiplier = np.abs(1.0 + (_LEAST + shares[:, np.newaxis]) ** np.array(_POWERS) @ fit.change)
+        exponents = np.diff(np.log(multiplier)) / np.diff(np.log(shares))
+        fits.append((fit.left, quantity, float(np.mean(exponents)), float(0.5 * np.ptp(exponents))))
+    left, quantity, exponent, uncertainty = min(fits)
+    effect = _norm(equations.residual) / equations.size
+    return left, [Departure(part.name, quantity, exponent, uncertainty, 0.0, effect)]
+
+
+def _other_course(equations: MomentumEquations, load: Load, noise: float) -> tuple[float, list[Departure]]:
+    """Parameters of a force from outside, if they explain its impulses; norm of what is left on all other beads."""
+    times, residual = equations.trajectory.time, equations.residual[:, load.chain - 1, load.bead - 1]
+    others = equations.residual.copy()
+    others[:, load.chain - 1, load.bead - 1] = 0.0
+    effect = _norm(residual) / equations.size
+    departures = [Departure(name_of_load(load), "course", np.nan, np.nan, 1.0, effect)]
+    if not any(np.ndim(parameter) for parameter in load.law):
+        departures = (
+            other_parameters(
+                name_of_load(load),
+                load.law._asdict(),  # type: ignore[attr-defined]
+                lambda *parameters: np.diff(load.law.impulse(times, *parameters)),
+                np.diff(load.impulse(times)) + residual,
+                max(NOISE * noise, EXPLAINED * _norm(residual)),
+            )
+            or departures
+        )
+    return _norm(others), departures
+
+
+def other_parameters(
+    name: str, parameters: dict[str, float], course: Callable[..., Floats], values: Floats, limit: float
+) -> list[Departure]:
+    """Parameters of a function of time that differ from those of the scene; empty if none leave less than a limit.
+
+    Args:
+        name: of the force or motion.
+        parameters: those of the scene.
+        course: the function, [frame], of the parameters.
+        values: [frame] what it is in the trajectory.
+        limit: norm of what the function may leave of the values.
+    """
+    from scipy import optimize
+
+    scene = np.array(list(parameters.values()))
+    frequency = np.array([key == "omega" for key in parameters])
+    phase = np.array([key == "phase" for key in parameters])
+    lowest = np.where(phase, scene - np.pi, np.where(scene > 0.0, 0.0, -np.inf))
+    highest = np.where(phase, scene + np.pi, np.where(scene < 0.0, 0.0, np.inf))
+    for factor in _FREQUENCIES if any(frequency) else (1.0,):
+        fit = optimize.least_squares(
+            lambda trial: course(*trial) - values,
+            np.where(frequency, factor * scene, scene),
+            bounds=(lowest, highest),
+            x_scale=np.abs(scene) + _LEAST,
+        )
+        left = _norm(fit.fun)
+        if left <= limit:
+            break
+    else:
+        return []
+    bound = _SAFETY * left * np.sqrt(np.abs(np.diag(np.linalg.pinv(fit.jac.T @ fit.jac)))) + _DISTINCT
+    effect = _norm(course(*scene) - values)
+    departures = []
+    for key, number, value, uncertainty in zip(parameters, scene.tolist(), fit.x.tolist(), bound.tolist(), strict=True):
+        if abs(value - number) <= uncertainty:
+            continue
+        unit = 1.0 if key == "phase" or number == 0.0 else abs(number)
+        departures.append(Departure(name, key, value / unit, uncertainty / unit, number / unit, effect))
+    return departures
 
 
 # --- shifts in time ---------------------------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ STATIC = "static load of the contacts"
 """Name of the term of the load in the contacts at rest."""
 
 HOLDING = "forces that hold the beads at rest (on the ends, or weights)"
-"""Name of the term of the static forces from outside; its factor is what they exceed those of the scene by."""
+"""Name of the term of the static forces from outside."""
 
 MOST_KINDS = 8
 """Kinds of beads, or of contacts, that have a factor each."""
@@ -86,7 +86,7 @@ class MomentumEquations:
 
     Attributes:
         load: static load of the contacts, over that of the scene, with which impulses are computed.
-        change: change of momentum, [interval, line, bead], at the masses of the scene; 0 where beads are driven.
+        change: changes of momentum, [interval, line, bead], at the masses of the scene; 0 where beads are driven.
         links: all links and dashpots, and those that the scene lacks, with their impulses.
         terms: all unknown factors.
         residual: what the forces of the scene leave of the change, [interval, line, bead].
@@ -124,7 +124,7 @@ class MomentumEquations:
         return lambda time, x, _: link.at(time).force(x[:, lines])
 
     def _but_for_driven(self, values: Floats) -> Floats:
-        """Values [interval, line, bead] with 0, in place, at beads of prescribed motion, on which unknown forces act."""
+        """Values [interval, line, bead] with 0, in place, at beads of prescribed motion, whose forces are unknown."""
         for motion in self.system.motions:
             values[..., motion.chain - 1, motion.bead - 1] = 0.0
         return values
@@ -133,7 +133,8 @@ class MomentumEquations:
         """Impulses of all links; of those that depend on time, of what does not and of what does apart."""
         x, system = self.trajectory.atoms[0], self.system
         elastic = [_under(link, self.load) for link in (*system.links, *system.inner_links)]
-        steady = {link: replace(link, law=link.law.steady) for link in elastic if laws.varies(link.law)}  # type: ignore[attr-defined]
+        varying = [link for link in elastic if laws.varies(link.law)]
+        steady = {link: replace(link, law=link.law.steady) for link in varying}  # type: ignore[attr-defined]
         missing = list(_missing(system))
         every = [*elastic, *steady.values(), *system.dampers, *missing]
         exact = [link for link in every if hasattr(link.law, "impulse") and not dashpot.cut(link.law)]
@@ -177,7 +178,7 @@ class MomentumEquations:
             load = np.broadcast_to(laws.load(link.law), link.strain(self.trajectory.displacement[1:]).shape)
             link.drive(outside[:, : self.system.chains], -load)
         spacing = np.diff(self.trajectory.time)[:, np.newaxis, np.newaxis]
-        yield MomentumTerm(HOLDING, self._but_for_driven(outside * spacing), scene=0.0)
+        yield MomentumTerm(HOLDING, self._but_for_driven(outside * spacing))
         if physics.exponent(self.system) is not None:
             links = [_under(link, self.load + _STEP) for link in bearing]
             more = integrals(self.trajectory, list(map(self.force, links)))
@@ -199,6 +200,11 @@ class MomentumEquations:
             column, inner = np.zeros_like(self.change), sorted({higher for _, higher in link.edges})
             column[:, inner] = -self.change[:, inner]
             yield MomentumTerm(link.name, column, mass=True)
+
+    @property
+    def size(self) -> float:
+        """Norm of all changes of momentum; 1 if nothing moves."""
+        return float(np.linalg.norm(self.change)) or 1.0
 
     @property
     def usual_mass(self) -> float:
@@ -230,6 +236,7 @@ def _missing(system: System) -> Iterator[Link]:
         yield Ground("foundation", Linear(1.0))
     if physics.contact_loss(system) is None:
         contacts = system.along[0]
-        yield Along("contact_damping", ContactDashpot(1.0, rest=laws.rest(contacts.law)), gap=contacts.gap)
+        dashpot_law = ContactDashpot(1.0, rest=laws.rest(contacts.law))
+        yield Along("contact_damping", dashpot_law, gap=contacts.gap)  # type: ignore[arg-type]
     if all(isinstance(link, Along | Across | Wall) for link in system.dampers):
-        yield Ground("bead_damping", Dashpot(1.0))
+        yield Ground("bead_damping", Dashpot(1.0))  # type: ignore[arg-type]

@@ -3,17 +3,27 @@
 `analysis.against.identify` and `analysis.against.rounding` do the measuring.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from analysis import motion
-from analysis.against.identify import LEAST_FRAMES, NOISE, TOO_FAR, Departure, Identification, identify, time_shift
-from analysis.against.momentum import HOLDING
+from analysis.against import start
+from analysis.against.identify import (
+    LEAST_FRAMES,
+    NOISE,
+    TOO_FAR,
+    Departure,
+    Identification,
+    identify,
+    other_parameters,
+    time_shift,
+)
 from analysis.against.rounding import precision
 from analysis.files.recording import rest_positions
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import physics
+from lammps_inputs.loads import Motion
 from lammps_inputs.units import Scale
 
 _SHIFTED = 0.97
@@ -22,11 +32,12 @@ _SHIFTED = 0.97
 _STEADY = 0.1
 """Uncertainty of a shift, or another shift, over the shift, up to which both are the same."""
 
-_START = 1e-4
-"""Difference at the start, in units of V and L, below which it explains nothing that a tolerance does not allow."""
-
 _MOTION = 1e-6
 """Difference from a prescribed motion over its amplitude, up to which it is rounding."""
+
+
+_VARIABLES = {"law": "the strain", "law of velocity": "the relative velocity"}
+"""Quantities of departures that are exponents -> of what."""
 
 
 @dataclass(frozen=True)
@@ -65,15 +76,17 @@ def diagnose(trajectory: Trajectory, reference: Trajectory) -> Diagnosis:
         reference: the same frames as the scene has them.
     """
     causes = _not_finite(trajectory) or _shifted(trajectory, reference)
+    departures = [] if causes else _prescribed(trajectory)
+    if not causes and not departures and trajectory.time[0] == 0.0:
+        causes = start.differences(trajectory)
     if causes:
         return Diagnosis(tuple(causes))
-    causes, reason, unexplained = _prescribed(trajectory), _reason_against(trajectory, reference), 0.0
+    reason = _reason_against(trajectory, reference)
     if not reason:
         identification = identify(trajectory, reference)
-        causes += [_sentence(departure, trajectory.problem.scale) for departure in identification.departures]
+        departures += identification.departures
         reason = _undetermined(identification, trajectory.problem.chains)
-        unexplained = 0.0 if identification.departures else identification.unexplained
-    causes = _start(trajectory, unexplained) + causes
+    causes = [_sentence(departure, trajectory.problem.scale) for departure in departures]
     return Diagnosis(tuple(causes), "" if causes else f"no cause could be determined: {reason}")
 
 
@@ -92,8 +105,9 @@ def _not_finite(trajectory: Trajectory) -> list[str]:
 def _shifted(trajectory: Trajectory, reference: Trajectory) -> list[str]:
     """Whether a shift in time, of all numbers or of the velocities alone, explains the difference."""
     problem = trajectory.problem
-    accelerations = [_acceleration(each) for each in (trajectory, reference)]
-    of_velocity = time_shift(trajectory.velocity - reference.velocity, 0.5 * sum(accelerations))
+    of_velocity = time_shift(
+        trajectory.velocity - reference.velocity, 0.5 * (_acceleration(trajectory) + _acceleration(reference))
+    )
     of_position = time_shift(
         trajectory.displacement - reference.displacement, 0.5 * (trajectory.velocity + reference.velocity)
     )
@@ -101,15 +115,19 @@ def _shifted(trajectory: Trajectory, reference: Trajectory) -> list[str]:
     if of_velocity.explained < _SHIFTED or of_velocity.uncertainty > limit:
         return []
     if abs(of_position.time) < limit:
-        steps = of_velocity.time / problem.timestep
-        doubt, side = of_velocity.uncertainty / problem.timestep, "after" if steps > 0.0 else "before"
-        shift = f"{abs(steps):.2g} (± {doubt:.1g}) time steps {side} the positions"
-        return [f"velocities are those of {shift} (half-step velocities?)"]
+        steps, uncertainty = of_velocity.time / problem.timestep, of_velocity.uncertainty / problem.timestep
+        side = "after" if steps > 0.0 else "before"
+        return [
+            f"velocities are those of {abs(steps):.2g} (± {uncertainty:.1g}) time steps {side} the positions "
+            "(half-step velocities?)"
+        ]
     alike = max(abs(of_position.time - of_velocity.time), of_position.uncertainty) < limit
     if of_position.explained < _SHIFTED or not alike:
         return []
-    shift, doubt = (problem.scale.written(value, "time", ".2g") for value in (abs(of_position.time), of_position.uncertainty))
-    return [f"all frames are shown {shift} (± {doubt}) {'earlier' if of_position.time > 0.0 else 'later'} than they are"]
+    time = problem.scale.written(abs(of_position.time), "time", ".2g")
+    bound = problem.scale.written(of_position.uncertainty, "time", ".1g")
+    direction = "earlier" if of_position.time > 0.0 else "later"
+    return [f"all frames are shown {time} (± {bound}) {direction} than they are"]
 
 
 def _acceleration(trajectory: Trajectory) -> Floats:
@@ -118,39 +136,25 @@ def _acceleration(trajectory: Trajectory) -> Floats:
     return motion.acceleration(problem.system, x, time=trajectory.time, velocity=v)[:, : problem.chains]
 
 
-def _start(trajectory: Trajectory, unexplained: float) -> list[str]:
-    """Whether beads start at other places, or velocities, by more than what forces leave of the motion unexplained."""
-    system, scale = trajectory.problem.system, trajectory.problem.scale
-    if trajectory.time[0] != 0.0:
-        return []
-    limit, lines = max(_START, unexplained), []
-    x, v, right = trajectory.displacement[0], trajectory.velocity[0], physics.initial_velocity(system)
-    for values, scene, what, hint in (
-        (x, np.zeros_like(x), "length", "at {} from its place at rest (another gap or static load, or other times?)"),
-        (v, right, "velocity", "with velocity {} instead of {}"),
-    ):
-        chain, bead = np.unravel_index(int(np.argmax(np.abs(values - scene))), x.shape)
-        if abs(values[chain, bead] - scene[chain, bead]) > limit:
-            numbers = (scale.written(each[chain, bead], what) for each in (values, scene))
-            lines.append(f"bead {bead + 1} of chain {chain + 1} starts {hint.format(*numbers)}")
-    return lines
-
-
-def _prescribed(trajectory: Trajectory) -> list[str]:
-    """Whether beads of prescribed motion move by another factor, or otherwise, than the scene says."""
-    lines = []
+def _prescribed(trajectory: Trajectory) -> list[Departure]:
+    """What differs of the motion of beads of prescribed motion."""
+    departures = []
     for drive in trajectory.problem.system.motions:
-        scene, limit = drive.displacement(trajectory.time), _MOTION * abs(drive.amplitude)
         values = trajectory.displacement[:, drive.chain - 1, drive.bead - 1]
-        factor = float(np.sum(values * scene) / np.sum(scene * scene))
-        name = f"drive of bead {drive.bead} of chain {drive.chain}"
-        if np.max(np.abs(values - scene)) <= limit:
+        difference, limit = values - drive.displacement(trajectory.time), _MOTION * abs(drive.amplitude)
+        if np.max(np.abs(difference)) <= limit:
             continue
-        if np.max(np.abs(values - factor * scene)) <= limit:
-            lines.append(f"the {name} is {factor:.4g} times as large as the scene says")
-        else:
-            lines.append(f"the {name} has another course over time than the scene says")
-    return lines
+        name = f"drive of bead {drive.bead} of chain {drive.chain}"
+
+        def course(amplitude: float, omega: float, phase: float, drive: Motion = drive) -> Floats:
+            moved = replace(drive, amplitude=amplitude, omega=omega, phase=phase)
+            return np.asarray(moved.displacement(trajectory.time))
+
+        parameters = {"amplitude": drive.amplitude, "omega": drive.omega, "phase": drive.phase}
+        departures += other_parameters(name, parameters, course, values, limit * np.sqrt(trajectory.frames)) or [
+            Departure(name, "course", np.nan, np.nan, 1.0, 1.0)
+        ]
+    return departures
 
 
 # --- what they show ---------------------------------------------------------------------------------------------------
@@ -177,7 +181,9 @@ def _undetermined(identification: Identification, chains: int) -> str:
             f"of {TOO_FAR:.0%} that are allowed (a smaller output.every)"
         )
     if unexplained <= NOISE * interpolation:
-        return f"between frames all beads follow the forces of the scene, to {unexplained:.1e} of the changes of momentum"
+        return (
+            f"between frames all beads follow the forces of the scene, to {unexplained:.1e} of the changes of momentum"
+        )
     if identification.ambiguous:
         return "several factors of forces or masses explain the motion alike"
     return (
@@ -188,26 +194,36 @@ def _undetermined(identification: Identification, chains: int) -> str:
 
 def _sentence(departure: Departure, scale: Scale) -> str:
     """A departure in words."""
-    factor, uncertainty, name = departure.factor, departure.uncertainty, departure.name.replace("_", " ")
-    noun = name.split()[0]
-    are, do = ("are", "do") if noun.endswith("s") else ("is", "does")
-    name = {"beads": "all beads"}.get(name, name if departure.what == "mass" and noun != name else f"the {name}")
-    if departure.what == "course":
+    factor, uncertainty, quantity = departure.factor, departure.uncertainty, departure.quantity
+    name = departure.name.replace("_", " ")
+    are, do = ("are", "do") if name.split()[0].endswith("s") else ("is", "does")
+    if name == "beads":
+        name = "all beads"
+    elif quantity != "mass" or name.startswith("resonators"):
+        name = f"the {name}"
+    adjective = "heavy" if quantity == "mass" else "strong"
+    if departure.count > 1:
+        many = f"{departure.count} beads are" if quantity == "mass" else f"at {departure.count} places {name} {are}"
+        single = _sentence(replace(departure, count=1), scale)
+        return f"{many} not as {adjective} as the scene says, most of all: {single}"
+    if departure.place:
+        name = f"{name} {departure.place}"
+    if quantity == "course":
         return f"{name} has another course over time than the scene says"
-    if departure.what == "law":
-        left = f"{factor:.3g} times its force leaves {departure.effect:.2g} of the impulses unexplained"
-        return f"{name} {do} not follow the law of the scene: {left}"
-    if departure.scene == 0.0 and departure.name != HOLDING:
+    if quantity in _VARIABLES:
+        return (
+            f"{name} {do} not follow the law of the scene: as if the exponent of {_VARIABLES[quantity]} were larger by "
+            f"{factor:.3g} (± {uncertainty:.1g})"
+        )
+    if quantity == "phase":
+        angle, bound, scene = (math.degrees(number) for number in (factor, uncertainty, departure.scene))
+        return f"{name} has a phase of {angle:.4g} (± {bound:.1g}) instead of {scene:.4g} degrees"
+    if quantity not in ("strength", "mass"):
+        parameter = "frequency" if quantity == "omega" else quantity
+        return f"the {parameter} of {name} is {factor:.4g} (± {uncertainty:.1g}) times that of the scene"
+    if departure.scene == 0.0:
         value = f"{factor:.4g} m/T" if name.endswith("damping") else scale.written(factor, "stiffness", ".4g")
         return f"{name} of {value} is not in the scene"
-    factor += departure.name == HOLDING
-    adjective = "heavy" if departure.what == "mass" else "strong"
-    says = f"{name} {are} {factor:.4g} (± {uncertainty:.1g}) times as {adjective} as the scene says"
-    if abs(factor) <= uncertainty and departure.what == "strength":
-        says = f"{name} {are} missing"
-    if departure.count == 1:
-        return says
-    several = f"masses of {departure.count} beads differ"
-    if departure.what == "strength":
-        several = f"{name.removeprefix('the ').split(' between ')[0].split(' at ')[0]} differ{'' if are == 'are' else 's'} at {departure.count} places"
-    return f"the {several} from the scene, most of all: {says}"
+    if abs(factor) <= uncertainty and quantity == "strength":
+        return f"{name} {are} missing"
+    return f"{name} {are} {factor:.4g} (± {uncertainty:.1g}) times as {adjective} as the scene says"

@@ -62,16 +62,19 @@ def validate_table(
     deviations = {name: deviations[name] for name in wanted if name in deviations}
     exceeded = any_exceeded(deviations, limits)
     diagnosis = _diagnosis(path, theirs, resampled) if exceeded and theirs.problem.recorded is None else Diagnosis()
-    digits, causes = tuple(rounded(path, theirs)), diagnosis.causes
-    if exceeded and not causes:  # nothing else explains it
-        digits, causes = (), digits
+    causes, notes = diagnosis.causes, tuple(rounded(path, theirs))
+    if exceeded and not causes:
+        if notes:  # nothing else explains the deviation
+            causes, notes = notes, ()
+        elif diagnosis.remark:
+            notes = (diagnosis.remark,)
     result = Validation(
         problem=problem,
         against=str(path),
         deviations=deviations,
         tolerances=limits,
         causes=causes,
-        remarks=(*digits, *([diagnosis.remark] if diagnosis.remark and not causes else []), *remarks(path, theirs, own)),
+        remarks=(*notes, *remarks(path, theirs, own)),
         interpolation=None if are_frames(theirs, own) else common_times.interpolation_error(own_part),
         frames=own.frames,
         compared=len(theirs.time),

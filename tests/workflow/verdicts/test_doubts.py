@@ -10,7 +10,6 @@ from analysis.against import symptoms
 from lammps_inputs import library, physics
 from workflow.engines.reference.step_halving import Uncertainty
 from workflow.verdicts import validate
-from workflow.verdicts.causes import causes
 
 PLAIN = {"name": "test", "chains": 2, "beads": 8, "kick": {"velocity": 1.0}, "duration": 2.0}
 

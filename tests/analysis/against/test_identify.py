@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from analysis.against.symptoms import SINGLE, identify_springs, precision, time_shift
 from hypothesis import given
 from hypothesis import strategies as st
 from small_problems import problem, written_down
 
-from analysis.against.symptoms import SINGLE, identify_springs, precision, time_shift
 from lammps_inputs.ingredients import coupled_chains
 from workflow.engines.reference import engine
 
