@@ -321,8 +321,8 @@ EDITED = {
     ),
     "drive": (
         "driven",
-        r"(drive1amplitude index) (\S+)",
-        lambda m: f"{m[1]} {1.1 * float(m[2])!r}",
+        r"(variable drive1[xv] equal )",
+        r"\g<1>1.1*",
         "the amplitude of the drive of bead 1 of chain 1 is 1.1 times that of the scene",
     ),
 }

@@ -1,62 +1,16 @@
-"""Digits, shifts in time and springs, measured on numbers of which they are known."""
+"""Shifts in time, and forces of links, measured on motions of which they are known."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from analysis.against.symptoms import SINGLE, identify_springs, precision, time_shift
 from hypothesis import given
 from hypothesis import strategies as st
 from small_problems import problem, written_down
 
+from analysis.against.identify import identify, least_squares, time_shift
 from lammps_inputs.ingredients import coupled_chains
 from workflow.engines.reference import engine
-
-NUMBERS = np.random.default_rng(1).normal(size=500) * 10.0 ** np.random.default_rng(2).integers(-6, 3, 500)
-
-
-# --- digits -----------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("digits", range(2, 13))
-def test_numbers_of_some_digits_are_recognised(digits):
-    assert precision(np.array([float(f"{value:.{digits}g}") for value in NUMBERS])) == f"{digits} digits"
-
-
-@pytest.mark.parametrize("decimals", range(6, 10))
-def test_numbers_of_some_decimals_are_recognised(decimals):
-    assert precision(np.round(NUMBERS[np.abs(NUMBERS) > 1e-3], decimals)) == f"{decimals} decimals"
-
-
-def test_single_precision_is_recognised():
-    assert precision(NUMBERS.astype(np.float32).astype(np.float64)) == SINGLE
-
-
-@pytest.mark.parametrize("digits", [15, 16, 17])
-@pytest.mark.parametrize("far", [1.0, 1e6, 1e12])
-def test_numbers_of_all_digits_pass_however_far_from_zero(digits, far):
-    assert precision(np.array([float(f"{value:.{digits}g}") for value in far + NUMBERS * np.sqrt(2.0)])) is None
-
-
-def test_rounding_survives_taking_rest_positions_off():
-    rest = np.arange(1, 501) * 4.0
-    position = np.array([float(f"{value:.3f}") for value in rest + 0.9 * NUMBERS / (1.0 + np.abs(NUMBERS))])
-    assert precision(position - rest) == "3 decimals"
-
-
-def test_single_precision_survives_taking_rest_positions_off_and_on():
-    rest = np.arange(1, 501) * 4.909090909090909
-    position = (NUMBERS + rest).astype(np.float32).astype(np.float64)
-    assert precision((position - rest) + rest) == SINGLE
-
-
-def test_whole_numbers_nan_and_few_others_tell_nothing():
-    assert precision(np.array([*range(1000), np.nan, np.inf, *np.arange(19) + 0.5])) is None
-
-
-def test_one_number_over_and_over_tells_nothing():
-    assert precision(np.full(1000, 0.3)) is None
-
 
 # --- shifts -----------------------------------------------------------------------------------------------------------
 
@@ -82,40 +36,56 @@ def test_nothing_is_no_shift(difference, rate):
     assert time_shift(np.full(9, difference), np.full(9, rate)).explained == 0.0
 
 
+# --- columns ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_error_of_the_residual_changes_a_factor_by_its_bound_at_most(seed):
+    draw = np.random.default_rng(seed)
+    columns, error = draw.normal(size=(3, 50, 2, 4)), draw.normal(size=(50, 2, 4))
+    factors = np.array([0.3, -2.0, 1.0])
+    fit = least_squares(np.tensordot(factors, columns, 1) + 0.1 * error, list(columns))
+    assert np.all(np.abs(fit.change - factors) <= fit.bound * 0.1 * np.linalg.norm(error))
+    assert fit.left <= 0.1 * np.linalg.norm(error)
+
+
+def test_columns_that_are_alike_have_no_bound_and_others_have():
+    first, second, residual = np.random.default_rng(1).normal(size=(3, 60))
+    fit = least_squares(residual, [first, second, 2.0 * first, 0.0 * first])
+    assert np.isfinite(fit.bound).tolist() == [False, True, False, False]
+
+
 # --- springs ----------------------------------------------------------------------------------------------------------
 
 
-LEFT_BY_CONTACTS = 2e-5
-"""Stiffness that frames of 0.1 feign in the rows that moved a hundredth of those that moved most."""
-
-
-def felt(kappa, claimed=0.1, **changes):
-    """Springs identified in a run with one coupling of a problem that claims another."""
-    run = engine.run(problem(kappa=kappa, **changes), steps_per_frame=16)
-    return identify_springs(
-        replace(
-            run,
-            problem=replace(
-                run.problem, system=replace(run.problem.system, links=coupled_chains(run.problem.chains, claimed))
-            ),
-        )
+def felt(kappa, actual=0.1, **changes):
+    """What is identified in a run with one coupling of a problem that has another."""
+    claimed = problem(kappa=actual, **changes)
+    links = coupled_chains(claimed.chains, kappa)
+    return identify(
+        replace(engine.run(replace(claimed, system=replace(claimed.system, links=links))), problem=claimed),
+        engine.run(claimed),
     )
 
 
 @pytest.mark.parametrize(("kappa", "chains"), [(0.01, 2), (0.1, 3), (0.5, 5), (3.0, 2)])
-def test_the_coupling_of_every_spring_is_found(kappa, chains):
-    found = felt(kappa, chains=chains, beads=20, frames=200)
-    moved = np.isfinite(found.linear)
-    assert moved.sum() >= 5 * (chains - 1)
-    # trapezoids with corrected ends: what they leave of the contacts' impulses counts most where a row moved least
-    np.testing.assert_allclose(found.linear[moved], kappa, rtol=2e-3, atol=LEFT_BY_CONTACTS)
-    assert np.median(found.linear[moved]) == pytest.approx(kappa, rel=2e-4)
-    assert found.cubic == 0.0
+def test_the_coupling_is_found(kappa, chains):
+    (departure,) = felt(kappa, 0.09, chains=chains, beads=20, frames=200).departures
+    assert departure.name == "coupling"
+    assert departure.factor == pytest.approx(kappa / 0.09, rel=2e-3)
+    assert abs(departure.factor - kappa / 0.09) <= departure.uncertainty
 
 
-def test_without_springs_none_are_felt():
-    found = felt(0.0, beads=20)
-    assert np.nanmax(np.abs(found.linear)) < LEFT_BY_CONTACTS
+def test_springs_that_the_scene_lacks_are_found_with_their_stiffness():
+    (departure,) = felt(0.02, 0.0, beads=20, frames=200).departures
+    assert (departure.name, departure.scene) == ("coupling", 0.0)
+    assert departure.factor == pytest.approx(0.02, rel=2e-3)
+
+
+def test_springs_that_are_not_there_are_found_missing():
+    (departure,) = felt(0.0, 0.1, beads=20, frames=200).departures
+    assert departure.name == "coupling"
+    assert abs(departure.factor) <= departure.uncertainty < 1e-3
 
 
 def test_springs_of_a_cubic_force_are_found_cubic():
@@ -131,12 +101,7 @@ def test_springs_of_a_cubic_force_are_found_cubic():
     displacement, velocity = np.zeros_like(run.displacement), np.zeros_like(run.velocity)
     displacement[:, 0, 0], displacement[:, 1, 0] = x / 2.0, -x / 2.0
     velocity[:, 0, 0], velocity[:, 1, 0] = v / 2.0, -v / 2.0
-    found = identify_springs(replace(run, displacement=displacement, velocity=velocity))
-    assert found.cubic == pytest.approx(0.03, rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    "changes", [{"chains": 1, "kappa": 0.0}, {"frames": 8}, {"kicks": ((1, 1, 1.0), (2, 1, 1.0))}, {"recorded": (1, 2)}]
-)
-def test_where_springs_cannot_be_told_nothing_is_said(changes):
-    assert identify_springs(engine.run(problem(**changes))) is None
+    cubic = replace(run, displacement=displacement, velocity=velocity)
+    (departure,) = identify(cubic, engine.run(run.problem)).departures
+    assert (departure.name, departure.quantity) == ("coupling", "law")
+    assert departure.factor == pytest.approx(2.0, abs=0.05)

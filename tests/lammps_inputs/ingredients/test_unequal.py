@@ -140,7 +140,7 @@ def test_light_beads_shorten_the_stable_step():
 
 
 def peaks(problem):
-    return leading_waves(find_peaks([engine.run(problem)], 1e-3))
+    return leading_waves(find_peaks([engine.run(problem)], 1e-3), problem)
 
 
 def peak(waves, bead):

@@ -242,10 +242,10 @@ def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
             "pilot run (0.5 s of wall time); larger behind the front in a long run, where repeated contacts amplify "
             "errors; frames, energy or stability allow no longer step",
         ),
-        ({"rule_timestep": 0.0125 / 0.21}, "error 2.0e-05 V in a pilot run of 0.5 s"),
+        ({"rule_timestep": 0.0125 / 0.21}, "error 2.0e-05 V in a pilot run (0.5 s of wall time)"),
         (
             {"rule_timestep": 0.2},
-            "error 2.0e-05 V in a pilot run of 0.5 s; 16 times as short as where errors grow in proportion to time: "
+            "error 2.0e-05 V in a pilot run (0.5 s of wall time); 16 times as short as where errors grow in proportion to time: "
             "repeated contacts or growing oscillations amplify them; a larger `accuracy` allows a longer step",
         ),
         ({"measured": 0.0}, "by a rule, not measured: the scene is too large for a pilot run"),

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from analysis.figures.studies import DECAY_LENGTH
 from analysis.shape.exact_wave import solitary_wave
 from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star
 from analysis.tracking.undisturbed import APART
 from lammps_inputs import handbook, physics
 from lammps_inputs.window import LEAST_WINDOW
 from workflow.prepare.extent import SAME, WIDEST
+from workflow.studies.gallery.equipartition_distance import DECAY_LENGTH
 from workflow.verdicts import analyse, terms, validate
 
 ROOT = Path(__file__).parents[3]

@@ -12,9 +12,10 @@ from stock_lammps import scene
 
 from analysis.against.difference import Deviation
 from analysis.files.recording import Writer
-from lammps_inputs import Kick, file_names, find, physics
+from lammps_inputs import Kick, file_names, find
 from lammps_inputs.decks import deck
 from workflow.cli import main
+from workflow.engines.reference import engine
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.validate import FIGURE, REPORT, TOLERANCES, validate
