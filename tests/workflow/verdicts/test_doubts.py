@@ -89,7 +89,9 @@ def test_a_departure_from_the_scene_is_known_within_its_uncertainty(keys, change
 
 
 @pytest.mark.parametrize(
-    ("keys", "change"), [(SPRINGS, stiffer_springs), ({}, heavier_bead), (PUSH, stronger_push)], ids=str
+    ("keys", "change"),
+    [(SPRINGS, stiffer_springs), ({}, heavier_bead), (PUSH, stronger_push)],
+    ids=["springs", "mass", "push"],
 )
 def test_a_departure_within_what_the_interpolation_leaves_is_not_named(keys, change):
     found = identify(*pair(problem(keys), (change, 1.0 + 1e-7)))
