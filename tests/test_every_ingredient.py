@@ -274,8 +274,8 @@ EDITED = {
         "random contacts",
         r"pair_coeff \d+ \d+ hertz .*\n",
         "",
-        "at 14 places the contacts are not as strong as the scene says, most of all: the contacts between beads 4 and 5 "
-        "of chain 1 are 1.336 times as strong as the scene says",
+        "the strength of the contacts differs from the scene's at 14 places, most of all: the contacts between beads 4 "
+        "and 5 of chain 1 are 1.336 times as strong as the scene says",
     ),
     "no foundation": ("foundation", r"fix foundation all spring/self .*\n", "", "the foundation is missing"),
     "foundation": ("foundation", r"foundation index 0\.5", "foundation index 0.55", f"the foundation is {MORE}"),

@@ -12,6 +12,7 @@ of the strain, or of time.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -41,6 +42,9 @@ NOISE = 3.0
 EXPLAINED, NEARLY = 0.03, 0.1
 """Share of the residual that other factors may leave, and another law, to which powers of the strain are only near."""
 
+_BETTER = 0.1
+"""Residual that more factors, or another law, must leave at most, over that of fewer factors that explain it, too."""
+
 _SAFETY = 3.0
 """Uncertainty of a factor over the change of it that would make all that is left, as the least that it may be."""
 
@@ -66,7 +70,7 @@ _MOST_STEPS = 200
 """Iterations of the least squares of single links."""
 
 _POWERS, _LEAST = (-2.0, -1.0, 0.0, 0.5, 1.0, 2.0), 0.01
-"""Powers of the strain, or of its rate, by which the force of another law is multiplied; share of the largest strain
+"""Powers of the strain by which the force of another law is multiplied; share of the largest strain
 that is added to it, so that negative powers are finite.
 """
 
@@ -80,12 +84,12 @@ class Departure:
 
     Attributes:
         name: of the force or the beads.
-        quantity: what differs: "strength", "mass", "law" (by a power of the strain), "law of velocity" (likewise),
-            "course" (another function of time) or a parameter of this function.
-        factor: on the number of the scene; of what the scene lacks the number itself, dimensionless; of a law the
-            power, of a phase the angle in radians. NaN of a course.
+        quantity: what differs: "strength", "mass", "exponent of the strain", "course" (another function of time) or a
+            parameter of this function.
+        factor: on the number of the scene; of what the scene lacks the number itself, dimensionless; of an exponent
+            the difference, of a phase the angle in radians. NaN of a course.
         uncertainty: of the factor.
-        scene: factor of the scene: 1, of what it lacks and of laws 0, of a phase the angle.
+        scene: factor of the scene: 1, of what it lacks and of an exponent 0, of a phase the angle.
         effect: share of all changes of momentum that it makes, root mean square.
         place: where, of a single link or bead.
         count: number of links or beads of this kind that differ, where only the one that differs most is given.
@@ -120,6 +124,13 @@ class Identification:
     ambiguous: bool
 
 
+class Explanation(NamedTuple):
+    """Departures that explain a motion, but for a residual of this norm; none if several explain it alike."""
+
+    left: float
+    departures: list[Departure]
+
+
 def identify(trajectory: Trajectory, reference: Trajectory) -> Identification:
     """Find what departs from the scene in a trajectory, if that explains the motion.
 
@@ -130,23 +141,32 @@ def identify(trajectory: Trajectory, reference: Trajectory) -> Identification:
     equations, right = MomentumEquations(trajectory), MomentumEquations(reference)
     noise, residual = _norm(right.residual), _norm(equations.residual)
     interpolation = noise / right.size
-    departures: list[Departure] | None = None
+    best: Explanation | None = None
     if residual > NOISE * noise and interpolation < TOO_FAR:
-        limit = max(NOISE * noise, EXPLAINED * residual)
-        departures = _kinds(equations, noise, limit)
-        if departures is None:
-            departures = _links_and_beads(equations, noise, limit)
-        if departures is None:
-            departures = _functions(equations, noise, max(NOISE * noise, NEARLY * residual))
+        for explain, share in ((_kinds, EXPLAINED), (_links_and_beads, EXPLAINED), (_functions, NEARLY)):
+            limit = max(NOISE * noise, share * residual)
+            best = explain(equations, noise, limit if best is None else min(limit, _BETTER * best.left)) or best
+            if best is not None and best.left <= NOISE * noise:
+                break
+    departures = [] if best is None else sorted(best.departures, key=lambda departure: -departure.effect)
     power = np.sum(equations.residual**2, axis=0)
     line, bead = np.unravel_index(int(np.argmax(power)), power.shape)
     return Identification(
-        departures=tuple(sorted(departures or [], key=lambda departure: -departure.effect)),
+        departures=tuple(departures),
         unexplained=residual / equations.size,
         interpolation=interpolation,
         place=(int(line), int(bead)),
-        ambiguous=departures == [],
+        ambiguous=best is not None and not departures,
     )
+
+
+def _best(candidates: list[Explanation], noise: float, limit: float) -> Explanation | None:
+    """Best of several explanations, without departures if another is as good; None if all leave more than a limit."""
+    best, *others = sorted(candidates, key=lambda explanation: explanation.left)
+    if best.left > limit:
+        return None
+    alike = others and others[0].left < NOISE * max(noise, best.left)
+    return Explanation(best.left, []) if alike else best
 
 
 def _norm(values: Floats) -> float:
@@ -189,7 +209,7 @@ def least_squares(residual: Floats, columns: Sequence[Floats]) -> LeastSquares:
     return LeastSquares(change, bound, _norm(residual - fitted))
 
 
-def _kinds(equations: MomentumEquations, noise: float, limit: float) -> list[Departure] | None:
+def _kinds(equations: MomentumEquations, noise: float, limit: float) -> Explanation | None:
     """Factors of all kinds of forces and masses; None if they leave more than a limit.
 
     The equations are not linear in the static load, and are solved by Gauss and Newton's method.
@@ -202,7 +222,7 @@ def _kinds(equations: MomentumEquations, noise: float, limit: float) -> list[Dep
             change = 0.0 if static is None else float(fit.change[static])
             settled = abs(change) < _SETTLED or (static is not None and abs(change) < fit.bound[static] * fit.left)
             if settled and fit.left <= limit:
-                return _departures(at_load, fit, noise)
+                return Explanation(fit.left, _departures(at_load, fit, noise))
             if abs(change) < _SETTLED:
                 break
             load = min(max(at_load.load + change, 0.3 * at_load.load), 3.0 * at_load.load + 10.0 * _SETTLED)
@@ -249,24 +269,26 @@ def _departures(equations: MomentumEquations, fit: LeastSquares, noise: float) -
 # --- single links and beads -------------------------------------------------------------------------------------------
 
 
-def _links_and_beads(equations: MomentumEquations, noise: float, limit: float) -> list[Departure] | None:
-    """Factors of single links of one kind, or of single masses; None if none leave less than a limit, [] if two do."""
+def _links_and_beads(equations: MomentumEquations, noise: float, limit: float) -> Explanation | None:
+    """Factors of single links of one kind, or of single masses; None if they leave more than a limit."""
     # a larger mass is a force against the change of momentum
     masses = LinkImpulses("bead", Ground("bead", Linear(0.0)), equations.change[:, : equations.system.chains])
-    fits = [(family, *_one_by_one(equations, family)) for family in [*equations.scene_links(), masses]]
-    explain = [fit for fit in fits if fit[-1] <= limit]
-    if len(explain) != 1:
-        return [] if explain else None
-    ((family, change, size, left),) = explain
+    families = [(part, "strength") for part in equations.scene_links()] + [(masses, "mass")]
+    return _best([_one_by_one(equations, part, quantity, noise) for part, quantity in families], noise, limit)
+
+
+def _one_by_one(equations: MomentumEquations, family: LinkImpulses, quantity: str, noise: float) -> Explanation:
+    """Factors of single links, of those that differ from 1 by more than their uncertainty."""
+    change, size, left = _single_factors(equations, family)
     uncertainty = _SAFETY * max(left, noise) / np.maximum(size, np.finfo(float).tiny)
     wrong = np.argwhere(np.abs(change) > uncertainty)
     wrong = wrong[np.argsort(-np.abs(change[tuple(wrong.T)]), kind="stable")]
     count = 1 if len(wrong) <= _MOST_SINGLE else len(wrong)
-    return [
+    departures = [
         Departure(
             name=family.name,
             place=_place(family.link, line, bead),
-            quantity="mass" if family is masses else "strength",
+            quantity=quantity,
             factor=float(1.0 + change[line, bead]),
             uncertainty=float(uncertainty[line, bead]),
             scene=1.0,
@@ -275,9 +297,10 @@ def _links_and_beads(equations: MomentumEquations, noise: float, limit: float) -
         )
         for line, bead in (wrong if count == 1 else wrong[:1]).tolist()
     ]
+    return Explanation(left, departures)
 
 
-def _one_by_one(equations: MomentumEquations, family: LinkImpulses) -> tuple[Floats, Floats, float]:
+def _single_factors(equations: MomentumEquations, family: LinkImpulses) -> tuple[Floats, Floats, float]:
     """Change of the factor of each link and size of its column, both of the links' shape; norm of what is left."""
     from scipy.sparse.linalg import LinearOperator, lsmr
 
@@ -311,48 +334,39 @@ def _place(link: Link, line: int, bead: int) -> str:
 # --- other laws -------------------------------------------------------------------------------------------------------
 
 
-def _functions(equations: MomentumEquations, noise: float, limit: float) -> list[Departure] | None:
-    """Force that is another function of strain or time; None if none leaves less than a limit, [] if two do."""
-    candidates = [_other_law(equations, part) for part in equations.scene_links()]
-    candidates += [_other_course(equations, load, noise) for load in equations.system.loads]
-    (left, departures), *rest = sorted(candidates, key=lambda candidate: candidate[0])
-    if left > limit:
-        return None
-    return [] if rest and rest[0][0] < max(limit, NOISE * left) else departures
+def _functions(equations: MomentumEquations, noise: float, limit: float) -> Explanation | None:
+    """One force that is another function of strain or time; None if it leaves more than a limit."""
+    laws = [_other_law(equations, part) for part in equations.scene_links()]
+    courses = [_other_course(equations, load, noise) for load in equations.system.loads]
+    return _best(laws + courses, noise, limit)
 
 
-def _other_law(equations: MomentumEquations, part: LinkImpulses) -> tuple[float, list[Departure]]:
-    """Norm of what is left where a force is multiplied by a function of the strain or its rate; and the departure."""
+def _other_law(equations: MomentumEquations, part: LinkImpulses) -> Explanation:
+    """Force multiplied by a function of the strain; its exponent is the mean slope over the upper half decade."""
     link, lines, force = part.link, equations.lines(part.link), equations.force(part.link)
+    largest = float(np.max(np.abs(link.strain(equations.trajectory.atoms[0][:, lines])))) or 1.0
 
-    def strain(x: Floats, _: Floats) -> Floats:
-        return np.abs(link.strain(x[:, lines]))
+    def multiplied(power: float) -> ForceOfState:
+        return lambda t, x, v: force(t, x, v) * (_LEAST + np.abs(link.strain(x[:, lines])) / largest) ** power
 
-    def rate(_: Floats, v: Floats) -> Floats:
-        return np.abs(link.rate(v[:, lines]))
-
-    variables = {"law": strain, "law of velocity": rate} if hasattr(link.law, "damping") else {"law": strain}
-    shares, fits = np.geomspace(0.1, 1.0, 10), []
-    for quantity, variable in variables.items():
-        largest = float(np.max(variable(*equations.trajectory.atoms))) or 1.0
-
-        def multiplied(
-            power: float, variable: Callable[[Floats, Floats], Floats] = variable, largest: float = largest
-        ) -> ForceOfState:
-            return lambda t, x, v: force(t, x, v) * (_LEAST + variable(x, v) / largest) ** power
-
-        impulses = integrals(equations.trajectory, [multiplied(power) for power in _POWERS])
-        fit = least_squares(equations.residual, [equations.column(link, impulse) for impulse in impulses])
-        multiplier = np.abs(1.0 + (_LEAST + shares[:, np.newaxis]) ** np.array(_POWERS) @ fit.change)
-        exponents = np.diff(np.log(multiplier)) / np.diff(np.log(shares))
-        fits.append((fit.left, quantity, float(np.mean(exponents)), float(0.5 * np.ptp(exponents))))
-    left, quantity, exponent, uncertainty = min(fits)
-    effect = _norm(equations.residual) / equations.size
-    return left, [Departure(part.name, quantity, exponent, uncertainty, 0.0, effect)]
+    impulses = integrals(equations.trajectory, [multiplied(power) for power in _POWERS])
+    fit = least_squares(equations.residual, [equations.column(link, impulse) for impulse in impulses])
+    shares = np.geomspace(0.3, 1.0, 10)
+    multiplier = np.abs(1.0 + (_LEAST + shares[:, np.newaxis]) ** np.array(_POWERS) @ fit.change)
+    exponents = np.diff(np.log(multiplier)) / np.diff(np.log(shares))
+    departure = Departure(
+        name=part.name,
+        quantity="exponent of the strain",
+        factor=float(np.mean(exponents)),
+        uncertainty=float(0.5 * np.ptp(exponents)),
+        scene=0.0,
+        effect=_norm(equations.residual) / equations.size,
+    )
+    return Explanation(fit.left, [departure])
 
 
-def _other_course(equations: MomentumEquations, load: Load, noise: float) -> tuple[float, list[Departure]]:
-    """Parameters of a force from outside, if they explain its impulses; norm of what is left on all other beads."""
+def _other_course(equations: MomentumEquations, load: Load, noise: float) -> Explanation:
+    """Another force from outside on one bead, by its parameters if these explain its impulses."""
     times, residual = equations.trajectory.time, equations.residual[:, load.chain - 1, load.bead - 1]
     others = equations.residual.copy()
     others[:, load.chain - 1, load.bead - 1] = 0.0
@@ -369,7 +383,7 @@ def _other_course(equations: MomentumEquations, load: Load, noise: float) -> tup
             )
             or departures
         )
-    return _norm(others), departures
+    return Explanation(_norm(others), departures)
 
 
 def other_parameters(

@@ -36,10 +36,6 @@ _MOTION = 1e-6
 """Difference from a prescribed motion over its amplitude, up to which it is rounding."""
 
 
-_VARIABLES = {"law": "the strain", "law of velocity": "the relative velocity"}
-"""Quantities of departures that are exponents -> of what."""
-
-
 @dataclass(frozen=True)
 class Diagnosis:
     """Likely causes of a difference.
@@ -203,18 +199,17 @@ def _sentence(departure: Departure, scale: Scale) -> str:
         name = f"the {name}"
     adjective = "heavy" if quantity == "mass" else "strong"
     if departure.count > 1:
-        many = f"{departure.count} beads are" if quantity == "mass" else f"at {departure.count} places {name} {are}"
-        single = _sentence(replace(departure, count=1), scale)
-        return f"{many} not as {adjective} as the scene says, most of all: {single}"
+        many = f"the strength of {name} differs from the scene's at {departure.count} places"
+        if quantity == "mass":
+            many = f"the masses of {departure.count} beads differ from the scene's"
+        return f"{many}, most of all: {_sentence(replace(departure, count=1), scale)}"
     if departure.place:
         name = f"{name} {departure.place}"
     if quantity == "course":
         return f"{name} has another course over time than the scene says"
-    if quantity in _VARIABLES:
-        return (
-            f"{name} {do} not follow the law of the scene: as if the exponent of {_VARIABLES[quantity]} were larger by "
-            f"{factor:.3g} (± {uncertainty:.1g})"
-        )
+    if quantity == "exponent of the strain":
+        exponent = f"the {quantity} were larger by {factor:.3g} (± {uncertainty:.1g})"
+        return f"{name} {do} not follow the law of the scene: as if {exponent}"
     if quantity == "phase":
         angle, bound, scene = (math.degrees(number) for number in (factor, uncertainty, departure.scene))
         return f"{name} has a phase of {angle:.4g} (± {bound:.1g}) instead of {scene:.4g} degrees"
