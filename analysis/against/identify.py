@@ -280,7 +280,7 @@ def _links_and_beads(equations: MomentumEquations, noise: float, limit: float) -
 def _one_by_one(equations: MomentumEquations, family: LinkImpulses, quantity: str, noise: float) -> Explanation:
     """Factors of single links, of those that differ from 1 by more than their uncertainty."""
     change, size, left = _single_factors(equations, family)
-    uncertainty = _SAFETY * max(left, noise) / np.maximum(size, np.finfo(float).tiny)
+    uncertainty = _SAFETY * max(left, noise) / np.maximum(size, _FELT * np.max(size) or 1.0)
     wrong = np.argwhere(np.abs(change) > uncertainty)
     wrong = wrong[np.argsort(-np.abs(change[tuple(wrong.T)]), kind="stable")]
     count = 1 if len(wrong) <= _MOST_SINGLE else len(wrong)
