@@ -268,7 +268,7 @@ EDITED = {
         "walls of exponent 3, gap",
         r'"0.25\*\((\S+?)-r\)\^4"',
         r'"(\1-r)^4.1/4.1"',
-        "the contacts do not follow the law of the scene: as if the exponent of the strain were larger by 0.0995",
+        "the contacts do not follow the law of the scene: as if the exponent of the strain were larger by 0.0999",
     ),
     "no strengths": (
         "random contacts",

@@ -358,7 +358,7 @@ def _other_law(equations: MomentumEquations, part: LinkImpulses) -> Explanation:
         name=part.name,
         quantity="exponent of the strain",
         factor=float(np.mean(exponents)),
-        uncertainty=float(0.5 * np.ptp(exponents)),
+        uncertainty=_SAFETY * float(np.ptp(exponents)),
         scene=0.0,
         effect=_norm(equations.residual) / equations.size,
     )
