@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from lammps_inputs.errors import InputError
     from lammps_inputs.ingredients.coupling import Coupling
+    from lammps_inputs.ingredients.material import Material
     from lammps_inputs.library import find, load
     from lammps_inputs.output import Output
     from lammps_inputs.problem import Problem
-    from lammps_inputs.scene import Kick, Material, Scene
+    from lammps_inputs.scene import Kick, Scene
     from lammps_inputs.system import System
 
 __all__ = ["Coupling", "InputError", "Kick", "Material", "Output", "Problem", "Scene", "System", "find", "load"]
@@ -25,7 +26,7 @@ _PLACES = {
     "Problem": "problem",
     "System": "system",
     "Kick": "scene",
-    "Material": "scene",
+    "Material": "ingredients.material",
     "Output": "output",
     "Scene": "scene",
 }

@@ -2,15 +2,127 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs.numbers import text
 
-if TYPE_CHECKING:
-    from lammps_inputs.links import Across
+
+class ChainLinks(Protocol):
+    """Links with one law, as a law's spelling sees them (`lammps_inputs.links`)."""
+
+    @property
+    def name(self) -> str:
+        """Name in the deck, such as "coupling"."""
+
+    @property
+    def law(self) -> Any:
+        """Law of every link."""
+
+
+class LinksAcross(ChainLinks, Protocol):
+    """Links between beads of one row in two chains."""
+
+    @property
+    def edges(self) -> tuple[tuple[int, int], ...]:
+        """Pairs of chains, counted from 0, the lower number first."""
+
+    @property
+    def open_row(self) -> bool:
+        """Whether the chains stand in a row, each tied to the next."""
+
+
+class WallLinks(ChainLinks, Protocol):
+    """Links of the last bead of each chain, or the first, with a wall."""
+
+    @property
+    def side(self) -> float:
+        """1 for a wall behind the last bead, -1 for one before the first."""
+
+    @property
+    def gap(self) -> float:
+        """Displacement at which the bead touches the wall."""
+
+
+class ContactModel(Protocol):
+    """Dashpots of contacts, as LAMMPS's granular styles name them."""
+
+    def granular(self, layout: "BeadLayout") -> tuple[Any, str]:
+        """Coefficient and model."""
+
+
+class BeadLayout(Protocol):
+    """Beads in LAMMPS, and the laws beside a law, as its spelling sees them (`lammps_inputs.layout`)."""
+
+    @property
+    def system(self) -> Any:
+        """System of the beads (`lammps_inputs.system`)."""
+
+    @property
+    def chains(self) -> int:
+        """Number of chains."""
+
+    @property
+    def beads(self) -> int:
+        """Number of beads of each chain."""
+
+    @property
+    def rows(self) -> int:
+        """Rows of beads that exist in LAMMPS."""
+
+    @property
+    def gap(self) -> float:
+        """Clear distance between neighbouring beads."""
+
+    @property
+    def diameter(self) -> float:
+        """Diameter of all beads."""
+
+    @property
+    def spacing(self) -> float:
+        """Distance between the centres of neighbouring beads at rest; without load if that differs."""
+
+    @property
+    def farthest(self) -> float:
+        """How much farther apart than at rest neighbours that act at a distance come, at most."""
+
+    @property
+    def inner_diameter(self) -> float:
+        """Diameter of atoms that are no beads."""
+
+    @property
+    def group(self) -> str:
+        """LAMMPS's group of all beads."""
+
+    @property
+    def places(self) -> NDArray[np.float64]:
+        """Places at rest, [chain, bead]."""
+
+    @property
+    def place_formula(self) -> str:
+        """Place at rest as a formula of LAMMPS."""
+
+    @property
+    def contact_loss(self) -> ContactModel | None:
+        """Law of damping of the contacts; None where they lose nothing."""
+
+    @property
+    def velocity_at_full_steps(self) -> bool:
+        """Whether LAMMPS's step is of order 2 by masses that are larger."""
+
+    def wall_loss(self, side: float) -> ContactModel | None:
+        """Law of damping of the walls on a side; None where they lose nothing."""
+
+    def atom(self, chain: int, bead: int) -> int:
+        """Number of a bead's atom."""
+
+    def apart(self, edge: tuple[int, int]) -> float:
+        """Lateral distance of two chains, the lower number first."""
+
+    def is_inner(self, link: Any) -> bool:
+        """Whether a link ties atoms that are no beads."""
 
 
 @dataclass(frozen=True)
@@ -189,7 +301,7 @@ def bonds_by_value(law: Iterable[Any], shape: tuple[int, int]) -> tuple[list[tup
     return [tuple(value) for value in values[nothing:].tolist()], (kind + 1 - nothing).reshape(shape)
 
 
-def whole_contacts(link: "Across", *, inner: bool = False) -> tuple[str, ...]:
+def whole_contacts(link: LinksAcross, *, inner: bool = False) -> tuple[str, ...]:
     """What keeps contacts between beads that are tied by way of others, which LAMMPS leaves out by default.
 
     Ties of an open row of chains never lead to a bead within reach.

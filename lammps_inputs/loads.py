@@ -6,17 +6,14 @@ any time step, also where the force begins and ends within one; the error still 
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from lammps_inputs.deck_lines import Lines
+from lammps_inputs.deck_lines import BeadLayout, Lines
 from lammps_inputs.laws import in_time
 from lammps_inputs.laws.in_time import Sine, TimeLaw
 from lammps_inputs.numbers import text
-
-if TYPE_CHECKING:
-    from lammps_inputs.layout import Layout
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +124,7 @@ class Motion:
         return replace(self, bead=bead, amplitude=-self.amplitude)
 
 
-def lines(layout: "Layout") -> list[Lines]:
+def lines(layout: BeadLayout) -> list[Lines]:
     """What the loads, and beads whose motion is given, are to LAMMPS, one after the other.
 
     Raises:
@@ -138,7 +135,7 @@ def lines(layout: "Layout") -> list[Lines]:
     return pushes + [_motion_lines(motion, f"drive{n}", layout) for n, motion in enumerate(system.motions, 1)]
 
 
-def _motion_lines(motion: Motion, name: str, layout: "Layout") -> Lines:
+def _motion_lines(motion: Motion, name: str, layout: BeadLayout) -> Lines:
     """Nothing pushes the bead, and it is moved."""
     turn = f"v_{name}omega*step*v_timestep+v_{name}phase"
     return Lines(
@@ -158,7 +155,7 @@ def _motion_lines(motion: Motion, name: str, layout: "Layout") -> Lines:
     )
 
 
-def start_lines(layout: "Layout") -> list[str]:
+def start_lines(layout: BeadLayout) -> list[str]:
     """The velocities that beads whose motion is given start with."""
     return [
         f"set atom {layout.atom(motion.chain, motion.bead)} "
@@ -167,7 +164,7 @@ def start_lines(layout: "Layout") -> list[str]:
     ]
 
 
-def _push_lines(load: Load, name: str, layout: "Layout") -> Lines:
+def _push_lines(load: Load, name: str, layout: BeadLayout) -> Lines:
     first, last = text(load.law.kinks[0]), text(load.law.kinks[-1])
     variables = in_time.variables(load.law, name)
     if variables and not load.endless:

@@ -1,16 +1,13 @@
 """What is recorded, and how often; and what is computed from the frames: forces and spectra."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator
 
 from lammps_inputs import physics, strict_yaml
-from lammps_inputs.ingredients.base import Count, Part, Positive
+from lammps_inputs.ingredients.base import Count, Part, Positive, SceneParts
 from lammps_inputs.units import Label, Unit
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import BaseScene
 
 
 def each_once(beads: Any, otherwise: str = "") -> Any:
@@ -45,7 +42,7 @@ class Forces(Part):
     def _ascending(cls, value: Any) -> Any:
         return None if value is None else tuple(sorted(each_once(value, ", or leave it out")))
 
-    def refuse(self, scene: "BaseScene") -> None:
+    def refuse(self, scene: SceneParts) -> None:
         """Refuse places that do not exist, or whose beads are not recorded.
 
         Raises:
@@ -78,7 +75,7 @@ class Forces(Part):
                 raise ValueError(f"output.forces.{key}: needs beads {missing} too; add them to output.beads")
 
 
-def _not_recorded(scene: "BaseScene", beads: Iterable[int]) -> str:
+def _not_recorded(scene: SceneParts, beads: Iterable[int]) -> str:
     """Ten at most of these that the scene does not record; empty where there are none."""
     recorded = scene.output.beads
     return "" if recorded == "all" else ", ".join(map(str, sorted(set(beads) - set(recorded))[:10]))
@@ -101,7 +98,7 @@ class Spectra(Part):
     def _named(cls, value: Any) -> Any:
         return each_once(value)
 
-    def refuse(self, scene: "BaseScene") -> None:
+    def refuse(self, scene: SceneParts) -> None:
         """Refuse beads that do not exist or are not recorded, and times after the end.
 
         Raises:
@@ -153,7 +150,7 @@ class Output(Part):
     def _ascending(cls, value: Any) -> Any:
         return value if value == "all" else tuple(sorted(each_once(value, ", or `all`")))
 
-    def refuse(self, scene: "BaseScene") -> None:
+    def refuse(self, scene: SceneParts) -> None:
         """Refuse what the scene does not have, and what needs more to be recorded.
 
         Raises:

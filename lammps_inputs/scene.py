@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, ConfigDict, Field, create_model, field_validator, model_validator
+from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
-from lammps_inputs import html, laws, materials, physics, strict_yaml
+from lammps_inputs import html, laws, physics, strict_yaml
 from lammps_inputs import scheme as schemes
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import INGREDIENTS, OWN_INGREDIENTS, contacts, plastic
 from lammps_inputs.ingredients.base import Count, Ingredient, Part, Positive, refuse_outside
+from lammps_inputs.ingredients.material import Material
 from lammps_inputs.ingredients.unequal import (
     Disorder,
     Kinds,
@@ -93,39 +94,6 @@ class Kick(Part):
         if abs(value) < 1e-30:
             raise ValueError("a kick needs a velocity (at least 1e-30)")
         return value
-
-
-class Material(Part):
-    """Elastic spheres in SI units; with it every other number of the scene is in SI."""
-
-    model_config = ConfigDict(
-        json_schema_extra={
-            "required": ["radius"],
-            "anyOf": [{"required": ["name"]}, {"required": [*materials.CONSTANTS]}],
-        }
-    )
-
-    example: ClassVar[str] = "{name: steel, radius: 4.76e-3}"
-
-    name: materials.Name | None = None
-    """Material of the table below, whose constants hold where none are given."""
-    radius: Annotated[Positive, Unit("m"), Label("radius of the beads", "R")]
-    """Radius R of the beads."""
-    density: Annotated[Positive, Unit("kg/m3"), Label("density of the beads", "\\rho")]
-    """Mass density of the beads, which are solid spheres; required without `name`."""
-    youngs_modulus: Annotated[Positive, Unit("Pa"), Label("Young's modulus", "E")]
-    """Young's modulus E; required without `name`."""
-    poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE, Label("Poisson's ratio", "\\nu")]
-    """Poisson's ratio; required without `name`."""
-    yield_strength: Annotated[materials.YieldStrength | None, Label("yield strength", "\\sigma_y")] = None
-    """Yield strength of the beads, whose contacts then yield, or `catalogue`: that of the table below; they are elastic
-    if omitted.
-    """
-
-    @model_validator(mode="before")
-    @classmethod
-    def _completed(cls, given: Any) -> Any:
-        return materials.completed(given, "name")
 
 
 class BaseScene(Part):
@@ -314,7 +282,7 @@ class BaseScene(Part):
             ratio = self.gap / self.material.radius
             meant = f"{self.gap:g} mm is {1e-3 * self.gap:g} m"
             found.append(f"gap in m? {self.gap:g} m is {ratio:.3g} times the radius; {meant}")
-        if self.chains == 1 and getattr(self, "coupling", None) is not None:
+        if self.chains == 1 and self.part("coupling") is not None:
             found.append("coupling: a single chain has no springs between chains; `chains: 2` gives it a neighbour")
         every, unit = self._cadence()[0], self.scale.time
         if self.material is not None and every > FAR_FRAMES * unit:
@@ -439,6 +407,10 @@ class BaseScene(Part):
         mass = 1.0 if ball is None else sphere_mass(ball.radius, ball.density)
         for key, ingredient in self.named:
             yield key, ingredient.speed(mass)
+
+    def part(self, key: str) -> Any:
+        """What the scene names under a key; None where it names nothing."""
+        return getattr(self, key, None)
 
     def key_of(self, ingredient: Ingredient) -> str:
         """Key of an ingredient of the scene in messages, with its number where there is a list of several."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, TypeVar, cast
+from typing import Annotated, Any, ClassVar, NamedTuple, Protocol, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,8 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.links import Across, Link
 from lammps_inputs.loads import Load, Motion
-from lammps_inputs.units import PURE, Label, Unit
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import BaseScene
-    from lammps_inputs.system import System
+from lammps_inputs.system import System
+from lammps_inputs.units import PURE, Label, Scale, Unit
 
 Positive = Annotated[float, Field(gt=0, le=1e30)]
 NotNegative = Annotated[float, Field(ge=0, le=1e30)]
@@ -42,6 +39,95 @@ class Part(BaseModel):
 
     example: ClassVar[str] = ""
     """A valid value in YAML, shown where something else than keys and values is given."""
+
+
+class SceneParts(Protocol):
+    """A scene as its ingredients see it: counts, units and its other parts (`lammps_inputs.scene.BaseScene`)."""
+
+    @property
+    def chains(self) -> int:
+        """Number of chains."""
+
+    @property
+    def beads(self) -> int:
+        """Number of beads of each chain."""
+
+    @property
+    def gap(self) -> float:
+        """Clear distance between neighbouring beads, in the units of the scene."""
+
+    @property
+    def material(self) -> Any:
+        """Material of the beads; None where numbers have no units."""
+
+    @property
+    def kinds(self) -> Any:
+        """Kinds of beads by name."""
+
+    @property
+    def pattern(self) -> Any:
+        """Kinds along the chains."""
+
+    @property
+    def replace(self) -> Any:
+        """Single beads of another kind."""
+
+    @property
+    def taper(self) -> Any:
+        """Fraction by which each radius is smaller than that before."""
+
+    @property
+    def disorder(self) -> Any:
+        """Random differences between the beads."""
+
+    @property
+    def striker(self) -> Any:
+        """First bead with its own mass and velocity."""
+
+    @property
+    def duration(self) -> float | None:
+        """Time at which the run ends; None where a bead ends it."""
+
+    @property
+    def scheme(self) -> str | None:
+        """Integration scheme; None for the default."""
+
+    @property
+    def window(self) -> Any:
+        """Rows near the front that are simulated; None for all."""
+
+    @property
+    def output(self) -> Any:
+        """What is recorded, and how often."""
+
+    @property
+    def scale(self) -> Scale:
+        """Dimensionless units in those of the scene."""
+
+    @property
+    def contact_scale(self) -> tuple[float, float | None]:
+        """Exponent and constant of the contacts' force, by which lengths are measured."""
+
+    @property
+    def kicks(self) -> tuple[Any, ...]:
+        """Initial velocities, those of strikers included."""
+
+    @property
+    def system(self) -> System:
+        """Beads, links and kicks, dimensionless."""
+
+    @property
+    def ingredients(self) -> "tuple[Ingredient, ...]":
+        """Every ingredient that the scene names."""
+
+    def part(self, key: str) -> Any:
+        """What the scene names under a key; None where it names nothing."""
+
+    def key_of(self, ingredient: "Ingredient") -> str:
+        """Key of an ingredient in messages."""
+
+    def contact_law(self, strength: Parameter) -> Law | None:
+        """Dimensionless law of contacts of a strength; None where it is Hertz's."""
 
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -86,7 +172,7 @@ def refuse_other_count(key: str, given: Any, chains: int, *, what: str = "number
         raise ValueError(f"{key}: {len(given)} {what} for {chains} chains; one, or one for each")
 
 
-def refuse_outside(key: str, place: Any, scene: "BaseScene") -> None:
+def refuse_outside(key: str, place: Any, scene: SceneParts) -> None:
     """Refuse a bead, of attributes ``chain`` and ``bead``, outside the array.
 
     Raises:
@@ -136,14 +222,14 @@ class Ingredient(Part):
         """What stands in a scene's file, with what it names of other files; those are beside it, in the folder."""
         return value
 
-    def refuse(self, scene: "BaseScene") -> None:
+    def refuse(self, scene: SceneParts) -> None:
         """Refuse what the scene's other parts make impossible.
 
         Raises:
             ValueError: naming the key, what was found and what to do.
         """
 
-    def refuse_system(self, scene: "BaseScene", system: "System") -> None:
+    def refuse_system(self, scene: SceneParts, system: System) -> None:
         """Refuse what all ingredients together make impossible, after each has passed `refuse` alone.
 
         Raises:
@@ -154,7 +240,7 @@ class Ingredient(Part):
         """Publications of the models that it has chosen."""
         return self.sources
 
-    def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
+    def links(self, scene: SceneParts) -> tuple[Link, ...]:  # noqa: ARG002
         """The links that it makes, dimensionless; none where its numbers come to nothing."""
         return ()
 
@@ -180,19 +266,19 @@ class Ingredient(Part):
         """Key that changes the strength of the contacts along the chains; empty where none does."""
         return ""
 
-    def strengths(self, scene: "BaseScene") -> Parameter:  # noqa: ARG002
+    def strengths(self, scene: SceneParts) -> Parameter:  # noqa: ARG002
         """Factors on the strengths of the contacts, a number or [chain, contact]."""
         return 1.0
 
-    def dampers(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
+    def dampers(self, scene: SceneParts) -> tuple[Link, ...]:  # noqa: ARG002
         """Links with laws of damping (`lammps_inputs.laws.dashpot`), dimensionless; they store no energy."""
         return ()
 
-    def inner(self, scene: "BaseScene") -> Inner | None:  # noqa: ARG002
+    def inner(self, scene: SceneParts) -> Inner | None:  # noqa: ARG002
         """Atoms beside the beads that it adds, dimensionless."""
         return None
 
-    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
+    def lacks(self, scene: SceneParts) -> frozenset[Fact]:
         """What no longer holds in this scene."""
         return self.takes_away if self.links(scene) else frozenset()
 
@@ -200,7 +286,7 @@ class Ingredient(Part):
         """Of a bead of this mass that it sets in motion, in the scene's units: a measure of V."""
         return 0.0
 
-    def static(self, scene: "BaseScene", mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
+    def static(self, scene: SceneParts, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
         """Force at rest, dimensionless: a number, or [chain, bead + 1] from before the first bead to behind the last.
 
         Args:
@@ -209,10 +295,10 @@ class Ingredient(Part):
         """
         return 0.0
 
-    def loads(self, scene: "BaseScene") -> tuple[Load, ...]:  # noqa: ARG002
+    def loads(self, scene: SceneParts) -> tuple[Load, ...]:  # noqa: ARG002
         """The forces from outside that it makes, dimensionless."""
         return ()
 
-    def motions(self, scene: "BaseScene") -> tuple[Motion, ...]:  # noqa: ARG002
+    def motions(self, scene: SceneParts) -> tuple[Motion, ...]:  # noqa: ARG002
         """The beads whose motion it gives, dimensionless."""
         return ()

@@ -1,7 +1,7 @@
 """Ingredients whose force may be a formula of the scene's: ``force``, with its parameters as keys beside it."""
 
 import functools
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import (
@@ -19,9 +19,7 @@ from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.laws import expression, written
 from lammps_inputs.laws.expression import STRAIN
 from lammps_inputs.laws.written import Force
-
-if TYPE_CHECKING:
-    from lammps_inputs.system import System
+from lammps_inputs.system import System
 
 _SPAN = np.geomspace(1e-9, 1e9, 109)
 """Strains at which formulas are compared, in any units."""
@@ -233,7 +231,7 @@ def refuse_even(key: str, force: Force) -> None:
         )
 
 
-def refuse_reach(key: str, law: Any, system: "System", length: float, *, pressed: bool = False) -> None:
+def refuse_reach(key: str, law: Any, system: System, length: float, *, pressed: bool = False) -> None:
     """Refuse formulas that are no number, or no spring, at strains that the energy of the system reaches.
 
     Args:

@@ -9,7 +9,7 @@ Yang, Phil. Trans. R. Soc. A 376, 20170136, 2018).
 """
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,18 +18,15 @@ from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, by_formula, plastic
-from lammps_inputs.ingredients.base import Part, Phase, Positive, Rows, Seed, Spread
+from lammps_inputs.ingredients.base import Part, Phase, Positive, Rows, SceneParts, Seed, Spread
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.laws.written import AlongChains, Force, Kind
 from lammps_inputs.links import Along
 from lammps_inputs.numbers import random_shares
+from lammps_inputs.system import System
 from lammps_inputs.units import PURE, Label, Unit
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import BaseScene
-    from lammps_inputs.system import System
 
 Floats = NDArray[np.float64]
 Factor = Annotated[Positive, PURE]
@@ -133,7 +130,7 @@ Exponent = Annotated[
 """A number for all contacts, a list with one for each, or a list of such lists, one a chain."""
 
 
-def _refuse_values(key: str, strength: Any, scene: "BaseScene") -> None:
+def _refuse_values(key: str, strength: Any, scene: SceneParts) -> None:
     """Refuse a strength that does not fit the chains.
 
     Raises:
@@ -202,7 +199,7 @@ class Contact(by_formula.ByFormula):
             raise ValueError("should have one number for each contact of each chain")
         return value
 
-    def refuse(self, scene: "BaseScene") -> None:
+    def refuse(self, scene: SceneParts) -> None:
         """Refuse units that do not fit, what is known of spheres only, and profiles that do not fit the chains."""
         if not self.model_fields_set:
             raise ValueError(f"contact: names nothing; valid: `contact: {self.example}`")
@@ -238,12 +235,12 @@ class Contact(by_formula.ByFormula):
             return HERTZ if self._powers is not None else float(np.max(self.exponent))
         return 1.0 if self._yields.linear else HERTZ
 
-    def _refuse_exponents(self, scene: "BaseScene") -> None:
+    def _refuse_exponents(self, scene: SceneParts) -> None:
         """Refuse what is said for contacts of one exponent only."""
         keys = ("material", "walls", "gravity", "precompression", "window", "taper")
-        given = [key for key in keys if getattr(scene, key)]
+        given = [key for key in keys if scene.part(key)]
         given += ["contact.stiffness"] * (self.stiffness is not None)
-        damping = getattr(scene, "damping", None)
+        damping = scene.part("damping")
         if damping is not None and damping.contact:
             given += ["damping.law"] * (damping.law not in (None, "linear"))
             given += ["damping.tension"] * (damping.tension == "cut")
@@ -253,27 +250,27 @@ class Contact(by_formula.ByFormula):
                 "out"
             )
 
-    def _refuse_formula(self, force: Force, scene: "BaseScene") -> None:
+    def _refuse_formula(self, force: Force, scene: SceneParts) -> None:
         """Refuse what is said twice, and forces at rest that nothing holds."""
         self.refuse_beside("contact", "exponent", "stiffness", "yield")
         kind = self._kind
         rest = force.at_rest
         if kind.cut and rest:
             raise ValueError(f"contact.tension: the force is {rest:.6g} at s = 0, where it would be cut; leave it out")
-        damping = getattr(scene, "damping", None)
+        damping = scene.part("damping")
         if not kind.cut and damping is not None and damping.contact:
             raise ValueError(
                 "damping.contact: is that of contacts that touch, and contact.force acts at a distance; take "
                 "damping.beads, or leave it out"
             )
         if rest:
-            walls = getattr(scene, "walls", None)
+            walls = scene.part("walls")
             if walls is None or None in (walls.left, walls.right):
                 raise ValueError(
                     f"contact.force: pushes neighbours apart with {rest:.6g} at rest, and nothing holds the beads at "
                     "the ends; give `walls: {left: bead, right: bead}`"
                 )
-            loads = [key for key in ("gap", "precompression", "gravity") if getattr(scene, key)]
+            loads = [key for key in ("gap", "precompression", "gravity") if scene.part(key)]
             loads += ["contact.strength"] * (self.strength is not None)
             if loads:
                 raise ValueError(
@@ -281,7 +278,7 @@ class Contact(by_formula.ByFormula):
                     "of them out"
                 )
 
-    def refuse_system(self, scene: "BaseScene", system: "System") -> None:
+    def refuse_system(self, scene: SceneParts, system: System) -> None:
         """Refuse what is known of spheres only, and formulas where they have no value."""
         for link in system.along:
             if isinstance(link.law, AlongChains):
@@ -326,7 +323,7 @@ class Contact(by_formula.ByFormula):
         given = {"contact.strength": self.strength, "contact.force": self.force, "contact.exponent": self._powers}
         return next((key for key, value in given.items() if value is not None), "")
 
-    def strengths(self, scene: "BaseScene") -> Parameter:
+    def strengths(self, scene: SceneParts) -> Parameter:
         """Those of the profile, at the overlap by which lengths are measured."""
         found: Parameter = 1.0
         if self.strength is not None:
@@ -358,7 +355,7 @@ class Contact(by_formula.ByFormula):
         """How a formula counts s, and whether it is cut where beads are apart, as other contacts are."""
         return Kind(cut=True) if self.formula is None else by_formula.kind_of_contact(self.formula, self.tension)
 
-    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
+    def lacks(self, scene: SceneParts) -> frozenset[Fact]:  # noqa: ARG002
         """Linear contacts disperse any pulse; all that are harder at first than spheres begin abruptly.
 
         What acts at a distance transmits sound.

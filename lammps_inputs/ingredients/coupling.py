@@ -1,6 +1,6 @@
 """Springs between the beads of one row in different chains: any graph of chains, all rows or some, linear or cubic."""
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,17 +8,25 @@ from pydantic import Discriminator, Tag, field_validator
 
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.ingredients import by_formula
-from lammps_inputs.ingredients.base import Cubic, Part, Row, Rows, Stiffness, ends, in_rows, refuse_range, with_keys
+from lammps_inputs.ingredients.base import (
+    Cubic,
+    Part,
+    Row,
+    Rows,
+    SceneParts,
+    Stiffness,
+    ends,
+    in_rows,
+    refuse_range,
+    with_keys,
+)
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.laws.written import AcrossChains, Force
 from lammps_inputs.layout import Layout
 from lammps_inputs.links import Across
+from lammps_inputs.system import System
 from lammps_inputs.units import Label
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import BaseScene
-    from lammps_inputs.system import System
 
 Floats = NDArray[np.float64]
 _Pair = tuple[Row, Row]
@@ -83,7 +91,7 @@ class Coupling(by_formula.ByFormula):
     force: str | None = None
     """Force as a formula of s, odd, with its parameters as keys beside it; in place of `stiffness` and `cubic`."""
 
-    def refuse(self, scene: "BaseScene") -> None:
+    def refuse(self, scene: SceneParts) -> None:
         """Refuse what does not fit the chains, springs that are practically rigid, and rows that differ in a window."""
         own = bool(self._named) and all(len(edge) == 3 for edge in self._named)
         if self.formula is not None:
@@ -118,7 +126,7 @@ class Coupling(by_formula.ByFormula):
         by_formula.refuse_unrest("coupling", force)
         by_formula.refuse_even("coupling", force)
 
-    def refuse_system(self, scene: "BaseScene", system: "System") -> None:
+    def refuse_system(self, scene: SceneParts, system: System) -> None:
         """Refuse cubic springs over distances at which LAMMPS's lose their digits, and formulas without a value."""
         for link in system.across:
             if isinstance(link.law, AcrossChains):
@@ -151,7 +159,7 @@ class Coupling(by_formula.ByFormula):
                 raise ValueError(f"{key}: chains {pair[0]} and {pair[1]} are tied twice; add the stiffnesses up")
             seen.add(pair)
 
-    def links(self, scene: "BaseScene") -> tuple[Across, ...]:
+    def links(self, scene: SceneParts) -> tuple[Across, ...]:
         """None where no two chains are tied by any spring."""
         edges = self._edges(scene.chains)
         if self.formula is not None and by_formula.multiple_of_strain(self.formula) is None:
@@ -167,7 +175,7 @@ class Coupling(by_formula.ByFormula):
         kept = tuple((lower, higher) for (lower, higher, _), tied in zip(edges, holds, strict=True) if tied)
         return (Across("coupling", law, edges=kept, grid=self._grid),)
 
-    def _by_formula(self, force: Force, edges: list[Any], scene: "BaseScene") -> tuple[Across, ...]:
+    def _by_formula(self, force: Force, edges: list[Any], scene: SceneParts) -> tuple[Across, ...]:
         if not edges:
             return ()
         there = 1.0 if self.rows is None else in_rows(1.0, self.rows, (len(edges), scene.beads))
@@ -199,7 +207,7 @@ class Coupling(by_formula.ByFormula):
             found += [(0, chains - 1)] if self.topology == "ring" and chains > 2 else []
         return [(lower, higher, None) for lower, higher in sorted(found)]
 
-    def _stiffness(self, edges: list[tuple[int, int, float | None]], scene: "BaseScene") -> float | Floats:
+    def _stiffness(self, edges: list[tuple[int, int, float | None]], scene: SceneParts) -> float | Floats:
         """Dimensionless: a number, or [edge, row] where it differs."""
         shared: Any = 0.0 if self.stiffness is None else self.stiffness
         if self.formula is not None:
@@ -210,11 +218,11 @@ class Coupling(by_formula.ByFormula):
         own = [shared if stiffness is None else stiffness for _, _, stiffness in edges]
         return self._table(own if any(edge[2] is not None for edge in edges) else [shared], edges, scene, 1.0)
 
-    def _cubic(self, edges: list[tuple[int, int, float | None]], scene: "BaseScene") -> float | Floats:
+    def _cubic(self, edges: list[tuple[int, int, float | None]], scene: SceneParts) -> float | Floats:
         """Likewise."""
         return self._table([self.cubic or 0.0], edges, scene, 1.0 / scene.scale.length**2)
 
-    def _table(self, values: list[Any], edges: list[Any], scene: "BaseScene", unit: float) -> float | Floats:
+    def _table(self, values: list[Any], edges: list[Any], scene: SceneParts, unit: float) -> float | Floats:
         """Dimensionless values of all edges, or of each, a number or [row], in the rows that have springs."""
         table = np.reshape(np.stack(np.broadcast_arrays(*values)) / (unit * scene.scale.stiffness), (len(values), -1))
         if self.rows in (None, (1, scene.beads)) and np.ptp(table) == 0.0:

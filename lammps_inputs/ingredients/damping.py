@@ -6,14 +6,14 @@ Seitz (1982) for the restitution of beads in a row.
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws, physics
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Coefficient, Ingredient, NotNegative
+from lammps_inputs.ingredients.base import Coefficient, Ingredient, NotNegative, SceneParts
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import masses_and_strengths
 from lammps_inputs.laws import Parameter
@@ -28,11 +28,8 @@ from lammps_inputs.laws.dashpot import (
     alpha,
 )
 from lammps_inputs.links import Across, Along, Ground, Link, Wall
+from lammps_inputs.system import System
 from lammps_inputs.units import Label, Unit
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import BaseScene
-    from lammps_inputs.system import System
 
 MOST = 1e3
 """Dimensionless coefficient; beyond it beads stick where they are, and a step would take for ever."""
@@ -80,7 +77,7 @@ class Damping(Ingredient):
     coupling: Annotated[Coefficient | None, Label("damping coefficient of the coupling", "c_{12}")] = None
     """Coefficient c12 of a dashpot parallel to every spring between chains."""
 
-    def refuse(self, scene: "BaseScene") -> None:
+    def refuse(self, scene: SceneParts) -> None:
         """Refuse what says nothing, or more than there is, and what runs in pieces that start again."""
         if self.contact is None:
             for key in ("law", "tension"):
@@ -113,7 +110,7 @@ class Damping(Ingredient):
                     f"damping: {largest:.3g} in dimensionless units{where}; at most {MOST:g}, where beads stick"
                 )
 
-    def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
+    def refuse_system(self, scene: SceneParts, system: System) -> None:  # noqa: ARG002
         """Refuse contacts and masses with which LAMMPS's dashpots are others."""
         if self.contact and not isinstance(system.mass, float):
             if self.law == "viscoelastic":
@@ -149,7 +146,7 @@ class Damping(Ingredient):
         """Of the contacts' law."""
         return () if self.contact is None else SOURCES[self.law or "linear"]
 
-    def dampers(self, scene: "BaseScene") -> tuple[Link, ...]:
+    def dampers(self, scene: SceneParts) -> tuple[Link, ...]:
         """Of contacts, springs and beads."""
         found: list[Link] = []
         loss = self._loss(scene)
@@ -165,7 +162,7 @@ class Damping(Ingredient):
             found.append(Ground("bead_damping", laws.dimensionless(Dashpot(self.beads), scene.scale)))
         return tuple(found)
 
-    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
+    def lacks(self, scene: SceneParts) -> frozenset[Fact]:
         """Energy, and what goes with it; momentum by drag on beads; order 2 by all other dashpots."""
         dampers = self.dampers(scene)
         taken = {Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE} if dampers else set()
@@ -175,7 +172,7 @@ class Damping(Ingredient):
             taken.add(Fact.SECOND_ORDER)
         return frozenset(taken)
 
-    def _loss(self, scene: "BaseScene") -> ContactLoss | None:
+    def _loss(self, scene: SceneParts) -> ContactLoss | None:
         """Dimensionless law of the contacts; None where they lose nothing."""
         if not self.contact or (self.law == "restitution" and self.contact >= 1.0):
             return None
@@ -194,7 +191,7 @@ class Damping(Ingredient):
             return Viscoelastic(self.contact / unit * scale.length**0.5, tensile_limit)
         return ContactDashpot(self.contact / unit, tensile_limit)
 
-    def _at_wall(self, wall: Wall, scene: "BaseScene") -> WallDashpot:
+    def _at_wall(self, wall: Wall, scene: SceneParts) -> WallDashpot:
         """That of the contacts, of one bead: as much of the speed is lost, or as much of the force is the dashpot's.
 
         The dashpot of a viscoelastic contact is in proportion to its stiffness (Brilliantov et al. 1996).
@@ -215,10 +212,10 @@ class Damping(Ingredient):
         return WallDashpot(of[1.0], of[2.0], of[HERTZ], tensile_limit)
 
 
-def _walls(scene: "BaseScene") -> tuple[Wall, ...]:
+def _walls(scene: SceneParts) -> tuple[Wall, ...]:
     return () if scene.walls is None else scene.walls.links(scene)  # type: ignore[attr-defined]
 
 
-def _springs(scene: "BaseScene") -> tuple[Across, ...]:
+def _springs(scene: SceneParts) -> tuple[Across, ...]:
     found = () if scene.coupling is None else scene.coupling.links(scene)  # type: ignore[attr-defined]
     return tuple(link for link in found if isinstance(link, Across))

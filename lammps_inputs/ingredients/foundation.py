@@ -6,7 +6,7 @@ SIAM J. Appl. Math. 72 (2012); Hasan et al., Granular Matter 15 (2013).
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,16 +16,13 @@ from lammps_inputs import laws, strict_yaml
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, by_formula
-from lammps_inputs.ingredients.base import Cubic, Part, Phase, Positive, Rows, Stiffness
+from lammps_inputs.ingredients.base import Cubic, Part, Phase, Positive, Rows, SceneParts, Stiffness
 from lammps_inputs.laws.spring import Duffing, Linear, Varying
 from lammps_inputs.laws.written import ToGround
 from lammps_inputs.links import Ground
 from lammps_inputs.numbers import number_or_array
+from lammps_inputs.system import System
 from lammps_inputs.units import PURE, Label, Unit
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import BaseScene
-    from lammps_inputs.system import System
 
 Time = Annotated[float, Field(ge=-1e30, le=1e30), Unit("s")]
 
@@ -122,7 +119,7 @@ class Foundation(by_formula.ByFormula):
         parametric = ("landau1976",) if self.modulation is not None else ()
         return (*self.sources, *(("zener1932", "novotny2010") if ramps else ()), *parametric)
 
-    def refuse(self, scene: "BaseScene") -> None:
+    def refuse(self, scene: SceneParts) -> None:
         """Refuse what does not fit the chains."""
         if self.formula is not None:
             self.refuse_beside("foundation", "stiffness", "cubic", "modulation")
@@ -158,7 +155,7 @@ class Foundation(by_formula.ByFormula):
             if isinstance(one, GroundRamp):
                 yield f"foundation.stiffness{f'[{number}]' * several}", one
 
-    def links(self, scene: "BaseScene") -> tuple[Ground, ...]:
+    def links(self, scene: SceneParts) -> tuple[Ground, ...]:
         """One spring a bead, linear where it is; cubic ones apart from those that ramp or are modulated."""
         cubic = self._values(self.cubic, scene)
         named: dict[str, Any]
@@ -174,18 +171,18 @@ class Foundation(by_formula.ByFormula):
         there = {name: law for name, law in named.items() if any(map(np.any, law[:2]))}
         return tuple(Ground(name, laws.dimensionless(law, scene.scale)) for name, law in there.items())
 
-    def refuse_system(self, scene: "BaseScene", system: "System") -> None:
+    def refuse_system(self, scene: SceneParts, system: System) -> None:
         """Refuse formulas where they have no value."""
         for link in system.ground:
             if isinstance(link.law, ToGround):
                 by_formula.refuse_reach("foundation", link.law, system, scene.scale.length)
 
-    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
+    def lacks(self, scene: SceneParts) -> frozenset[Fact]:
         """Also that a scheme may step back in time, where the stiffness depends on it."""
         varies = any(laws.varies(link.law) for link in self.links(scene))
         return super().lacks(scene) | (frozenset({Fact.REVERSIBLE}) if varies else frozenset())
 
-    def _in_space_and_time(self, scene: "BaseScene") -> Linear | Varying:
+    def _in_space_and_time(self, scene: SceneParts) -> Linear | Varying:
         """Linear springs that ramp or are modulated, in the scene's units."""
         of_chains = np.stack([_start_of_ramp(one, scene.beads) for one in self._of_chains], axis=1)
         table = base.in_rows(of_chains, self.rows, (4, scene.chains, scene.beads))
@@ -197,7 +194,7 @@ class Foundation(by_formula.ByFormula):
         phase = math.radians(self.modulation.phase) if self.modulation is not None and depth else 0.0
         return Varying(spring, rate, begin, end, depth, omega, phase)
 
-    def _values(self, given: Any, scene: "BaseScene") -> float | NDArray[np.float64]:
+    def _values(self, given: Any, scene: SceneParts) -> float | NDArray[np.float64]:
         """A number, or [chain, bead] where it differs, in the scene's units."""
         if self.rows is None and (not isinstance(given, tuple) or len(set(given)) == 1):
             return float(np.max(given))

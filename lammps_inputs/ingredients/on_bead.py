@@ -7,7 +7,7 @@ pulls it, without end: a shaker, a piezo actuator.
 import itertools
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +15,11 @@ from pydantic import Field, field_validator, model_validator
 
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Count, Ingredient, NotNegative, Phase, Positive, refuse_outside
+from lammps_inputs.ingredients.base import Count, Ingredient, NotNegative, Phase, Positive, SceneParts, refuse_outside
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, TimeLaw, make_table
 from lammps_inputs.loads import Load, Motion
+from lammps_inputs.system import System
 from lammps_inputs.units import Label, Unit
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import BaseScene
-    from lammps_inputs.system import System
 
 Time = Annotated[NotNegative, Unit("s")]
 Force = Annotated[float, Field(ge=-1e30, le=1e30), Unit("N")]
@@ -52,7 +49,7 @@ class OnBead(Ingredient):
     bead: Count = 1
     """Number of the bead."""
 
-    def refuse(self, scene: "BaseScene") -> None:
+    def refuse(self, scene: SceneParts) -> None:
         """Refuse a bead outside the array."""
         refuse_outside(scene.key_of(self), self, scene)
 
@@ -124,7 +121,7 @@ class Push(OnBead):
             raise ValueError(f"peak: a push needs a force (at least 1e-30) ({self.peak:g} given)")
         return self
 
-    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
+    def lacks(self, scene: SceneParts) -> frozenset[Fact]:  # noqa: ARG002
         """While it lasts, time matters, and the place of the bead."""
         return frozenset({Fact.FRONT, Fact.REVERSIBLE})
 
@@ -132,7 +129,7 @@ class Push(OnBead):
         """Of a free bead that has been given the impulse of the force's size."""
         return self._law(1.0, 1.0).total / mass
 
-    def loads(self, scene: "BaseScene") -> tuple[Load, ...]:
+    def loads(self, scene: SceneParts) -> tuple[Load, ...]:
         """The push, dimensionless."""
         return (Load(self.chain, self.bead, self._law(scene.scale.time, scene.scale.force)),)
 
@@ -171,7 +168,7 @@ class Drive(OnBead):
             raise ValueError(f"displacement: give either displacement or force ({given})")
         return self
 
-    def refuse(self, scene: "BaseScene") -> None:
+    def refuse(self, scene: SceneParts) -> None:
         """Refuse a bead outside the array, too, and what does not go with motion for ever."""
         super().refuse(scene)
         if scene.output.peaks:
@@ -182,7 +179,7 @@ class Drive(OnBead):
             key = scene.key_of(self)
             raise ValueError(f"{key}.displacement: says how the bead moves, so it cannot be kicked; drive another bead")
 
-    def refuse_system(self, scene: "BaseScene", system: "System") -> None:
+    def refuse_system(self, scene: SceneParts, system: System) -> None:
         """Refuse what else would move a bead whose motion is given."""
         if self.displacement is None:
             return
@@ -195,7 +192,7 @@ class Drive(OnBead):
                 "one of them out"
             )
 
-    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
+    def lacks(self, scene: SceneParts) -> frozenset[Fact]:  # noqa: ARG002
         """No pulse leads, and time matters; and what moves a bead takes up any momentum."""
         taken = {Fact.PULSE, Fact.FRONT, Fact.REVERSIBLE}
         return frozenset(taken if self.displacement is None else {*taken, Fact.MOMENTUM})
@@ -206,14 +203,14 @@ class Drive(OnBead):
             return self.displacement * self._omega
         return (self.force or 0.0) / (mass * self._omega)
 
-    def loads(self, scene: "BaseScene") -> tuple[Load, ...]:
+    def loads(self, scene: SceneParts) -> tuple[Load, ...]:
         """The force, dimensionless."""
         if self.force is None:
             return ()
         law = Sine(self.force / scene.scale.force, self._omega * scene.scale.time, math.radians(self.phase))
         return (Load(self.chain, self.bead, law),)
 
-    def motions(self, scene: "BaseScene") -> tuple[Motion, ...]:
+    def motions(self, scene: SceneParts) -> tuple[Motion, ...]:
         """The motion, dimensionless."""
         if self.displacement is None:
             return ()

@@ -5,21 +5,18 @@ at the overlap ``d_y = (pi p_y / (2 E*))^2 R*`` (Thornton 1997; Johnson, Contact
 """
 
 import math
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from lammps_inputs.ingredients.base import Part, Positive
+from lammps_inputs.ingredients.base import Part, Positive, SceneParts
+from lammps_inputs.ingredients.material import Material
 from lammps_inputs.ingredients.unequal import sizes_and_moduli, yield_strengths
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.plastic import YIELD_PRESSURE, Thornton, WaltonBraun
 from lammps_inputs.numbers import number_or_array
 from lammps_inputs.units import PURE, Label, Unit
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import BaseScene, Material
-
 
 SOURCES = {"thornton": ("thornton1997",), "walton-braun": ("walton1986",)}
 """Publications of the laws."""
@@ -62,20 +59,20 @@ class Yield(Part):
             raise ValueError(f"contact.yield.{wanted}: is missing; valid: `yield: {example}`")
 
 
-def given(scene: "BaseScene") -> Yield | None:
+def given(scene: SceneParts) -> Yield | None:
     """What the scene's contacts say."""
-    contact = getattr(scene, "contact", None)
+    contact = scene.part("contact")
     return None if contact is None else getattr(contact, "yield")
 
 
-def key(scene: "BaseScene") -> str:
+def key(scene: SceneParts) -> str:
     """That makes contacts yield; empty where none does."""
     if scene.material is not None and scene.material.yield_strength is not None:
         return "material.yield_strength"
     return "contact.yield" if given(scene) is not None else ""
 
 
-def refuse(scene: "BaseScene") -> None:
+def refuse(scene: SceneParts) -> None:
     """Refuse what is not known of contacts that yield.
 
     Raises:
@@ -99,7 +96,7 @@ def refuse(scene: "BaseScene") -> None:
         own.refuse()
         if named != "contact.yield":
             raise ValueError("contact.yield: material.yield_strength makes the contacts yield; leave one of them out")
-    contact = getattr(scene, "contact", None)
+    contact = scene.part("contact")
     if own is None and (scene.contact_scale[0] != 1.5 or getattr(contact, "force", None) is not None):
         raise ValueError(f"contact: other contacts than spheres, which alone yield by {named}; leave one of them out")
     reference = overlap_at_yield(ball) if own is None else own.overlap
@@ -113,13 +110,13 @@ def refuse(scene: "BaseScene") -> None:
         raise ValueError(f"{named}: unloading waves run faster than the front, past a window; leave the window out")
     if scene.scheme not in (None, "verlet"):
         raise ValueError(f"{named}: {scene.scheme} steps back in time within each cycle; leave the scheme out")
-    damping = getattr(scene, "damping", None)
+    damping = scene.part("damping")
     if damping is not None and damping.contact:
         raise ValueError("damping.contact: dashpots beside contacts that yield are not known; leave one of them out")
     if scene.output.forces is not None and scene.output.beads != "all":
         raise ValueError("output.beads: frames of all beads hold the memory on which forces depend; leave it out")
     for side in ("left", "right"):
-        wall = getattr(getattr(scene, "walls", None), side, None)
+        wall = getattr(scene.part("walls"), side, None)
         if getattr(wall, "stiffness", None) is not None and not (own is not None and own.linear):
             raise ValueError(
                 f"walls.{side}.stiffness: the overlap at which such a wall yields is not known; take bead, flat, rigid "
@@ -127,7 +124,7 @@ def refuse(scene: "BaseScene") -> None:
             )
 
 
-def law_of(scene: "BaseScene", strength: Parameter, size: Parameter, modulus: Parameter, softer: Parameter) -> Law:
+def law_of(scene: SceneParts, strength: Parameter, size: Parameter, modulus: Parameter, softer: Parameter) -> Law:
     """The dimensionless law of contacts that yield.
 
     Args:
@@ -147,7 +144,7 @@ def law_of(scene: "BaseScene", strength: Parameter, size: Parameter, modulus: Pa
     return Thornton(strength, number_or_array(onset))
 
 
-def overlap_at_yield(ball: "Material | None") -> float | None:
+def overlap_at_yield(ball: Material | None) -> float | None:
     """Of two reference beads (m)."""
     if ball is None or ball.yield_strength is None:
         return None
@@ -155,7 +152,7 @@ def overlap_at_yield(ball: "Material | None") -> float | None:
     return (math.pi * YIELD_PRESSURE * ball.yield_strength / (2.0 * modulus)) ** 2 * 0.5 * ball.radius
 
 
-def between(scene: "BaseScene", strength: Parameter) -> Law | None:
+def between(scene: SceneParts, strength: Parameter) -> Law | None:
     """Law of the contacts between beads; None where they do not yield."""
     if not key(scene):
         return None

@@ -5,7 +5,7 @@ Theocharis & Kevrekidis, arXiv 1709.08629.
 """
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from pydantic import field_validator
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, unequal
-from lammps_inputs.ingredients.base import Coefficient, Ingredient, Inner, NotNegative, Rows, Stiffness
+from lammps_inputs.ingredients.base import Coefficient, Ingredient, Inner, NotNegative, Rows, SceneParts, Stiffness
 from lammps_inputs.ingredients.damping import MOST
 from lammps_inputs.laws.dashpot import Dashpot
 from lammps_inputs.laws.spring import Linear
@@ -22,9 +22,6 @@ from lammps_inputs.links import Across
 from lammps_inputs.numbers import number_or_array
 from lammps_inputs.physics import PULSE_RATE
 from lammps_inputs.units import Label, Unit
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import BaseScene
 
 Floats = NDArray[np.float64]
 Mass = Annotated[NotNegative, Unit("kg")]
@@ -60,7 +57,7 @@ class Resonators(Ingredient):
 
     _from_list = field_validator("mass", "stiffness", "damping", mode="before")(strict_yaml.as_tuple)
 
-    def refuse(self, scene: "BaseScene") -> None:
+    def refuse(self, scene: SceneParts) -> None:
         """Refuse what does not fit the chains, masses that are none, and those beside which a bead is at rest."""
         part = scene.key_of(self)
         for key in ("mass", "stiffness", "damping"):
@@ -92,7 +89,7 @@ class Resonators(Ingredient):
                 f"{FASTEST:g}, where it moves with its bead"
             )
 
-    def inner(self, scene: "BaseScene") -> Inner | None:
+    def inner(self, scene: SceneParts) -> Inner | None:
         """A line of masses for each chain."""
         mass, stiffness, damping = self._of_chains(scene)
         there = (mass > 0.0) & (stiffness > 0.0)
@@ -106,7 +103,7 @@ class Resonators(Ingredient):
         name = scene.key_of(self).replace("[", "_").rstrip("]")
         return Inner(table, (Across(name, spring, edges=edges),), dampers)
 
-    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
+    def lacks(self, scene: SceneParts) -> frozenset[Fact]:
         """Exact solitary waves; a leading pulse where resonators are too slow; with dashpots what these take."""
         inner = self.inner(scene)
         if inner is None:
@@ -119,7 +116,7 @@ class Resonators(Ingredient):
             taken |= {Fact.ENERGY, Fact.REVERSIBLE, Fact.SECOND_ORDER}
         return frozenset(taken)
 
-    def _of_chains(self, scene: "BaseScene") -> tuple[Floats, Floats, Floats]:
+    def _of_chains(self, scene: SceneParts) -> tuple[Floats, Floats, Floats]:
         """Dimensionless mass, stiffness and damping, each [chain]."""
         scale = scene.scale
         of = [
@@ -129,6 +126,6 @@ class Resonators(Ingredient):
         damping: Floats = np.asarray(laws.dimensionless(Dashpot(of[2]), scale).coefficient)
         return of[0] / scale.mass, of[1] / scale.stiffness, damping
 
-    def _in_rows(self, of_chain: Floats, scene: "BaseScene") -> Floats:
+    def _in_rows(self, of_chain: Floats, scene: SceneParts) -> Floats:
         """[chain, bead], 0 where no resonator is."""
         return base.in_rows(of_chain[:, np.newaxis], self.rows, (scene.chains, scene.beads))

@@ -5,19 +5,26 @@ Every bead has a mass, a radius and a plane modulus ``E / (1 - nu**2)``, here in
 as that of two reference beads (Hertz 1882).
 """
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from lammps_inputs import materials
-from lammps_inputs.ingredients.base import Count, Part, Positive, Seed, Spread, refuse_other_count, refuse_outside
+from lammps_inputs.ingredients.base import (
+    Count,
+    Part,
+    Positive,
+    SceneParts,
+    Seed,
+    Spread,
+    refuse_other_count,
+    refuse_outside,
+)
+from lammps_inputs.ingredients.material import Material
 from lammps_inputs.numbers import number_or_array, random_shares
 from lammps_inputs.units import PURE, Label, Unit, sphere_mass
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import BaseScene, Material
 
 Floats = NDArray[np.float64]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
@@ -58,7 +65,7 @@ class Kind(Part):
     def _completed(cls, given: Any) -> Any:
         return materials.completed(given, "material")
 
-    def refuse(self, key: str, material: "Material | None") -> None:
+    def refuse(self, key: str, material: Material | None) -> None:
         """Refuse what does not go with the scene's units.
 
         Raises:
@@ -72,7 +79,7 @@ class Kind(Part):
         if self.mass is not None and self.density is not None:
             raise ValueError(f"{key}.mass: give either mass or density (both are given)")
 
-    def relative(self, material: "Material | None") -> tuple[float, float, float, float]:
+    def relative(self, material: Material | None) -> tuple[float, float, float, float]:
         """Mass, radius, plane modulus and yield strength in those of the reference bead."""
         if material is None:
             radius = 1.0 if self.radius is None else self.radius
@@ -164,12 +171,12 @@ Taper = Annotated[float, Field(ge=0, lt=1), PURE]
 """Share by which each bead's radius is smaller than that of the one before; masses follow as the cube."""
 
 
-def unlike(scene: "BaseScene") -> bool:
+def unlike(scene: SceneParts) -> bool:
     """Whether the scene says how beads differ."""
-    return any(getattr(scene, key) is not None for key in KEYS)
+    return any(scene.part(key) is not None for key in KEYS)
 
 
-def masses_and_strengths(scene: "BaseScene") -> tuple[float | Floats, float | Floats]:
+def masses_and_strengths(scene: SceneParts) -> tuple[float | Floats, float | Floats]:
     """Masses of the beads, [chain, bead], and strengths of the contacts, [chain, contact], in the reference bead's.
 
     Numbers where all are the same; only masses that are all 1 are.
@@ -190,7 +197,7 @@ def masses_and_strengths(scene: "BaseScene") -> tuple[float | Floats, float | Fl
     for name, values in (("mass", mass), ("contact strength", strength)):
         least, most = float(np.min(values)), float(np.max(values))
         if not (least >= 1.0 / MOST and most <= MOST):
-            keys = [key for key in KEYS if getattr(scene, key) is not None]
+            keys = [key for key in KEYS if scene.part(key) is not None]
             key = [*keys, *([] if name == "mass" else given)][-1]
             raise ValueError(
                 f"{key}: the {name} goes from {least:.3g} to {most:.3g} of the reference bead's; at most a million "
@@ -205,7 +212,7 @@ def masses_and_strengths(scene: "BaseScene") -> tuple[float | Floats, float | Fl
     )
 
 
-def sizes_and_moduli(scene: "BaseScene") -> tuple[float | Floats, float | Floats]:
+def sizes_and_moduli(scene: SceneParts) -> tuple[float | Floats, float | Floats]:
     """Radius and plane modulus of two equal beads whose contact is as that of two neighbours, [chain, contact]."""
     if not unlike(scene):
         return 1.0, 1.0
@@ -214,7 +221,7 @@ def sizes_and_moduli(scene: "BaseScene") -> tuple[float | Floats, float | Floats
     return size, 2.0 / (1.0 / modulus[:, :-1] + 1.0 / modulus[:, 1:])
 
 
-def with_its_like(scene: "BaseScene", bead: int) -> float | Floats:
+def with_its_like(scene: SceneParts, bead: int) -> float | Floats:
     """Strength of the contact of a bead (from 0, or the end) of every chain, [chain], with another like it."""
     if not unlike(scene):
         return 1.0
@@ -222,18 +229,18 @@ def with_its_like(scene: "BaseScene", bead: int) -> float | Floats:
     return np.asarray(modulus[:, bead] * np.sqrt(radius[:, bead]))
 
 
-def modulus(scene: "BaseScene", bead: int) -> float | Floats:
+def modulus(scene: SceneParts, bead: int) -> float | Floats:
     """Plane modulus of a bead (from 0, or the end) of every chain, [chain], in the reference bead's."""
     return _beads(scene)[2][:, bead] if unlike(scene) else 1.0
 
 
-def yield_strengths(scene: "BaseScene") -> float | Floats:
+def yield_strengths(scene: SceneParts) -> float | Floats:
     """Yield strength of the beads, [chain, bead], in the reference bead's; 1 where all are the same."""
     found = _beads(scene)[3]
     return 1.0 if np.all(found == 1.0) else found
 
 
-def _refuse(scene: "BaseScene") -> None:
+def _refuse(scene: SceneParts) -> None:
     kinds = scene.kinds or {}
     for known_name, kind in kinds.items():
         kind.refuse(f"kinds.{known_name}", scene.material)
@@ -258,29 +265,29 @@ def _refuse(scene: "BaseScene") -> None:
         raise ValueError("replace: one bead is replaced twice (a striker is bead 1 of its chain)")
 
 
-def _key_of_replacement(scene: "BaseScene", number: int) -> str:
+def _key_of_replacement(scene: SceneParts, number: int) -> str:
     """Key in messages, with a number where there is a list of several."""
     return f"replace[{number}]" if len(scene.replace or ()) > 1 else "replace"
 
 
-def _rows(scene: "BaseScene") -> tuple[tuple[str, ...], ...]:
+def _rows(scene: SceneParts) -> tuple[tuple[str, ...], ...]:
     """The pattern of each chain; none without."""
     if not scene.pattern:
         return ()
     return scene.pattern if isinstance(scene.pattern[0], tuple) else (scene.pattern,) * scene.chains
 
 
-def radii(scene: "BaseScene") -> Floats:
+def radii(scene: SceneParts) -> Floats:
     """Radius of each bead, [chain, bead], over that of the reference bead."""
     return _beads(scene)[1]
 
 
-def moduli(scene: "BaseScene") -> Floats:
+def moduli(scene: SceneParts) -> Floats:
     """Plane modulus of each bead, [chain, bead], over that of the reference bead."""
     return _beads(scene)[2]
 
 
-def _beads(scene: "BaseScene") -> tuple[Floats, Floats, Floats, Floats]:
+def _beads(scene: SceneParts) -> tuple[Floats, Floats, Floats, Floats]:
     """Masses, radii, plane moduli and yield strengths, each [chain, bead]."""
     shape = (scene.chains, scene.beads)
     found = np.ones((4, *shape))

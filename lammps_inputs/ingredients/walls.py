@@ -8,7 +8,7 @@ contacts of other laws only the held bead is known, or a stiffness for a power o
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from lammps_inputs import laws, materials
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import plastic
-from lammps_inputs.ingredients.base import Ingredient, Part, Positive
+from lammps_inputs.ingredients.base import Ingredient, Part, Positive, SceneParts
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import Kind as Bead
 from lammps_inputs.ingredients.unequal import modulus, radii, unlike, with_its_like, yield_strengths
@@ -25,9 +25,6 @@ from lammps_inputs.laws import Law
 from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.links import Wall
 from lammps_inputs.units import Label, Unit
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import BaseScene
 
 STRENGTHS = {"bead": 1.0, "flat": math.sqrt(2.0), "rigid": 2.0 * math.sqrt(2.0)}
 """Force over that of two beads at the same overlap."""
@@ -69,7 +66,7 @@ class Walls(Ingredient):
     right: Annotated[Kind | None, Label("right wall")] = None
     """Wall behind the last beads; none if omitted."""
 
-    def refuse(self, scene: "BaseScene") -> None:
+    def refuse(self, scene: SceneParts) -> None:
         """Refuse what is no wall."""
         if self.left is None and self.right is None:
             raise ValueError("walls: name left, right or both: bead, flat, rigid, {stiffness: ...} or {material: ...}")
@@ -101,7 +98,7 @@ class Walls(Ingredient):
         blocks = (kind.material for kind in (self.left, self.right) if isinstance(kind, Face))
         return (*self.sources, *dict.fromkeys(materials.CATALOGUE[name].source for name in blocks if name))
 
-    def links(self, scene: "BaseScene") -> tuple[Wall, ...]:
+    def links(self, scene: SceneParts) -> tuple[Wall, ...]:
         """One for each wall."""
         found = []
         for key, side, last in (("left", -1.0, 0), ("right", 1.0, -1)):
@@ -119,7 +116,7 @@ class Walls(Ingredient):
         return tuple(found)
 
 
-def _yielding(kind: Kind, strength: NDArray[np.float64], scene: "BaseScene", bead: int) -> Law | None:
+def _yielding(kind: Kind, strength: NDArray[np.float64], scene: SceneParts, bead: int) -> Law | None:
     """That of a wall beside a bead (from 0, or the end) whose contacts yield, as does the bead; None where none do."""
     if not plastic.key(scene):
         return None
@@ -138,7 +135,7 @@ def _yielding(kind: Kind, strength: NDArray[np.float64], scene: "BaseScene", bea
     return plastic.law_of(scene, strength, radius, own, soft)
 
 
-def _law(key: str, strength: NDArray[np.float64], scene: "BaseScene") -> Law:
+def _law(key: str, strength: NDArray[np.float64], scene: SceneParts) -> Law:
     """That of the contacts, with this strength.
 
     Raises:
@@ -154,7 +151,7 @@ def _law(key: str, strength: NDArray[np.float64], scene: "BaseScene") -> Law:
     return law
 
 
-def _strength(kind: Kind, scene: "BaseScene", bead: int) -> float | NDArray[np.float64]:
+def _strength(kind: Kind, scene: SceneParts, bead: int) -> float | NDArray[np.float64]:
     """Dimensionless, of a wall beside a bead (from 0, or the end), for each chain where its beads there differ."""
     if not isinstance(kind, Face):
         return STRENGTHS[kind] * with_its_like(scene, bead)

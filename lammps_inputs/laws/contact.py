@@ -4,18 +4,14 @@
 1 are sonic vacua (Nesterenko, Dynamics of Heterogeneous Materials, Springer 2001, 1.2).
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lammps_inputs import laws
-from lammps_inputs.deck_lines import AtomTypes, Lines, types_by_contact
+from lammps_inputs.deck_lines import AtomTypes, BeadLayout, Lines, WallLinks, types_by_contact
 from lammps_inputs.laws import Parameter, Pure, formula
 from lammps_inputs.numbers import text
-
-if TYPE_CHECKING:
-    from lammps_inputs.layout import Layout
-    from lammps_inputs.links import Wall
 
 
 class Hertz(NamedTuple):
@@ -51,7 +47,7 @@ class Hertz(NamedTuple):
         """Overlap at which one contact holds the whole energy; 0 where there is none."""
         return (2.5 * energy / np.where(np.asarray(strength) > 0.0, strength, np.inf)) ** 0.4
 
-    def along(self, _name: str, layout: "Layout") -> Lines:
+    def along(self, _name: str, layout: BeadLayout) -> Lines:
         """LAMMPS's Hertz force is ``Kn * sqrt(diameter / 4) * overlap**1.5`` for equal beads.
 
         Its diameters are equal even where the beads' are not. So they touch exactly, and contacts are distinguished
@@ -69,7 +65,7 @@ class Hertz(NamedTuple):
         )
 
 
-def _granular(law: str, unit: float, strength: Parameter, power: str, layout: "Layout") -> Lines:
+def _granular(law: str, unit: float, strength: Parameter, power: str, layout: BeadLayout) -> Lines:
     """A pair style that has dashpots beside contacts of one law, and distinguishes these by the types of their beads.
 
     Args:
@@ -87,7 +83,7 @@ def _granular(law: str, unit: float, strength: Parameter, power: str, layout: "L
 
 
 def _of_types(
-    general: str, own: tuple[AtomTypes, dict[tuple[int, int], str]] | None, power: str, layout: "Layout"
+    general: str, own: tuple[AtomTypes, dict[tuple[int, int], str]] | None, power: str, layout: BeadLayout
 ) -> Lines:
     """Contacts in LAMMPS's words, in general and of pairs of types, with the dashpots of the layout."""
     loss, model, says = "0", "damping velocity", f"{power}{';' if own else ','} no friction, no loss"
@@ -150,7 +146,7 @@ class Power(NamedTuple):
         strong = np.where(np.asarray(strength) > 0.0, strength, np.inf)
         return ((exponent + 1.0) * energy / strong) ** (1.0 / (exponent + 1.0))
 
-    def along(self, name: str, layout: "Layout") -> Lines:
+    def along(self, name: str, layout: BeadLayout) -> Lines:
         """Linear contacts are a style of LAMMPS's own; others it has from a formula of the energy, eight times slower.
 
         Raises:
@@ -177,7 +173,7 @@ class Power(NamedTuple):
         energy = f"{text(float(self.strength) / (p + 1.0))}*({text(layout.diameter)}-r)^{text(p + 1.0)}"
         return formula.contacts(energy, f"= overlap^{text(p)}, from its energy", layout)
 
-    def _by_contact(self, name: str, layout: "Layout") -> Lines:
+    def _by_contact(self, name: str, layout: BeadLayout) -> Lines:
         """LAMMPS distinguishes contacts by the types of their beads; it has two exponents for that."""
         words = {1.0: ("hooke", 1.0), 1.5: ("hertz", float(1.0 / np.sqrt(layout.diameter / 4.0)))}
         power = np.asarray(self.exponent)
@@ -194,7 +190,7 @@ class Power(NamedTuple):
         return _of_types(law[0], (types, models), "overlap^exponent, both by the bead types", layout)
 
 
-def faces(link: "Wall", layout: "Layout") -> list[tuple[float, float]]:
+def faces(link: WallLinks, layout: BeadLayout) -> list[tuple[float, float]]:
     """Strength of the wall of every chain, and where it stands in LAMMPS: nearer by an overlap at rest."""
     radius, right = layout.diameter / 2.0, link.side > 0.0
     end, law = -1 if right else 0, link.law
@@ -203,7 +199,7 @@ def faces(link: "Wall", layout: "Layout") -> list[tuple[float, float]]:
     return list(zip(np.max(laws.strength(law), axis=1).tolist(), face.tolist(), strict=True))
 
 
-def wall_lines(link: "Wall", layout: "Layout") -> Lines:
+def wall_lines(link: WallLinks, layout: BeadLayout) -> Lines:
     """Walls of the ends of the chains, with their dashpots.
 
     Only the beads that can reach them are asked, for the others cost as much. All have one radius in LAMMPS, so chains
@@ -235,7 +231,7 @@ def wall_lines(link: "Wall", layout: "Layout") -> Lines:
     return Lines(motion=tuple(lines))
 
 
-def _push(name: str, hard: str, face: float, g: str, model: str, link: Any, layout: "Layout") -> list[str]:
+def _push(name: str, hard: str, face: float, g: str, model: str, link: Any, layout: BeadLayout) -> list[str]:
     """Force of a wall on the beads of a group; LAMMPS's own of a flat wall is ``K * sqrt(radius) * overlap**1.5``.
 
     Others are forces from outside, for LAMMPS's walls of any potential take ten times as long. Their dashpot is that of

@@ -20,20 +20,15 @@ The dashpot of a wall is one of the contacts': any of the three, so that coeffic
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from lammps_inputs import laws
-from lammps_inputs.deck_lines import AtomTypes, Lines, atoms_by_value
+from lammps_inputs.deck_lines import AtomTypes, BeadLayout, Lines, LinksAcross, atoms_by_value
 from lammps_inputs.laws import Parameter
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
-
-if TYPE_CHECKING:
-    from lammps_inputs.layout import Layout
-    from lammps_inputs.links import Across
-
 
 NO_LIMIT = 1e300
 """A contact of this strength is never pulled open: its product with an overlap is finite, and 0 at none."""
@@ -63,7 +58,7 @@ class Dashpot(NamedTuple):
         """``c s``."""
         return coefficient * s
 
-    def ground(self, name: str, layout: "Layout") -> Lines:
+    def ground(self, name: str, layout: BeadLayout) -> Lines:
         """A drag on every bead, of the velocity in the middle of the step before.
 
         With masses larger by half of what a step of the drag takes, LAMMPS's step is that of the drag of the mean of
@@ -75,7 +70,7 @@ class Dashpot(NamedTuple):
             heavier=name if layout.velocity_at_full_steps else None,
         )
 
-    def across(self, link: "Across", layout: "Layout") -> Lines:
+    def across(self, link: LinksAcross, layout: BeadLayout) -> Lines:
         """LAMMPS's thermostat of DPD at no temperature, whose drag, if the same along and across, is this.
 
         Beads of neighbouring chains differ by their type; the cutoff is between that of a row and those beside it.
@@ -98,7 +93,7 @@ class Dashpot(NamedTuple):
             ),
         )
 
-    def _inside(self, link: "Across", layout: "Layout") -> Lines:
+    def _inside(self, link: LinksAcross, layout: BeadLayout) -> Lines:
         """A force against the velocity of each inner atom and its bead relative to each other.
 
         LAMMPS has no dashpots in bonds. The two are a chunk of atoms, of which the sum of the velocities is known.
@@ -148,7 +143,7 @@ class ContactDashpot(NamedTuple):
         """``g ((d0 + s)+ - d0)``."""
         return coefficient * np.maximum(s, -rest)
 
-    def granular(self, layout: "Layout") -> tuple[float, str]:  # noqa: ARG002
+    def granular(self, layout: BeadLayout) -> tuple[float, str]:  # noqa: ARG002
         """LAMMPS's own coefficient."""
         return float(np.max(self.coefficient)), "damping velocity" + _limit(self.tensile_limit)
 
@@ -178,7 +173,7 @@ class Viscoelastic(NamedTuple):
         closed = np.maximum(s + rest, 0.0)
         return coefficient * (2.0 / 3.0 * closed * np.sqrt(closed) - 2.0 / 3.0 * rest * np.sqrt(rest))
 
-    def granular(self, layout: "Layout") -> tuple[float, str]:
+    def granular(self, layout: BeadLayout) -> tuple[float, str]:
         """LAMMPS multiplies by the contact's radius, sqrt(diameter / 4 * overlap), and the reduced mass, 1/2."""
         unit = 2.0 / float(np.sqrt(layout.diameter / 4.0))
         return unit * float(np.max(self.coefficient)), "damping viscoelastic" + _limit(self.tensile_limit)
@@ -209,7 +204,7 @@ class Restitution(NamedTuple):
         closed = np.maximum(s + rest, 0.0)
         return coefficient * (0.8 * closed * np.sqrt(np.sqrt(closed)) - 0.8 * rest * np.sqrt(np.sqrt(rest)))
 
-    def granular(self, layout: "Layout") -> tuple[float, str]:  # noqa: ARG002
+    def granular(self, layout: BeadLayout) -> tuple[float, str]:  # noqa: ARG002
         """LAMMPS has masses and strengths itself."""
         return self.share, "damping coeff_restitution"
 
@@ -262,7 +257,7 @@ def at_max_strain(law: Any, elastic: laws.Law, energy: float) -> Any:
     return resistance(law, elastic.max_strain(energy, *elastic))
 
 
-def beside(elastic: Lines, layout: "Layout") -> Lines:
+def beside(elastic: Lines, layout: BeadLayout) -> Lines:
     """The lines of contacts whose pair style has no dashpots, with these added.
 
     Raises:
@@ -354,7 +349,7 @@ class WallDashpot(NamedTuple):
         """That of its kind."""
         return self.steady + self.by_radius + self.by_stiffness
 
-    def granular(self, layout: "Layout") -> tuple[list[float], str]:
+    def granular(self, layout: BeadLayout) -> tuple[list[float], str]:
         """LAMMPS's coefficient for the wall of every chain, and the model, which is that of the contacts.
 
         Viscoelastic ones it multiplies by the bead's mass and the contact's radius, sqrt(diameter / 2 * overlap).

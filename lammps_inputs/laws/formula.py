@@ -6,17 +6,13 @@
 
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs.deck_lines import Lines, whole_contacts
+from lammps_inputs.deck_lines import BeadLayout, Lines, LinksAcross, whole_contacts
 from lammps_inputs.numbers import text
-
-if TYPE_CHECKING:
-    from lammps_inputs.layout import Layout
-    from lammps_inputs.links import Across
 
 SINCE = (
     'if "$(version) < 20230615" then "print \'contacts of any exponent need LAMMPS of 15Jun2023 or later\'" "quit 1"'
@@ -24,10 +20,10 @@ SINCE = (
 """Earlier releases of LAMMPS have no contacts from a formula of beads' radii."""
 
 
-def along(energy: str) -> "Callable[[Any, str, Layout], Lines]":
+def along(energy: str) -> Callable[[Any, str, BeadLayout], Lines]:
     """Method of contacts that act while beads overlap, from their energy."""
 
-    def spell(law: Any, name: str, layout: "Layout") -> Lines:
+    def spell(law: Any, name: str, layout: BeadLayout) -> Lines:
         return contacts(
             _filled(law, name, energy, f"({text(layout.diameter)}-r)"), "= minus the derivative of an energy", layout
         )
@@ -35,7 +31,7 @@ def along(energy: str) -> "Callable[[Any, str, Layout], Lines]":
     return spell
 
 
-def contacts(energy: str, says: str, layout: "Layout") -> Lines:
+def contacts(energy: str, says: str, layout: BeadLayout) -> Lines:
     """Contacts whose energy is a formula of the distance ``r``."""
     diameter = text(layout.diameter)
     return Lines(
@@ -49,17 +45,17 @@ def contacts(energy: str, says: str, layout: "Layout") -> Lines:
     )
 
 
-def beads_alone(layout: "Layout") -> tuple[str, ...]:
+def beads_alone(layout: BeadLayout) -> tuple[str, ...]:
     """Lines by which atoms that are no beads have no pair force: a formula of the distance knows no diameters."""
     if layout.system.inner_mass is None:
         return ()
     return ("group inner subtract all beads", "neigh_modify exclude group inner all   # resonators touch nothing")
 
 
-def across(energy: str) -> "Callable[[Any, Across, Layout], Lines]":
+def across(energy: str) -> Callable[[Any, LinksAcross, BeadLayout], Lines]:
     """Method of springs between chains, from their energy; it must be even: a formula of ``q``, the strain squared."""
 
-    def spell(law: Any, link: "Across", layout: "Layout") -> Lines:
+    def spell(law: Any, link: LinksAcross, layout: BeadLayout) -> Lines:
         squares, bonds = squares_of_strain(link, layout)
         return Lines(
             bonds=bonds,
@@ -71,17 +67,17 @@ def across(energy: str) -> "Callable[[Any, Across, Layout], Lines]":
     return spell
 
 
-def squares_of_strain(link: "Across", layout: "Layout") -> tuple[list[str], NDArray[np.int64]]:
+def squares_of_strain(link: LinksAcross, layout: BeadLayout) -> tuple[list[str], NDArray[np.int64]]:
     """The strain squared of bonds of each length, in LAMMPS's words, and their types from 1, [edge, row]."""
     kinds, bonds = np.unique([layout.apart(edge) for edge in link.edges], return_inverse=True)
     squares = [f"(r^2-{text(distance * distance)})" for distance in kinds.tolist()]
     return squares, np.broadcast_to(bonds.reshape(-1, 1) + 1, (len(link.edges), layout.beads))
 
 
-def ground(force: str) -> "Callable[[Any, str, Layout], Lines]":
+def ground(force: str) -> Callable[[Any, str, BeadLayout], Lines]:
     """Method of springs to the ground, from the force that drives beads back."""
 
-    def spell(law: Any, name: str, layout: "Layout") -> Lines:
+    def spell(law: Any, name: str, layout: BeadLayout) -> Lines:
         return Lines(
             motion=(
                 f"variable {name}strain atom x-{layout.place_formula}",

@@ -7,16 +7,13 @@ larger radius. `WaltonBraun` loads and unloads along two straight lines (Walton 
 Overlaps include that at rest, the memory too: under a static load it begins with the overlap at rest.
 """
 
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs.laws import Parameter, Pure
+from lammps_inputs.deck_lines import BeadLayout, Lines
+from lammps_inputs.laws import Parameter, Pure, plastic_lines
 from lammps_inputs.units import Dimension
-
-if TYPE_CHECKING:
-    from lammps_inputs.deck_lines import Lines
-    from lammps_inputs.layout import Layout
 
 YIELD_PRESSURE = 1.6
 """Peak pressure over the yield strength where a metal (Poisson's ratio 0.3) begins to flow, below the surface at 0.48
@@ -104,10 +101,8 @@ class Thornton(NamedTuple):
         """Overlap at which unloading ends, d_r."""
         return np.maximum(memory, onset) - _unloading(np.maximum(memory, onset), onset, memory)[0]
 
-    def along(self, name: str, layout: "Layout") -> "Lines":
+    def along(self, name: str, layout: BeadLayout) -> Lines:
         """See `lammps_inputs.laws.plastic_lines`."""
-        from lammps_inputs.laws import plastic_lines
-
         return plastic_lines.contacts(self, name, layout)
 
 

@@ -12,21 +12,15 @@ Forces of `fix external` are computed by a function of the process that hosts LA
 are in frames and restarts.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws
-from lammps_inputs.deck_lines import Lines
+from lammps_inputs.deck_lines import BeadLayout, Lines, WallLinks
 from lammps_inputs.laws.contact import faces
 from lammps_inputs.numbers import text
-
-if TYPE_CHECKING:
-    from lammps_inputs.laws.plastic import Thornton
-    from lammps_inputs.layout import Layout
-    from lammps_inputs.links import Wall
-    from lammps_inputs.system import System
 
 MOST_STOCK = 4000
 """Beads up to which stock commands are worth while: a step takes 0.7 to 2 us a bead, fifty times elastic ones'."""
@@ -40,12 +34,12 @@ MEMORY, AHEAD = "d_memory", "d_memory_ahead"
 """Largest overlap of the contact behind each bead, and of that between the last bead and a wall."""
 
 
-def needs_host(system: "System") -> bool:
+def needs_host(system: Any) -> bool:
     """Whether the forces of a system's contacts in LAMMPS are those of a function of its host."""
     return system.chains * system.beads > MOST_STOCK and any(laws.remembers(link.law) for link in system.links)
 
 
-def refusal(system: "System", ranks: int | None = None) -> str:
+def refusal(system: Any, ranks: int | None = None) -> str:
     """Why a deck runs neither in another program nor on several ranks; empty where it does, or it is on one rank."""
     if ranks == 1 or not needs_host(system):
         return ""
@@ -59,7 +53,7 @@ COLUMNS = ("d_strength1", "d_strength2", "d_onset1", "d_onset2")
 """Per-atom numbers of the first and of the second pairs, where contacts differ."""
 
 
-def contacts(law: "Thornton", name: str, layout: "Layout") -> Lines:
+def contacts(law: Any, name: str, layout: BeadLayout) -> Lines:
     """Contacts along chains, and with walls, that yield by Thornton's law.
 
     Raises:
@@ -116,7 +110,7 @@ where the first holds a force already.
 """
 
 
-def _overlaps(walls: list[Any], layout: "Layout", *, differ: bool) -> list[str]:
+def _overlaps(walls: list[Any], layout: BeadLayout, *, differ: bool) -> list[str]:
     """The pairs, and variables of the two overlaps of each bead."""
     beads = layout.beads
     pairs = beads // 2 + 1
@@ -162,7 +156,7 @@ def _of_pair(n: int, strength: str, onset: str) -> list[str]:
     ]
 
 
-def _at_wall(wall: "Wall", n: int, layout: "Layout") -> str:
+def _at_wall(wall: WallLinks, n: int, layout: BeadLayout) -> str:
     """Overlap with a wall, of the beads at it whose place in the first or second pairs is free."""
     right, beads = wall.side > 0.0, layout.beads
     if n != (2 if not right or beads % 2 == 0 else 1):
@@ -174,7 +168,7 @@ def _at_wall(wall: "Wall", n: int, layout: "Layout") -> str:
     return f"+((id-1)%{beads}=={end - 1})*{strain}"
 
 
-def _no_forces(but: str, layout: "Layout") -> tuple[str, ...]:
+def _no_forces(but: str, layout: BeadLayout) -> tuple[str, ...]:
     return (
         f"# contacts: no forces of LAMMPS's own{but}; see fix contacts",
         f"pair_style zero {text(layout.diameter)} nocoeff",
@@ -182,12 +176,12 @@ def _no_forces(but: str, layout: "Layout") -> tuple[str, ...]:
     )
 
 
-def _walls(system: "System") -> list[Any]:
+def _walls(system: Any) -> list[Any]:
     """The walls that yield."""
     return [link for link in system.ground if laws.remembers(link.law)]
 
 
-def _columns(layout: "Layout") -> NDArray[np.float64]:
+def _columns(layout: BeadLayout) -> NDArray[np.float64]:
     """[column, chain, bead] `COLUMNS`; a strength of 0 where there is no contact."""
     table, _ = table_of_host(layout)
     odd, before, behind = np.arange(layout.beads) % 2 == 1, table[..., :-1], table[..., 1:]
@@ -195,7 +189,7 @@ def _columns(layout: "Layout") -> NDArray[np.float64]:
     return pairs.reshape(4, layout.chains, layout.beads)
 
 
-def _lines_of_host(layout: "Layout") -> Lines:
+def _lines_of_host(layout: BeadLayout) -> Lines:
     """Contacts along chains, and with walls, whose forces the host computes."""
     return Lines(
         interactions=_no_forces("", layout),
@@ -208,12 +202,12 @@ def _lines_of_host(layout: "Layout") -> Lines:
     )
 
 
-def table_of_host(layout: "Layout") -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def table_of_host(layout: BeadLayout) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """[strength or onset, chain, contact], where the first and the last contacts are with walls; a strength of 0 where
     there is no contact. And [chain, side] the places at which the first bead and the last touch walls.
     """
     system = layout.system
-    law: Thornton = system.along[0].law  # type: ignore[assignment]
+    law = system.along[0].law
     found = np.zeros((2, layout.chains, layout.beads + 1))
     found[1] = 1.0
     for row, value in zip(found, (law.strength, law.onset), strict=True):

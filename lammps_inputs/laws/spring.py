@@ -4,13 +4,15 @@ Linear ones to the ground may have a stiffness that depends on time: a ramp betw
 """
 
 # ruff: noqa: ARG004  every function of a law takes all of its parameters
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from lammps_inputs import laws
 from lammps_inputs.deck_lines import (
+    BeadLayout,
     Lines,
+    LinksAcross,
     atoms_by_row,
     atoms_by_value,
     bonds_by_value,
@@ -20,10 +22,6 @@ from lammps_inputs.deck_lines import (
 from lammps_inputs.laws import Parameter
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
-
-if TYPE_CHECKING:
-    from lammps_inputs.layout import Layout
-    from lammps_inputs.links import Across
 
 
 class Linear(NamedTuple):
@@ -53,7 +51,7 @@ class Linear(NamedTuple):
         # roots apart: the quotient may overflow
         return np.sqrt(2.0 * energy) / np.sqrt(np.where(np.asarray(spring) > 0.0, spring, np.inf))
 
-    def ground(self, name: str, layout: "Layout") -> Lines:
+    def ground(self, name: str, layout: BeadLayout) -> Lines:
         """A fix that holds each bead at the place where it finds it, at rest."""
         if not laws.differs(self):
             return Lines(
@@ -72,7 +70,7 @@ class Linear(NamedTuple):
             ]
         return Lines(motion=tuple(lines))
 
-    def across(self, link: "Across", layout: "Layout") -> Lines:
+    def across(self, link: LinksAcross, layout: BeadLayout) -> Lines:
         """Harmonic bonds, whose energy is ``K (r - r0)**2``, with ``K = k / 2`` from a deck variable if all are equal.
 
         With r0 = 0 the bond is linear in each coordinate, so the force along the chain is exactly ``-k`` times the
@@ -102,12 +100,12 @@ _SINCE = 20250722
 """Earlier releases of LAMMPS were not tried with springs to the ground whose stiffness is a variable."""
 
 
-def row_variable(layout: "Layout") -> str:
+def row_variable(layout: BeadLayout) -> str:
     """The line that defines `ROW`."""
     return f"variable row atom (id-1)%{layout.rows}+1"
 
 
-def held_by_variable(name: str, atoms: str, formula: str, layout: "Layout") -> list[str]:
+def held_by_variable(name: str, atoms: str, formula: str, layout: BeadLayout) -> list[str]:
     """Springs to the ground, of which LAMMPS computes the stiffness at every step; of all atoms where none are named.
 
     A force from a formula, which older releases have too, takes twice the time.
@@ -123,7 +121,7 @@ def held_by_variable(name: str, atoms: str, formula: str, layout: "Layout") -> l
     ]
 
 
-def driven_back(name: str, forces: list[tuple[str, str]], layout: "Layout") -> Lines:
+def driven_back(name: str, forces: list[tuple[str, str]], layout: BeadLayout) -> Lines:
     """Forces towards the places of beads, each a formula of ``v_NAMEstrain`` for some atoms."""
     lines = [f"variable {name}strain atom x-{layout.place_formula}"]
     for number, (force, atoms) in enumerate(forces, 1):
@@ -178,13 +176,13 @@ class Duffing(NamedTuple):
         root = spring + np.sqrt(spring * spring + 4.0 * cubic * energy)
         return np.sqrt(4.0 * energy) / np.sqrt(np.where(root > 0.0, root, np.inf))
 
-    def ground(self, name: str, layout: "Layout") -> Lines:
+    def ground(self, name: str, layout: BeadLayout) -> Lines:
         """A force from a formula of the place, for which LAMMPS has no fix of its own."""
         strain, own = f"v_{name}strain", atoms_by_value(self, (layout.chains, layout.beads))
         forces = [(f"({text(k)}*{strain}+{text(c)}*{strain}^3)", atoms) for (k, c), atoms in own]
         return driven_back(name, forces, layout)
 
-    def across(self, link: "Across", layout: "Layout") -> Lines:
+    def across(self, link: LinksAcross, layout: BeadLayout) -> Lines:
         """Bonds of class2, whose energy with r0 = 0 is ``K2 r**2 + K4 r**4``, r**2 = s**2 + (lateral distance)**2.
 
         With K4 = c / 4 the lateral part adds ``2 K4 distance**2`` to K2, which is taken away; exact but for rounding.
@@ -312,7 +310,7 @@ class Varying(NamedTuple):
         one = np.ones(np.broadcast_shapes(np.shape(t), *map(np.shape, self)))
         return Instant(self.force(one, t, *self), 2.0 * self.power(one, t, *self))
 
-    def ground(self, name: str, layout: "Layout") -> Lines:
+    def ground(self, name: str, layout: BeadLayout) -> Lines:
         """A variable that is the stiffness at every step: one for all, for each value, or for each profile of rows."""
         if not laws.differs(self):
             comment = "   # at the end of its ramp" if self.from_its_end else ""

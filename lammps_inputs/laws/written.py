@@ -10,21 +10,17 @@ contact under a static load, its force is counted from there, and so is its ener
 import functools
 from collections import namedtuple
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, cast
+from typing import Annotated, Any, ClassVar, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs.deck_lines import Lines, atoms_by_value, whole_contacts
+from lammps_inputs.deck_lines import BeadLayout, Lines, LinksAcross, atoms_by_value, whole_contacts
 from lammps_inputs.laws import Parameter, Pure, expression, formula
 from lammps_inputs.laws.expression import SQUARE, STRAIN, Derived
 from lammps_inputs.laws.spring import driven_back
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
-
-if TYPE_CHECKING:
-    from lammps_inputs.layout import Layout
-    from lammps_inputs.links import Across
 
 Floats = NDArray[np.float64]
 
@@ -318,7 +314,7 @@ class AlongChains(Written):
         """How much farther apart than at rest an energy brings beads, where the law acts at a distance; else 0."""
         return 0.0 if self.kind.cut else max(reach(law, energy, -1.0) for law in _each(self))
 
-    def along(self, name: str, layout: "Layout") -> Lines:
+    def along(self, name: str, layout: BeadLayout) -> Lines:
         """A pair style of the distance, from the energy.
 
         Raises:
@@ -360,7 +356,7 @@ class AlongChains(Written):
 class ToGround(Written):
     """A spring to the ground."""
 
-    def ground(self, name: str, layout: "Layout") -> Lines:
+    def ground(self, name: str, layout: BeadLayout) -> Lines:
         """A force on the beads, in LAMMPS's variables."""
         u = f"({text(float(self.length))}*v_{name}strain)"
         value = _spelled(self, self.derived.force, u, "variable", name)
@@ -372,7 +368,7 @@ class ToGround(Written):
 class AcrossChains(Written):
     """A spring between chains; its force is odd."""
 
-    def across(self, link: "Across", layout: "Layout") -> Lines:
+    def across(self, link: LinksAcross, layout: BeadLayout) -> Lines:
         """Bonds from an energy that is a formula of the strain squared, ``r^2 - d^2`` at the lateral distance d.
 
         Raises:

@@ -7,7 +7,8 @@ from pathlib import Path
 from lammps_inputs import InputError, Problem, Scene, library
 from workflow.engines.lammps.engine import RESTART_EVERY
 from workflow.prepare.pilot import better_timestep
-from workflow.prepare.settings import Settings, settle
+from workflow.prepare.settings import settle
+from workflow.prepare.step_choice import Settings
 from workflow.runs import run as running
 from workflow.runs.check import Check
 from workflow.runs.contacts import Contacts

@@ -9,14 +9,13 @@ import itertools
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from analysis.against.common_times import on_common_rows
-from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene, library, physics, scheme
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
@@ -24,8 +23,8 @@ from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow import screen
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET
-from workflow.engines.reference.step_halving import StepHalving, Uncertainty
-from workflow.prepare.settings import Settings
+from workflow.engines.reference.step_halving import StepHalving
+from workflow.prepare.step_choice import Kept, Settings
 
 SPACING = 0.4
 """Time between the frames that are compared, in units of T: waves are found between them to 1e-5."""
@@ -80,28 +79,6 @@ CHAOS = (
 
 KEPT_BYTES = 1 << 27
 """Of frames of the reference that are kept in memory, for the next trial and for the check of the run."""
-
-
-@dataclass(frozen=True)
-class Kept:
-    """An accurate run of the reference, in memory."""
-
-    frames: tuple[Trajectory, ...]
-    uncertainty: Uncertainty
-
-    def is_of(self, problem: Problem) -> bool:
-        """Whether these are the frames of a problem: the same beads at the same times."""
-        own = self.frames[0].problem
-        same = (own.frames, own.recorded, own.window) == (problem.frames, problem.recorded, problem.window)
-        return same and math.isclose(own.every, problem.every, rel_tol=1e-9)
-
-    def blocks(self) -> Iterator[Trajectory]:
-        """As `StepHalving.blocks`."""
-        return iter(self.frames)
-
-    def of(self, problem: Problem) -> "Kept":
-        """The same frames, of a problem with another time step."""
-        return replace(self, frames=tuple(replace(block, problem=problem) for block in self.frames))
 
 
 class UnreachableError(Exception):

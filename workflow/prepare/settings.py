@@ -1,90 +1,10 @@
 """The duration and the time step of a scene, determined and checked before anything is written or run."""
 
-from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any
-
-from lammps_inputs import InputError, Problem, Scene, physics
+from lammps_inputs import InputError, Scene
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import memory
 from lammps_inputs.scene import DEFAULT_ACCURACY
-
-if TYPE_CHECKING:
-    from workflow.prepare.pilot import Kept
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How the time step of a scene that names none was chosen, dimensionless.
-
-    Attributes:
-        accuracy: largest error of any recorded velocity, in units of V: of the scene, or the default.
-        timestep: chosen.
-        steps_per_frame: the same.
-        reference_timestep: of a reference whose uncertainty is a fraction of the accuracy.
-        expected_error: what the error is expected to be, in units of V.
-        measured_error: of the pilot run: the same, or a larger one from which it was carried over.
-        measured: share of the run's time over which that was measured; 0 where the rule gave the step.
-        limited: whether a longer step would have done, but for ``output.every``, the energy or the stability bound.
-        seconds: what the choice cost, the compiler apart.
-        asked: whether the scene names the accuracy.
-        unreached: why no step keeps the default accuracy, where none does.
-        rule_timestep: step for the accuracy by the rule (`lammps_inputs.limits.rates.timestep_for`); None in records
-            of earlier versions.
-        reference: the pilot run's, for the check of the run; not recorded.
-    """
-
-    accuracy: float
-    timestep: float
-    steps_per_frame: int
-    reference_timestep: float
-    expected_error: float
-    measured_error: float
-    measured: float
-    limited: bool
-    seconds: float = 0.0
-    asked: bool = True
-    unreached: str = ""
-    rule_timestep: float | None = None
-    reference: "Kept | None" = field(default=None, repr=False, compare=False)
-
-    def plain(self) -> dict[str, Any]:
-        """For ``run.json``."""
-        return {part.name: getattr(self, part.name) for part in fields(self) if part.name != "reference"}
-
-    def sentence(self, problem: Problem) -> str:
-        """What was chosen and why, in one line."""
-        step = problem.scale.written(self.timestep, "time", ".3g")
-        pilot = f"pilot run ({self.seconds:.1f} s of wall time)"
-        if self.unreached:
-            how = f"by a rule, not measured, since {self.unreached}"
-        elif self.measured == 0.0:
-            how = "by a rule, not measured: the scene is too large for a pilot run"
-        elif self.expected_error == self.measured_error:
-            how = f"error {self.expected_error:.1e} V in a {pilot}"
-        else:
-            part = "" if self.measured == 1.0 else f" over 1/{1.0 / self.measured:.0f} of the time and beads"
-            how = (
-                f"error expected below {self.expected_error:.1e} V, from {self.measured_error:.1e} V with another "
-                f"step{part} in a {pilot}"
-            )
-            if (
-                self.measured < 1.0
-                and problem.window is None
-                and (physics.coupled(problem.system) or physics.gap(problem.system) > 0.0)
-            ):
-                how += "; larger behind the front in a long run, where repeated contacts amplify errors"
-        if not self.unreached and self.rule_timestep is not None and self.timestep < _USUAL * self.rule_timestep:
-            how += (
-                f"; {self.rule_timestep / self.timestep:.0f} times as short as where errors grow in proportion to "
-                "time: repeated contacts or growing oscillations amplify them; a larger `accuracy` allows a longer step"
-            )
-        longer = "; frames, energy or stability allow no longer step" if self.limited else ""
-        default = "" if self.asked else " (default)"
-        return f"accuracy {self.accuracy:g} V{default}: timestep {step}, {how}{longer}"
-
-
-_USUAL = 0.2
-"""Part of the step by the rule, which is for errors that grow in proportion to time, that is rarely too long."""
+from workflow.prepare.step_choice import Settings
 
 _DECK_BYTES = 250
 """Of memory, a bead that exists, to write a deck; measured."""

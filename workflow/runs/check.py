@@ -19,8 +19,8 @@ from lammps_inputs.facts import Fact
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.engines.reference.step_halving import MOST_HALVINGS, StepHalving, Uncertainty
-from workflow.prepare.pilot import CADENCE, SPACING, Kept, stride
-from workflow.prepare.settings import Settings
+from workflow.prepare.pilot import CADENCE, SPACING, stride
+from workflow.prepare.step_choice import Kept, Settings
 from workflow.runs.run_directory import RunDirectory
 
 UNCERTAINTY_PART = 1.0 / 3.0

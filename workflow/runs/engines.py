@@ -18,7 +18,7 @@ from lammps_inputs.laws import plastic_lines
 from lammps_inputs.system import System
 from workflow import cluster as model
 from workflow.engines.lammps import engine as lammps_engine
-from workflow.prepare.settings import Settings
+from workflow.prepare.step_choice import Settings
 from workflow.runs.check import closing, references_of
 from workflow.runs.files import EVENTS, LAMMPS_FILES, RECORD, write_text
 from workflow.runs.job import Job

@@ -56,7 +56,7 @@ class Resumed(_Part):
 
 
 class StepChoice(_Part):
-    """How a time step was chosen: a `workflow.prepare.settings.Settings`."""
+    """How a time step was chosen: a `workflow.prepare.step_choice.Settings`."""
 
     accuracy: Number
     timestep: Number

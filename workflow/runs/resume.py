@@ -14,7 +14,7 @@ from lammps_inputs import InputError, Problem, file_names
 from lammps_inputs.decks import continuation
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import files_on_disk, stepping
-from workflow.prepare.settings import Settings
+from workflow.prepare.step_choice import Settings
 from workflow.runs.engines import ENGINES, LAMMPS, Progress
 from workflow.runs.files import RECORD, all_parts, alone, part_number, parts, write_text
 from workflow.runs.job import Job

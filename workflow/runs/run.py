@@ -17,7 +17,8 @@ from workflow.cluster import MEMORY
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
-from workflow.prepare.settings import Settings, refuse_too_large, settle
+from workflow.prepare.settings import refuse_too_large, settle
+from workflow.prepare.step_choice import Settings
 from workflow.runs import check as checking
 from workflow.runs import contacts
 from workflow.runs.engines import ENGINES, LAMMPS, Progress, Start, Work, engine_called

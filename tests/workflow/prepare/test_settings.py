@@ -22,7 +22,8 @@ from workflow.engines.reference.step_halving import accurate_reference
 from workflow.errors import RunError
 from workflow.prepare import pilot
 from workflow.prepare.pilot import stride
-from workflow.prepare.settings import Settings, settle
+from workflow.prepare.settings import settle
+from workflow.prepare.step_choice import Settings
 from workflow.runs import resume
 from workflow.runs.check import check
 from workflow.runs.run import run
@@ -245,8 +246,9 @@ def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
         ({"rule_timestep": 0.0125 / 0.21}, "error 2.0e-05 V in a pilot run (0.5 s of wall time)"),
         (
             {"rule_timestep": 0.2},
-            "error 2.0e-05 V in a pilot run (0.5 s of wall time); 16 times as short as where errors grow in proportion to time: "
-            "repeated contacts or growing oscillations amplify them; a larger `accuracy` allows a longer step",
+            "error 2.0e-05 V in a pilot run (0.5 s of wall time); 16 times as short as where errors grow in "
+            "proportion to time: repeated contacts or growing oscillations amplify them; a larger `accuracy` allows a "
+            "longer step",
         ),
         ({"measured": 0.0}, "by a rule, not measured: the scene is too large for a pilot run"),
         ({"measured": 0.0, "unreached": "errors grow"}, "by a rule, not measured, since errors grow"),

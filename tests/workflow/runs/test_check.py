@@ -22,7 +22,7 @@ from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving, accurate_reference
 from workflow.prepare import pilot
 from workflow.prepare.pilot import better_timestep
-from workflow.prepare.settings import Settings
+from workflow.prepare.step_choice import Settings
 from workflow.runs import check as checking
 from workflow.runs.check import Check, accountant, check, stride
 from workflow.runs.job import Job, Uncertainty
