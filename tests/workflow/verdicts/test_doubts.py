@@ -108,7 +108,7 @@ def test_all_that_departs_from_the_scene_is_named_largest_effect_first():
     ]
 
 
-def test_two_beads_and_their_contacts_are_not_taken_for_one_another():
+def test_a_heavy_bead_beside_a_weak_contact_is_not_taken_for_many_others():
     right = problem({})
     wrong, reference = pair(right, (heavier_bead, 1.2), (stronger_contact, 0.9))
     assert not any(departure.count > 1 for departure in identify(wrong, reference).departures)
