@@ -11,7 +11,7 @@ from ingredient_scenes import CASES, STEEL, exact, exponent, in_units, scene
 from plain_scene import goes_on_bit_for_bit
 from stock_lammps import DEBIAN, WHEEL
 from stock_lammps import run as run_deck
-from wrong_runs import deck_run, substituted
+from wrong_runs import deck_run, substituted, without_uncertainties
 
 from analysis.conservation import Conservation
 from analysis.trajectory import mirrored_problem
@@ -268,13 +268,14 @@ EDITED = {
         "walls of exponent 3, gap",
         r'"0.25\*\((\S+?)-r\)\^4"',
         r'"(\1-r)^4.1/4.1"',
-        "the contacts have the exponent 3.100 instead of 3",
+        "the contacts do not follow the law of the scene: as if the exponent of the strain were larger by 0.0999",
     ),
     "no strengths": (
         "random contacts",
         r"pair_coeff \d+ \d+ hertz .*\n",
         "",
-        "all contacts have the strength 1 instead of 0.7485 to 1.286 (no contact.strength?)",
+        "the strength of the contacts differs from the scene's at 14 places, most of all: the contacts between beads 4 "
+        "and 5 of chain 1 are 1.336 times as strong as the scene says",
     ),
     "no foundation": ("foundation", r"fix foundation all spring/self .*\n", "", "the foundation is missing"),
     "foundation": ("foundation", r"foundation index 0\.5", "foundation index 0.55", f"the foundation is {MORE}"),
@@ -303,7 +304,7 @@ EDITED = {
         "column",
         "-f_found",
         "-0.9*f_found",
-        "the forces that hold the beads at rest are 0.9 times what the scene says",
+        "the forces that hold the beads at rest (on the ends, or weights) are 0.9 times as strong as the scene says",
     ),
     "no resonators": (RESONANT, r"bond_coeff 1 .*", "bond_coeff 1 0 0", "the resonators are missing"),
     "resonators": (
@@ -322,7 +323,7 @@ EDITED = {
         "driven",
         r"(variable drive1[xv] equal )",
         r"\g<1>1.1*",
-        "the drive of bead 1 of chain 1 has a displacement of 0.55 instead of 0.5",
+        "the amplitude of the drive of bead 1 of chain 1 is 1.1 times that of the scene",
     ),
 }
 
@@ -331,7 +332,8 @@ EDITED = {
 @pytest.mark.parametrize(("name", "pattern", "new", "cause"), EDITED.values(), ids=EDITED)
 def test_validate_names_what_in_a_deck_is_not_the_scene_s(name, pattern, new, cause, tmp_path):
     case = scene(name, duration=20.0, output={"every": 0.1})
-    assert cause in validate(deck_run(case, tmp_path / "run", substituted(pattern, new))).causes
+    found = validate(deck_run(case, tmp_path / "run", substituted(pattern, new)))
+    assert cause in without_uncertainties(found.causes)
 
 
 @pytest.mark.parametrize("name", ["foundation", "walls", "dimer", "ring", "damping viscoelastic, cut"])

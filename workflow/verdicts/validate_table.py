@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.against import common_times, symptoms
+from analysis.against import common_times
 from analysis.against.difference import Deviation, Difference, Place, deviation_of
+from analysis.against.rounding import precision
 from analysis.files import table, traces
 from analysis.files.table import Table
 from analysis.files.traces import Channel
@@ -15,7 +16,7 @@ from analysis.gauges.gauge import beads_of, complaint, read_at
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts import causes
+from workflow.verdicts.diagnose import Diagnosis, diagnose
 from workflow.verdicts.validate import TOLERANCES, Validation, any_exceeded, blocks, error_figure, limits_of, write
 
 
@@ -60,25 +61,35 @@ def validate_table(
         wanted += ["amplitude", "arrival"]
     deviations = {name: deviations[name] for name in wanted if name in deviations}
     exceeded = any_exceeded(deviations, limits)
-    found: list[str] = []
-    if exceeded and theirs.problem.recorded is None:
-        found = [f"{path}: {cause}" for cause in causes.causes(theirs, resampled)] or causes.causes(resampled, theirs)
-    digits = list(rounded(path, theirs))
-    if exceeded and not found:  # nothing else explains it
-        found, digits = digits, []
+    diagnosis = _diagnosis(path, theirs, resampled) if exceeded and theirs.problem.recorded is None else Diagnosis()
+    causes, notes = diagnosis.causes, tuple(rounded(path, theirs))
+    if exceeded and not causes:
+        if notes:  # nothing else explains the deviation
+            causes, notes = notes, ()
+        elif diagnosis.remark:
+            notes = (diagnosis.remark,)
     result = Validation(
         problem=problem,
         against=str(path),
         deviations=deviations,
         tolerances=limits,
-        causes=tuple(found),
-        remarks=(*digits, *remarks(path, theirs, own)),
+        causes=causes,
+        remarks=(*notes, *remarks(path, theirs, own)),
         interpolation=None if are_frames(theirs, own) else common_times.interpolation_error(own_part),
         frames=own.frames,
         compared=len(theirs.time),
     )
     write(directory.path, result, error_figure(result, difference, path.name))
     return result
+
+
+def _diagnosis(path: Path, theirs: Trajectory, run: Trajectory) -> Diagnosis:
+    """Likely causes of what a table and a run at its times differ by: those in the table, else those in the run."""
+    in_table = diagnose(theirs, run)
+    if in_table.causes:
+        return Diagnosis(tuple(f"{path}: {cause}" for cause in in_table.causes))
+    in_run = diagnose(run, theirs)
+    return in_run if in_run.causes else Diagnosis(remark=f"{path}: {in_table.remark}")
 
 
 def _loaded(path: Path, problem: Problem, *, dimensionless: bool) -> Table:
@@ -213,9 +224,9 @@ def are_frames(theirs: Trajectory, own: Trajectory) -> bool:
 def rounded(path: Path, theirs: Trajectory) -> Iterator[str]:
     """Which of a table's numbers are rounded."""
     for name, values in (("displacements", theirs.displacement), ("velocities", theirs.velocity)):
-        precision = symptoms.precision(values)
-        if precision is not None:
-            yield f"{name} in {path} have only {precision}"
+        digits = precision(values)
+        if digits is not None:
+            yield f"{name} in {path} have only {digits}"
 
 
 def remarks(path: Path, theirs: Trajectory, own: Trajectory) -> Iterator[str]:

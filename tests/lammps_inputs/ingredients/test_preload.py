@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from ingredient_scenes import COLUMN, HELD, STEEL
 from plain_scene import scene
+from wrong_runs import causes
 
 from analysis.dispersion import Dispersion
 from analysis.gauges.forces import ForceMeter
@@ -23,7 +24,6 @@ from workflow.prepare.settings import settle
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
-from workflow.verdicts.causes import causes
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -129,7 +129,10 @@ def test_waves_on_a_load_are_faster_than_the_long_wave_theory_says(tmp_path, for
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("force", "said"),
-    [(None, "the static load is missing"), (0.6, "the contacts carry about 2 times the static load of the scene")],
+    [
+        (None, "the static load of the contacts is missing"),
+        (0.6, "the static load of the contacts is 2 times as strong as the scene says"),
+    ],
     ids=["none", "twice"],
 )
 @pytest.mark.parametrize("contact", [None, {"exponent": 2.0}], ids=["spheres", "squares"])
@@ -147,7 +150,7 @@ def test_the_cause_is_named_where_beads_of_a_column_weigh_more():
         engine.run(loaded(**{**COLUMN, "gravity": weight}, output={"every": 0.1}).problem()) for weight in (0.02, 0.03)
     )
     found = causes(replace(other, problem=right.problem), right)
-    assert found == ["the contacts carry about 1.5 times the static load of the scene"]
+    assert found == ["the static load of the contacts is 1.5 times as strong as the scene says"]
 
 
 @pytest.mark.slow

@@ -1,0 +1,224 @@
+"""Likely causes of a difference between a trajectory and its reference, in words.
+
+`analysis.against.identify` and `analysis.against.rounding` do the measuring.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from analysis import motion
+from analysis.against import start
+from analysis.against.identify import (
+    LEAST_FRAMES,
+    NOISE,
+    TOO_FAR,
+    Departure,
+    Identification,
+    identify,
+    other_parameters,
+    time_shift,
+)
+from analysis.against.rounding import precision
+from analysis.files.recording import rest_positions
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs.loads import Motion
+from lammps_inputs.units import Scale
+
+_SHIFTED = 0.97
+"""Share of the squared difference that a shift in time must explain."""
+
+_STEADY = 0.1
+"""Uncertainty of a shift, or another shift, over the shift, up to which both are the same."""
+
+_MOTION = 1e-6
+"""Difference from a prescribed motion over its amplitude, up to which it is rounding."""
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Likely causes of a difference.
+
+    Attributes:
+        causes: largest effect first; empty if none could be determined.
+        remark: why no cause could be determined, else empty.
+    """
+
+    causes: tuple[str, ...] = ()
+    remark: str = ""
+
+
+def rounded(trajectory: Trajectory, reference: Trajectory) -> list[str]:
+    """Which numbers were rounded when they were written: positions or velocities, of any beads."""
+    problem, lines = trajectory.problem, []
+    rest = rest_positions(problem) if problem.window is None else trajectory.beads * problem.layout.spacing
+    moved = trajectory.displacement != 0.0
+    for name, values, right in (
+        ("positions", trajectory.displacement + rest, reference.displacement + rest),
+        ("velocities", trajectory.velocity, reference.velocity),
+    ):
+        digits = precision(values[moved])
+        if digits is not None and precision(right[moved]) is None:
+            lines.append(f"{name} have only {digits}; write them with %.17g or in binary")
+    return lines
+
+
+def diagnose(trajectory: Trajectory, reference: Trajectory) -> Diagnosis:
+    """Likely causes of the difference between a trajectory and the reference.
+
+    Args:
+        trajectory: consecutive frames of all beads.
+        reference: the same frames as the scene has them.
+    """
+    causes = _not_finite(trajectory) or _shifted(trajectory, reference)
+    departures = [] if causes else _prescribed(trajectory)
+    if not causes and not departures and trajectory.time[0] == 0.0:
+        causes = start.differences(trajectory)
+    if causes:
+        return Diagnosis(tuple(causes))
+    reason = _reason_against(trajectory, reference)
+    if not reason:
+        identification = identify(trajectory, reference)
+        departures += identification.departures
+        reason = _undetermined(identification, trajectory.problem.chains)
+    causes = [_sentence(departure, trajectory.problem.scale) for departure in departures]
+    return Diagnosis(tuple(causes), "" if causes else f"no cause could be determined: {reason}")
+
+
+# --- what the momentum equations do not show --------------------------------------------------------------------------
+
+
+def _not_finite(trajectory: Trajectory) -> list[str]:
+    """Whether there are numbers that are not finite."""
+    wrong = ~np.all(np.isfinite(trajectory.displacement) & np.isfinite(trajectory.velocity), axis=(1, 2))
+    if not wrong.any():
+        return []
+    time = trajectory.problem.scale.written(trajectory.time[int(np.argmax(wrong))], "time")
+    return [f"from t = {time} on, positions or velocities are not finite numbers (a time step too long?)"]
+
+
+def _shifted(trajectory: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether a shift in time, of all numbers or of the velocities alone, explains the difference."""
+    problem = trajectory.problem
+    of_velocity = time_shift(
+        trajectory.velocity - reference.velocity, 0.5 * (_acceleration(trajectory) + _acceleration(reference))
+    )
+    of_position = time_shift(
+        trajectory.displacement - reference.displacement, 0.5 * (trajectory.velocity + reference.velocity)
+    )
+    limit = _STEADY * abs(of_velocity.time)
+    if of_velocity.explained < _SHIFTED or of_velocity.uncertainty > limit:
+        return []
+    if abs(of_position.time) < limit:
+        steps, uncertainty = of_velocity.time / problem.timestep, of_velocity.uncertainty / problem.timestep
+        side = "after" if steps > 0.0 else "before"
+        return [
+            f"velocities are those of {abs(steps):.2g} (± {uncertainty:.1g}) time steps {side} the positions "
+            "(half-step velocities?)"
+        ]
+    alike = max(abs(of_position.time - of_velocity.time), of_position.uncertainty) < limit
+    if of_position.explained < _SHIFTED or not alike:
+        return []
+    time = problem.scale.written(abs(of_position.time), "time", ".2g")
+    bound = problem.scale.written(of_position.uncertainty, "time", ".1g")
+    direction = "earlier" if of_position.time > 0.0 else "later"
+    return [f"all frames are shown {time} (± {bound}) {direction} than they are"]
+
+
+def _acceleration(trajectory: Trajectory) -> Floats:
+    """Acceleration of the beads by the forces of the scene, [frame, chain, bead]."""
+    (x, v), problem = trajectory.atoms, trajectory.problem
+    return motion.acceleration(problem.system, x, time=trajectory.time, velocity=v)[:, : problem.chains]
+
+
+def _prescribed(trajectory: Trajectory) -> list[Departure]:
+    """What differs of the motion of beads of prescribed motion."""
+    departures = []
+    for drive in trajectory.problem.system.motions:
+        values = trajectory.displacement[:, drive.chain - 1, drive.bead - 1]
+        difference, limit = values - drive.displacement(trajectory.time), _MOTION * abs(drive.amplitude)
+        if np.max(np.abs(difference)) <= limit:
+            continue
+        name = f"drive of bead {drive.bead} of chain {drive.chain}"
+
+        def course(amplitude: float, omega: float, phase: float, drive: Motion = drive) -> Floats:
+            moved = replace(drive, amplitude=amplitude, omega=omega, phase=phase)
+            return np.asarray(moved.displacement(trajectory.time))
+
+        parameters = {"amplitude": drive.amplitude, "omega": drive.omega, "phase": drive.phase}
+        departures += other_parameters(name, parameters, course, values, limit * np.sqrt(trajectory.frames)) or [
+            Departure(name, "course", np.nan, np.nan, 1.0, 1.0)
+        ]
+    return departures
+
+
+# --- what they show ---------------------------------------------------------------------------------------------------
+
+
+def _reason_against(trajectory: Trajectory, reference: Trajectory) -> str:
+    """Why the forces on the beads do not follow from the frames; empty if they do."""
+    if not trajectory.problem.forces_known:
+        return "forces of contacts that yield depend on their past"
+    if trajectory.problem.system.inner_mass is not None and (trajectory.inner is None or reference.inner is None):
+        return "the motion of the resonators is not recorded"
+    if trajectory.frames < LEAST_FRAMES:
+        return f"there are {trajectory.frames} frames, of {LEAST_FRAMES} that are needed"
+    return ""
+
+
+def _undetermined(identification: Identification, chains: int) -> str:
+    """Why the momentum equations show no cause."""
+    unexplained, interpolation = identification.unexplained, identification.interpolation
+    line, bead = identification.place
+    if interpolation >= TOO_FAR:
+        return (
+            f"frames too far apart: interpolation between them leaves {interpolation:.0%} of the changes of momentum, "
+            f"of {TOO_FAR:.0%} that are allowed (a smaller output.every)"
+        )
+    if unexplained <= NOISE * interpolation:
+        return (
+            f"between frames all beads follow the forces of the scene, to {unexplained:.1e} of the changes of momentum"
+        )
+    if identification.ambiguous:
+        return "several factors of forces or masses explain the motion alike"
+    return (
+        f"the forces of the scene leave {unexplained:.2g} of the changes of momentum unexplained, most at bead "
+        f"{bead + 1} of chain {line % chains + 1}, and no factors of one kind explain it"
+    )
+
+
+def _sentence(departure: Departure, scale: Scale) -> str:
+    """A departure in words."""
+    factor, uncertainty, quantity = departure.factor, departure.uncertainty, departure.quantity
+    name = departure.name.replace("_", " ")
+    are, do = ("are", "do") if name.split()[0].endswith("s") else ("is", "does")
+    if name == "beads":
+        name = "all beads"
+    elif quantity != "mass" or name.startswith("resonators"):
+        name = f"the {name}"
+    adjective = "heavy" if quantity == "mass" else "strong"
+    if departure.count > 1:
+        many = f"the strength of {name} differs from the scene's at {departure.count} places"
+        if quantity == "mass":
+            many = f"the masses of {departure.count} beads differ from the scene's"
+        return f"{many}, most of all: {_sentence(replace(departure, count=1), scale)}"
+    if departure.place:
+        name = f"{name} {departure.place}"
+    if quantity == "course":
+        return f"{name} has another course over time than the scene says"
+    if quantity == "exponent of the strain":
+        exponent = f"the {quantity} were larger by {factor:.3g} (± {uncertainty:.1g})"
+        return f"{name} {do} not follow the law of the scene: as if {exponent}"
+    if quantity == "phase":
+        angle, bound, scene = (math.degrees(number) for number in (factor, uncertainty, departure.scene))
+        return f"{name} has a phase of {angle:.4g} (± {bound:.1g}) instead of {scene:.4g} degrees"
+    if quantity not in ("strength", "mass"):
+        parameter = "frequency" if quantity == "omega" else quantity
+        return f"the {parameter} of {name} is {factor:.4g} (± {uncertainty:.1g}) times that of the scene"
+    if departure.scene == 0.0:
+        value = f"{factor:.4g} m/T" if name.endswith("damping") else scale.written(factor, "stiffness", ".4g")
+        return f"{name} of {value} is not in the scene"
+    if abs(factor) <= uncertainty and quantity == "strength":
+        return f"{name} {are} missing"
+    return f"{name} {are} {factor:.4g} (± {uncertainty:.1g}) times as {adjective} as the scene says"
