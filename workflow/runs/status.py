@@ -21,7 +21,7 @@ from analysis.files.dump_layout import last_step
 from lammps_inputs import InputError, file_names
 from workflow.engines.lammps.files_on_disk import step_of
 from workflow.runs.files import RECORD, held, parts
-from workflow.runs.job import Job, Study, load
+from workflow.runs.job import Job, Study, load, restart_refused
 
 # --- Slurm's queue ----------------------------------------------------------------------------------------------------
 
@@ -351,11 +351,8 @@ def _goes_on(directory: Path, job: Job | None = None) -> str:
     step = step_of(directory / file_names.RESTART)
     if not step:
         return "starts again, as there is no restart"
-    if job is not None and job.engine == "lammps":
-        from workflow.runs.resume import restart_refused  # which imports what runs LAMMPS
-
-        if why := restart_refused(job):
-            return f"starts again, for {why}"
+    if job is not None and job.engine == "lammps" and (why := restart_refused(job)):
+        return f"starts again, for {why}"
     return f"resumes at step {step}"
 
 
