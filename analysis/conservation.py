@@ -111,7 +111,7 @@ class ClosedAccount(Account):
     stated: float | None = declare("error of the velocities that the run states", "V", "it states none")
 
 
-class Budget:
+class EnergyBudget:
     """Adds up a run of all beads that is given block by block, with its exchange, from its first frame on."""
 
     def __init__(self, problem: Problem) -> None:
@@ -188,7 +188,7 @@ class Conservation:
         self.frames = 0
         self.last_time = 0.0
         self.front: int | None = None
-        self.budget: Budget | None = None
+        self.budget: EnergyBudget | None = None
         self.participation = float("nan")
         self._energy_input = self._missing = 0.0
 
@@ -238,7 +238,7 @@ class Conservation:
         if block.exchange is None:
             self.energy_drift = float("nan")
             return
-        self.budget = self.budget or Budget(block.problem)
+        self.budget = self.budget or EnergyBudget(block.problem)
         energy_input, lost = self.budget.add(block)
         self._energy_input = max(self._energy_input, float(np.max(np.abs(energy_input))))
         self._missing = float(np.maximum(self._missing, np.max(np.abs(energy + lost - energy_input))))

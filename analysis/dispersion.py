@@ -49,7 +49,7 @@ class NoDispersionError(Exception):
 
 
 @dataclass(frozen=True)
-class Cell:
+class UnitCell:
     """What repeats along the chains: stiffness at rest and masses of a few rows.
 
     Attributes:
@@ -153,7 +153,7 @@ class Cell:
         return sign * least
 
 
-def cell_of(system: System) -> Cell:
+def cell_of(system: System) -> UnitCell:
     """The shortest piece that repeats, the first and last rows left out.
 
     Raises:
@@ -186,7 +186,7 @@ def cell_of(system: System) -> Cell:
     branches = int(np.count_nonzero(mass[:, 1 : period + 1]))
     if branches > MOST_BRANCHES:
         raise NoDispersionError(f"the chains have {branches} branches; at most {MOST_BRANCHES}")
-    return Cell(mass[:, 1 : period + 1], along[:, 1 : period + 1], row[1 : period + 1])
+    return UnitCell(mass[:, 1 : period + 1], along[:, 1 : period + 1], row[1 : period + 1])
 
 
 WITHOUT_MAP = "there is no map"
@@ -250,7 +250,7 @@ class Map:
     wavenumber: Floats
     frequency: Floats
     power: Floats
-    cell: Cell
+    cell: UnitCell
     folded: Floats
     exact: Floats
     measured: Floats
@@ -338,7 +338,7 @@ class Dispersion:
         return Map(self._chain, wavenumber, frequency, power, self.cell, folded, exact, measured)
 
 
-def projected_power(cell: Cell, velocity: Floats) -> tuple[Floats, Floats, Floats]:
+def projected_power(cell: UnitCell, velocity: Floats) -> tuple[Floats, Floats, Floats]:
     """Power of velocities in the mode shapes of a cell, waves of both directions together.
 
     Args:

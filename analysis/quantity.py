@@ -32,7 +32,7 @@ Kind = TypeVar("Kind")
 
 
 @dataclass(frozen=True)
-class Column:
+class QuantityColumn:
     """A number of a quantity as a column of a sweep's table.
 
     Attributes:
@@ -68,7 +68,7 @@ class Quantity:
     unit: str = ""
     undefined: str = ""
     symbol: str = ""
-    columns: tuple[Column, ...] = ()
+    columns: tuple[QuantityColumn, ...] = ()
     column: str | None = None
     digits: str | None = None
     head: str = ""
@@ -89,7 +89,7 @@ def declare(
     unit: str = "",
     undefined: str = "",
     symbol: str = "",
-    columns: tuple[Column, ...] = (),
+    columns: tuple[QuantityColumn, ...] = (),
     *,
     default: Any = MISSING,
     **shown: Any,
@@ -124,7 +124,7 @@ def _declared(kind: Any) -> dict[str, tuple[Quantity, Any]]:
                 found[name] = getattr(value.fget, _DECLARED), typing.get_type_hints(value.fget)["return"]
     for name, (one, kind_of_value) in found.items():
         if one.column is not None:
-            found[name] = replace(one, columns=(Column(name, one.column, symbol=one.symbol),)), kind_of_value
+            found[name] = replace(one, columns=(QuantityColumn(name, one.column, symbol=one.symbol),)), kind_of_value
     return found
 
 

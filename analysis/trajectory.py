@@ -26,7 +26,7 @@ def frames_per_block(problem: Problem) -> int:
     return max(LEAST_FRAMES, BLOCK_BYTES // (16 * problem.chains * problem.rows_a_frame))
 
 
-class Measured(NamedTuple):
+class FramesInUnits(NamedTuple):
     """Frames in the units of a scene: SI, or reduced ones. MDAnalysis has one frame in each: a number, and [atom]."""
 
     time: Floats
@@ -104,10 +104,10 @@ class Trajectory:
         every = self.problem.every
         return every * max(1, round(float(self.time[1] - self.time[0]) / every))
 
-    def measured(self) -> Measured:
+    def measured(self) -> FramesInUnits:
         """The same in the scene's units."""
         scale = self.problem.scale
-        return Measured(self.time * scale.time, self.displacement * scale.length, self.velocity * scale.velocity)
+        return FramesInUnits(self.time * scale.time, self.displacement * scale.length, self.velocity * scale.velocity)
 
     def _each(self, change: Callable[[Floats], Floats]) -> "Trajectory":
         """The same with all arrays, whose first axis is that of frames, changed."""

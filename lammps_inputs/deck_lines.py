@@ -141,7 +141,7 @@ class AtomTypes:
 
 
 @dataclass(frozen=True)
-class Lines:
+class DeckLines:
     """What one law adds to a deck, also to its continuation; nothing by default.
 
     Attributes:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs.deck_lines import BeadLayout, Lines
+from lammps_inputs.deck_lines import BeadLayout, DeckLines
 from lammps_inputs.laws import in_time
 from lammps_inputs.laws.in_time import Sine, TimeLaw
 from lammps_inputs.numbers import text
@@ -124,7 +124,7 @@ class Motion:
         return replace(self, bead=bead, amplitude=-self.amplitude)
 
 
-def lines(layout: BeadLayout) -> list[Lines]:
+def lines(layout: BeadLayout) -> list[DeckLines]:
     """What the loads, and beads whose motion is given, are to LAMMPS, one after the other.
 
     Raises:
@@ -135,10 +135,10 @@ def lines(layout: BeadLayout) -> list[Lines]:
     return pushes + [_motion_lines(motion, f"drive{n}", layout) for n, motion in enumerate(system.motions, 1)]
 
 
-def _motion_lines(motion: Motion, name: str, layout: BeadLayout) -> Lines:
+def _motion_lines(motion: Motion, name: str, layout: BeadLayout) -> DeckLines:
     """Nothing pushes the bead, and it is moved."""
     turn = f"v_{name}omega*step*v_timestep+v_{name}phase"
-    return Lines(
+    return DeckLines(
         variables=(
             f"variable {name}amplitude index {text(motion.amplitude)}",
             f"variable {name}omega index {text(motion.omega)}",
@@ -164,7 +164,7 @@ def start_lines(layout: BeadLayout) -> list[str]:
     ]
 
 
-def _push_lines(load: Load, name: str, layout: BeadLayout) -> Lines:
+def _push_lines(load: Load, name: str, layout: BeadLayout) -> DeckLines:
     first, last = text(load.law.kinks[0]), text(load.law.kinks[-1])
     variables = in_time.variables(load.law, name)
     if variables and not load.endless:
@@ -175,7 +175,7 @@ def _push_lines(load: Load, name: str, layout: BeadLayout) -> Lines:
         during = f"{before}{time}*({time}>{first})"
         return during if load.endless else f"{during}*({time}<{last})+{last}*({time}>={last})"
 
-    return Lines(
+    return DeckLines(
         variables=variables,
         motion=(
             f"# push on bead {load.bead} of chain {load.chain}: force averaged over a time step about each instant",

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, field_validator
 
 from lammps_inputs import physics, strict_yaml
-from lammps_inputs.ingredients.base import Count, Part, Positive, SceneParts
+from lammps_inputs.ingredients.base import Count, Positive, ScenePart, SceneParts
 from lammps_inputs.units import Label, Unit
 
 
@@ -23,7 +23,7 @@ def each_once(beads: Any, otherwise: str = "") -> Any:
     return beads
 
 
-class Forces(Part):
+class Forces(ScenePart):
     """Where force is read, in every chain."""
 
     example: ClassVar[str] = "{contacts: [10]}"
@@ -81,7 +81,7 @@ def _not_recorded(scene: SceneParts, beads: Iterable[int]) -> str:
     return "" if recorded == "all" else ", ".join(map(str, sorted(set(beads) - set(recorded))[:10]))
 
 
-class Spectra(Part):
+class Spectra(ScenePart):
     """Of the velocity of beads in every chain."""
 
     example: ClassVar[str] = "{beads: [1, 20]}"
@@ -114,7 +114,7 @@ class Spectra(Part):
             raise ValueError(f"output.spectra.after: {self.after:g} is after the end at {scene.duration:g}")
 
 
-class Limits(Part):
+class Limits(ScenePart):
     """Beyond either, `granchain run` refuses; in a scene, or for all scenes in a site's file."""
 
     example: ClassVar[str] = "{gigabytes: 200, hours: 100}"
@@ -125,7 +125,7 @@ class Limits(Part):
     """Estimated time of the run; 24 if omitted."""
 
 
-class Output(Part):
+class Output(ScenePart):
     """What is recorded, and how often."""
 
     example: ClassVar[str] = "{every: 0.1}"

@@ -16,7 +16,7 @@ from lammps_inputs import scheme as schemes
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import contacts, plastic
-from lammps_inputs.ingredients.base import Count, Ingredient, Part, Positive, refuse_outside
+from lammps_inputs.ingredients.base import Count, Ingredient, Positive, ScenePart, refuse_outside
 from lammps_inputs.ingredients.material import Material
 from lammps_inputs.ingredients.registry import INGREDIENTS, OWN_INGREDIENTS
 from lammps_inputs.ingredients.unequal import (
@@ -77,7 +77,7 @@ SEVERAL = {"kick", "replace", *(key for key, ingredient in INGREDIENTS.items() i
 """Keys that may hold a list of parts."""
 
 
-class Kick(Part):
+class Kick(ScenePart):
     """An initial velocity of one bead, towards higher bead numbers when positive."""
 
     example: ClassVar[str] = "{velocity: 1}"
@@ -97,7 +97,7 @@ class Kick(Part):
         return value
 
 
-class BaseScene(Part):
+class BaseScene(ScenePart):
     """Identical chains of touching or gapped beads on parallel lines, kicked at the start.
 
     Beside the keys here, a scene has one for each ingredient that it names.

@@ -82,7 +82,7 @@ class Label:
     """Words, symbol and unit of a number, for axes, heads of tables and pages.
 
     That of a scene's key stands in the key's type, beside its `Unit`: ``Annotated[float, Unit("m"), Label("gap")]``;
-    that of a result in its `analysis.quantity.Column`.
+    that of a result in its `analysis.quantity.QuantityColumn`.
 
     Attributes:
         words: noun, such as ``peak velocity``.

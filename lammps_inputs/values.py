@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-class Column(NamedTuple):
+class BeadColumn(NamedTuple):
     """A quantity that differs from bead to bead.
 
     Attributes:
@@ -31,13 +31,13 @@ class Column(NamedTuple):
     values: Floats
 
 
-def columns(scene: "BaseScene") -> list[Column]:
+def columns(scene: "BaseScene") -> list[BeadColumn]:
     """Columns of all that differs from bead to bead; none where all beads, contacts and springs are alike."""
     candidates = [*_of_beads(scene), *(column for link in scene.system.links for column in _of_link(link, scene))]
     return [column for column in candidates if len(np.unique(column.values[np.isfinite(column.values)])) > 1]
 
 
-def csv(table: list[Column]) -> Iterator[str]:
+def csv(table: list[BeadColumn]) -> Iterator[str]:
     """Lines of CSV, one for each bead: numbers that read back exactly, empty cells where there is none."""
     yield ",".join(["chain", "bead", *(column.name for column in table)])
     for chain, beads in enumerate(np.stack([column.values for column in table], axis=-1), 1):
@@ -45,12 +45,12 @@ def csv(table: list[Column]) -> Iterator[str]:
             yield ",".join([f"{chain},{bead}", *("" if math.isnan(value) else text(value) for value in values)])
 
 
-def plain(table: list[Column]) -> dict[str, list[list[float | None]]]:
+def plain(table: list[BeadColumn]) -> dict[str, list[list[float | None]]]:
     """Columns for JSON, each a list of chains of beads; null where there is none."""
     return {name: [[known(value) for value in beads] for beads in values.tolist()] for name, values in table}
 
 
-def _of_beads(scene: "BaseScene") -> Iterator[Column]:
+def _of_beads(scene: "BaseScene") -> Iterator[BeadColumn]:
     if not unequal.unlike(scene):
         return
     ball, scale = scene.material, scene.scale
@@ -58,12 +58,12 @@ def _of_beads(scene: "BaseScene") -> Iterator[Column]:
     mass, _ = unequal.masses_and_strengths(scene)
     radius = 1.0 if ball is None else ball.radius
     plane_modulus = 1.0 if ball is None else ball.youngs_modulus / (1.0 - ball.poisson_ratio**2)
-    yield Column(scale.heading("mass", "mass"), scale.mass * np.broadcast_to(mass, shape))
-    yield Column(scale.heading("radius", "length"), radius * unequal.radii(scene))
-    yield Column("plane_modulus (Pa)" if scale.si else "plane_modulus", plane_modulus * unequal.moduli(scene))
+    yield BeadColumn(scale.heading("mass", "mass"), scale.mass * np.broadcast_to(mass, shape))
+    yield BeadColumn(scale.heading("radius", "length"), radius * unequal.radii(scene))
+    yield BeadColumn("plane_modulus (Pa)" if scale.si else "plane_modulus", plane_modulus * unequal.moduli(scene))
 
 
-def _of_link(link: Link, scene: "BaseScene") -> Iterator[Column]:
+def _of_link(link: Link, scene: "BaseScene") -> Iterator[BeadColumn]:
     hints = get_type_hints(type(link.law), include_extras=True)
     for parameter, values in zip(type(link.law)._fields, link.law, strict=True):  # type: ignore[attr-defined]
         dimension = next(iter(getattr(hints[parameter], "__metadata__", ())), None)
@@ -71,7 +71,7 @@ def _of_link(link: Link, scene: "BaseScene") -> Iterator[Column]:
             continue
         name, unit = f"{link.name}.{parameter}", _symbol(dimension, scene.scale)
         for place, table in _at_beads(link, values, scene):
-            yield Column(f"{name}{place}{unit}", dimension.worth(scene.scale) * table)
+            yield BeadColumn(f"{name}{place}{unit}", dimension.worth(scene.scale) * table)
 
 
 def _at_beads(link: Link, values: Any, scene: "BaseScene") -> Iterator[tuple[str, Floats]]:

@@ -22,7 +22,7 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar, progress_bar
 from workflow.sweep import collect as collecting
 from workflow.sweep import file
-from workflow.sweep.collect import Table, named_fields
+from workflow.sweep.collect import SweepTable, named_fields
 from workflow.sweep.statistics import Group, default_fields, grouped
 from workflow.verdicts import analyse as analysing
 from workflow.verdicts import validate as validating
@@ -34,14 +34,14 @@ from workflow.view import need_bokeh
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from workflow.studies.design.found import Found
+    from workflow.studies.design.found import DesignResult
     from workflow.studies.fit.found import Fit
     from workflow.studies.gallery.study import Sections
 
 __all__ = [
     "InputError",
+    "NotebookFigure",
     "Page",
-    "Picture",
     "Run",
     "RunError",
     "analyse",
@@ -73,7 +73,7 @@ class Page:
 
 
 @dataclass(frozen=True)
-class Picture:
+class NotebookFigure:
     """A figure of matplotlib, which a notebook displays."""
 
     figure: "Figure"
@@ -85,7 +85,7 @@ class Picture:
 
 
 @dataclass(frozen=True, repr=False)
-class Run(running.Run):
+class Run(running.CompletedRun):
     """A run that came to an end.
 
     Attributes:
@@ -103,7 +103,7 @@ class Run(running.Run):
 
 
 AnyScene = Scene | Mapping[str, Any] | Path | str
-AnyRun = running.Run | RunDirectory | Path | str
+AnyRun = running.CompletedRun | RunDirectory | Path | str
 
 
 def load(scene: AnyScene) -> Scene:
@@ -218,7 +218,7 @@ def universe(run: AnyRun) -> Any:
 
 def sweep(
     what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None, check: bool = True
-) -> Table:
+) -> SweepTable:
     """Run a scene for lists or ranges of its fields, on all cores, and gather the cases; runs what is missing.
 
     Args:
@@ -240,7 +240,7 @@ def sweep(
     return collect(directory)
 
 
-def collect(directory: Path | str, at_beads: Sequence[str] = ()) -> Table:
+def collect(directory: Path | str, at_beads: Sequence[str] = ()) -> SweepTable:
     """Gather the cases of a sweep into one table, those that failed with the reason.
 
     Args:
@@ -253,7 +253,7 @@ def collect(directory: Path | str, at_beads: Sequence[str] = ()) -> Table:
     return collecting.collect(_path(directory), at_beads)
 
 
-def statistics(table: Table, quantity: str, over: str | None = None) -> list[Group]:
+def statistics(table: SweepTable, quantity: str, over: str | None = None) -> list[Group]:
     """Statistics of a column of a sweep's table over its cases, as ``granchain collect --statistics`` computes them.
 
     Args:
@@ -268,7 +268,7 @@ def statistics(table: Table, quantity: str, over: str | None = None) -> list[Gro
     return grouped(table, quantity, default_fields(table) if over is None else named_fields("over", over, table))
 
 
-def plot(table: Table, quantity: str, over: str, beside: str | None = None) -> Picture:
+def plot(table: SweepTable, quantity: str, over: str, beside: str | None = None) -> NotebookFigure:
     """Draw a column of a sweep's table over a varied field, or over two, as ``granchain collect --plot`` does.
 
     Args:
@@ -280,7 +280,7 @@ def plot(table: Table, quantity: str, over: str, beside: str | None = None) -> P
     Raises:
         InputError: no such column or field, nothing to draw, or several cases at one point.
     """
-    return Picture(collecting.drawn(table, quantity, over, beside))
+    return NotebookFigure(collecting.drawn(table, quantity, over, beside))
 
 
 def fit(
@@ -317,7 +317,7 @@ def fit(
     )
 
 
-def design(what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None) -> "Found":
+def design(what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None) -> "DesignResult":
     """Find the scene that minimises or maximises a quantity within bounds, on all cores; resumes an interrupted call.
 
     Args:
@@ -357,14 +357,14 @@ def view(what: AnyRun) -> Page:
     need_bokeh()
     from workflow.view import write
 
-    if isinstance(what, running.Run):
+    if isinstance(what, running.CompletedRun):
         what = what.directory
     path = what.path if isinstance(what, RunDirectory) else _path(what)
     return Page(write.write(path))
 
 
 def _directory(run: AnyRun) -> RunDirectory:
-    if isinstance(run, running.Run):
+    if isinstance(run, running.CompletedRun):
         return run.directory
     return run if isinstance(run, RunDirectory) else RunDirectory(_path(run))
 

@@ -23,7 +23,7 @@ try:
     from workflow import formats, screen
     from workflow.errors import RunError
     from workflow.runs.files import as_json
-    from workflow.screen import Answer, Output
+    from workflow.screen import CommandResult, OutputStream
 except (ImportError, SyntaxError):
     from importlib.metadata import distributions
 
@@ -104,8 +104,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; its own also where standard output takes less than it prints."""
     words = list(sys.argv[1:] if argv is None else argv)
     words[:1] = [ALIASES.get(word, word) for word in words[:1]]
-    output: Any = Output(sys.stdout, "standard output", needed=True)
-    complaints: Any = Output(sys.stderr, "standard error", needed=False)
+    output: Any = OutputStream(sys.stdout, "standard output", needed=True)
+    complaints: Any = OutputStream(sys.stderr, "standard error", needed=False)
     with contextlib.redirect_stdout(output), contextlib.redirect_stderr(complaints):
         try:
             with _ended_as_by_ctrl_c():
@@ -161,7 +161,7 @@ def _execute(arguments: argparse.Namespace) -> int:
         answer = arguments.execute(arguments)
     if asked:
         print(as_json(answer.data))
-    return answer.code if isinstance(answer, Answer) else int(answer)
+    return answer.code if isinstance(answer, CommandResult) else int(answer)
 
 
 def parser(names: Sequence[str]) -> argparse.ArgumentParser:

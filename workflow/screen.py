@@ -21,7 +21,7 @@ T = TypeVar("T")
 _bars: ContextVar[bool] = ContextVar("bars", default=True)
 
 
-class Output:
+class OutputStream:
     """A standard stream that may be closed, full or a pipe that nobody reads.
 
     Args:
@@ -63,7 +63,7 @@ class Output:
         return getattr(self._stream, name)
 
 
-class Answer(NamedTuple):
+class CommandResult(NamedTuple):
     """What a command found, for scripts."""
 
     code: int
@@ -71,7 +71,7 @@ class Answer(NamedTuple):
     """Plain data, which `--json` prints."""
 
 
-class Table(NamedTuple):
+class PrintedTable(NamedTuple):
     """A table as it is printed."""
 
     title: str

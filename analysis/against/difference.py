@@ -34,7 +34,7 @@ def matched(own: Peaks, other: Peaks, beads: int) -> tuple[Peaks, Peaks]:
 
 
 @dataclass(frozen=True)
-class Place:
+class DeviationPlace:
     """A bead of a chain, or a resonator at it, at a time.
 
     Attributes:
@@ -67,11 +67,13 @@ class Deviation:
 
     largest: float
     rms: float
-    where: Place | None = None
-    first: Place | None = None
+    where: DeviationPlace | None = None
+    first: DeviationPlace | None = None
 
 
-def deviation_of(difference: Floats, time: Floats, tolerance: float, place: Callable[[int], Place]) -> Deviation:
+def deviation_of(
+    difference: Floats, time: Floats, tolerance: float, place: Callable[[int], DeviationPlace]
+) -> Deviation:
     """Of differences that all have their time, and a place by their position."""
     size = np.abs(difference)
     exceeding = np.flatnonzero(~(size <= tolerance))
@@ -88,8 +90,8 @@ class _Running:
     largest: float = 0.0
     squares: float = 0.0
     count: int = 0
-    where: Place | None = None
-    first: Place | None = None
+    where: DeviationPlace | None = None
+    first: DeviationPlace | None = None
 
     def add(self, block: Trajectory, difference: Floats) -> None:
         """Take the differences [frame, line, bead] of the next frames."""
@@ -109,11 +111,11 @@ class _Running:
         return Deviation(self.largest, float(np.sqrt(self.squares / max(1, self.count))), self.where, self.first)
 
 
-def _place(block: Trajectory, position: int, shape: tuple[int, ...]) -> Place:
+def _place(block: Trajectory, position: int, shape: tuple[int, ...]) -> DeviationPlace:
     """Place of a position in the flattened values [frame, line, bead] of a block's atoms."""
     frame, line, bead = np.unravel_index(position, shape)
     resonator, chain = divmod(int(line), block.problem.chains)
-    return Place(chain + 1, int(block.beads[bead]), float(block.time[frame]), resonator)
+    return DeviationPlace(chain + 1, int(block.beads[bead]), float(block.time[frame]), resonator)
 
 
 class Difference:
@@ -194,8 +196,8 @@ class Difference:
         return result
 
     def _of_peaks(self, name: str, difference: Floats, peaks: Peaks) -> Deviation:
-        def place(k: int) -> Place:
-            return Place(int(peaks.chain[k]), int(peaks.bead[k]), float(peaks.time[k]))
+        def place(k: int) -> DeviationPlace:
+            return DeviationPlace(int(peaks.chain[k]), int(peaks.bead[k]), float(peaks.time[k]))
 
         return deviation_of(difference, peaks.time, self.tolerances[name], place)
 

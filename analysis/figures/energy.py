@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from analysis.conservation import Account
 from analysis.figures.style import (
     CHAIN_DASHES,
-    Frames,
-    Unit,
+    AxisUnit,
+    FrameContent,
     axis_unit,
     draw_chains,
     finish,
@@ -74,7 +74,7 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
     least = min(0.0, float(np.min(energy_input)))  # a drive may begin by taking up energy
     axis.set_ylim(1.06 * least * energy.worth, 1.06 * float(np.max(energy_input)) * energy.worth)
     axis.set_xlabel(time.label(Account, "time"))
-    axis.set_ylabel(energy.label(Frames, "energy") + _averaged(account.time, width, time))
+    axis.set_ylabel(energy.label(FrameContent, "energy") + _averaged(account.time, width, time))
     head(figure, title(problem, until=float(account.time[-1])))
     handles, labels = axis.get_legend_handles_labels()
     legend_beside(figure, handles[::-1], labels[::-1], handleheight=1.4)  # as the layers lie
@@ -167,7 +167,7 @@ def moving_mean(values: Floats, width: int) -> Floats:
         return np.asarray(total / weights)
 
 
-def _averaged(time: Floats, width: int, unit: Unit) -> str:
+def _averaged(time: Floats, width: int, unit: AxisUnit) -> str:
     """End of a label of moving means; empty where there are none."""
     if not width:
         return ""

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from analysis.figures.style import (
     CHAIN_COLOURS,
     CHAIN_DASHES,
-    Frames,
+    FrameContent,
     axis_unit,
     head,
     label_log_axis,
@@ -37,7 +37,7 @@ CHAIN_MARKERS = "o^sDv<>P"
 
 
 @dataclass(frozen=True)
-class Curve:
+class EngineCurve:
     """One engine's results, dimensionless.
 
     Attributes:
@@ -54,7 +54,7 @@ class Curve:
 
 
 @styled
-def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve]) -> Figure:
+def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[EngineCurve]) -> Figure:
     """First impulses of all rows above, one panel an engine; below the velocities of a few rows.
 
     A colour and, above, a marker is a chain; below, a line style is an engine.
@@ -84,9 +84,9 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
                 axis.plot(curve.time * time.worth, values, color=_colour(place), label=curve.engine, **_look(number))
         axis.set_xlim(span[0] * time.worth, span[1] * time.worth)
         axis.set_title(f"bead {row}", loc="left")
-        axis.set_ylabel(velocity.label(Frames, "velocity"))
+        axis.set_ylabel(velocity.label(FrameContent, "velocity"))
     letter(figure.axes)
-    axis.set_xlabel(time.label(Frames, "time"))
+    axis.set_xlabel(time.label(FrameContent, "time"))
     handles = [Line2D([], [], color="black", label=curve.engine, **_look(k)) for k, curve in enumerate(curves)]
     if len(chains) > 1:
         handles += [Line2D([], [], label=f"chain {chain + 1}", **_chain_marks(k)) for k, chain in enumerate(chains)]
@@ -115,7 +115,7 @@ def _chain_marks(place: int) -> dict[str, Any]:
     }
 
 
-def _window(curves: Sequence[Curve], position: int) -> tuple[float, float]:
+def _window(curves: Sequence[EngineCurve], position: int) -> tuple[float, float]:
     """The time in which the pulse passes a row in any engine: from the first motion to the last of half the largest.
 
     In units of T.

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from analysis.against.difference import Deviation, ErrorMap
 from analysis.figures.style import (
     CHAIN_COLOURS,
-    Frames,
+    FrameContent,
     axis_unit,
     evenly_spaced,
     head,
@@ -85,7 +85,7 @@ def _draw_map(figure: Figure, space: Axes, problem: Problem, errors: ErrorMap) -
     space.set_xlabel("bead")
     if not even:
         name_columns(space, beads)
-    space.set_ylabel(unit.label(Frames, "time"))
+    space.set_ylabel(unit.label(FrameContent, "time"))
     beyond = "min" if np.any(finite < DECADES * top) else "neither"
     bar = figure.colorbar(image, ax=space, extend=beyond)
     bar.set_label(r"largest error of any chain $|v - v_\mathrm{ref}| / V$")
@@ -167,7 +167,7 @@ def residual_figure(
         left.axhline(0.0, color=CHAIN_COLOURS[0], linewidth=0.8)
         left.set_ylabel(f"residual\n/ {unit}", fontsize=8)
     letter(axes[::2])
-    axes[-1].set_xlabel(time.label(Frames, "time"))
+    axes[-1].set_xlabel(time.label(FrameContent, "time"))
     axes[0].legend(loc="upper right")
     more = f"; {len(given.channels) - count} more channels" if len(given.channels) > count else ""
     head(figure, f"{problem.name}: data and run{more}{mark}")

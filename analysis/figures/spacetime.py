@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from analysis.figures.style import (
-    Frames,
+    FrameContent,
     axis_unit,
     evenly_spaced,
     grid,
@@ -173,14 +173,14 @@ def spacetime_figure(data: SpaceTime) -> Figure:
         axes[0, 0].set_xlim(*moving_part(data.beads, np.max(size, axis=(0, 1)) > STILL * largest, places))
     letter(axes.flat[: len(chains)])
     for axis in axes[:, 0]:
-        axis.set_ylabel(time.label(Frames, "time"))
+        axis.set_ylabel(time.label(FrameContent, "time"))
     shape: dict[str, Any] = {"aspect": 20 * rows, "extendfrac": 0.05 / rows, "fraction": 0.15 / columns}
     beyond = "both" if float(np.max(size)) > largest else "neither"
     bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=round_ticks(top), extend=beyond, **shape)
     bar.ax.yaxis.set_major_formatter("{x:.4g}")
     bar.ax.minorticks_off()
     end = "\n" if is_narrow() else " "
-    bar.set_label(f"{unit.label(Frames, 'velocity')};{end}{COLOUR_SCALE}")
+    bar.set_label(f"{unit.label(FrameContent, 'velocity')};{end}{COLOUR_SCALE}")
     if np.isnan(data.velocity).any():
         legend_below(figure, [Patch(color=_LEFT)], ["the window has left"])
     head(figure, title(problem, each_chain=True, panels=True, until=data.until))

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 
 from analysis.dispersion import Branches, Map
 from analysis.figures.style import (
-    Unit,
+    AxisUnit,
     axis_unit,
     draw_chains,
     finish,
@@ -20,7 +20,7 @@ from analysis.figures.style import (
     styled,
     title,
 )
-from analysis.gauges.spectra import Spectra, SpectrumTable
+from analysis.gauges.spectra import SpectrumTable, VelocitySpectra
 from lammps_inputs import Problem
 
 MOST_BEADS = 8
@@ -30,7 +30,7 @@ DEEPEST = 1e-8
 
 
 @styled
-def spectra_figure(problem: Problem, spectra: Spectra) -> Figure:
+def spectra_figure(problem: Problem, spectra: VelocitySpectra) -> Figure:
     """One panel a bead (the first eight), a line for each chain that other figures show too; frequencies of drives."""
     velocity = axis_unit(problem, "velocity", float(np.max(spectra.amplitude)))
     frequency = axis_unit(problem, "cycles", float(np.max(spectra.frequency)))
@@ -98,7 +98,7 @@ def dispersion_figure(problem: Problem, found: Map) -> Figure:
     axis.set_xticks(
         [-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi], [r"$-\pi$", r"$-\pi/2$", "0", r"$\pi/2$", r"$\pi$"]
     )
-    axis.set_xlabel(Unit(1.0, "rad/bead").label(Branches, "wavenumber"))
+    axis.set_xlabel(AxisUnit(1.0, "rad/bead").label(Branches, "wavenumber"))
     axis.set_ylabel(unit.label(Branches, "frequency", "angular frequency"))
     bar = figure.colorbar(image, ax=axis)
     bar.set_label(r"$\log_{10}$ (power / maximum)")

@@ -59,7 +59,7 @@ _SHADED = "0.9"
 
 
 @dataclass(frozen=True)
-class Axis:
+class StudyAxis:
     """What an axis shows.
 
     Attributes:
@@ -83,7 +83,7 @@ class Axis:
         return found & self.unsettled if self.unsettled is not None else np.zeros_like(found)
 
     @property
-    def prefixed(self) -> tuple["Axis", float]:
+    def prefixed(self) -> tuple["StudyAxis", float]:
         """The same with a prefix before an SI unit, such that numbers are short; and the factor."""
         label, worth = self.label.prefixed(largest_of(self.values))
         error = None if self.error is None else self.error * worth
@@ -122,9 +122,9 @@ class Sought:
 
 @styled
 def swept_figure(
-    quantity: Axis,
-    over: Axis,
-    beside: Axis | None = None,
+    quantity: StudyAxis,
+    over: StudyAxis,
+    beside: StudyAxis | None = None,
     title: str = "",
     passed: Floats | None = None,
     sought: Sought | None = None,
@@ -179,7 +179,7 @@ def _mark_of(marker: str, **look: Any) -> Line2D:
 
 
 @styled
-def map_figure(quantity: Axis, over: Axis, beside: Axis, title: str = "") -> Figure:
+def map_figure(quantity: StudyAxis, over: StudyAxis, beside: StudyAxis, title: str = "") -> Figure:
     """Map with contours of a quantity over two fields, whose axes are logarithmic where the values are spaced so.
 
     Places without a number are blank and hatched; cases that are not settled are crosses.
@@ -275,12 +275,12 @@ def wrapped(label: Label) -> str:
 _NO_BREAK = "\u00a0"
 
 
-def _prefixed(sought: Sought, quantity: Axis, over: Axis) -> Sought:
+def _prefixed(sought: Sought, quantity: StudyAxis, over: StudyAxis) -> Sought:
     along = over.prefixed[1]
     return Sought(sought.value * quantity.prefixed[1], sought.places * along, sought.errors * along)
 
 
-def _mark(axis: Axes, sought: Sought, over: Axis) -> None:
+def _mark(axis: Axes, sought: Sought, over: StudyAxis) -> None:
     """Draw the value that is sought as a line, and the places where the quantity has it with their uncertainties."""
     axis.axhline(
         sought.value, color="0.4", linewidth=1.0, linestyle=(0, (4, 2)), label=f"value sought: {sought.value:g}"
@@ -295,7 +295,7 @@ def _mark(axis: Axes, sought: Sought, over: Axis) -> None:
         axis.errorbar([place], [sought.value], xerr=bar, fmt="x", label=label, **look)
 
 
-def _scale_quantity(axis: Axes, quantity: Axis, holes: int) -> None:
+def _scale_quantity(axis: Axes, quantity: StudyAxis, holes: int) -> None:
     """Scale the axis of a quantity, not below 0 for a margin alone; below it cases without a number have room."""
     finite = quantity.values[np.isfinite(quantity.values)]
     if _over_decades(finite):
@@ -316,7 +316,7 @@ def _over_decades(values: Floats) -> bool:
     return len(finite) > 0 and bool(finite.min() > 0.0 and finite.max() / finite.min() > 30.0)
 
 
-def _line(axis: Axes, quantity: Axis, over: Axis, here: Flags, level: int = 0, **look: Any) -> bool:
+def _line(axis: Axes, quantity: StudyAxis, over: StudyAxis, here: Flags, level: int = 0, **look: Any) -> bool:
     """Draw some cases; those without a number as ticks below, on a level for each line. Whether there are any."""
     chosen = np.flatnonzero(here)[np.argsort(over.values[here], kind="stable")]
     x, y = over.values[chosen], quantity.values[chosen]
@@ -343,7 +343,7 @@ def _line(axis: Axes, quantity: Axis, over: Axis, here: Flags, level: int = 0, *
     return len(missing) > 0
 
 
-def _lines(axis: Axes, quantity: Axis, over: Axis, beside: Axis) -> int:
+def _lines(axis: Axes, quantity: StudyAxis, over: StudyAxis, beside: StudyAxis) -> int:
     """Draw a line for each value of the second field; how many of them lack numbers."""
     holes = 0
     numbers = np.unique(beside.values)
@@ -394,7 +394,7 @@ def _edges(centres: Floats) -> Floats:
     return np.exp(edges) if log else edges
 
 
-def _scale(axis: Axes, shown: Axis, name: str) -> None:
+def _scale(axis: Axes, shown: StudyAxis, name: str) -> None:
     """Logarithmic where the values are spaced so; few values are the ticks themselves."""
     values = np.unique(shown.values)
     setting = axis.xaxis if name == "x" else axis.yaxis

@@ -141,7 +141,7 @@ def label_log_axis(setting: XAxis | YAxis) -> None:
 
 
 @dataclass(frozen=True)
-class Unit:
+class AxisUnit:
     """The unit of an axis.
 
     Attributes:
@@ -161,7 +161,7 @@ class Unit:
 
 
 @result
-class Frames:
+class FrameContent:
     """What frames hold."""
 
     time: Floats = declare("time of the frame", "time", symbol="t")
@@ -171,7 +171,7 @@ class Frames:
     lag: Floats = declare("time of the frame after another instant", "time", symbol="\\Delta t")
 
 
-def axis_unit(problem: Problem, quantity: str, largest: float) -> Unit:
+def axis_unit(problem: Problem, quantity: str, largest: float) -> AxisUnit:
     """A unit in which an axis needs no powers of ten: s, ms, us, ns, likewise m/s; reduced units as they are.
 
     Args:
@@ -182,17 +182,17 @@ def axis_unit(problem: Problem, quantity: str, largest: float) -> Unit:
     worth = float(problem.scale.measured(1.0, quantity))
     if problem.scale.si:
         unit = prefixed(SI[quantity], largest * worth)
-        return Unit(worth * unit.worth, unit.symbol)
+        return AxisUnit(worth * unit.worth, unit.symbol)
     power = thousands(largest * worth)
     if -1 <= power <= 1:
-        return Unit(worth, "reduced")
-    return Unit(worth / 10.0 ** (3 * power), f"$10^{{{3 * power}}}$ reduced")
+        return AxisUnit(worth, "reduced")
+    return AxisUnit(worth / 10.0 ** (3 * power), f"$10^{{{3 * power}}}$ reduced")
 
 
-def prefixed(symbol: str, largest: float) -> Unit:
+def prefixed(symbol: str, largest: float) -> AxisUnit:
     """An SI unit with the prefix of `lammps_inputs.units.prefix`, and what the plain one is worth."""
     power, letter = prefix(symbol, largest)
-    return Unit(10.0 ** (-3 * power), letter + symbol)
+    return AxisUnit(10.0 ** (-3 * power), letter + symbol)
 
 
 def letter(axes: Iterable[Axes]) -> None:

@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from analysis.figures.spacetime import BeadHistory
 from analysis.figures.style import (
     CHAIN_COLOURS,
-    Frames,
+    AxisUnit,
+    FrameContent,
     Missing,
-    Unit,
     axis_unit,
     broken,
     draw_chains,
@@ -76,7 +76,7 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
         unit = axis_unit(problem, "time", float(np.nanmax(np.abs(shared.lag), initial=0.0)))
         lags = _pulse_by_pulse(shared, shared.lag * unit.worth, chains, behind=True)
         draw_chains(axes[-1], chains, *broken(*lags, missing))
-        axes[-1].set_ylabel(unit.label(Frames, "lag", f"lag behind\nchain {shared.kicked + 1},"))
+        axes[-1].set_ylabel(unit.label(FrameContent, "lag", f"lag behind\nchain {shared.kicked + 1},"))
     axes[-1].set_xlabel("bead" if direction > 0 else f"bead, counted from bead {problem.beads}")
     axes[-1].xaxis.get_major_locator().set_params(integer=True)
     finish(figure, problem, axes)
@@ -203,7 +203,7 @@ def response_figure(data: BeadHistory, waves: Waves | None = None) -> Figure:
         curves = velocities[:, :, number] * velocity.worth
         draw_chains(panels[0], data.chains, data.time * time.worth, curves)
         panels[0].set_title(f"bead {beads[number]}", loc="left")
-        panels[0].set_ylabel(velocity.label(Frames, "velocity"))
+        panels[0].set_ylabel(velocity.label(FrameContent, "velocity"))
         if number in arrivals:
             inside = (data.time >= spans[number][0]) & (data.time <= spans[number][1])
             after = (data.time[inside] - arrivals[number]) * close.worth
@@ -211,7 +211,7 @@ def response_figure(data: BeadHistory, waves: Waves | None = None) -> Figure:
             panels[1].set_title(time_title(problem, "arrival", arrivals[number], time), loc="left")
         elif arrivals:
             panels[1].remove()
-    axes[-1, 0].set_xlabel(time.label(Frames, "time"))
+    axes[-1, 0].set_xlabel(time.label(FrameContent, "time"))
     if arrivals:
         lowest = axes[drawn.index(max(arrivals)), 1]
         kicked = f"in chain {_kicked(problem)} " if problem.chains > 1 else ""
@@ -280,6 +280,6 @@ def pulses(time: Floats, size: Floats) -> list[tuple[float, float, float]]:
     return sorted((peak, low, high) for peak, low, high in passages if high - low < longest)
 
 
-def time_title(problem: Problem, event: str, time: float, unit: Unit) -> str:
+def time_title(problem: Problem, event: str, time: float, unit: AxisUnit) -> str:
     """Text over a panel: the event from which its axis of time counts, and when it is."""
     return f"{event} {time * unit.worth:.4g}{f' {unit.symbol}' if problem.scale.si else ''}"

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.files.dump_layout import BOX_AT, MAX_NAMES, PROBE_BYTES, STEP_AT, Layout, parse
+from analysis.files.dump_layout import BOX_AT, MAX_NAMES, PROBE_BYTES, STEP_AT, DumpLayout, parse
 from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import InputError
 
@@ -139,7 +139,7 @@ class BinaryDump:
 
     def _index(self, file: FileIO, end: int) -> None:
         """Find the frames: the headers of frames of one layout stand at equal distances and are checked together."""
-        layouts: dict[Layout, int] = {}
+        layouts: dict[DumpLayout, int] = {}
         kinds, offsets, steps, boxes, times = [], [], [], [], []
         offset = frames = 0
         while offset < end:
@@ -221,7 +221,7 @@ class BinaryDump:
                 done += len(block)
         return out
 
-    def _raw(self, file: FileIO, frames: Integers, layout: Layout) -> Bytes:
+    def _raw(self, file: FileIO, frames: Integers, layout: DumpLayout) -> Bytes:
         """[frame, byte] of frames of one layout."""
         offsets = self._offsets[frames]
         together = bool(np.all(np.diff(offsets) == layout.size))
@@ -233,7 +233,7 @@ class BinaryDump:
                 return raw
         raise InputError(f"{self.path}: changed while it was read")
 
-    def _rows(self, raw: Bytes, layout: Layout, frames: Integers) -> Floats:
+    def _rows(self, raw: Bytes, layout: DumpLayout, frames: Integers) -> Floats:
         """[frame, atom, column] as they stand in the file."""
         pieces = []
         at = layout.header
@@ -279,7 +279,7 @@ def _field(raw: Bytes, at: int, kind: str, count: int) -> NDArray[Any]:
     return np.ascontiguousarray(raw[:, at : at + width]).view(kind)
 
 
-def _fixed(layout: Layout) -> Flags:
+def _fixed(layout: DumpLayout) -> Flags:
     """Which bytes of the header are the same in all frames of this layout."""
     mask = np.ones(layout.header, dtype=bool)
     mask[STEP_AT : STEP_AT + 8] = False

@@ -30,7 +30,7 @@ MAX_NAMES, _MAX_RANKS = 1 << 16, 1 << 22
 
 
 @dataclass(frozen=True)
-class Layout:
+class DumpLayout:
     """Where things are in a frame; two frames of one layout differ in step, box, time and rows only."""
 
     atoms: int
@@ -45,7 +45,7 @@ class Layout:
         return self.header + 4 * self.chunks + 8 * self.atoms * len(self.columns)
 
 
-def parse(raw: bytes) -> Layout:
+def parse(raw: bytes) -> DumpLayout:
     """Layout of the frame that begins with these bytes.
 
     Raises:
@@ -97,7 +97,7 @@ def parse(raw: bytes) -> Layout:
     (chunks,) = take("i")
     if not 1 <= chunks <= _MAX_RANKS:
         raise ValueError(f"{chunks} chunks")
-    return Layout(atoms, names, time_at, at, chunks)
+    return DumpLayout(atoms, names, time_at, at, chunks)
 
 
 def last_step(path: Path) -> int | None:

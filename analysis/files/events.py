@@ -11,7 +11,7 @@ from lammps_inputs.units import Scale
 
 
 @result
-class Events:
+class Collisions:
     """Collisions in the order in which they happen, [collision]; bead ``row`` of a chain strikes bead ``row + 1``."""
 
     time: Floats = declare("time of the collision", "time", symbol="t")
@@ -32,13 +32,13 @@ class Events:
         """[collision] momentum handed on, in units of m V; positive."""
         return self.striker - self.target
 
-    def until(self, time: float) -> "Events":
+    def until(self, time: float) -> "Collisions":
         """The collisions up to a time, in units of T."""
         count = int(np.searchsorted(self.time, time, side="right"))
-        return Events(*(getattr(self, name)[:count] for name in declared(Events)))
+        return Collisions(*(getattr(self, name)[:count] for name in declared(Collisions)))
 
 
-def from_csv(path: Path, scale: Scale) -> Events:
+def from_csv(path: Path, scale: Scale) -> Collisions:
     """The collisions that a table in the scene's units holds.
 
     Raises:
@@ -47,9 +47,9 @@ def from_csv(path: Path, scale: Scale) -> Events:
     try:
         with path.open(encoding="utf-8") as file:
             head = file.readline().strip()
-            names = list(declared(Events))
+            names = list(declared(Collisions))
             # tables of before units were named have bare names
-            if head not in (",".join(headings(Events, scale)), ",".join(names)):
+            if head not in (",".join(headings(Collisions, scale)), ",".join(names)):
                 raise InputError(f"{path}: is not a table of collisions; its columns should be {', '.join(names)}")
             lines = [line for line in file if line.strip()]
         values = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.empty((0, len(names)))
@@ -61,6 +61,6 @@ def from_csv(path: Path, scale: Scale) -> Events:
             raise
         raise InputError(f"{path}: is not a table of collisions ({error})") from None
     velocity = scale.velocity
-    return Events(
+    return Collisions(
         time / scale.time, chain.astype(np.int64), row.astype(np.int64), striker / velocity, target / velocity
     )

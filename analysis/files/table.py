@@ -37,7 +37,7 @@ MAX_NUMBER = 2**31 - 1
 
 
 @dataclass(frozen=True)
-class Table:
+class TrajectoryTable:
     """Values on a grid of times, chains and beads, in the file's own units.
 
     Attributes:
@@ -53,7 +53,7 @@ class Table:
     velocity: Floats | None
 
 
-def load(path: Path) -> Table:
+def load(path: Path) -> TrajectoryTable:
     """Read a table.
 
     Raises:
@@ -185,7 +185,7 @@ def _rows_as_wide_as(lines: Iterable[str], width: int, delimiter: str | None, pa
         yield line
 
 
-def _from_grid(path: Path, columns: dict[str, Floats]) -> Table:
+def _from_grid(path: Path, columns: dict[str, Floats]) -> TrajectoryTable:
     values = {name: columns[name] for name in VALUES if name in columns}
     shape = next(iter(values.values())).shape
     time = columns.get("time", np.zeros(0))
@@ -201,10 +201,10 @@ def _from_grid(path: Path, columns: dict[str, Floats]) -> Table:
         raise InputError(f"{path}: a chain or bead is named twice")
     by_chain, by_bead = np.argsort(chains), np.argsort(beads)
     ordered = {name: value[:, by_chain][:, :, by_bead] for name, value in values.items()}
-    return Table(time, chains[by_chain], beads[by_bead], ordered.get("displacement"), ordered.get("velocity"))
+    return TrajectoryTable(time, chains[by_chain], beads[by_bead], ordered.get("displacement"), ordered.get("velocity"))
 
 
-def _on_grid(path: Path, columns: dict[str, Floats]) -> Table:
+def _on_grid(path: Path, columns: dict[str, Floats]) -> TrajectoryTable:
     if any(column.ndim != 1 for column in columns.values()) or len({len(column) for column in columns.values()}) > 1:
         raise InputError(f"{path}: columns have different lengths")
     time, at_time = np.unique(columns["time"], return_inverse=True)
@@ -227,7 +227,7 @@ def _on_grid(path: Path, columns: dict[str, Floats]) -> Table:
         values.flat[place] = columns[name]
         return values
 
-    return Table(time, chains, beads, grid("displacement"), grid("velocity"))
+    return TrajectoryTable(time, chains, beads, grid("displacement"), grid("velocity"))
 
 
 def _numbers(path: Path, name: str, column: Floats) -> Integers:
@@ -250,7 +250,7 @@ def is_text_dump(path: Path) -> bool:
     return start.lstrip().startswith((b"ITEM: TIMESTEP", b"ITEM: UNITS", b"ITEM: TIME"))
 
 
-def load_dump(path: Path, beads: int, timestep: float) -> Table:
+def load_dump(path: Path, beads: int, timestep: float) -> TrajectoryTable:
     """Read a dump; what is cut off at its end is left out.
 
     Args:
@@ -294,7 +294,7 @@ def load_dump(path: Path, beads: int, timestep: float) -> Table:
     time = np.array(times)
     if not np.all(np.diff(time) > 0.0):
         raise InputError(f"{path}: times are not ascending")
-    return Table(
+    return TrajectoryTable(
         time=time,
         chains=chains + 1,
         beads=numbers + 1,

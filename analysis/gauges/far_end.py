@@ -11,7 +11,7 @@ import numpy as np
 from analysis import hermite, motion
 from analysis.conservation import energy_input
 from analysis.gauges.gauge import (
-    Curve,
+    ContactCurve,
     Gauge,
     at_frames,
     crossing,
@@ -157,7 +157,7 @@ def _arrived(found: tuple[Floats, Floats, Floats, Floats | None], chains: Intege
         return np.nan, np.nan
     near, spacing = slice(k - 1, k + 2), float(time[k] - time[k - 1])
     remembered = None if memory is None else memory[near, chains]
-    curve = Curve.between(wall.probes[0], strain[:, near, chains], remembered, chains, spacing)
+    curve = ContactCurve.between(wall.probes[0], strain[:, near, chains], remembered, chains, spacing)
 
     def value(s: Floats) -> Floats:
         return np.asarray(curve(np.repeat(s, len(chains))).reshape(2, -1).sum(axis=1))

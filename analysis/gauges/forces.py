@@ -20,7 +20,7 @@ import numpy as np
 
 from analysis import hermite
 from analysis.gauges.gauge import (
-    Curve,
+    ContactCurve,
     Gauge,
     at_frames,
     borders,
@@ -462,7 +462,7 @@ class ForceMeter:
         """Take in what one gauge reads from the first frame of a block to its last."""
         spacing, chains = block.spacing, np.arange(self.problem.chains)
         curves = [
-            Curve.between(probe, strain_at_frames(block, probe), memory_at_frames(block, probe), chains, spacing)
+            ContactCurve.between(probe, strain_at_frames(block, probe), memory_at_frames(block, probe), chains, spacing)
             for probe in gauge.probes
         ]
         chain = curves[0].chain
@@ -552,7 +552,7 @@ def left_out(block: Trajectory, gauge: Gauge) -> Floats:
         force = np.zeros((part.frames - 1) * len(chains))
         for probe in gauge.probes:
             strain = strain_at_frames(part, probe)
-            curve = Curve.between(probe, strain, memory_at_frames(part, probe), chains, part.spacing)
+            curve = ContactCurve.between(probe, strain, memory_at_frames(part, probe), chains, part.spacing)
             middle = np.full(len(force), 0.5)
             force += curve(middle) / len(gauge.probes)
             between = strain_at_frames(block, probe)[0, first + 1 : block.frames - 1 : 2]

@@ -3,7 +3,7 @@
 The force of a damped contact is all of it, that of its dashpot included, at the velocities that frames hold: those of
 the moment of their positions. (LAMMPS itself takes the dashpot's at velocities of half a step before.)
 
-Between frames: the force of a contact (`Curve`), its integral and maximum; the maximum and crossings of samples.
+Between frames: the force of a contact (`ContactCurve`), its integral and maximum; the maximum and crossings of samples.
 """
 
 import itertools
@@ -198,7 +198,7 @@ PANEL = 0.05
 
 
 @dataclass(frozen=True)
-class Curve:
+class ContactCurve:
     """Force of one contact over s, in many stretches from frame to frame.
 
     Attributes:
@@ -216,7 +216,9 @@ class Curve:
     memory: Floats | None = None
 
     @classmethod
-    def between(cls, probe: Probe, strain: Floats, memory: Floats | None, chains: Integers, spacing: float) -> "Curve":
+    def between(
+        cls, probe: Probe, strain: Floats, memory: Floats | None, chains: Integers, spacing: float
+    ) -> "ContactCurve":
         """From frame to frame, stretches [interval * chains + chain].
 
         Args:
@@ -232,7 +234,7 @@ class Curve:
         chain = np.tile(chains, strain.shape[1] - 1)
         return cls(probe, hermite.coefficients((0, 1), ends, spacing), chain, spacing, memory)
 
-    def of(self, stretch: Integers) -> "Curve":
+    def of(self, stretch: Integers) -> "ContactCurve":
         """In chosen stretches."""
         memory = None if self.memory is None else self.memory[:, stretch]
         return replace(self, polynomial=self.polynomial[:, stretch], chain=self.chain[stretch], memory=memory)

@@ -40,7 +40,7 @@ class HighestLine:
 
 
 @result
-class Lines:
+class SpectralLines:
     """What is found in the spectra of a run."""
 
     after: float = declare("time from which on frames were taken", "time")
@@ -73,7 +73,7 @@ class SpectrumTable:
 
 
 @dataclass(frozen=True)
-class Spectra:
+class VelocitySpectra:
     """Amplitudes of the velocities of chosen beads, dimensionless.
 
     Attributes:
@@ -102,7 +102,7 @@ class Spectra:
         first = self.at_drive[..., :1]
         return np.asarray(self.at_drive / np.where(first > 0.0, first, np.nan))
 
-    def found(self, problem: Problem) -> Lines:
+    def found(self, problem: Problem) -> SpectralLines:
         """The highest lines, and those at the drives."""
         passed_on, beads = self.transmissibility, []
         for chain, (place, bead) in itertools.product(range(problem.chains), enumerate(self.beads)):
@@ -116,7 +116,7 @@ class Spectra:
             first = float(passed_on[np.searchsorted(self.drive, frequency), chain - 1, -1])
         resolution = float(self.frequency[1] - self.frequency[0])
         cycles = bands(problem.system)
-        return Lines(self.after, resolution, beads, first, None if cycles is None else cycles / (2.0 * np.pi))
+        return SpectralLines(self.after, resolution, beads, first, None if cycles is None else cycles / (2.0 * np.pi))
 
     def table(self) -> SpectrumTable:
         """A line a frequency, a column a chain and bead."""
@@ -176,7 +176,7 @@ class SpectrumMeter:
         """Take the next frames."""
         self._velocity.append(block.velocity[block.time >= self.after * (1.0 - 1e-12)][:, :, self._columns])
 
-    def result(self) -> Spectra | None:
+    def result(self) -> VelocitySpectra | None:
         """Of the frames so far; None of too few."""
         velocity = np.concatenate(self._velocity)
         if len(velocity) < LEAST_FRAMES:
@@ -186,4 +186,6 @@ class SpectrumMeter:
         drive = np.unique([each[2] for each in drives(self.problem)])
         unknown = np.full(velocity.shape[1:], np.nan)
         at_drive = [amplitude_at(velocity, every, of) if of < 0.5 / every else unknown for of in drive.tolist()]
-        return Spectra(self.beads, self.after, frequency, amplitude, drive, np.reshape(at_drive, (-1, *unknown.shape)))
+        return VelocitySpectra(
+            self.beads, self.after, frequency, amplitude, drive, np.reshape(at_drive, (-1, *unknown.shape))
+        )

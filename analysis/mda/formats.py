@@ -30,7 +30,7 @@ from MDAnalysis.topology.base import TopologyReaderBase
 from numpy.typing import ArrayLike
 
 from analysis.files.binary_dump import BinaryDump, Parts
-from analysis.trajectory import Flags, Floats, Integers, Measured
+from analysis.trajectory import Flags, Floats, FramesInUnits, Integers
 from lammps_inputs import InputError, file_names
 from lammps_inputs.units import Scale, sphere_density
 
@@ -336,6 +336,6 @@ class BinaryDumpReader(ReaderBase):  # type: ignore[misc]  # MDAnalysis has no t
             data["displacement"] = data["x"] - (self._rest if self._row is None else data["mol"] * self._row)
         if self._scale is not None and {"velocity", "displacement"} <= data.keys():
             scale = self._scale
-            data["si"] = Measured(
+            data["si"] = FramesInUnits(
                 data["time"] * scale.time, data["displacement"] * scale.length, data["velocity"] * scale.velocity
             )

@@ -58,7 +58,7 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
         return ResultsGroup({"_part": ResultsGroup.flatten_sequence})
 
     def _prepare(self) -> None:
-        self.results = Results(_part=[_Part(self._threshold)])  # without those of an earlier run
+        self.results = Results(_part=[_ContinuedPeaks(self._threshold)])  # without those of an earlier run
         self._pending: list[tuple[float, Any]] = []
 
     def _single_frame(self) -> None:
@@ -85,7 +85,7 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
             self.results[name] = getattr(waves, name)
 
 
-class _Part:
+class _ContinuedPeaks:
     """Peaks in frames in the midst of a run: found from the second block on, so that they continue any before."""
 
     def __init__(self, threshold: float) -> None:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.against.difference import Deviation, Place, deviation_of
-from analysis.files.events import Events
+from analysis.against.difference import Deviation, DeviationPlace, deviation_of
+from analysis.files.events import Collisions
 from analysis.sharing.energies import EnergyFlow
 from analysis.sharing.impulses import ImpulseMeter, from_events
 from analysis.trajectory import Floats, Integers, Trajectory, along_the_way, direction_of
@@ -63,7 +63,9 @@ class ChainMeter:
             for flow, block in zip(self._flows, blocks, strict=True):
                 flow.add(block)
 
-    def result(self, collisions: Events, tolerance: float) -> tuple[dict[str, Deviation], tuple[ChainDifference, ...]]:
+    def result(
+        self, collisions: Collisions, tolerance: float
+    ) -> tuple[dict[str, Deviation], tuple[ChainDifference, ...]]:
         """Deviations of all chains together, by ``impulse`` and ``share``, and each chain's.
 
         Args:
@@ -82,7 +84,7 @@ class ChainMeter:
                 impulse.ravel(),
                 time.ravel(),
                 tolerance,
-                lambda k: Place(int(chain[k]) + 1, int(bead[row[k]]), float(time.flat[k])),
+                lambda k: DeviationPlace(int(chain[k]) + 1, int(bead[row[k]]), float(time.flat[k])),
             )
         if self._flows is None:
             del deviations["share"]
@@ -97,7 +99,7 @@ class ChainMeter:
         )
         return deviations, chains
 
-    def _impulses_apart(self, collisions: Events) -> tuple[Integers, Floats, Floats]:
+    def _impulses_apart(self, collisions: Collisions) -> tuple[Integers, Floats, Floats]:
         """Rows in which a contact passed something on in both runs, in any chain, in the order of the pulse's way.
 
         Returns:

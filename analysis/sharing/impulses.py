@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis import hermite, motion
-from analysis.files.events import Events
+from analysis.files.events import Collisions
 from analysis.trajectory import (
     Floats,
     Integers,
@@ -198,7 +198,7 @@ def measure(problem: Problem, blocks: Iterable[Trajectory]) -> Impulses:
     return watch(ImpulseMeter(problem), blocks).result()
 
 
-def from_events(problem: Problem, events: Events, direction: int = 1) -> Impulses:
+def from_events(problem: Problem, events: Collisions, direction: int = 1) -> Impulses:
     """Impulses of rigid beads, a contact being one collision.
 
     Args:

@@ -136,7 +136,7 @@ chains. Farther ahead, and at weaker couplings, it was off by up to 1.3 times th
 """
 
 
-class State(Enum):
+class EquipartitionState(Enum):
     """What a run shows."""
 
     EQUAL = "equipartitioned and synchronised"
@@ -160,7 +160,7 @@ class Verdict:
             of the last one seen; None if nothing is known.
     """
 
-    state: State
+    state: EquipartitionState
     sentence: str
     since: int | None = None
     expected: Estimate | None = None
@@ -169,18 +169,24 @@ class Verdict:
 def verdict_on(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     """The verdict on a run. Equality must have lasted for half a beat to count."""
     found = _without_exchange(shared, problem) or _of_waves(shared, problem, decay)
-    if found.state in (State.BEATING, State.SHORT) and len(shared) and unlike(problem.system, shared.kicked):
+    if (
+        found.state in (EquipartitionState.BEATING, EquipartitionState.SHORT)
+        and len(shared)
+        and unlike(problem.system, shared.kicked)
+    ):
         return Verdict(
-            State.UNLIKE,
-            f"the chains are {State.UNLIKE.value}: at bead {shared.bead[-1]} {shared.compared} differ by "
+            EquipartitionState.UNLIKE,
+            f"the chains are {EquipartitionState.UNLIKE.value}: at bead {shared.bead[-1]} {shared.compared} differ by "
             f"{shared.mismatch[-1]:.1%}, and no agreement to 1% has lasted for half a beat",
         )
     return found
 
 
-def _verdict(state: State, what: str, since: int | None = None, expected: Estimate | None = None) -> Verdict:
+def _verdict(
+    state: EquipartitionState, what: str, since: int | None = None, expected: Estimate | None = None
+) -> Verdict:
     """One whose sentence begins with its state."""
-    subject = "equipartition " if state is State.NO_PULSE else ""
+    subject = "equipartition " if state is EquipartitionState.NO_PULSE else ""
     return Verdict(state, f"{subject}{state.value}: {what}", since, expected)
 
 
@@ -188,13 +194,13 @@ def _without_exchange(shared: Sharing, problem: Problem) -> Verdict | None:
     """Where there is no pulse, or no exchange of its energy."""
     system = problem.system
     if not system.holds(Fact.PULSE):
-        return _verdict(State.NO_PULSE, physics.why_no_pulse(system))
+        return _verdict(EquipartitionState.NO_PULSE, physics.why_no_pulse(system))
     if problem.chains == 1:
-        return _verdict(State.ALONE, "a single chain")
+        return _verdict(EquipartitionState.ALONE, "a single chain")
     if not physics.coupled(system):
-        return _verdict(State.ALONE, "no chain is coupled to another")
+        return _verdict(EquipartitionState.ALONE, "no chain is coupled to another")
     if len(physics.tied_to(system, shared.kicked)) == 1:
-        return _verdict(State.ALONE, "the kicked chain is coupled to no other")
+        return _verdict(EquipartitionState.ALONE, "the kicked chain is coupled to no other")
     return None
 
 
@@ -210,22 +216,22 @@ def _of_waves(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verd
     if not resolved(shared, problem.system):
         if compared_by_impulses(problem.system):
             what = "chains with gaps are compared by impulses, which are known only where all beads are recorded"
-            return _verdict(State.UNSURE, what)
+            return _verdict(EquipartitionState.UNSURE, what)
         apart = int(np.diff(shared.bead).max())
         what = f"the compared beads lie up to {apart} apart, too far to see beats; at bead {last} {differ}"
         return _too_short(what, expected, decay)
     level, in_step = shared.agrees_from(AGREEMENT), shared.in_step_from(AGREEMENT)
     if level is not None and (doubt := _doubt(shared)):
-        return _verdict(State.UNSURE, doubt)
+        return _verdict(EquipartitionState.UNSURE, doubt)
     if level is not None and in_step is not None:
         what = (
             f"{shared.compared} agree to 1% from bead {level} on, arrivals to 1% of the passage time "
             f"from bead {in_step} on (observed to bead {last})"
         )
-        return _verdict(State.EQUAL, what, max(level, in_step))
+        return _verdict(EquipartitionState.EQUAL, what, max(level, in_step))
     if (end := last_springs(problem.system, shared.kicked)) + CLEAR < last:
-        what = f"{State.ALONE.value} beyond row {end}, where springs end; at bead {last} {differ}"
-        return Verdict(State.ALONE, what)
+        what = f"{EquipartitionState.ALONE.value} beyond row {end}, where springs end; at bead {last} {differ}"
+        return Verdict(EquipartitionState.ALONE, what)
     beat = shared.beat_length
     if beat is None and (largest := float(np.max(shared.mismatch))) < AGREEMENT:
         what = f"no beat is seen from bead {shared.bead[0]} to {last}, where {shared.compared} agree to {largest:.1%}"
@@ -239,9 +245,9 @@ def _of_waves(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verd
     if level is not None:
         what = f"{shared.compared} agree to 1% from bead {level} on, but arrivals differ by up to "
         what += f"{np.nanmax(shared.spread[recent]):.1%} of the wave's passage over the last half beat; {beats}"
-        return _verdict(State.BEATING, what)
+        return _verdict(EquipartitionState.BEATING, what)
     what = f"{shared.compared} differ by up to {shared.mismatch[recent].max():.2%} over the last half beat"
-    return _verdict(State.BEATING, f"{what} to bead {last}, {beats}{_about(expected)}", expected=expected)
+    return _verdict(EquipartitionState.BEATING, f"{what} to bead {last}, {beats}{_about(expected)}", expected=expected)
 
 
 def _doubt(shared: Sharing) -> str:
@@ -261,7 +267,7 @@ def _too_short(what: str, expected: Estimate | None, decay: DecayFit | None) -> 
     fading = ""
     if decay is not None:
         fading = f"; the pulse in the kicked chain decays, towards zero {decay.n_star:.0f} beads from the kick"
-    return _verdict(State.SHORT, f"{what}{_about(expected)}{fading}", expected=expected)
+    return _verdict(EquipartitionState.SHORT, f"{what}{_about(expected)}{fading}", expected=expected)
 
 
 def _expected(shared: Sharing, problem: Problem) -> Estimate | None:

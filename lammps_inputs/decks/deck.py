@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import file_names, laws, loads, physics, scheme, static_load, strict_yaml, window
-from lammps_inputs.deck_lines import AtomTypes, Lines
+from lammps_inputs.deck_lines import AtomTypes, DeckLines
 from lammps_inputs.laws import dashpot, plastic_lines, spring
 from lammps_inputs.laws.contact import wall_lines
 from lammps_inputs.layout import Layout
@@ -137,7 +137,7 @@ def inner_lines(problem: Problem) -> list[str]:
     return [f"group beads id 1:{problem.chains * problem.beads}"]
 
 
-def spelling(problem: Problem) -> list[Lines]:
+def spelling(problem: Problem) -> list[DeckLines]:
     """What the laws on the links, and the loads, are to LAMMPS, in their order.
 
     Raises:
@@ -153,16 +153,16 @@ def _spelled(system: System) -> tuple[Link, ...]:
 
 
 @functools.lru_cache(maxsize=1)  # types of atoms that distinguish contacts take a second of many beads
-def _of_links(problem: Problem) -> tuple[Lines, ...]:
+def _of_links(problem: Problem) -> tuple[DeckLines, ...]:
     _refuse_unknown(problem.system)
     return tuple(_of_link(link, problem.layout) for link in _spelled(problem.system))
 
 
-def _of_link(link: Link, layout: Layout) -> Lines:
+def _of_link(link: Link, layout: Layout) -> DeckLines:
     """The law's own lines; contacts whose law spells no dashpots of its own have them beside."""
     if isinstance(link, Wall):
-        return Lines() if laws.remembers(link.law) else wall_lines(link, layout)
-    lines: Lines = getattr(link.law, _kind(link))(link if isinstance(link, Across) else link.name, layout)
+        return DeckLines() if laws.remembers(link.law) else wall_lines(link, layout)
+    lines: DeckLines = getattr(link.law, _kind(link))(link if isinstance(link, Across) else link.name, layout)
     damped = isinstance(link, Along) and layout.contact_loss is not None
     return dashpot.beside(lines, layout) if damped and not lines.damped else lines
 

@@ -29,7 +29,7 @@ Row = Annotated[int, Field(ge=1, le=10**8)]
 Rows = Annotated[tuple[Row, Row], BeforeValidator(strict_yaml.as_tuple)]
 
 
-class Part(BaseModel):
+class ScenePart(BaseModel):
     """Keys of a scene that belong together: frozen, and none that is not known."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
@@ -205,7 +205,7 @@ class Inner(NamedTuple):
     dampers: tuple[Across, ...] = ()
 
 
-class Ingredient(Part):
+class Ingredient(ScenePart):
     """A part of a scene that makes links between beads; what is not overridden, it does not do."""
 
     takes_away: ClassVar[frozenset[Fact]] = frozenset()

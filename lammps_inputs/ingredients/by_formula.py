@@ -144,7 +144,7 @@ def multiple_of_strain(force: Force) -> float | None:
 
 
 @functools.lru_cache(maxsize=256)
-def kind_of_contact(force: Force, tension: str | None) -> written.Kind:
+def kind_of_contact(force: Force, tension: str | None) -> written.FormulaKind:
     """How the formula counts s, and whether it is cut where beads are apart.
 
     Raises:
@@ -162,7 +162,7 @@ def kind_of_contact(force: Force, tension: str | None) -> written.Kind:
         raise ValueError("contact.force: is the same at all s near 0; it should grow as beads come closer")
     if not np.isfinite(slopes[0 if way > 0.0 else 1]):
         raise ValueError("contact.force: falls as beads come closer; it should grow, as A*s^1.5 with A > 0")
-    kind = written.Kind(way, cut=rest == 0.0 if tension is None else tension == "cut")
+    kind = written.FormulaKind(way, cut=rest == 0.0 if tension is None else tension == "cut")
     if not kind.cut and not np.isfinite(slopes[1 if way > 0.0 else 0]):
         if tension is None:
             raise ValueError(
@@ -176,7 +176,7 @@ def kind_of_contact(force: Force, tension: str | None) -> written.Kind:
 
 
 @functools.lru_cache(maxsize=256)
-def power_of_contact(force: Force, kind: written.Kind) -> tuple[float, float, bool]:
+def power_of_contact(force: Force, kind: written.FormulaKind) -> tuple[float, float, bool]:
     """Exponent and constant of ``A s^p``, as which a contact's force begins above that at rest; whether it is that.
 
     Raises:

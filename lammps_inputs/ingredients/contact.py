@@ -18,11 +18,11 @@ from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, by_formula, plastic
-from lammps_inputs.ingredients.base import Part, Phase, Positive, Rows, SceneParts, Seed, Spread
+from lammps_inputs.ingredients.base import Phase, Positive, Rows, ScenePart, SceneParts, Seed, Spread
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power
-from lammps_inputs.laws.written import AlongChains, Force, Kind
+from lammps_inputs.laws.written import AlongChains, Force, FormulaKind
 from lammps_inputs.links import Along
 from lammps_inputs.numbers import random_shares
 from lammps_inputs.system import System
@@ -46,7 +46,7 @@ LEAST_OF_PULSES = 1.05
         None,
     )
 )
-class Profile(Part):
+class Profile(ScenePart):
     """A ramp, a cosine and random factors, each absent unless given; the strength is their product."""
 
     example: ClassVar[str] = "{from: 1, to: 4, contacts: [50, 150]}"
@@ -351,9 +351,9 @@ class Contact(by_formula.ByFormula):
         return by_formula.power_of_contact(self.formula, self._kind)
 
     @property
-    def _kind(self) -> Kind:
+    def _kind(self) -> FormulaKind:
         """How a formula counts s, and whether it is cut where beads are apart, as other contacts are."""
-        return Kind(cut=True) if self.formula is None else by_formula.kind_of_contact(self.formula, self.tension)
+        return FormulaKind(cut=True) if self.formula is None else by_formula.kind_of_contact(self.formula, self.tension)
 
     def lacks(self, scene: SceneParts) -> frozenset[Fact]:  # noqa: ARG002
         """Linear contacts disperse any pulse; all that are harder at first than spheres begin abruptly.

@@ -10,9 +10,9 @@ from lammps_inputs import laws, strict_yaml
 from lammps_inputs.ingredients import by_formula
 from lammps_inputs.ingredients.base import (
     Cubic,
-    Part,
     Row,
     Rows,
+    ScenePart,
     SceneParts,
     Stiffness,
     ends,
@@ -44,14 +44,14 @@ _ROUNDED = 1e-10
 
 
 @with_keys(ends(Stiffness, "Stiffness up to the first bead of `rows`.", "Stiffness from the last bead of `rows` on."))
-class Ramp(Part):
+class Ramp(ScenePart):
     """Stiffness that changes evenly from bead ``rows[0]`` to ``rows[1]``, and stays as it is before and after."""
 
     rows: Rows
     """First and last bead of the ramp; the stiffness is constant before and after."""
 
 
-class Graph(Part):
+class Graph(ScenePart):
     """Which chains are tied: one of the two."""
 
     lattice: Rows | None = None
@@ -62,7 +62,7 @@ class Graph(Part):
     _from_list = field_validator("edges", mode="before")(strict_yaml.as_tuple)
 
 
-def _distinguished(model: type[Part]) -> Discriminator:
+def _distinguished(model: type[ScenePart]) -> Discriminator:
     """Pairs of keys and values are the model, all else is tried as the plain value."""
     return Discriminator(lambda value: "<keys>" if isinstance(value, dict | model) else "<plain>")
 

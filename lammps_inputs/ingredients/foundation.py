@@ -16,7 +16,7 @@ from lammps_inputs import laws, strict_yaml
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, by_formula
-from lammps_inputs.ingredients.base import Cubic, Part, Phase, Positive, Rows, SceneParts, Stiffness
+from lammps_inputs.ingredients.base import Cubic, Phase, Positive, Rows, ScenePart, SceneParts, Stiffness
 from lammps_inputs.laws.spring import Duffing, Linear, Varying
 from lammps_inputs.laws.written import ToGround
 from lammps_inputs.links import Ground
@@ -32,7 +32,7 @@ Time = Annotated[float, Field(ge=-1e30, le=1e30), Unit("s")]
         Stiffness, "Stiffness at the start of the ramp, and before.", "Stiffness at the end of the ramp, and after."
     )
 )
-class GroundRamp(Part):
+class GroundRamp(ScenePart):
     """Stiffness that changes evenly along the chains or in time, and is constant before and after."""
 
     example: ClassVar[str] = "{from: 0, to: 0.2, rows: [1, 60]}"
@@ -57,7 +57,7 @@ class GroundRamp(Part):
             raise ValueError(f"{key}.times: {begin:g} to {end:g} given; the end must be later than the start")
 
 
-class Modulation(Part):
+class Modulation(ScenePart):
     """A factor ``1 + depth sin(2 pi frequency t + phase)`` on the stiffness."""
 
     example: ClassVar[str] = "{depth: 0.5, frequency: 0.2}"

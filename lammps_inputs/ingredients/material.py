@@ -5,11 +5,11 @@ from typing import Annotated, Any, ClassVar
 from pydantic import ConfigDict, Field, model_validator
 
 from lammps_inputs import materials
-from lammps_inputs.ingredients.base import Part, Positive
+from lammps_inputs.ingredients.base import Positive, ScenePart
 from lammps_inputs.units import PURE, Label, Unit
 
 
-class Material(Part):
+class Material(ScenePart):
     """Elastic spheres in SI units; with it every other number of the scene is in SI."""
 
     model_config = ConfigDict(

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from lammps_inputs.ingredients.base import Part, Positive, SceneParts
+from lammps_inputs.ingredients.base import Positive, ScenePart, SceneParts
 from lammps_inputs.ingredients.material import Material
 from lammps_inputs.ingredients.unequal import sizes_and_moduli, yield_strengths
 from lammps_inputs.laws import Law, Parameter
@@ -26,7 +26,7 @@ SMALLEST = 1e-6
 """Smallest dimensionless overlap at yield."""
 
 
-class Yield(Part):
+class Yield(ScenePart):
     """Contacts that yield, by the law of their author."""
 
     example: ClassVar[str] = "{overlap: 0.1}"

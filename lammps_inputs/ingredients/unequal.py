@@ -14,8 +14,8 @@ from pydantic import BeforeValidator, Field, model_validator
 from lammps_inputs import materials
 from lammps_inputs.ingredients.base import (
     Count,
-    Part,
     Positive,
+    ScenePart,
     SceneParts,
     Seed,
     Spread,
@@ -36,7 +36,7 @@ MOST = 1e6
 """Largest mass and strength, and one over the smallest, in those of the reference bead: beyond it bead and wall."""
 
 
-class Kind(Part):
+class BeadKind(ScenePart):
     """A bead; what it does not name is the reference bead's."""
 
     example: ClassVar[str] = "{mass: 0.5}"
@@ -100,7 +100,7 @@ class Kind(Part):
         return mass, radius, modulus, yields
 
 
-class Replacement(Part):
+class Replacement(ScenePart):
     """One bead that is of another kind."""
 
     example: ClassVar[str] = "{bead: 40, kind: heavy}"
@@ -113,7 +113,7 @@ class Replacement(Part):
     """Its kind, one of `kinds`."""
 
 
-class Disorder(Part):
+class Disorder(ScenePart):
     """Every bead differs a little: its numbers are spread evenly within these shares of them, up and down."""
 
     example: ClassVar[str] = "{mass: 0.01}"
@@ -133,7 +133,7 @@ class Disorder(Part):
         return np.asarray(1.0 + getattr(self, name) * (2.0 * share - 1.0)).reshape(shape)
 
 
-class Striker(Kind):
+class Striker(BeadKind):
     """The first bead of a chain, of its own kind, and the velocity with which it strikes the second."""
 
     example: ClassVar[str] = "{mass: 2, velocity: 1}"
@@ -159,7 +159,7 @@ def _one_or_several(value: Any) -> Any:
     return tuple(value) if isinstance(value, list | tuple) else (value,)
 
 
-Kinds = dict[Name, Kind]
+Kinds = dict[Name, BeadKind]
 """Beads by name, for a pattern and replacements."""
 
 Pattern = Annotated[tuple[Any, ...], BeforeValidator(_kinds_in_order)]

@@ -17,9 +17,9 @@ from lammps_inputs import laws, materials
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import plastic
-from lammps_inputs.ingredients.base import Ingredient, Part, Positive, SceneParts
+from lammps_inputs.ingredients.base import Ingredient, Positive, ScenePart, SceneParts
 from lammps_inputs.ingredients.contact import HERTZ
-from lammps_inputs.ingredients.unequal import Kind as Bead
+from lammps_inputs.ingredients.unequal import BeadKind as Bead
 from lammps_inputs.ingredients.unequal import modulus, radii, unlike, with_its_like, yield_strengths
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.contact import Hertz
@@ -38,7 +38,7 @@ def _of_exponent(scene: Mapping[str, Any]) -> str:
     return "N/m^1.5" if scene.get("contact") is None else "N/m^p"
 
 
-class Face(Part):
+class Face(ScenePart):
     """A wall of any strength, or the flat face of a block of a material."""
 
     example: ClassVar[str] = "{stiffness: 2.0}"

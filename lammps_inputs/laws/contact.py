@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lammps_inputs import laws
-from lammps_inputs.deck_lines import AtomTypes, BeadLayout, Lines, WallLinks, types_by_contact
+from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines, WallLinks, types_by_contact
 from lammps_inputs.laws import Parameter, Pure, formula
 from lammps_inputs.numbers import text
 
@@ -47,7 +47,7 @@ class Hertz(NamedTuple):
         """Overlap at which one contact holds the whole energy; 0 where there is none."""
         return (2.5 * energy / np.where(np.asarray(strength) > 0.0, strength, np.inf)) ** 0.4
 
-    def along(self, _name: str, layout: BeadLayout) -> Lines:
+    def along(self, _name: str, layout: BeadLayout) -> DeckLines:
         """LAMMPS's Hertz force is ``Kn * sqrt(diameter / 4) * overlap**1.5`` for equal beads.
 
         Its diameters are equal even where the beads' are not. So they touch exactly, and contacts are distinguished
@@ -56,7 +56,7 @@ class Hertz(NamedTuple):
         unit = float(1.0 / np.sqrt(layout.diameter / 4.0))
         if layout.contact_loss is not None or np.ndim(self.strength) > 0:
             return _granular("hertz", unit, self.strength, "overlap^1.5", layout)
-        return Lines(
+        return DeckLines(
             interactions=(
                 "# contacts: force = overlap^1.5, no friction, no loss; this style computes no energy",
                 f"pair_style gran/hertz/history {unit * float(self.strength)!r} 0 0 0 0 0",
@@ -65,7 +65,7 @@ class Hertz(NamedTuple):
         )
 
 
-def _granular(law: str, unit: float, strength: Parameter, power: str, layout: BeadLayout) -> Lines:
+def _granular(law: str, unit: float, strength: Parameter, power: str, layout: BeadLayout) -> DeckLines:
     """A pair style that has dashpots beside contacts of one law, and distinguishes these by the types of their beads.
 
     Args:
@@ -84,7 +84,7 @@ def _granular(law: str, unit: float, strength: Parameter, power: str, layout: Be
 
 def _of_types(
     general: str, own: tuple[AtomTypes, dict[tuple[int, int], str]] | None, power: str, layout: BeadLayout
-) -> Lines:
+) -> DeckLines:
     """Contacts in LAMMPS's words, in general and of pairs of types, with the dashpots of the layout."""
     loss, model, says = "0", "damping velocity", f"{power}{';' if own else ','} no friction, no loss"
     variables: tuple[str, ...] = ()
@@ -93,7 +93,7 @@ def _of_types(
         loss, says = "${contact_damping}", f"{power} and a dashpot, no friction"
         variables = (f"variable contact_damping index {text(coefficient)}   # {model}", *_since(model))
     model = f"{loss} tangential linear_nohistory 0 0 {model}"
-    return Lines(
+    return DeckLines(
         types=None if own is None else own[0],
         variables=variables,
         interactions=(
@@ -146,7 +146,7 @@ class Power(NamedTuple):
         strong = np.where(np.asarray(strength) > 0.0, strength, np.inf)
         return ((exponent + 1.0) * energy / strong) ** (1.0 / (exponent + 1.0))
 
-    def along(self, name: str, layout: BeadLayout) -> Lines:
+    def along(self, name: str, layout: BeadLayout) -> DeckLines:
         """Linear contacts are a style of LAMMPS's own; others it has from a formula of the energy, eight times slower.
 
         Raises:
@@ -163,7 +163,7 @@ class Power(NamedTuple):
                 )
             return _granular("hooke", 1.0, self.strength, "overlap", layout)
         if p == 1.0:
-            return Lines(
+            return DeckLines(
                 interactions=(
                     "# contacts: force = overlap, no friction, no loss; this style computes no energy",
                     f"pair_style gran/hooke {text(float(self.strength))} 0 0 0 0 0",
@@ -173,7 +173,7 @@ class Power(NamedTuple):
         energy = f"{text(float(self.strength) / (p + 1.0))}*({text(layout.diameter)}-r)^{text(p + 1.0)}"
         return formula.contacts(energy, f"= overlap^{text(p)}, from its energy", layout)
 
-    def _by_contact(self, name: str, layout: BeadLayout) -> Lines:
+    def _by_contact(self, name: str, layout: BeadLayout) -> DeckLines:
         """LAMMPS distinguishes contacts by the types of their beads; it has two exponents for that."""
         words = {1.0: ("hooke", 1.0), 1.5: ("hertz", float(1.0 / np.sqrt(layout.diameter / 4.0)))}
         power = np.asarray(self.exponent)
@@ -199,7 +199,7 @@ def faces(link: WallLinks, layout: BeadLayout) -> list[tuple[float, float]]:
     return list(zip(np.max(laws.strength(law), axis=1).tolist(), face.tolist(), strict=True))
 
 
-def wall_lines(link: WallLinks, layout: BeadLayout) -> Lines:
+def wall_lines(link: WallLinks, layout: BeadLayout) -> DeckLines:
     """Walls of the ends of the chains, with their dashpots.
 
     Only the beads that can reach them are asked, for the others cost as much. All have one radius in LAMMPS, so chains
@@ -215,7 +215,7 @@ def wall_lines(link: WallLinks, layout: BeadLayout) -> Lines:
         strength = f"variable {name} index {text(hard)}   # {unit}"
         dashpot = f"variable {name}_damping index {text(g)}   # {model}"
         coefficient = "0" if loss is None else f"${{{name}_damping}}"
-        return Lines(
+        return DeckLines(
             variables=(strength,) if loss is None else (strength, dashpot),
             motion=(
                 f"group {name} id {end}:{layout.chains * layout.beads}:{layout.beads}",
@@ -228,7 +228,7 @@ def wall_lines(link: WallLinks, layout: BeadLayout) -> Lines:
         atoms = " ".join(str(chain * layout.beads + end) for chain, other in enumerate(walls) if other == wall)
         coefficient = "0" if loss is None else text(g)
         lines += [f"group {own} id {atoms}", *_push(own, text(hard), face, coefficient, model, link, layout)]
-    return Lines(motion=tuple(lines))
+    return DeckLines(motion=tuple(lines))
 
 
 def _push(name: str, hard: str, face: float, g: str, model: str, link: Any, layout: BeadLayout) -> list[str]:

@@ -25,7 +25,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from lammps_inputs import laws
-from lammps_inputs.deck_lines import AtomTypes, BeadLayout, Lines, LinksAcross, atoms_by_value
+from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines, LinksAcross, atoms_by_value
 from lammps_inputs.laws import Parameter
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
@@ -58,19 +58,19 @@ class Dashpot(NamedTuple):
         """``c s``."""
         return coefficient * s
 
-    def ground(self, name: str, layout: BeadLayout) -> Lines:
+    def ground(self, name: str, layout: BeadLayout) -> DeckLines:
         """A drag on every bead, of the velocity in the middle of the step before.
 
         With masses larger by half of what a step of the drag takes, LAMMPS's step is that of the drag of the mean of
         the velocities before and after, which is of order 2. The deck does that where nothing else spoils the order.
         """
-        return Lines(
+        return DeckLines(
             variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force per velocity",),
             motion=(f"fix {name} {layout.group} viscous ${{{name}}}",),
             heavier=name if layout.velocity_at_full_steps else None,
         )
 
-    def across(self, link: LinksAcross, layout: BeadLayout) -> Lines:
+    def across(self, link: LinksAcross, layout: BeadLayout) -> DeckLines:
         """LAMMPS's thermostat of DPD at no temperature, whose drag, if the same along and across, is this.
 
         Beads of neighbouring chains differ by their type; the cutoff is between that of a row and those beside it.
@@ -82,7 +82,7 @@ class Dashpot(NamedTuple):
         pressed = float(np.max(laws.rest(layout.system.along[0].law)))
         apart = layout.diameter + layout.gap
         cutoff = text(4.25**0.5 * apart if pressed == 0.0 else math.hypot(2.0 * apart, 0.5 * (apart - pressed)))
-        return Lines(
+        return DeckLines(
             types=AtomTypes(types, {}, 2),
             variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force per velocity",),
             beside=(
@@ -93,7 +93,7 @@ class Dashpot(NamedTuple):
             ),
         )
 
-    def _inside(self, link: LinksAcross, layout: BeadLayout) -> Lines:
+    def _inside(self, link: LinksAcross, layout: BeadLayout) -> DeckLines:
         """A force against the velocity of each inner atom and its bead relative to each other.
 
         LAMMPS has no dashpots in bonds. The two are a chunk of atoms, of which the sum of the velocities is known.
@@ -116,7 +116,7 @@ class Dashpot(NamedTuple):
                 f"variable {name} atom -{text(coefficient)}*(2*vx-c_{name}_both)",
                 f"fix {name} {name} addforce v_{name} 0.0 0.0",
             ]
-        return Lines(motion=tuple(lines))
+        return DeckLines(motion=tuple(lines))
 
 
 class ContactDashpot(NamedTuple):
@@ -257,7 +257,7 @@ def at_max_strain(law: Any, elastic: laws.Law, energy: float) -> Any:
     return resistance(law, elastic.max_strain(energy, *elastic))
 
 
-def beside(elastic: Lines, layout: BeadLayout) -> Lines:
+def beside(elastic: DeckLines, layout: BeadLayout) -> DeckLines:
     """The lines of contacts whose pair style has no dashpots, with these added.
 
     Raises:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs.deck_lines import BeadLayout, Lines, LinksAcross, whole_contacts
+from lammps_inputs.deck_lines import BeadLayout, DeckLines, LinksAcross, whole_contacts
 from lammps_inputs.numbers import text
 
 SINCE = (
@@ -20,10 +20,10 @@ SINCE = (
 """Earlier releases of LAMMPS have no contacts from a formula of beads' radii."""
 
 
-def along(energy: str) -> Callable[[Any, str, BeadLayout], Lines]:
+def along(energy: str) -> Callable[[Any, str, BeadLayout], DeckLines]:
     """Method of contacts that act while beads overlap, from their energy."""
 
-    def spell(law: Any, name: str, layout: BeadLayout) -> Lines:
+    def spell(law: Any, name: str, layout: BeadLayout) -> DeckLines:
         return contacts(
             _filled(law, name, energy, f"({text(layout.diameter)}-r)"), "= minus the derivative of an energy", layout
         )
@@ -31,10 +31,10 @@ def along(energy: str) -> Callable[[Any, str, BeadLayout], Lines]:
     return spell
 
 
-def contacts(energy: str, says: str, layout: BeadLayout) -> Lines:
+def contacts(energy: str, says: str, layout: BeadLayout) -> DeckLines:
     """Contacts whose energy is a formula of the distance ``r``."""
     diameter = text(layout.diameter)
-    return Lines(
+    return DeckLines(
         variables=(SINCE,),
         interactions=(
             f"# contacts: force {says}; no friction, no loss",
@@ -52,12 +52,12 @@ def beads_alone(layout: BeadLayout) -> tuple[str, ...]:
     return ("group inner subtract all beads", "neigh_modify exclude group inner all   # resonators touch nothing")
 
 
-def across(energy: str) -> Callable[[Any, LinksAcross, BeadLayout], Lines]:
+def across(energy: str) -> Callable[[Any, LinksAcross, BeadLayout], DeckLines]:
     """Method of springs between chains, from their energy; it must be even: a formula of ``q``, the strain squared."""
 
-    def spell(law: Any, link: LinksAcross, layout: BeadLayout) -> Lines:
+    def spell(law: Any, link: LinksAcross, layout: BeadLayout) -> DeckLines:
         squares, bonds = squares_of_strain(link, layout)
-        return Lines(
+        return DeckLines(
             bonds=bonds,
             style="lepton",
             coefficients=tuple(f'0 "{_filled(law, link.name, energy, square, "q")}"' for square in squares),
@@ -74,11 +74,11 @@ def squares_of_strain(link: LinksAcross, layout: BeadLayout) -> tuple[list[str],
     return squares, np.broadcast_to(bonds.reshape(-1, 1) + 1, (len(link.edges), layout.beads))
 
 
-def ground(force: str) -> Callable[[Any, str, BeadLayout], Lines]:
+def ground(force: str) -> Callable[[Any, str, BeadLayout], DeckLines]:
     """Method of springs to the ground, from the force that drives beads back."""
 
-    def spell(law: Any, name: str, layout: BeadLayout) -> Lines:
-        return Lines(
+    def spell(law: Any, name: str, layout: BeadLayout) -> DeckLines:
+        return DeckLines(
             motion=(
                 f"variable {name}strain atom x-{layout.place_formula}",
                 f"variable {name} atom -({_filled(law, name, force, f'v_{name}strain')})",

@@ -190,7 +190,7 @@ class Sine(NamedTuple):
         return f"2*v_{name}peak/v_{name}omega*{middle}*sin({turn}*({end}-{start}))"
 
 
-class Table(NamedTuple):
+class TabulatedForce(NamedTuple):
     """Linear between points; no force before the first and after the last."""
 
     time: Floats
@@ -273,12 +273,12 @@ class Table(NamedTuple):
         return f"({until(after)}-{until(before)})*({before}<{text(float(self.time[-1]))})"
 
 
-def make_table(time: Floats, value: Floats) -> Table:
+def make_table(time: Floats, value: Floats) -> TabulatedForce:
     """Of points in ascending order of time."""
     width, mean = np.diff(time), 0.5 * (value[1:] + value[:-1])
     gained = np.concatenate([[0.0], np.cumsum(mean * width)])
     gone = gained[:-1] * width + (2.0 * value[:-1] + value[1:]) / 6.0 * width * width
-    return Table(time, value, gained, np.concatenate([[0.0], np.cumsum(gone)]))
+    return TabulatedForce(time, value, gained, np.concatenate([[0.0], np.cumsum(gone)]))
 
 
 def jumps(law: TimeLaw) -> bool:
@@ -288,12 +288,12 @@ def jumps(law: TimeLaw) -> bool:
 
 def opposite(law: Any) -> Any:
     """The opposite force."""
-    if isinstance(law, Table):
+    if isinstance(law, TabulatedForce):
         return law._replace(value=-law.value, gained=-law.gained, gone=-law.gone)
     return law._replace(peak=-law.peak)
 
 
 def variables(law: Any, name: str) -> tuple[str, ...]:
     """Deck variables with the parameters; none of a table, whose numbers stand in the formula."""
-    numbers = {} if isinstance(law, Table) else law._asdict()
+    numbers = {} if isinstance(law, TabulatedForce) else law._asdict()
     return tuple(f"variable {name}{key} index {text(value)}" for key, value in numbers.items())

@@ -11,7 +11,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs.deck_lines import BeadLayout, Lines
+from lammps_inputs.deck_lines import BeadLayout, DeckLines
 from lammps_inputs.laws import Parameter, Pure, plastic_lines
 from lammps_inputs.units import Dimension
 
@@ -101,7 +101,7 @@ class Thornton(NamedTuple):
         """Overlap at which unloading ends, d_r."""
         return np.maximum(memory, onset) - _unloading(np.maximum(memory, onset), onset, memory)[0]
 
-    def along(self, name: str, layout: BeadLayout) -> Lines:
+    def along(self, name: str, layout: BeadLayout) -> DeckLines:
         """See `lammps_inputs.laws.plastic_lines`."""
         return plastic_lines.contacts(self, name, layout)
 

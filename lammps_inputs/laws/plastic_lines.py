@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws
-from lammps_inputs.deck_lines import BeadLayout, Lines, WallLinks
+from lammps_inputs.deck_lines import BeadLayout, DeckLines, WallLinks
 from lammps_inputs.laws.contact import faces
 from lammps_inputs.numbers import text
 
@@ -27,7 +27,7 @@ COLUMNS = ("d_strength1", "d_strength2", "d_onset1", "d_onset2")
 """Per-atom numbers of the first and of the second pairs, where contacts differ."""
 
 
-def contacts(law: Any, name: str, layout: BeadLayout) -> Lines:
+def contacts(law: Any, name: str, layout: BeadLayout) -> DeckLines:
     """Contacts along chains, and with walls, that yield by Thornton's law.
 
     Raises:
@@ -62,7 +62,7 @@ def contacts(law: Any, name: str, layout: BeadLayout) -> Lines:
         "variable memory atom f_memory[1]*(1-f_pairs[1])/2+f_memory[2]*(1+f_pairs[1])/2",
         "variable memory_ahead atom f_memory[1]*(1+f_pairs[1])/2+f_memory[2]*(1-f_pairs[1])/2",
     ]
-    return Lines(
+    return DeckLines(
         variables=variables,
         interactions=_no_forces(layout),
         motion=tuple(lines),

@@ -9,7 +9,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs.deck_lines import BeadLayout, Lines
+from lammps_inputs.deck_lines import BeadLayout, DeckLines
 from lammps_inputs.laws import Parameter, Pure
 from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.laws.plastic import Thornton
@@ -65,7 +65,7 @@ class Preloaded(NamedTuple):
         found = _strain(energy, Preloaded(a, rest, load), (2.5 * energy / a) ** 0.4)
         return np.where(there, found, 0.0)
 
-    def along(self, name: str, layout: BeadLayout) -> Lines:
+    def along(self, name: str, layout: BeadLayout) -> DeckLines:
         """The contact itself; the load is what it does at rest, see `lammps_inputs.static_load`."""
         return Hertz(self.strength).along(name, layout)
 
@@ -112,7 +112,7 @@ class PreloadedPower(NamedTuple):
         alone = Power.max_strain(energy, strength, exponent)
         return _strain(energy, PreloadedPower(strength, exponent, rest, load), alone)
 
-    def along(self, name: str, layout: BeadLayout) -> Lines:
+    def along(self, name: str, layout: BeadLayout) -> DeckLines:
         """As of `Preloaded`."""
         return Power(self.strength, self.exponent).along(name, layout)
 

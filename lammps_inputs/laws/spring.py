@@ -11,7 +11,7 @@ import numpy as np
 from lammps_inputs import laws
 from lammps_inputs.deck_lines import (
     BeadLayout,
-    Lines,
+    DeckLines,
     LinksAcross,
     atoms_by_row,
     atoms_by_value,
@@ -51,10 +51,10 @@ class Linear(NamedTuple):
         # roots apart: the quotient may overflow
         return np.sqrt(2.0 * energy) / np.sqrt(np.where(np.asarray(spring) > 0.0, spring, np.inf))
 
-    def ground(self, name: str, layout: BeadLayout) -> Lines:
+    def ground(self, name: str, layout: BeadLayout) -> DeckLines:
         """A fix that holds each bead at the place where it finds it, at rest."""
         if not laws.differs(self):
-            return Lines(
+            return DeckLines(
                 variables=(f"variable {name} index {text(float(self.spring))}",),
                 motion=(f"fix {name} {layout.group} spring/self ${{{name}}} x",),
             )
@@ -62,15 +62,15 @@ class Linear(NamedTuple):
         if (profiles := atoms_by_row(self.spring, (layout.chains, layout.beads))) is not None:
             for number, (values, atoms) in enumerate(profiles, 1):
                 lines += held_by_variable(f"{name}{number}", atoms, row_formula(values, ROW), layout)
-            return Lines(motion=(row_variable(layout), *lines))
+            return DeckLines(motion=(row_variable(layout), *lines))
         for number, ((spring,), atoms) in enumerate(atoms_by_value(self, (layout.chains, layout.beads)), 1):
             lines += [
                 f"group {name}{number} id {atoms}",
                 f"fix {name}{number} {name}{number} spring/self {text(spring)} x",
             ]
-        return Lines(motion=tuple(lines))
+        return DeckLines(motion=tuple(lines))
 
-    def across(self, link: LinksAcross, layout: BeadLayout) -> Lines:
+    def across(self, link: LinksAcross, layout: BeadLayout) -> DeckLines:
         """Harmonic bonds, whose energy is ``K (r - r0)**2``, with ``K = k / 2`` from a deck variable if all are equal.
 
         With r0 = 0 the bond is linear in each coordinate, so the force along the chain is exactly ``-k`` times the
@@ -81,7 +81,7 @@ class Linear(NamedTuple):
         kind, said = (link.name, f"of the {link.name}") if inner else ("kappa", "between chains")
         one = len(values) == 1 and (link,) in (layout.system.across, layout.system.inner_links)
         stiffness = [f"$(v_{kind}/2:%.17g)"] if one else [text(spring / 2.0) for (spring,) in values]
-        return Lines(
+        return DeckLines(
             bonds=bonds,
             style="harmonic",
             coefficients=tuple(f"{k} 0" for k in stiffness),
@@ -121,7 +121,7 @@ def held_by_variable(name: str, atoms: str, formula: str, layout: BeadLayout) ->
     ]
 
 
-def driven_back(name: str, forces: list[tuple[str, str]], layout: BeadLayout) -> Lines:
+def driven_back(name: str, forces: list[tuple[str, str]], layout: BeadLayout) -> DeckLines:
     """Forces towards the places of beads, each a formula of ``v_NAMEstrain`` for some atoms."""
     lines = [f"variable {name}strain atom x-{layout.place_formula}"]
     for number, (force, atoms) in enumerate(forces, 1):
@@ -130,10 +130,10 @@ def driven_back(name: str, forces: list[tuple[str, str]], layout: BeadLayout) ->
             f"variable {name}{number} atom -{force}",
             f"fix {name}{number} {name}{number} addforce v_{name}{number} 0.0 0.0",
         ]
-    return Lines(motion=tuple(lines))
+    return DeckLines(motion=tuple(lines))
 
 
-def tied(bonded: list[Lines]) -> list[str]:
+def tied(bonded: list[DeckLines]) -> list[str]:
     """Springs between chains; the types of several links are numbered one after the other."""
     styles = list(dict.fromkeys(lines.style for lines in bonded))
     names = [f"{lines.style} " if len(styles) > 1 else "" for lines in bonded]
@@ -176,13 +176,13 @@ class Duffing(NamedTuple):
         root = spring + np.sqrt(spring * spring + 4.0 * cubic * energy)
         return np.sqrt(4.0 * energy) / np.sqrt(np.where(root > 0.0, root, np.inf))
 
-    def ground(self, name: str, layout: BeadLayout) -> Lines:
+    def ground(self, name: str, layout: BeadLayout) -> DeckLines:
         """A force from a formula of the place, for which LAMMPS has no fix of its own."""
         strain, own = f"v_{name}strain", atoms_by_value(self, (layout.chains, layout.beads))
         forces = [(f"({text(k)}*{strain}+{text(c)}*{strain}^3)", atoms) for (k, c), atoms in own]
         return driven_back(name, forces, layout)
 
-    def across(self, link: LinksAcross, layout: BeadLayout) -> Lines:
+    def across(self, link: LinksAcross, layout: BeadLayout) -> DeckLines:
         """Bonds of class2, whose energy with r0 = 0 is ``K2 r**2 + K4 r**4``, r**2 = s**2 + (lateral distance)**2.
 
         With K4 = c / 4 the lateral part adds ``2 K4 distance**2`` to K2, which is taken away; exact but for rounding.
@@ -191,7 +191,7 @@ class Duffing(NamedTuple):
         apart = np.array([[layout.apart(edge)] for edge in link.edges])
         there = np.broadcast_to((self.spring != 0.0) | (self.cubic != 0.0), shape)
         values, bonds = bonds_by_value((self.spring, self.cubic, np.where(there, apart, 0.0)), shape)
-        return Lines(
+        return DeckLines(
             bonds=bonds,
             style="class2",
             coefficients=tuple(
@@ -310,7 +310,7 @@ class Varying(NamedTuple):
         one = np.ones(np.broadcast_shapes(np.shape(t), *map(np.shape, self)))
         return Instant(self.force(one, t, *self), 2.0 * self.power(one, t, *self))
 
-    def ground(self, name: str, layout: BeadLayout) -> Lines:
+    def ground(self, name: str, layout: BeadLayout) -> DeckLines:
         """A variable that is the stiffness at every step: one for all, for each value, or for each profile of rows."""
         if not laws.differs(self):
             comment = "   # at the end of its ramp" if self.from_its_end else ""
@@ -319,12 +319,12 @@ class Varying(NamedTuple):
                 variables += [f"variable {name}_{label} index {text(getattr(self, label))}" for label in _MODULATION]
             names = (f"v_{name}_{label}" for label in _MODULATION)
             lines = held_by_variable(name, "", _formula(self, f"v_{name}", *names), layout)
-            return Lines(variables=tuple(variables), motion=tuple(lines))
+            return DeckLines(variables=tuple(variables), motion=tuple(lines))
         formulas = self._formulas((layout.chains, layout.beads))
         lines = [row_variable(layout)] if any(ROW in formula for formula, _ in formulas) else []
         for number, (formula, atoms) in enumerate(formulas, 1):
             lines += held_by_variable(f"{name}{number}", atoms, formula, layout)
-        return Lines(motion=tuple(lines))
+        return DeckLines(motion=tuple(lines))
 
     def _formulas(self, shape: tuple[int, int]) -> list[tuple[str, str]]:
         """Stiffness over time of springs that differ: formulas of LAMMPS, each with its atoms.

@@ -3,8 +3,8 @@
 The formula is that of the scene's own units, and the law is scaled as a whole: with lengths in units of L and forces
 in units of m V / T, ``F(s L) / (m V / T)``. So no parameter needs a unit.
 
-A law acts on both sides of rest, or only where its strain is above 0 (`Kind.cut`). It may push at rest: then, as of a
-contact under a static load, its force is counted from there, and so is its energy.
+A law acts on both sides of rest, or only where its strain is above 0 (`FormulaKind.cut`). It may push at rest: then, as
+for a contact under a static load, its force is counted from there, and so is its energy.
 """
 
 import functools
@@ -15,7 +15,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs.deck_lines import BeadLayout, Lines, LinksAcross, atoms_by_value, whole_contacts
+from lammps_inputs.deck_lines import BeadLayout, DeckLines, LinksAcross, atoms_by_value, whole_contacts
 from lammps_inputs.laws import Parameter, Pure, expression, formula
 from lammps_inputs.laws.expression import SQUARE, STRAIN, Derived
 from lammps_inputs.laws.spring import driven_back
@@ -47,7 +47,7 @@ _CLOSE, _ROUNDED = 1e-6, 1e-13
 """Relative difference that they may have, and that by rounding of the energy's terms."""
 
 
-class Kind(NamedTuple):
+class FormulaKind(NamedTuple):
     """How a formula is read.
 
     Attributes:
@@ -59,7 +59,7 @@ class Kind(NamedTuple):
     cut: bool = False
 
 
-class Written:
+class FormulaLaw:
     """What is common to the laws of all formulas; each is also a named tuple of `_OWN` and its parameters.
 
     Attributes:
@@ -70,7 +70,7 @@ class Written:
     """
 
     derived: ClassVar[Derived]
-    kind: ClassVar[Kind]
+    kind: ClassVar[FormulaKind]
     one_number: ClassVar[tuple[str, ...]]
     base: ClassVar[str]
     strength: Parameter
@@ -162,15 +162,15 @@ class Written:
         return np.asarray(s) > 0.0 if cls.kind.cut else np.asarray(s) != 0.0
 
 
-def _value(law: type[Written], form: str, argument: str = STRAIN) -> Callable[..., Floats]:
+def _value(law: type[FormulaLaw], form: str, argument: str = STRAIN) -> Callable[..., Floats]:
     return expression.function(form, (argument, *_parameters(law)))
 
 
-def _parameters(law: type[Written]) -> tuple[str, ...]:
+def _parameters(law: type[FormulaLaw]) -> tuple[str, ...]:
     return law._fields[len(_OWN) :]  # type: ignore[attr-defined,no-any-return]
 
 
-def _integral(law: type[Written], u: Floats, numbers: Any, panels: int = 1) -> Floats:
+def _integral(law: type[FormulaLaw], u: Floats, numbers: Any, panels: int = 1) -> Floats:
     """Of the force from 0, with nodes that crowd towards 0, where powers begin."""
     value, whole = _value(law, law.derived.force), np.zeros_like(u)
     for panel in range(panels):
@@ -195,7 +195,7 @@ def even_form(law: Any, numbers: tuple[float, ...]) -> str:
 
 
 @np.errstate(all="ignore")
-def _agrees(law: type[Written], numbers: tuple[float, ...], form: str, way: float, argument: str = STRAIN) -> bool:
+def _agrees(law: type[FormulaLaw], numbers: tuple[float, ...], form: str, way: float, argument: str = STRAIN) -> bool:
     """Whether a form is the energy on a side, to rounding of its terms, until the force is no number or has a pole."""
     u = way * _DECADES
     right, finer = (_integral(law, u, numbers, panels) for panels in (1, 2))
@@ -211,7 +211,7 @@ def _agrees(law: type[Written], numbers: tuple[float, ...], form: str, way: floa
 # --- how far an energy reaches ----------------------------------------------------------------------------------------
 
 
-def _of_each(find: Callable[[Any], float], law: type[Written], values: tuple[Any, ...]) -> Floats:
+def _of_each(find: Callable[[Any], float], law: type[FormulaLaw], values: tuple[Any, ...]) -> Floats:
     """A number for each strength; 0 where there is no link."""
     different, places = np.unique(np.asarray(values[0], dtype=np.float64), return_inverse=True)
     found = [find(law(strength, *values[1:])) if strength else 0.0 for strength in different]  # type: ignore[call-arg]
@@ -307,14 +307,14 @@ def _stiffest(law: Any, energy: float) -> float:
 # --- LAMMPS -----------------------------------------------------------------------------------------------------------
 
 
-class AlongChains(Written):
+class AlongChains(FormulaLaw):
     """A contact."""
 
     def farthest(self, energy: float) -> float:
         """How much farther apart than at rest an energy brings beads, where the law acts at a distance; else 0."""
         return 0.0 if self.kind.cut else max(reach(law, energy, -1.0) for law in _each(self))
 
-    def along(self, name: str, layout: BeadLayout) -> Lines:
+    def along(self, name: str, layout: BeadLayout) -> DeckLines:
         """A pair style of the distance, from the energy.
 
         Raises:
@@ -335,7 +335,7 @@ class AlongChains(Written):
             touching = f"({text(layout.diameter)}-r)"
             energy = energy.replace(f"({text(layout.spacing)}-r)", touching)
             return formula.contacts(energy, f"from its energy, a formula, which takes {COST}", layout)
-        return Lines(
+        return DeckLines(
             variables=(SINCE,),
             interactions=(
                 f"# contacts: force from its energy, a formula, at any distance of neighbours; takes {COST}",
@@ -353,10 +353,10 @@ class AlongChains(Written):
         )
 
 
-class ToGround(Written):
+class ToGround(FormulaLaw):
     """A spring to the ground."""
 
-    def ground(self, name: str, layout: BeadLayout) -> Lines:
+    def ground(self, name: str, layout: BeadLayout) -> DeckLines:
         """A force on the beads, in LAMMPS's variables."""
         u = f"({text(float(self.length))}*v_{name}strain)"
         value = _spelled(self, self.derived.force, u, "variable", name)
@@ -365,10 +365,10 @@ class ToGround(Written):
         return driven_back(name, forces, layout)
 
 
-class AcrossChains(Written):
+class AcrossChains(FormulaLaw):
     """A spring between chains; its force is odd."""
 
-    def across(self, link: LinksAcross, layout: BeadLayout) -> Lines:
+    def across(self, link: LinksAcross, layout: BeadLayout) -> DeckLines:
         """Bonds from an energy that is a formula of the strain squared, ``r^2 - d^2`` at the lateral distance d.
 
         Raises:
@@ -383,7 +383,7 @@ class AcrossChains(Written):
         squares, bonds = formula.squares_of_strain(link, layout)
         scale = text(float(self.length) ** 2)
         energies = (_spelled(self, form, f"({scale}*{one})", "lepton", link.name, SQUARE) for one in squares)
-        return Lines(
+        return DeckLines(
             variables=(SINCE,),
             bonds=np.where(np.asarray(self.strength) != 0.0, bonds, 0),
             style="lepton",
@@ -422,7 +422,7 @@ def _each(law: Any) -> list[Any]:
 
 
 @functools.lru_cache(maxsize=256)
-def law_class(base: Any, derived: Derived, kind: Kind) -> Any:
+def law_class(base: Any, derived: Derived, kind: FormulaKind) -> Any:
     """The class of the laws of a formula: a named tuple of `_OWN` and of its parameters."""
     parameters = sorted(set(expression.names(derived.force)) - {STRAIN})
     fields = (*_OWN, *parameters)
@@ -440,7 +440,7 @@ def law_class(base: Any, derived: Derived, kind: Kind) -> Any:
     return type(base.__name__, (base, namedtuple(base.__name__, fields)), parts)
 
 
-def _again(base: str, derived: Derived, kind: Kind, values: tuple[Any, ...]) -> Any:
+def _again(base: str, derived: Derived, kind: FormulaKind, values: tuple[Any, ...]) -> Any:
     return law_class(globals()[base], derived, kind)(*values)
 
 
@@ -460,7 +460,7 @@ class Force(NamedTuple):
         """What follows from it, its parameters with a prefix, so that they are no names of sympy's."""
         return _derived(self)
 
-    def law(self, base: Any, kind: Kind = Kind(), strength: Parameter = 1.0) -> Any:  # noqa: B008
+    def law(self, base: Any, kind: FormulaKind = FormulaKind(), strength: Parameter = 1.0) -> Any:  # noqa: B008
         """Its law in the scene's units, for `laws.dimensionless`; counted from the force at s = 0."""
         found = law_class(base, self.derived, kind)
         return found(strength, 1.0, 1.0, self.at_rest, *(number for _, number in sorted(self.numbers)))

@@ -5,7 +5,7 @@ measured on one core with 100 to a million beads, except where a comment says th
 """
 
 from lammps_inputs import physics
-from lammps_inputs.laws.in_time import Table
+from lammps_inputs.laws.in_time import TabulatedForce
 from lammps_inputs.laws.written import AcrossChains, AlongChains
 from lammps_inputs.problem import Problem
 
@@ -57,7 +57,7 @@ def step_seconds(problem: Problem) -> tuple[float, float]:
         Seconds whatever the number of beads; and seconds for each bead of a rank.
     """
     system = problem.system
-    tables = [load.law for load in system.loads if isinstance(load.law, Table)]
+    tables = [load.law for load in system.loads if isinstance(load.law, TabulatedForce)]
     fixed = STEP + FORMULA * (len(system.loads) - len(tables)) + POINT * sum(len(law.time) for law in tables)
     fixed += MOTION * len(system.motions)
     if physics.exponent(system) not in (None, 1.0, 1.5):

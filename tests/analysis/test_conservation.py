@@ -8,7 +8,7 @@ from small_problems import problem, written_down
 from stock_lammps import scene
 from synthetic_waves import of_keys
 
-from analysis.conservation import STORED, Account, Budget, Conservation
+from analysis.conservation import STORED, Account, Conservation, EnergyBudget
 from analysis.figures.energy import budget_figure
 from analysis.quantity import plain
 from analysis.trajectory import watch
@@ -151,7 +151,7 @@ def exchanging(problem, motion, cuts):
 
 
 def account_of(problem, motion, cuts=()):
-    return watch(Budget(problem), exchanging(problem, motion, cuts)).result()
+    return watch(EnergyBudget(problem), exchanging(problem, motion, cuts)).result()
 
 
 @pytest.mark.parametrize("cuts", [(), (1, 7, 30)])

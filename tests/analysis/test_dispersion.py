@@ -9,7 +9,7 @@ import pytest
 from small_problems import written_down
 
 from analysis import quantity
-from analysis.dispersion import Cell, Dispersion, Map, NoDispersionError, cell_of, measured_branches
+from analysis.dispersion import Dispersion, Map, NoDispersionError, UnitCell, cell_of, measured_branches
 from analysis.shape.exact_wave import nesterenko
 from analysis.shape.long_waves import LoadedSpeed, sound_speed, speed_over_sound
 from analysis.trajectory import Trajectory, watch
@@ -156,7 +156,7 @@ def test_a_wave_towards_higher_bead_numbers_has_a_positive_wavenumber(way):
 
 @pytest.mark.parametrize("si", [False, True])
 def test_the_table_has_a_line_for_each_branch_in_the_scenes_units(si):
-    cell = Cell(np.array([[1.0, 2.0]]), np.ones((1, 2)), np.zeros((2, 1, 1)))
+    cell = UnitCell(np.array([[1.0, 2.0]]), np.ones((1, 2)), np.zeros((2, 1, 1)))
     exact, measured = np.array([[0.5, 3.0]]), np.array([[np.nan, 2.9]])
     found = Map(1, np.zeros(1), np.zeros(2), np.zeros((2, 1)), cell, np.array([0.25]), exact, measured)
     scale = make_scale(2.0, 3.0, 0.1, si=si)

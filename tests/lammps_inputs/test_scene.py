@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from strategies import scenes
 
 from lammps_inputs import Coupling, InputError, Kick, Output, Scene, library, physics, strict_yaml
-from lammps_inputs.ingredients.base import Part
+from lammps_inputs.ingredients.base import ScenePart
 from lammps_inputs.units import Unit
 
 ALLOWED = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", re.ASCII)
@@ -147,7 +147,7 @@ def numbers(model, above=""):
         if float in parts:
             yield f"{above}{name}", parts
         for part in parts:
-            if isinstance(part, type) and issubclass(part, Part):
+            if isinstance(part, type) and issubclass(part, ScenePart):
                 yield from numbers(part, f"{above}{name}.")
 
 

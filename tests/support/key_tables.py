@@ -21,7 +21,7 @@ from lammps_inputs.units import Unit
 
 _TYPES: list[type[BaseModel]] = [Material, Kick, Output, Forces, Spectra, Limits, coupling.Ramp, contact.Profile]
 _TYPES += [foundation.GroundRamp, foundation.Modulation, plastic.Yield]
-_TYPES += [unequal.Kind, unequal.Replacement, unequal.Disorder, unequal.Striker, *INGREDIENTS.values()]
+_TYPES += [unequal.BeadKind, unequal.Replacement, unequal.Disorder, unequal.Striker, *INGREDIENTS.values()]
 PARTS = {model.__name__: model for model in _TYPES if model is not Gravity}  # which is a number
 """Types whose keys have a table, by name."""
 
@@ -68,7 +68,7 @@ def table(name: str) -> str:
     model: type[BaseModel] = PARTS.get(name, Scene)
     chosen = list(model.model_fields) if name in PARTS else name.split()
     if model is unequal.Striker:
-        chosen = [key for key in chosen if key not in unequal.Kind.model_fields]
+        chosen = [key for key in chosen if key not in unequal.BeadKind.model_fields]
     described, meaning = schema.of(model, name), meanings(model)
     defs = described.get("$defs", {})
     rows = ["| key | unit | valid | default | meaning |", "|---|---|---|---|---|"]

@@ -25,7 +25,7 @@ def standard_input() -> Iterator[TextIOBase]:
         yield theirs
 
 
-def run(directory: Path, *, ranks: int = 1, **options: Any) -> engine.Outcome:
+def run(directory: Path, *, ranks: int = 1, **options: Any) -> engine.LammpsOutcome:
     """As `engine.run`; more ranks than one have processes of their own."""
     if ranks > 1:
         return _in_its_own_process(directory, ranks=ranks, **options)
@@ -37,10 +37,10 @@ def run(directory: Path, *, ranks: int = 1, **options: Any) -> engine.Outcome:
             os.chdir(where)
 
 
-def interrupted_after(step: int) -> Callable[..., engine.Outcome]:
+def interrupted_after(step: int) -> Callable[..., engine.LammpsOutcome]:
     """A run that is told to end at its first report after a step, as by Ctrl-C, and so ends at the next."""
 
-    def start(directory: Path, *, problem: Problem, **_: Any) -> engine.Outcome:
+    def start(directory: Path, *, problem: Problem, **_: Any) -> engine.LammpsOutcome:
         where = Path.cwd()
         with standard_input() as pipe:
 

@@ -8,10 +8,10 @@ from typing import Any
 from lammps_here import standard_input
 
 from workflow.workers import worker
-from workflow.workers.pool import Answer, Pool, Task
+from workflow.workers.pool import Pool, Task, TaskResult
 
 
-def answers(_: Pool, tasks: Iterable[tuple[Any, Task]]) -> Iterator[tuple[Any, Answer]]:
+def answers(_: Pool, tasks: Iterable[tuple[Any, Task]]) -> Iterator[tuple[Any, TaskResult]]:
     """As `Pool.answers`, one task after the other."""
     where = Path.cwd()
     for key, task in tasks:
@@ -20,4 +20,4 @@ def answers(_: Pool, tasks: Iterable[tuple[Any, Task]]) -> Iterator[tuple[Any, A
                 said = worker.do(task.function, task.arguments)
         finally:
             os.chdir(where)
-        yield key, Answer(said.get("value"), said.get("failed", ""))
+        yield key, TaskResult(said.get("value"), said.get("failed", ""))

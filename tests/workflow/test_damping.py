@@ -28,7 +28,7 @@ from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.prepare.pilot import stride
 from workflow.runs.check import closing
-from workflow.runs.run import Run, run
+from workflow.runs.run import CompletedRun, run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.validate import TOLERANCES, validate
@@ -39,7 +39,7 @@ def damped(**changes: Any) -> Scene:
 
 
 @pytest.fixture(scope="module")
-def done(tmp_path_factory: pytest.TempPathFactory) -> Run:
+def done(tmp_path_factory: pytest.TempPathFactory) -> CompletedRun:
     return run(damped(), tmp_path_factory.mktemp("damped") / "run")
 
 
@@ -52,7 +52,9 @@ def budget(blocks: Iterable[Trajectory], keeper: Accountant | None = None) -> tu
 
 
 @pytest.mark.slow
-def test_the_budget_of_lammps_closes_to_the_error_of_the_run_however_far_apart_its_frames_are(done: Run) -> None:
+def test_the_budget_of_lammps_closes_to_the_error_of_the_run_however_far_apart_its_frames_are(
+    done: CompletedRun,
+) -> None:
     problem = done.directory.problem
     for coarse in (1, 20):
         keeper = Accountant(problem.coarser(coarse))
@@ -64,7 +66,7 @@ def test_the_budget_of_lammps_closes_to_the_error_of_the_run_however_far_apart_i
 
 
 @pytest.mark.slow
-def test_the_analysis_says_how_well_the_budget_is_closed(done: Run) -> None:
+def test_the_analysis_says_how_well_the_budget_is_closed(done: CompletedRun) -> None:
     found = analyse(done.directory, figures=False)
     budget = found.findings["budget"]
     assert budget.sentence.startswith(f"energy balance closed to {budget.found.closed:.1e} of the energy input")
@@ -99,7 +101,7 @@ def test_contacts_that_stick_and_part_take_steps_of_their_own_for_that() -> None
 
 
 @pytest.mark.slow
-def test_a_damped_run_is_validated_by_what_its_budget_misses(done: Run) -> None:
+def test_a_damped_run_is_validated_by_what_its_budget_misses(done: CompletedRun) -> None:
     found = validate(done.directory)
     assert found.passed
     assert 0.0 < found.deviations["energy"].largest < 2.0 * done.check.velocity
@@ -121,7 +123,7 @@ def test_what_a_time_step_leaves_of_overdamped_beads_is_not_taken_for_their_mass
 
 
 @pytest.mark.slow
-def test_a_run_with_other_dashpots_fails_by_its_budget_too(done: Run, tmp_path: Path) -> None:
+def test_a_run_with_other_dashpots_fails_by_its_budget_too(done: CompletedRun, tmp_path: Path) -> None:
     step = done.directory.scene.timestep
     other = run(damped(damping=Damping(contact=0.11), timestep=step), tmp_path / "run").directory.path
     (other / "scene.yaml").write_text((done.directory.path / "scene.yaml").read_text())
@@ -189,14 +191,14 @@ PRESSED = Precompression(force=0.3)
 
 
 @pytest.fixture(scope="module")
-def pressed(tmp_path_factory: pytest.TempPathFactory) -> Run:
+def pressed(tmp_path_factory: pytest.TempPathFactory) -> CompletedRun:
     """Under a static load, with a gauge."""
     output = Output(forces=Forces(contacts=(6,), sensors=(6,)))
     return run(damped(precompression=PRESSED, output=output), tmp_path_factory.mktemp("pressed") / "run")
 
 
 @pytest.mark.slow
-def test_a_gauge_reads_the_whole_force_of_a_damped_contact(pressed: Run) -> None:
+def test_a_gauge_reads_the_whole_force_of_a_damped_contact(pressed: CompletedRun) -> None:
     directory = pressed.directory
     analyse(directory, figures=False)
     contact, sensor = json.loads((directory.path / "analysis.json").read_text())["forces"]
@@ -238,7 +240,7 @@ def test_a_small_standing_wave_under_load_decays_at_its_exact_complex_frequency(
 
 
 @pytest.fixture(scope="module")
-def column(tmp_path_factory: pytest.TempPathFactory) -> Run:
+def column(tmp_path_factory: pytest.TempPathFactory) -> CompletedRun:
     output = Output(forces=Forces(wall=True))
     case = damped(
         beads=6,
@@ -253,7 +255,7 @@ def column(tmp_path_factory: pytest.TempPathFactory) -> Run:
 
 
 @pytest.mark.slow
-def test_the_budget_tells_what_walls_take_and_closes(column: Run) -> None:
+def test_the_budget_tells_what_walls_take_and_closes(column: CompletedRun) -> None:
     problem = column.directory.problem
     missing, account = budget(engine.blocks(problem, steps_per_frame=40))
     assert missing < 1e-9
@@ -266,7 +268,7 @@ def test_the_budget_tells_what_walls_take_and_closes(column: Run) -> None:
 
 
 @pytest.mark.slow
-def test_the_gauge_of_a_wall_reads_its_dashpot_too(column: Run) -> None:
+def test_the_gauge_of_a_wall_reads_its_dashpot_too(column: CompletedRun) -> None:
     """All that the wall gives, above what it bears, is what the momentum has changed by."""
     directory = column.directory
     analyse(directory, figures=False)
@@ -279,7 +281,7 @@ def test_the_gauge_of_a_wall_reads_its_dashpot_too(column: Run) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("factor", "words"), [(0.0, "is missing"), (1.2, "is 1.2 times as strong as the scene says")])
-def test_a_wall_with_another_dashpot_is_named_as_the_cause(factor: float, words: str, column: Run) -> None:
+def test_a_wall_with_another_dashpot_is_named_as_the_cause(factor: float, words: str, column: CompletedRun) -> None:
     problem = column.directory.problem
     contact, wall = problem.system.dampers
     other = replace(wall, law=wall.law._replace(by_radius=factor * wall.law.by_radius))  # type: ignore[attr-defined]

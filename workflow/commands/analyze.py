@@ -16,7 +16,7 @@ from lammps_inputs import InputError, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.worker import ENERGY_TOLERANCE
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import Answer, one_line, print_table
+from workflow.screen import CommandResult, one_line, print_table
 from workflow.verdicts.analyse import Analysis, analyse
 from workflow.verdicts.analysis_report import REPORT, train
 from workflow.verdicts.findings.finding import MOST_CHAINS
@@ -59,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-figures", action="store_true", help="write the tables only")
 
 
-def execute(arguments: argparse.Namespace) -> Answer:
+def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print a short table; write waves.csv, analysis.json and figures."""
     found = analyse(
         RunDirectory(arguments.directory),
@@ -71,7 +71,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     _print(found)
     names = [*found.tables, REPORT, *(path.name for path in found.figures)]
     print(f"{one_line(arguments.directory)}: {', '.join(names)}")
-    return Answer(0, json.loads((arguments.directory / REPORT).read_text(encoding="utf-8")))
+    return CommandResult(0, json.loads((arguments.directory / REPORT).read_text(encoding="utf-8")))
 
 
 def _beads(text: str | None) -> tuple[int, ...] | None:

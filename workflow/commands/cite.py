@@ -4,7 +4,7 @@ import argparse
 from importlib.metadata import version
 
 from lammps_inputs import library, references
-from workflow.screen import Answer
+from workflow.screen import CommandResult
 
 ANSWERS = "subject -> keys of the publications"
 EXAMPLES = ("cite two-chains", "cite my.yaml --bibtex > references.bib")
@@ -16,15 +16,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--bibtex", action="store_true", help="print BibTeX entries only")
 
 
-def execute(arguments: argparse.Namespace) -> Answer:
+def execute(arguments: argparse.Namespace) -> CommandResult:
     """Software, engine, laws and schemes, each with its source."""
     cited = references.of_scene(library.find(arguments.scene))
     if arguments.bibtex:
         wanted = dict.fromkeys(key for keys in cited.values() for key in keys)
         print("\n".join(references.bibtex()[key] for key in wanted))
-        return Answer(0, cited)
+        return CommandResult(0, cited)
     print(f"software: granchain {version('granchain')}")
     for subject, keys in cited.items():
         for key in keys:
             print(f"{subject}: {references.text(key)}")
-    return Answer(0, cited)
+    return CommandResult(0, cited)

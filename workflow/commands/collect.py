@@ -8,10 +8,10 @@ from typing import Any
 from lammps_inputs import InputError, strict_yaml
 from workflow import screen
 from workflow.runs.files import write_text
-from workflow.screen import Answer, one_line, print_table
+from workflow.screen import CommandResult, one_line, print_table
 from workflow.sweep import collect as collecting
 from workflow.sweep import statistics as grouping
-from workflow.sweep.collect import QUANTITIES, SHOWN, UNCERTAINTIES, Table
+from workflow.sweep.collect import QUANTITIES, SHOWN, UNCERTAINTIES, SweepTable
 from workflow.sweep.statistics import Group
 from workflow.verdicts.quantities import HISTOGRAM, STATISTICS
 
@@ -59,7 +59,7 @@ def _numbers() -> str:
     return ", ".join(name for name, quantity in QUANTITIES.items() if quantity.label)
 
 
-def execute(arguments: argparse.Namespace) -> Answer:
+def execute(arguments: argparse.Namespace) -> CommandResult:
     """Write tables and figures, print the head of the table or the statistics; exit code 1 if these have no value."""
     _refuse_together(arguments)
     quantities = list(dict.fromkeys(arguments.statistics.split(","))) if arguments.statistics is not None else []
@@ -85,7 +85,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     write_text(output, table.to_csv())
     _print(table, one_line(arguments.directory), arguments.plot)
     print(", ".join(one_line(path) for path in (output, *figures)))
-    return Answer(0, [{name: row[name] for name in table.columns} for row in table.rows])
+    return CommandResult(0, [{name: row[name] for name in table.columns} for row in table.rows])
 
 
 def _refuse_together(arguments: argparse.Namespace) -> None:
@@ -100,7 +100,9 @@ def _refuse_together(arguments: argparse.Namespace) -> None:
         raise InputError("--over needs a quantity: --plot QUANTITY or --statistics QUANTITY")
 
 
-def _statistics(arguments: argparse.Namespace, table: Table, quantities: list[str], output: Path, title: str) -> Answer:
+def _statistics(
+    arguments: argparse.Namespace, table: SweepTable, quantities: list[str], output: Path, title: str
+) -> CommandResult:
     """Write and print statistics by groups of the fields of ``--over``; draw those of quantities that have a value."""
     over = arguments.over
     fields = grouping.default_fields(table) if over is None else collecting.named_fields("--over", over, table)
@@ -120,10 +122,10 @@ def _statistics(arguments: argparse.Namespace, table: Table, quantities: list[st
             except InputError as error:
                 print(f"no figure: {error}")
     print(", ".join(one_line(path) for path in paths))
-    return Answer(0 if has_value else 1, [group.plain() for group in groups])
+    return CommandResult(0 if has_value else 1, [group.plain() for group in groups])
 
 
-def _print_statistics(table: Table, title: str, groups: list[Group]) -> None:
+def _print_statistics(table: SweepTable, title: str, groups: list[Group]) -> None:
     """Print a line for each group of a quantity."""
     columns = [name.replace("_", " ") for name in vars(groups[0].statistics)]  # words may stand in two lines
     rows = [
@@ -152,7 +154,7 @@ def _refuse(output: Path, start: bytes) -> None:
         raise InputError(f"-o: {output}: exists and is not a table of granchain's; choose another file")
 
 
-def _print(table: Table, title: str, drawn: str | None) -> None:
+def _print(table: SweepTable, title: str, drawn: str | None) -> None:
     columns = list(dict.fromkeys([*table.fields, "outcome", *filter(None, [drawn]), *SHOWN]))
     rows = [[cell(name, row) for name in columns] for row in table.rows[:_MOST_ROWS]]
     print_table(title, [table.heading(name) for name in columns], rows)

@@ -8,16 +8,16 @@ from lammps_inputs import InputError, Problem, Scene, library
 from workflow.engines.lammps.engine import RESTART_EVERY
 from workflow.prepare.pilot import better_timestep
 from workflow.prepare.settings import settle
-from workflow.prepare.step_choice import Settings
+from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import run as running
 from workflow.runs.check import Check
-from workflow.runs.contacts import Contacts
+from workflow.runs.contacts import LargestContactForce
 from workflow.runs.engines import ENGINES
 from workflow.runs.own_files import refuse_to_overwrite
 from workflow.runs.resume import begun, resume, settings_of
 from workflow.runs.size import refuse_beforehand, refuse_too_long, size_of
 from workflow.runs.status import onwards
-from workflow.screen import Answer, one_line, progress_bar
+from workflow.screen import CommandResult, one_line, progress_bar
 from workflow.verdicts.validate import TOLERANCES
 
 ANSWERS = "the record of the run, as in run.json"
@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-check", action="store_true", help="do not measure the error against the reference")
 
 
-def execute(arguments: argparse.Namespace) -> Answer:
+def execute(arguments: argparse.Namespace) -> CommandResult:
     """Run, with a progress bar on a terminal; exit code 130 when interrupted."""
     if arguments.resume is not None:
         return _resume(arguments)
@@ -84,10 +84,10 @@ def execute(arguments: argparse.Namespace) -> Answer:
             progress=progress,
             restart_every=arguments.restart_every,
         )
-    return Answer(_tell(result, settings), result.directory.job.plain())
+    return CommandResult(_tell(result, settings), result.directory.job.plain())
 
 
-def _resume(arguments: argparse.Namespace) -> Answer:
+def _resume(arguments: argparse.Namespace) -> CommandResult:
     given = {
         "SCENE": arguments.scene,
         "-o": arguments.output,
@@ -109,11 +109,11 @@ def _resume(arguments: argparse.Namespace) -> Answer:
         )
     if result is None:
         print(f"{one_line(arguments.resume)}: is done already")
-        return Answer(0, directory.job.plain())
-    return Answer(_tell(result, settings_of(directory.job)), result.directory.job.plain())
+        return CommandResult(0, directory.job.plain())
+    return CommandResult(_tell(result, settings_of(directory.job)), result.directory.job.plain())
 
 
-def _tell(result: running.Run, settings: Settings | None) -> int:
+def _tell(result: running.CompletedRun, settings: ChosenStep | None) -> int:
     """Say how a run ended; exit code 130 if it was interrupted, 1 if impossible or not as accurate as asked."""
     path, job = one_line(result.directory.path), result.directory.job
     if result.outcome == "interrupted":
@@ -121,13 +121,13 @@ def _tell(result: running.Run, settings: Settings | None) -> int:
         print(f"{path}: interrupted{reached}; {onwards(result.directory.path, job)}")
         return 130
     print(f"{path}: {ENGINES[result.directory.engine].sentence(job)}")
-    overlaps = None if job.contacts is None else Contacts(**job.contacts)
+    overlaps = None if job.contacts is None else LargestContactForce(**job.contacts)
     if overlaps is not None:
         print("\n".join(overlaps.lines()))
     return max(_tell_error(result, settings), 0 if overlaps is None or overlaps.possible else 1)
 
 
-def _tell_error(result: running.Run, settings: Settings | None) -> int:
+def _tell_error(result: running.CompletedRun, settings: ChosenStep | None) -> int:
     """Say how exact a run is; exit code 1 if not as accurate as asked."""
     problem, uncertainty = result.directory.problem, result.directory.job.uncertainty
     if result.check is not None:
@@ -138,7 +138,7 @@ def _tell_error(result: running.Run, settings: Settings | None) -> int:
     return 0
 
 
-def _exit_code(check: Check, scene: Scene, settings: Settings | None) -> int:
+def _exit_code(check: Check, scene: Scene, settings: ChosenStep | None) -> int:
     """Say so if a run is less accurate than it should be; exit code 1 if an accuracy was asked for."""
     limit, uncertainty = TOLERANCES["velocity"] if settings is None else settings.accuracy, check.reference.velocity
     if check.velocity <= limit and uncertainty <= limit:

@@ -3,7 +3,7 @@
 import argparse
 
 from lammps_inputs import shipped
-from workflow.screen import Answer
+from workflow.screen import CommandResult
 
 ANSWERS = "name -> description"
 EXAMPLES = (
@@ -16,10 +16,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """No arguments."""
 
 
-def execute(arguments: argparse.Namespace) -> Answer:  # noqa: ARG001
+def execute(arguments: argparse.Namespace) -> CommandResult:  # noqa: ARG001
     """Print a name and a line for each."""
     scenes = shipped.descriptions()
     width = max(map(len, scenes))
     for name, description in scenes.items():
         print(f"{name:{width}}  {description}")
-    return Answer(0, scenes)
+    return CommandResult(0, scenes)

@@ -5,7 +5,7 @@ import argparse
 from lammps_inputs import InputError, Scene, library, physics, strict_yaml, values
 from workflow.prepare.settings import settle, unstable
 from workflow.runs.size import size_of, too_large
-from workflow.screen import Answer
+from workflow.screen import CommandResult
 
 ANSWERS = "the scene; with `--values`, each column as a list of chains of beads"
 EXAMPLES = (
@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def execute(arguments: argparse.Namespace) -> Answer:
+def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print YAML that is a scene again, what follows from it in comments; or the table of its values."""
     if arguments.values:
         return _values(library.find(arguments.scene), arguments.scene)
@@ -51,13 +51,13 @@ def execute(arguments: argparse.Namespace) -> Answer:
         theta, gap = modes.theta(problem), scale.written(modes.gap_of_eq_5(physics.kappa(system)), "length")
         print(f"# theta = omega D / V = {theta:.6g}, omega = sqrt(2 kappa): all that rigid beads depend on;")
         print(f"#   eq. 5 has theta = {modes.THETA_OF_EQ_5:.6g}, which is a gap of {gap}")
-    return Answer(0, scene.plain())
+    return CommandResult(0, scene.plain())
 
 
-def _values(scene: Scene, source: str) -> Answer:
+def _values(scene: Scene, source: str) -> CommandResult:
     table = values.columns(scene)
     if not table:
         raise InputError(f"{source}: all beads, contacts and springs are alike, so --values has nothing to list")
     for line in values.csv(table):
         print(line)
-    return Answer(0, values.plain(table))
+    return CommandResult(0, values.plain(table))

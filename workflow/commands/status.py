@@ -10,7 +10,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError
 from workflow.runs.status import Status, slurm_queue, statuses
-from workflow.screen import Answer, one_line
+from workflow.screen import CommandResult, one_line
 
 ANSWERS = "a list of objects"
 EXAMPLES = (
@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = f"{parser.description} Exit code 1 if one has failed or holds no run, 2 if one does not exist."
 
 
-def execute(arguments: argparse.Namespace) -> Answer:
+def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print a line per directory; exit code 1 if one has failed or holds no run.
 
     Raises:
@@ -42,7 +42,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     if len(found) > 1:
         counts = Counter(one.state for one in found)
         print(f"{len(found)} directories: {', '.join(f'{count} {state}' for state, count in counts.items())}")
-    return Answer(int(any(one.state in ("failed", "none") for one in found)), [one.plain() for one in found])
+    return CommandResult(int(any(one.state in ("failed", "none") for one in found)), [one.plain() for one in found])
 
 
 def line(status: Status) -> str:

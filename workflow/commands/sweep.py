@@ -7,7 +7,7 @@ from lammps_inputs import InputError, file_names
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
-from workflow.screen import Answer, one_line
+from workflow.screen import CommandResult, one_line
 from workflow.study_kit.options import add_output
 from workflow.sweep import carry_out, file
 
@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def execute(arguments: argparse.Namespace) -> Answer:
+def execute(arguments: argparse.Namespace) -> CommandResult:
     """Run what is missing or failed; exit code 1 when a case failed, 130 when the sweep was interrupted."""
     if not 1 <= arguments.jobs <= 1024:
         raise InputError(f"--jobs: {arguments.jobs} given; 1 to 1024")
@@ -41,7 +41,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     return _run(what, arguments) if options is None else _write(what, arguments.output, options)
 
 
-def _run(what: file.Sweep, arguments: argparse.Namespace) -> Answer:
+def _run(what: file.Sweep, arguments: argparse.Namespace) -> CommandResult:
     end = carry_out.sweep(
         what,
         arguments.output,
@@ -59,15 +59,15 @@ def _run(what: file.Sweep, arguments: argparse.Namespace) -> Answer:
         print(f"{end.others} more with values that {one_line(arguments.sweep)} no longer names stay, also in the table")
     if end.interrupted:
         print("interrupted: completed cases remain; the same command runs the rest")
-        return Answer(130, data)
+        return CommandResult(130, data)
     if end.failed:
         print("the same command runs those that failed again")
     else:
         print(f"table: granchain collect {one_line(arguments.output)}")
-    return Answer(1 if end.failed else 0, data)
+    return CommandResult(1 if end.failed else 0, data)
 
 
-def _write(what: file.Sweep, output: Path, options: JobOptions) -> Answer:
+def _write(what: file.Sweep, output: Path, options: JobOptions) -> CommandResult:
     from workflow.sweep import on_cluster  # takes half a second to import
 
     written = on_cluster.write_array(what, output, options)
@@ -79,4 +79,4 @@ def _write(what: file.Sweep, output: Path, options: JobOptions) -> Answer:
         if written.numbers > on_cluster.USUAL_LIMIT:
             print(f"its numbers go to {written.numbers - 1}; Slurm's MaxArraySize is often {on_cluster.USUAL_LIMIT}")
     print(f"then: granchain status {output}    and: granchain collect {output}")
-    return Answer(0, {"cases": written.cases, "to_do": written.tasks, "under_way": written.under_way})
+    return CommandResult(0, {"cases": written.cases, "to_do": written.tasks, "under_way": written.under_way})

@@ -13,7 +13,7 @@ from workflow.formats import figure_files
 from workflow.prepare.settings import settle
 from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import Answer, one_line, print_table, progress_bar
+from workflow.screen import CommandResult, one_line, print_table, progress_bar
 from workflow.verdicts import validate as validation
 from workflow.verdicts.validate_against import run_or_file, validate_against
 from workflow.verdicts.validate_run import refuse_another_scene
@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def execute(arguments: argparse.Namespace) -> Answer:
+def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print a table; exit code 1 when a tolerance is exceeded or something seems wrong."""
     tolerances = _tolerances(arguments.tolerance)
     against = None if arguments.against is None else run_or_file(arguments.against)
@@ -67,7 +67,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     _print(found)
     print(f"{one_line(directory.path)}: {', '.join((validation.REPORT, *figure_files(validation.FIGURE)))}")
     data = json.loads((directory.path / validation.REPORT).read_text(encoding="utf-8"))
-    return Answer(0 if found.passed else 1, data)
+    return CommandResult(0 if found.passed else 1, data)
 
 
 def _directory(arguments: argparse.Namespace, against: RunDirectory | Path | None) -> RunDirectory:

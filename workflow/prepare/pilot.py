@@ -24,7 +24,7 @@ from workflow import screen
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET
 from workflow.engines.reference.step_halving import StepHalving
-from workflow.prepare.step_choice import Kept, Settings
+from workflow.prepare.step_choice import ChosenStep, ReferenceFrames
 
 SPACING = 0.4
 """Time between the frames that are compared, in units of T: waves are found between them to 1e-5."""
@@ -91,7 +91,7 @@ def load(problem: Problem) -> None:
         engine.run(replace(problem, frames=1), scheme=table, steps_per_frame=2)
 
 
-def measure(problem: Problem, accuracy: float, most_work: float) -> Settings | None:
+def measure(problem: Problem, accuracy: float, most_work: float) -> ChosenStep | None:
     """Measure the error at a first guess of the step, carry that to the accuracy by the order, measure again.
 
     Args:
@@ -114,15 +114,15 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Settings | N
     steps = guessed_reference_steps(problem, accuracy)
     errors: dict[int, float] = {}
     uncertainties: dict[int, float] = {}
-    good: dict[int, Settings] = {}
-    kept: dict[int, Kept] = {}
+    good: dict[int, ChosenStep] = {}
+    kept: dict[int, ReferenceFrames] = {}
     spent = 0.0
     for _ in range(_MOST_TRIALS):
         spent += work(problem, cycles * cycle, 0 if steps in kept else steps)
         if spent > most_work:
             return None
         reference = kept.get(steps) or _reference(problem, steps)
-        if isinstance(reference, Kept):
+        if isinstance(reference, ReferenceFrames):
             kept = {steps: reference}
         error, uncertainties[steps] = _error(problem, cycles, reference), reference.uncertainty.velocity
         accurate = uncertainties[steps] <= UNCERTAINTY_PART * accuracy
@@ -130,7 +130,7 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Settings | N
             limited = cycles == fewest
             step, own = problem.every / (cycles * cycle), problem.every / steps
             chosen = accuracy, step, cycles * cycle, own, error, error
-            good[cycles] = Settings(*chosen, measured=1.0, limited=limited, reference=kept.get(steps))
+            good[cycles] = ChosenStep(*chosen, measured=1.0, limited=limited, reference=kept.get(steps))
             if error >= _LOWEST * accuracy or cycles == fewest:
                 break
         if error > 2.0 * uncertainties[steps] or accurate:
@@ -181,15 +181,15 @@ def largest_step(problem: Problem, accuracy: float) -> float:
     return rates.largest_timestep(accuracy, problem.system, problem.scheme)
 
 
-def _reference(problem: Problem, steps: int) -> StepHalving | Kept:
+def _reference(problem: Problem, steps: int) -> StepHalving | ReferenceFrames:
     """The reference with so many steps a frame, in memory where that holds its frames."""
     halving, wider = StepHalving(problem, steps_per_frame=steps), 1 if problem.window is None else engine.WIDER
     if 16.0 * problem.frames * problem.chains * problem.rows_a_frame * wider > KEPT_BYTES:
         return halving
-    return Kept(tuple(halving.blocks()), halving.uncertainty)
+    return ReferenceFrames(tuple(halving.blocks()), halving.uncertainty)
 
 
-def _error(problem: Problem, cycles: int, reference: StepHalving | Kept) -> float:
+def _error(problem: Problem, cycles: int, reference: StepHalving | ReferenceFrames) -> float:
     """Largest difference of any velocity, of beads and resonators, of the pilot run from the reference, at most 2."""
     runs = engine.blocks(problem, scheme=TABLES[problem.scheme], steps_per_frame=cycles)
     largest = 0.0
@@ -262,7 +262,7 @@ _TRIALS = 2.0
 """Work of a measurement over that of its first trial, about."""
 
 
-def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -> Settings:
+def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -> ChosenStep:
     """The longest time step, within a factor of about two, that keeps every velocity within an accuracy.
 
     Args:
@@ -279,7 +279,7 @@ def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -
     return found
 
 
-def _found(problem: Problem, accuracy: float, most_work: float) -> Settings:
+def _found(problem: Problem, accuracy: float, most_work: float) -> ChosenStep:
     limit = budget = most_work
     for share, asked in _ways(accuracy, problem.duration):
         trial = _shorter(problem, share)
@@ -302,12 +302,12 @@ def _found(problem: Problem, accuracy: float, most_work: float) -> Settings:
     return by_rule(problem, accuracy)
 
 
-def by_rule(problem: Problem, accuracy: float) -> Settings:
+def by_rule(problem: Problem, accuracy: float) -> ChosenStep:
     """The step for an accuracy where nothing is measured."""
     step = guessed_step(problem, accuracy)
     reference = problem.every / guessed_reference_steps(problem, accuracy)
     chosen = accuracy, step, math.ceil(problem.every / step), reference, accuracy, accuracy
-    return Settings(*chosen, measured=0.0, limited=step == largest_step(problem, accuracy))
+    return ChosenStep(*chosen, measured=0.0, limited=step == largest_step(problem, accuracy))
 
 
 def _ways(accuracy: float, duration: float) -> Iterator[tuple[float, float]]:
@@ -349,7 +349,7 @@ def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: fl
         raise UnreachableError(f"errors grow {uncertainty / usual:.0f} times as much as they usually do: {CHAOS}")
 
 
-def _carried_over(measured: Settings, problem: Problem, share: float, asked: float, accuracy: float) -> Settings:
+def _carried_over(measured: ChosenStep, problem: Problem, share: float, asked: float, accuracy: float) -> ChosenStep:
     """From a cheaper measurement to the run itself."""
     ratio = accuracy * share / _MARGIN / asked
     order = _LEAST_ORDER if problem.scheme != "verlet" else 2.0 if problem.system.holds(Fact.SECOND_ORDER) else 1.0
@@ -424,7 +424,7 @@ def rounding(problem: Problem, step: float) -> float:
     return 3.0 * float(np.spacing(problem.beads * problem.layout.spacing)) * math.sqrt(problem.duration / step)
 
 
-def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, Settings]:
+def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, ChosenStep]:
     """The scene with a time step that keeps its accuracy, or the default, and how it was chosen.
 
     Where no step keeps the default accuracy, the step is that of the rule.

@@ -4,7 +4,7 @@ from lammps_inputs import InputError, Scene
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import memory
 from lammps_inputs.scene import DEFAULT_ACCURACY
-from workflow.prepare.step_choice import Settings
+from workflow.prepare.step_choice import ChosenStep
 
 _DECK_BYTES = 250
 """Of memory, a bead that exists, to write a deck; measured."""
@@ -34,7 +34,7 @@ def found_beforehand(scene: Scene) -> set[str]:
 
 def settle(
     scene: Scene, *, source: str = "", force: bool = False, own_step: bool = True
-) -> tuple[Scene, Settings | None]:
+) -> tuple[Scene, ChosenStep | None]:
     """The scene with duration, window and time step written out, and how the step was chosen where none is named.
 
     Args:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:  # what the engine imports takes a third of a second
 
 
 @dataclass(frozen=True)
-class Kept:
+class ReferenceFrames:
     """An accurate run of the reference, in memory."""
 
     frames: tuple["Trajectory", ...]
@@ -29,13 +29,13 @@ class Kept:
         """As `StepHalving.blocks`."""
         return iter(self.frames)
 
-    def of(self, problem: Problem) -> "Kept":
+    def of(self, problem: Problem) -> "ReferenceFrames":
         """The same frames, of a problem with another time step."""
         return replace(self, frames=tuple(replace(block, problem=problem) for block in self.frames))
 
 
 @dataclass(frozen=True)
-class Settings:
+class ChosenStep:
     """How the time step of a scene that names none was chosen, dimensionless.
 
     Attributes:
@@ -67,7 +67,7 @@ class Settings:
     asked: bool = True
     unreached: str = ""
     rule_timestep: float = math.nan
-    reference: Kept | None = field(default=None, repr=False, compare=False)
+    reference: ReferenceFrames | None = field(default=None, repr=False, compare=False)
 
     def plain(self) -> dict[str, Any]:
         """For ``run.json``."""

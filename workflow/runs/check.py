@@ -9,14 +9,14 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 
-from analysis.against.difference import Deviation, Place, errors_of
+from analysis.against.difference import Deviation, DeviationPlace, errors_of
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, html, physics
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.engines.reference.step_halving import MOST_HALVINGS, StepHalving, Uncertainty
 from workflow.prepare.pilot import CADENCE, SPACING, stride
-from workflow.prepare.step_choice import Kept, Settings
+from workflow.prepare.step_choice import ChosenStep, ReferenceFrames
 from workflow.runs.run_directory import RunDirectory
 
 UNCERTAINTY_PART = 1.0 / 3.0
@@ -31,7 +31,7 @@ _MOST_STEPS = 256
 """In place of one usual step, for that."""
 
 
-def references_of(problem: Problem, settings: Settings | None) -> Iterator[StepHalving]:
+def references_of(problem: Problem, settings: ChosenStep | None) -> Iterator[StepHalving]:
     """References of a problem, of which the last counts; the uncertainty of each is read when its blocks were taken.
 
     With an accuracy in ever more steps, until the uncertainty is small enough or falls hardly more. Without one, or
@@ -101,7 +101,7 @@ class Check:
     """
 
     velocity: float
-    where: Place | None
+    where: DeviationPlace | None
     arrival: float
     amplitude: float
     reference: Uncertainty
@@ -127,7 +127,7 @@ class Check:
         return asdict(self)
 
 
-def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
+def check(directory: RunDirectory, settings: ChosenStep | None = None) -> Check:
     """Compare a run with an accurate reference.
 
     Args:
@@ -161,7 +161,7 @@ def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
 
 
 def _compared(
-    problem: Problem, frames: Callable[[], Iterator[Trajectory]], settings: Settings | None
+    problem: Problem, frames: Callable[[], Iterator[Trajectory]], settings: ChosenStep | None
 ) -> tuple[dict[str, Deviation], Uncertainty]:
     """Error of the frames in each quantity, and the uncertainty of the reference."""
     for halving in _references(problem, settings):
@@ -169,7 +169,7 @@ def _compared(
     return found, halving.uncertainty
 
 
-def _references(problem: Problem, settings: Settings | None) -> Iterable[StepHalving | Kept]:
+def _references(problem: Problem, settings: ChosenStep | None) -> Iterable[StepHalving | ReferenceFrames]:
     """The pilot run's reference where it has the same frames, else new ones."""
     kept = None if settings is None else settings.reference
     return (kept.of(problem),) if kept is not None and kept.is_of(problem) else references_of(problem, settings)

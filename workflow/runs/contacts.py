@@ -21,7 +21,7 @@ from workflow.runs.run_directory import RunDirectory
 
 
 @result
-class Contacts:
+class LargestContactForce:
     """The largest contact force of a run."""
 
     measured: bool = declare("whether the frames show it; else the numbers are what energy and momentum allow at most")
@@ -68,7 +68,7 @@ class Contacts:
         return found
 
 
-def at_most(scene: Scene) -> Contacts | None:
+def at_most(scene: Scene) -> LargestContactForce | None:
     """What energy and momentum allow, before anything runs; None without a material, or without contacts of spheres."""
     system = scene.problem().system
     law = system.along[0].law
@@ -85,7 +85,7 @@ def at_most(scene: Scene) -> Contacts | None:
     return _contacts(scene, high, walls, measured=False)
 
 
-def of_overlap(scene: Scene, largest: LargestOverlap) -> Contacts | None:
+def of_overlap(scene: Scene, largest: LargestOverlap) -> LargestContactForce | None:
     """What was found in the frames, or the bound where they do not show it; None without a material."""
     if not shown_by_frames(scene.problem()):
         return at_most(scene)
@@ -93,7 +93,7 @@ def of_overlap(scene: Scene, largest: LargestOverlap) -> Contacts | None:
     return _contacts(scene, beads, [np.maximum(overlap, 0.0) for overlap in largest.walls], measured=True)
 
 
-def measure(directory: RunDirectory) -> Contacts | None:
+def measure(directory: RunDirectory) -> LargestContactForce | None:
     """The largest contact force of a run; None without a material, and for rigid beads.
 
     Raises:
@@ -117,7 +117,7 @@ def _of_spheres(scene: Scene, law: laws.Law) -> bool:
     return solids.is_of_spheres(law) and not any(ingredient.strength_key for ingredient in scene.ingredients)
 
 
-def _contacts(scene: Scene, overlap: Any, walls: Sequence[Any], *, measured: bool) -> Contacts | None:
+def _contacts(scene: Scene, overlap: Any, walls: Sequence[Any], *, measured: bool) -> LargestContactForce | None:
     """The largest of each number, in all contacts.
 
     Args:
@@ -137,7 +137,7 @@ def _contacts(scene: Scene, overlap: Any, walls: Sequence[Any], *, measured: boo
     for link, at_wall in zip(physics.walls(scene.system), walls, strict=True):
         of_wall = _at_wall(scene, link, at_wall)
         force, pressure, approach = (max(*pair) for pair in zip((force, pressure, approach), of_wall, strict=True))
-    return Contacts(
+    return LargestContactForce(
         measured=measured,
         radius=ball.radius,
         overlap=approach,

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from analysis.files.events import Events
+from analysis.files.events import Collisions
 from analysis.files.recording import Writer
 from analysis.quantity import csv_of
 from analysis.trajectory import Trajectory
@@ -17,7 +17,7 @@ from lammps_inputs.decks import deck
 from lammps_inputs.system import System
 from workflow import cluster as model
 from workflow.engines.lammps import engine as lammps_engine
-from workflow.prepare.step_choice import Settings
+from workflow.prepare.step_choice import ChosenStep
 from workflow.runs.check import closing, references_of
 from workflow.runs.files import EVENTS, LAMMPS_FILES, RECORD, write_text
 from workflow.runs.job import Job
@@ -25,7 +25,7 @@ from workflow.runs.run_directory import RunDirectory
 
 Progress = Callable[[int, int], None]
 
-Start = Callable[..., lammps_engine.Outcome]
+Start = Callable[..., lammps_engine.LammpsOutcome]
 """Runs the deck in a directory, given ``problem`` and ``progress``."""
 
 
@@ -41,7 +41,7 @@ class Work:
     """
 
     result: RunDirectory
-    settings: Settings | None
+    settings: ChosenStep | None
     progress: Progress | None
     start: Start
 
@@ -214,7 +214,7 @@ class _Collisions(Engine):
         except KeyboardInterrupt:
             return {"outcome": "interrupted", "steps_done": 0}
         seconds = time.perf_counter() - started
-        events = Events(found.time, found.chain, found.row, found.striker, found.target)
+        events = Collisions(found.time, found.chain, found.row, found.striker, found.target)
         write_text(path / EVENTS, csv_of(events, problem.scale))
         ending = write_frames(path / file_names.DUMP, problem, collisions.blocks(found), work.progress)
         if ending["outcome"] != "done":

@@ -1,11 +1,10 @@
-import importlib.metadata
-
 """The state of a directory, ``run.json``: the request, the outcome, the choice of the step, and the error.
 
 One type, one function that reads it and one that changes it. It is read strictly: the file may be damaged, or somebody
 else's. What a run directory is besides follows from it, from the frames and from the locks (`workflow.runs.status`).
 """
 
+import importlib.metadata
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -40,7 +39,7 @@ Seconds = Annotated[float, Field(ge=0.0, le=1e12)]
 Date = Annotated[str, AfterValidator(_date)]
 
 
-class _Part(BaseModel):
+class _RecordPart(BaseModel):
     """Keys and their values; other keys are refused."""
 
     model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False, extra="forbid")
@@ -50,15 +49,15 @@ class _Part(BaseModel):
         return {key: value for key, value in self.model_dump(exclude_unset=True).items() if value is not None}
 
 
-class Resumed(_Part):
+class Resumed(_RecordPart):
     """One time that a run was resumed."""
 
     at: Date
     from_step: Count
 
 
-class StepChoice(_Part):
-    """How a time step was chosen: a `workflow.prepare.step_choice.Settings`."""
+class StepChoice(_RecordPart):
+    """How a time step was chosen: a `workflow.prepare.step_choice.ChosenStep`."""
 
     accuracy: Number
     timestep: Number
@@ -74,7 +73,7 @@ class StepChoice(_Part):
     rule_timestep: Number
 
 
-class Uncertainty(_Part):
+class UncertaintyRecord(_RecordPart):
     """Uncertainty of a run by the reference, dimensionless."""
 
     steps_per_frame: Count
@@ -84,8 +83,8 @@ class Uncertainty(_Part):
     momentum: Number | None
 
 
-class ErrorPlace(_Part):
-    """A bead of a chain, or a resonator at it, at a time: an `analysis.against.difference.Place`."""
+class ErrorPlace(_RecordPart):
+    """A bead of a chain, or a resonator at it, at a time: an `analysis.against.difference.DeviationPlace`."""
 
     chain: Count
     bead: Count
@@ -93,25 +92,25 @@ class ErrorPlace(_Part):
     resonator: Count
 
 
-class Error(_Part):
+class ErrorRecord(_RecordPart):
     """Measured error of a run, dimensionless: a `workflow.runs.check.Check`."""
 
     velocity: Number | None
     where: ErrorPlace | None
     amplitude: Number | None
     arrival: Number | None
-    reference: Uncertainty
+    reference: UncertaintyRecord
     seconds: Seconds
 
 
-class Results(_Part):
+class FramesRecord(_RecordPart):
     """Number of frames, and their SHA-256: `workflow.runs.run_directory.results`."""
 
     frames: Count
     sha256: str
 
 
-class Study(_Part):
+class StudyRecord(_RecordPart):
     """The command that made a directory of many runs or none.
 
     Attributes:
@@ -127,7 +126,7 @@ class Study(_Part):
     resume: str
 
 
-class Job(_Part):
+class Job(_RecordPart):
     """What a ``run.json`` holds; a key that is missing is None.
 
     Attributes:
@@ -144,7 +143,7 @@ class Job(_Part):
 
     files: list[Annotated[str, AfterValidator(_plain_name)]] = Field(default_factory=list)
     request: dict[str, Any] | None = None
-    study: Study | None = None
+    study: StudyRecord | None = None
     outcome: Literal["running", "done", "interrupted", "failed"] | None = None
     reason: str | None = None
     engine: Literal["lammps", "reference", "collisions"] | None = None
@@ -164,9 +163,9 @@ class Job(_Part):
     engine_seconds: Seconds = 0.0
     wall_seconds: Seconds = 0.0
     collisions: Count | None = None
-    uncertainty: Uncertainty | None = None
-    check: Error | None = None
-    results: Results | None = None
+    uncertainty: UncertaintyRecord | None = None
+    check: ErrorRecord | None = None
+    results: FramesRecord | None = None
     contacts: dict[str, Any] | None = None
 
 

@@ -13,12 +13,12 @@ from lammps_inputs import InputError, Problem, file_names
 from lammps_inputs.decks import continuation
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import files_on_disk
-from workflow.prepare.step_choice import Settings
+from workflow.prepare.step_choice import ChosenStep
 from workflow.runs.engines import ENGINES, LAMMPS, Progress
 from workflow.runs.files import RECORD, all_parts, alone, part_number, parts, write_text
 from workflow.runs.job import Job, restart_refused
 from workflow.runs.own_files import refuse_links, refuse_unwritable, remove_leftovers
-from workflow.runs.run import Run, carry_out, measure_error
+from workflow.runs.run import CompletedRun, carry_out, measure_error
 from workflow.runs.run_directory import RunDirectory, fingerprint
 
 _AGAIN = "there is nothing to resume: run the scene again with another -o"
@@ -31,8 +31,8 @@ def resume(
     check: bool = True,
     progress: Progress | None = None,
     restart_every: float = lammps_engine.RESTART_EVERY,
-    lammps: Callable[..., lammps_engine.Outcome] = lammps_engine.run,
-) -> Run | None:
+    lammps: Callable[..., lammps_engine.LammpsOutcome] = lammps_engine.run,
+) -> CompletedRun | None:
     """Bring a run to its end; bit for bit as if it had never been interrupted.
 
     LAMMPS resumes from the last restart, or from the start if there is none. Other engines start again.
@@ -62,7 +62,7 @@ def resume(
         if job.outcome == "done":
             if job.check is not None or not check or not engine.own_step:
                 return None
-            return Run(result, "done", measure_error(result, settings))
+            return CompletedRun(result, "done", measure_error(result, settings))
         ranks = job.ranks or 1 if ranks is None else ranks
         if refusal := engine.refused_ranks(ranks, result.problem.system):
             raise InputError(f"--ranks: {refusal}")
@@ -80,9 +80,9 @@ def resume(
         return carry_out(result, start=start, settings=settings, check=check, progress=progress, spent=spent)
 
 
-def settings_of(job: Job) -> Settings | None:
+def settings_of(job: Job) -> ChosenStep | None:
     """How a run's time step was chosen."""
-    return None if job.settings is None else Settings(**job.settings.plain())
+    return None if job.settings is None else ChosenStep(**job.settings.plain())
 
 
 def begun(path: Path) -> RunDirectory:

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypedDict, Unpack
 
-from analysis.trajectory import Measured, Trajectory
+from analysis.trajectory import FramesInUnits, Trajectory
 from lammps_inputs import InputError, Scene, file_names, html
 from workflow.cluster import MEMORY
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
 from workflow.prepare.settings import refuse_too_large, settle
-from workflow.prepare.step_choice import Settings
+from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
 from workflow.runs import contacts
 from workflow.runs.engines import ENGINES, LAMMPS, Progress, Start, Work, engine_called
@@ -30,7 +30,7 @@ from workflow.runs.status import onwards
 
 
 @dataclass(frozen=True)
-class Run:
+class CompletedRun:
     """A run that came to an end.
 
     Attributes:
@@ -49,7 +49,7 @@ class Run:
         return self.directory.trajectory
 
     @property
-    def si(self) -> Measured:
+    def si(self) -> FramesInUnits:
         """All frames in the scene's units."""
         return self.trajectory.measured()
 
@@ -90,10 +90,10 @@ def run(
     *,
     engine: str = "lammps",
     overwrite: bool = False,
-    settings: Settings | None = None,
+    settings: ChosenStep | None = None,
     progress: Progress | None = None,
     **options: Unpack[Options],
-) -> Run:
+) -> CompletedRun:
     """Run a scene in a new directory.
 
     Args:
@@ -186,11 +186,11 @@ def carry_out(
     result: RunDirectory,
     *,
     start: Start,
-    settings: Settings | None,
+    settings: ChosenStep | None,
     check: bool,
     progress: Progress | None,
     spent: float = 0.0,
-) -> Run:
+) -> CompletedRun:
     """Compute what a directory was prepared for, and record how it ended.
 
     Args:
@@ -231,13 +231,13 @@ def carry_out(
         if loading is not None:
             loading.join()
     if ending["outcome"] != "done":
-        return Run(result, ending["outcome"])
+        return CompletedRun(result, ending["outcome"])
     for name in (file_names.RESTART, file_names.RESTART_SUMS):
         (path / name).unlink(missing_ok=True)
-    return Run(result, "done", measure_error(result, settings) if check else None)
+    return CompletedRun(result, "done", measure_error(result, settings) if check else None)
 
 
-def measure_error(result: RunDirectory, settings: Settings | None) -> checking.Check | None:
+def measure_error(result: RunDirectory, settings: ChosenStep | None) -> checking.Check | None:
     """Compare a run that is done with the reference, and record what was found; None where LAMMPS did not run."""
     if not ENGINES[result.engine].own_step:
         return None

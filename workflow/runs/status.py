@@ -21,7 +21,7 @@ from analysis.files.dump_layout import last_step
 from lammps_inputs import InputError, file_names
 from workflow.engines.lammps.files_on_disk import step_of
 from workflow.runs.files import RECORD, held, parts
-from workflow.runs.job import Job, Study, load, restart_refused
+from workflow.runs.job import Job, StudyRecord, load, restart_refused
 
 # --- Slurm's queue ----------------------------------------------------------------------------------------------------
 
@@ -164,7 +164,7 @@ def _cases(directory: Path) -> list[Path]:
         return [directory]
 
 
-def _study(directory: Path) -> Study | None:
+def _study(directory: Path) -> StudyRecord | None:
     with suppress(InputError):
         return load(directory / RECORD).study
     return None
@@ -226,7 +226,7 @@ def onwards(directory: Path, job: Job) -> str:
     return f"`granchain run --resume {shlex.quote(str(directory))}` {_goes_on(directory, job)}"
 
 
-def _of_study(directory: Path, study: Study) -> Status:
+def _of_study(directory: Path, study: StudyRecord) -> Status:
     """What another command than ``run`` has made, by its account."""
     state: State = "done" if study.done else "running" if _locked(directory) else "incomplete"
     what = study.result if study.done else study.resume

@@ -10,7 +10,7 @@
             points = [Point(**value) for value in values(cases)]   # evaluate
             STUDY.write(directory, {"scan.csv": to_csv(Point, points)}, {"scan": draw(points)})  # report
 
-- **Plan**: pure functions that return `workflow.workers.evaluate.Case`, which name a function and plain data.
+- **Plan**: pure functions that return `workflow.workers.evaluate.Computation`, which name a function and plain data.
 - **Evaluate**: `evaluating` computes them in one pool of processes, with the directory's cache and a bar of progress. A
   search evaluates as often as it plans, in one open directory.
 - **Report**: a table is a list of records whose class declares its columns once (`analysis.quantity.result`): meaning,
@@ -43,7 +43,7 @@ from workflow.runs.own_files import claim, make_directory
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar, print_table
-from workflow.workers.evaluate import Case, Results, values
+from workflow.workers.evaluate import Computation, StoredResults, values
 from workflow.workers.pool import Pool
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class Study:
         return (*self.tables, *figure_files(*self.figures), *cache, *self.others)
 
     @contextlib.contextmanager
-    def opened(self, directory: Path | None) -> Iterator[Results]:
+    def opened(self, directory: Path | None) -> Iterator[StoredResults]:
         """Create or resume a directory for the time of a block; the values of cases that are in it.
 
         Args:
@@ -90,13 +90,13 @@ class Study:
             InputError: it cannot be written, is in use, or holds such a file of somebody else's.
         """
         if directory is None:
-            yield Results(None)
+            yield StoredResults(None)
             return
         make_directory(directory)
         with alone(directory):
             claim(directory, self.files)
             self.mark(directory, done=False)
-            with Results(directory / self.cache if self.cache else None) as cache:
+            with StoredResults(directory / self.cache if self.cache else None) as cache:
                 yield cache
             self.mark(directory, done=True)
 
@@ -117,7 +117,7 @@ class Study:
         done, pool = 0, Pool(jobs, interrupt=True)
         with self.opened(directory) as cache, count_bar(self.command) as bar, pool:
 
-            def evaluated(cases: Sequence[Case], *, of: int = 0, words: str = "", **options: Any) -> list[Any]:
+            def evaluated(cases: Sequence[Computation], *, of: int = 0, words: str = "", **options: Any) -> list[Any]:
                 nonlocal done
 
                 def show(now: int, total: int, bad: int) -> None:
@@ -138,7 +138,7 @@ class Study:
 
     def mark(self, directory: Path, *, done: bool) -> None:
         """Record in ``run.json`` which command made a directory, and whether it is finished; `opened` does so."""
-        study = job.Study(command=self.command, done=done, result=self.result, resume=self.resume)
+        study = job.StudyRecord(command=self.command, done=done, result=self.result, resume=self.resume)
         job.update(directory, study=study.plain())
 
 

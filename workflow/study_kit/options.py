@@ -14,13 +14,13 @@ from lammps_inputs.slurm.site import JobOptions
 from lammps_inputs.units import Label
 from workflow.runs.files import write_text
 from workflow.runs.own_files import claim, make_directory
-from workflow.screen import Answer
+from workflow.screen import CommandResult
 from workflow.study_kit.directory import floats
 from workflow.study_kit.scene_quantities import label
 from workflow.sweep import fields
 
 if TYPE_CHECKING:
-    from analysis.figures.studies import Axis
+    from analysis.figures.studies import StudyAxis
 
 
 def add_output(parser: argparse.ArgumentParser) -> None:
@@ -77,15 +77,15 @@ def listed(kind: type[int] | type[float]) -> Callable[[str], tuple[float, ...]]:
     return read
 
 
-def interrupted() -> Answer:
+def interrupted() -> CommandResult:
     """What a command ends with after Ctrl-C, where the next start takes what was computed from a cache."""
     print("interrupted: computed scenes remain; the same command resumes")
-    return Answer(130, {})
+    return CommandResult(130, {})
 
 
 def as_job(
     options: JobOptions, directory: Path, words: Sequence[str], *, cores: int, jobs: int | None = None
-) -> Answer:
+) -> CommandResult:
     """Write a command as a job on one node into a directory, which is made if need be, and say how to submit it.
 
     Args:
@@ -105,7 +105,7 @@ def as_job(
     claim(directory, (file_names.JOB, file_names.JOB_OUTPUT))
     write_text(directory / file_names.JOB, text)
     print(f"{directory}: submit there: sbatch {file_names.JOB}; output: {file_names.JOB_OUTPUT}")
-    return Answer(0, {"job": str(directory / file_names.JOB)})
+    return CommandResult(0, {"job": str(directory / file_names.JOB)})
 
 
 def split(text: str, option: str, example: str) -> tuple[str, str]:
@@ -161,17 +161,17 @@ class SecondField:
         """Whether the values can stand along an axis."""
         return bool(self.name) and all(isinstance(value, int | float) for value in self.values)
 
-    def axis(self, values: Sequence[Any], scene: dict[str, Any]) -> "Axis | None":
+    def axis(self, values: Sequence[Any], scene: dict[str, Any]) -> "StudyAxis | None":
         """Values of the field in a figure, by their numbers from 1 where they are no numbers; None without a field."""
-        from analysis.figures.studies import Axis  # matplotlib takes half a second to import
+        from analysis.figures.studies import StudyAxis  # matplotlib takes half a second to import
 
         if not self.name:
             return None
         named = label(self.name, scene)
         if self.is_numeric:
-            return Axis(named, floats(values))
+            return StudyAxis(named, floats(values))
         numbers = floats([self.values.index(value) + 1 for value in values])
-        return Axis(Label(f"value of {named.words}, by its number"), numbers)
+        return StudyAxis(Label(f"value of {named.words}, by its number"), numbers)
 
 
 def second_field(text: str | None) -> SecondField:

@@ -45,7 +45,7 @@ class Statement:
 
 
 @dataclass(frozen=True)
-class Picture:
+class PageFigure:
     """A figure as PNG, with the name of its file (without suffix) and its caption."""
 
     name: str
@@ -69,7 +69,7 @@ class Section:
     title: str
     introduction: str
     statements: Sequence[Statement]
-    pictures: Sequence[Picture] = field(default_factory=tuple)
+    pictures: Sequence[PageFigure] = field(default_factory=tuple)
     notes: Sequence[str] = field(default_factory=tuple)
     sources: Mapping[str, str] = field(default_factory=dict)
     failed: str = ""
@@ -81,9 +81,9 @@ class Section:
         return {verdict: found.count(verdict) for verdict in VERDICTS}
 
 
-def drawn(name: str, figure: Figure, caption: str) -> Picture:
+def drawn(name: str, figure: Figure, caption: str) -> PageFigure:
     """A picture of a figure."""
-    return Picture(name, content_of(figure, "png", dpi=150), caption)
+    return PageFigure(name, content_of(figure, "png", dpi=150), caption)
 
 
 def keep(section: Section, folder: Path) -> None:
@@ -105,7 +105,7 @@ def kept(folder: Path) -> Section | None:
     try:
         plain = json.loads((folder / SECTION).read_text(encoding="utf-8"))
         pictures = [
-            Picture(one["name"], (folder / f"{one['name']}.png").read_bytes(), one["caption"])
+            PageFigure(one["name"], (folder / f"{one['name']}.png").read_bytes(), one["caption"])
             for one in plain["pictures"]
         ]
         statements = [Statement(**one) for one in plain["statements"]]
@@ -216,7 +216,7 @@ def _row(statement: Statement, cited: Sequence[str]) -> str:
     return f"<tr>{''.join(texts)}</tr>"
 
 
-def shown(picture: Picture) -> str:
+def shown(picture: PageFigure) -> str:
     """A picture, whose PNG is part of the page, with its caption."""
     data = base64.b64encode(picture.image).decode("ascii")
     caption = html.escape(picture.caption)

@@ -199,7 +199,7 @@ def _quick(
     return quick
 
 
-def case(plain: dict[str, Any], names: Sequence[str], source: str, masses: Masses = NO_LIMIT) -> evaluate.Case:
+def case(plain: dict[str, Any], names: Sequence[str], source: str, masses: Masses = NO_LIMIT) -> evaluate.Computation:
     """`evaluated` for the worker pool, under the key of what it computes."""
     limits = {} if masses == NO_LIMIT else {"masses": masses}
     return evaluate.case(f"{__name__}:evaluated", {"plain": plain, "names": tuple(names), "source": source, **limits})

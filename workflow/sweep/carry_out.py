@@ -28,16 +28,16 @@ from workflow.runs.engines import ENGINES
 from workflow.runs.files import RECORD, alone, write_json, write_text
 from workflow.runs.own_files import claim, make_directory, others, remove_leftovers
 from workflow.runs.resume import resume
-from workflow.runs.run import Run, run
+from workflow.runs.run import CompletedRun, run
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.size import refuse_beforehand
 from workflow.runs.status import Queue, slurm_queue, status
 from workflow.screen import count_bar
-from workflow.sweep.file import Case, Sweep, all_cases, scene_of
+from workflow.sweep.file import Sweep, SweepCase, all_cases, scene_of
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.analysis_report import REPORT
 from workflow.workers import evaluate
-from workflow.workers.pool import Answer, Pool, Task
+from workflow.workers.pool import Pool, Task, TaskResult
 
 # --- directory --------------------------------------------------------------------------------------------------------
 
@@ -170,7 +170,7 @@ def compute(
     return "done"
 
 
-def _run(directory: Path, case: Asked, *, check: bool) -> Run:
+def _run(directory: Path, case: Asked, *, check: bool) -> CompletedRun:
     """From the last restart if there is one; most cases take less time than passes until one is written."""
     if (directory / file_names.RESTART).is_file():
         with contextlib.suppress(InputError):  # not one to resume from
@@ -228,7 +228,7 @@ def sweep(
     """
     failed: list[tuple[str, str]] = []
 
-    def note(name: str, answer: Answer) -> None:
+    def note(name: str, answer: TaskResult) -> None:
         if answer.value != "done":
             failed.append((name, " ".join(answer.failed.split()) or "was stopped"))
             with contextlib.suppress(RunError):  # the disk may be full; reported at the end
@@ -246,7 +246,7 @@ def sweep(
             scene = scene_of(what, case)
             wanted = request(what, case, scene) if unfinished else None
             own = task((directory / case.name).absolute(), wanted, check=check, figures=drawn)
-            tasks.append(evaluate.Case(case.name, own, cost=_work(scene)))
+            tasks.append(evaluate.Computation(case.name, own, cost=_work(scene)))
 
         try:
             with count_bar("sweep") as progress, Pool(processes) as pool:
@@ -264,7 +264,7 @@ def sweep(
 
 
 @contextlib.contextmanager
-def planned(what: Sweep, directory: Path) -> Iterator[list[Case]]:
+def planned(what: Sweep, directory: Path) -> Iterator[list[SweepCase]]:
     """The cases of `plan`, with the directory made and other runs kept out of it.
 
     Raises:
@@ -285,7 +285,7 @@ def _names(directory: Path) -> set[str]:
     return set()
 
 
-def plan(what: Sweep, directory: Path) -> list[Case]:
+def plan(what: Sweep, directory: Path) -> list[SweepCase]:
     """All cases of a sweep, each seen to fit into a directory.
 
     Raises:
@@ -302,15 +302,15 @@ def plan(what: Sweep, directory: Path) -> list[Case]:
     return cases
 
 
-def _others(directory: Path, cases: list[Case]) -> list[Case]:
+def _others(directory: Path, cases: list[SweepCase]) -> list[SweepCase]:
     """Cases in a directory that are none of these: of an earlier version of the sweep's file."""
     names = {case.name for case in cases}
     paths = sorted(path for path in directory.iterdir() if path.name not in names) if directory.is_dir() else []
     found = ((path.name, asked(path)) for path in paths)
-    return [Case(name, asked.swept) for name, asked in found if asked is not None]
+    return [SweepCase(name, asked.swept) for name, asked in found if asked is not None]
 
 
-def _refuse_of_another_sweep(what: Sweep, directory: Path, case: Case) -> None:
+def _refuse_of_another_sweep(what: Sweep, directory: Path, case: SweepCase) -> None:
     """Let a directory, and so its table, hold cases of one scene over the same fields.
 
     Raises:
@@ -325,12 +325,12 @@ def _refuse_of_another_sweep(what: Sweep, directory: Path, case: Case) -> None:
     refuse_another(directory / case.name, request(what, case, scene), scene)
 
 
-def request(what: Sweep, case: Case, scene: Scene) -> Asked:
+def request(what: Sweep, case: SweepCase, scene: Scene) -> Asked:
     """What a case is asked to be."""
     return Asked(case.values, scene.plain(), what.engine)
 
 
-def _refuse_what_is_not_a_sweep(directory: Path, cases: list[Case]) -> None:
+def _refuse_what_is_not_a_sweep(directory: Path, cases: list[SweepCase]) -> None:
     try:
         if not directory.exists():
             return
@@ -370,7 +370,7 @@ def refuse_if_queued(directory: Path, names: Iterable[str], known: Queue | None,
             raise InputError(f"{directory / name}: is {found.state} ({found.why}); {advice}")
 
 
-def _missing(cases: list[Case], directory: Path, *, figures: bool) -> list[tuple[Case, bool]]:
+def _missing(cases: list[SweepCase], directory: Path, *, figures: bool) -> list[tuple[SweepCase, bool]]:
     """Cases that are to be run (True), or only to be analysed."""
     found = []
     for case in cases:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.quantity import to_csv
-from analysis.sharing.verdict import State
+from analysis.sharing.verdict import EquipartitionState
 from analysis.trajectory import Flags, Floats
 from lammps_inputs import InputError, file_names, html, library, strict_yaml
 from lammps_inputs.numbers import text
@@ -71,12 +71,12 @@ SHOWN = {
 }
 """Columns of the printed table, and their formats; the file has all of them."""
 
-UNSETTLED = (State.BEATING.value, State.SHORT.value, State.UNSURE.value)
+UNSETTLED = (EquipartitionState.BEATING.value, EquipartitionState.SHORT.value, EquipartitionState.UNSURE.value)
 """States of a case whose chains have not come to share equally, so that its numbers may yet change."""
 
 
 @dataclass(frozen=True)
-class Table:
+class SweepTable:
     """All cases.
 
     Attributes:
@@ -195,7 +195,7 @@ def _written(value: Any) -> str:
 # --- collect ----------------------------------------------------------------------------------------------------------
 
 
-def collect(directory: Path, at_beads: Sequence[str] = ()) -> Table:
+def collect(directory: Path, at_beads: Sequence[str] = ()) -> SweepTable:
     """Gather all cases below a directory; those with frames but no analysis are analysed first, on all cores.
 
     Args:
@@ -234,7 +234,7 @@ def collect(directory: Path, at_beads: Sequence[str] = ()) -> Table:
         if isinstance(spectra, dict) and _are_bands(spectra.get("bands")):
             bands[path.name] = spectra["bands"]
     rows.sort(key=lambda row: [_rank(row[name]) for name in names])
-    return Table(
+    return SweepTable(
         names,
         rows,
         si=None if len(kinds) > 1 else kinds == {True},
@@ -277,7 +277,7 @@ def _analyse(directories: list[Path]) -> dict[str, str]:
     """Analyse directories; name -> what went wrong."""
     if not directories:
         return {}
-    cases = [evaluate.Case(path.name, task(path.absolute(), None, check=False)) for path in directories]
+    cases = [evaluate.Computation(path.name, task(path.absolute(), None, check=False)) for path in directories]
     with count_bar("analyse") as progress, Pool() as pool:
         found = evaluate.evaluate(cases, pool=pool, progress=progress)
     return {name: " ".join(answer.failed.split()) for name, answer in found.items() if answer.failed}
@@ -340,7 +340,7 @@ def _rank(value: Any) -> tuple[int, float, str]:
     return 1, 0.0, str(value)
 
 
-def only(table: Table, where: dict[str, Any]) -> Table:
+def only(table: SweepTable, where: dict[str, Any]) -> SweepTable:
     """The cases of a table whose fields have these values.
 
     Raises:
@@ -357,12 +357,12 @@ def only(table: Table, where: dict[str, Any]) -> Table:
     return replace(table, rows=rows)
 
 
-def _refuse_unless_varied(option: str, name: str, table: Table) -> None:
+def _refuse_unless_varied(option: str, name: str, table: SweepTable) -> None:
     if name not in table.fields:
         raise InputError(f"{option}: {name!r} is not varied here; {', '.join(table.fields) or 'nothing'} is")
 
 
-def named_fields(option: str, text: str, table: Table) -> tuple[str, ...]:
+def named_fields(option: str, text: str, table: SweepTable) -> tuple[str, ...]:
     """Varied fields of ``A,B``.
 
     Raises:
@@ -398,7 +398,7 @@ def file_name(*words: str) -> str:
 
 
 def plot(
-    table: Table, directory: Path, quantity: str, over: str, beside: str | None, title: str = ""
+    table: SweepTable, directory: Path, quantity: str, over: str, beside: str | None, title: str = ""
 ) -> tuple[Path, ...]:
     """Draw a quantity over a field, or two, into a directory; see `drawn`."""
     figure = drawn(table, quantity, over, beside, title)
@@ -407,7 +407,7 @@ def plot(
     return write_figure(directory, file_name(quantity, kind, "-and-".join(names)), figure)
 
 
-def drawn(table: Table, quantity: str, over: str, beside: str | None = None, title: str = "") -> "Figure":
+def drawn(table: SweepTable, quantity: str, over: str, beside: str | None = None, title: str = "") -> "Figure":
     """The figure of a quantity over a field, or two.
 
     Args:
@@ -420,7 +420,7 @@ def drawn(table: Table, quantity: str, over: str, beside: str | None = None, tit
     Raises:
         InputError: no such quantity or field, nothing to draw, too many lines, or several cases at one point.
     """
-    from analysis.figures.studies import Axis, map_figure, swept_figure  # matplotlib takes half a second to import
+    from analysis.figures.studies import StudyAxis, map_figure, swept_figure  # matplotlib takes half a second to import
 
     refuse_unless_numeric("--plot", quantity)
     axes = named_fields("--over", over, table)
@@ -444,9 +444,9 @@ def drawn(table: Table, quantity: str, over: str, beside: str | None = None, tit
     rest = replace(table, rows=[{**row, quantity: None} for row in table.rows if row["outcome"] != "done"])
     finite = np.all([np.isfinite(rest.numbers(name)) for name in shown], axis=0).tolist()
     placed = replace(table, rows=rows + [row for row, known in zip(rest.rows, finite, strict=True) if known])
-    along, *second = [Axis(placed.label(name), placed.numbers(name)) for name in shown]
+    along, *second = [StudyAxis(placed.label(name), placed.numbers(name)) for name in shown]
     error = UNCERTAINTIES.get(quantity)
-    upwards = Axis(
+    upwards = StudyAxis(
         placed.label(quantity),
         placed.numbers(quantity),
         None if error is None else placed.numbers(error),
@@ -458,7 +458,7 @@ def drawn(table: Table, quantity: str, over: str, beside: str | None = None, tit
     return swept_figure(upwards, along, second[0] if second else None, title, done.passed(over))
 
 
-def refuse_axes(table: Table, names: Sequence[str]) -> None:
+def refuse_axes(table: SweepTable, names: Sequence[str]) -> None:
     """Refuse fields that cannot be axes.
 
     Raises:
@@ -469,7 +469,7 @@ def refuse_axes(table: Table, names: Sequence[str]) -> None:
             raise InputError(f"{name}: is not a number in every case, so it cannot be an axis")
 
 
-def refuse_lines(option: str, table: Table, name: str, instead: str) -> None:
+def refuse_lines(option: str, table: SweepTable, name: str, instead: str) -> None:
     """Refuse a field that makes too many lines.
 
     Raises:

@@ -13,7 +13,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from lammps_inputs import InputError, Scene, library
-from lammps_inputs.ingredients.base import Part
+from lammps_inputs.ingredients.base import ScenePart
 from lammps_inputs.ingredients.by_formula import ByFormula
 from lammps_inputs.ingredients.registry import INGREDIENTS
 from lammps_inputs.scene import SEVERAL
@@ -209,7 +209,7 @@ def _field(path: Path) -> FieldInfo | None:
         if key in known:  # else a name of the user's
             found = known[key]
             model = library.model_in(found.annotation)
-    alone = model.alone if model is not None and issubclass(model, Part) else None
+    alone = model.alone if model is not None and issubclass(model, ScenePart) else None
     return found if model is None or alone is None else model.model_fields[alone]
 
 

@@ -47,13 +47,13 @@ def number(value: Any) -> Number:
     return value
 
 
-class Part(BaseModel):
+class SweepPart(BaseModel):
     """A part of a file, whose keys are known."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
-Kind = TypeVar("Kind", bound=Part)
+Kind = TypeVar("Kind", bound=SweepPart)
 
 
 def validated(kind: type[Kind], data: Any, where: str, wanted: str = "") -> Kind:
@@ -75,7 +75,7 @@ def validated(kind: type[Kind], data: Any, where: str, wanted: str = "") -> Kind
         raise InputError(f"{where}{mistaken or library.describe(error, kind)}") from None
 
 
-class Range(Part):
+class SpacedValues(SweepPart):
     """Evenly spaced values, or evenly spaced logarithms, both ends among them."""
 
     first: Annotated[Any, PlainValidator(number), Field(alias="from")]
@@ -127,7 +127,7 @@ def _some(value: dict[str, Any]) -> dict[str, Any]:
     return value
 
 
-class _File(Part):
+class _File(SweepPart):
     scene: Any
     vary: Annotated[dict[str, Any], AfterValidator(_some)]
     combine: Literal["product", "zip"] = "product"
@@ -137,7 +137,7 @@ class _File(Part):
 def schema_of_file() -> dict[str, Any]:
     """JSON schema of a sweep file; what it says of a scene may lack what is varied."""
     found, scene = schema.of(_File, "sweep"), scene_of_file()
-    found["$defs"] = scene.pop("$defs") | {"Range": schema.of(Range, "range")}
+    found["$defs"] = scene.pop("$defs") | {"SpacedValues": schema.of(SpacedValues, "range")}
     found["properties"]["scene"] = {"anyOf": [{"type": "string"}, scene]}
     found["properties"]["vary"] = {
         "type": "object",
@@ -205,20 +205,20 @@ def from_plain(data: dict[str, Any], path: Path) -> Sweep:
     return Sweep(
         source=str(path),
         scene=scene,
-        vary={name: values.values() if isinstance(values, Range) else values for name, values in given.items()},
+        vary={name: values.values() if isinstance(values, SpacedValues) else values for name, values in given.items()},
         combine=file.combine,
         engine=file.engine,
     )
 
 
-def _given(given: Any, where: str) -> list[Any] | Range:
+def _given(given: Any, where: str) -> list[Any] | SpacedValues:
     if isinstance(given, list):
         if not given:
             raise InputError(f"{where}: is an empty list")
         return given
     if not isinstance(given, dict):
         raise InputError(f"{where}: should be a list, or a range such as {{from: 1, to: 10, count: 4}}")
-    return validated(Range, given, f"{where}.")
+    return validated(SpacedValues, given, f"{where}.")
 
 
 def _refuse_too_many(counts: dict[str, int], combine: str, path: Path) -> None:
@@ -270,7 +270,7 @@ _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
 @dataclass(frozen=True)
-class Case:
+class SweepCase:
     """One case.
 
     Attributes:
@@ -283,7 +283,7 @@ class Case:
     values: dict[str, Any]
 
 
-def all_cases(sweep: Sweep) -> list[Case]:
+def all_cases(sweep: Sweep) -> list[SweepCase]:
     """Every case, each checked to be a scene.
 
     Raises:
@@ -294,7 +294,7 @@ def all_cases(sweep: Sweep) -> list[Case]:
     digits = {field: _digits(values) for field, values in sweep.vary.items()}
     for row in itertools.product(*columns) if sweep.combine == "product" else zip(*columns, strict=True):
         values = dict(zip(sweep.vary, row, strict=True))
-        case = Case(case_name(values, digits), values)
+        case = SweepCase(case_name(values, digits), values)
         if case.name in names:
             raise InputError(f"{sweep.source}: vary: the case {case.name} is there twice; a value is given twice")
         names.add(case.name)
@@ -303,7 +303,7 @@ def all_cases(sweep: Sweep) -> list[Case]:
     return cases
 
 
-def scene_of(sweep: Sweep, case: Case) -> Scene:
+def scene_of(sweep: Sweep, case: SweepCase) -> Scene:
     """The scene of a case.
 
     Raises:

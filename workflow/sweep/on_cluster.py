@@ -18,16 +18,16 @@ from workflow.runs.own_files import claim, listed, retire
 from workflow.runs.status import slurm_queue, status
 from workflow.screen import count_bar
 from workflow.sweep.carry_out import Asked, begin, planned, refuse_if_queued, request
-from workflow.sweep.file import Case, Sweep, scene_of
+from workflow.sweep.file import Sweep, SweepCase, scene_of
 from workflow.workers import evaluate
-from workflow.workers.pool import Answer, Pool, Task
+from workflow.workers.pool import Pool, Task, TaskResult
 
 USUAL_LIMIT = 1001
 """Tasks of an array where a site did not say otherwise (MaxArraySize)."""
 
 
 @dataclass(frozen=True)
-class Written:
+class WrittenSweep:
     """What was written.
 
     Attributes:
@@ -45,7 +45,7 @@ class Written:
     numbers: int
 
 
-def write_array(what: Sweep, directory: Path, options: JobOptions) -> Written:
+def write_array(what: Sweep, directory: Path, options: JobOptions) -> WrittenSweep:
     """Write decks and the array; nothing of a case that is done, waits or runs is touched.
 
     Args:
@@ -64,7 +64,7 @@ def write_array(what: Sweep, directory: Path, options: JobOptions) -> Written:
         under_way = [name for name, state in states.items() if state in ("waiting", "running")]
         todo = [case for case in cases if states[case.name] not in ("done", "waiting", "running")]
         if not todo:
-            return Written(len(cases), 0, len(under_way), 0, 0)
+            return WrittenSweep(len(cases), 0, len(under_way), 0, 0)
         lines = _lines(directory)
         listed = [name for line in lines for name in line]
         new = sorted(states.keys() - set(listed))
@@ -85,7 +85,7 @@ def write_array(what: Sweep, directory: Path, options: JobOptions) -> Written:
         claim(directory, (*files, file_names.JOB_OUTPUT))
         for name, text in files.items():
             write_text(directory / name, text)
-    return Written(len(cases), len(tasks), len(under_way), options.ranks, len(lines))
+    return WrittenSweep(len(cases), len(tasks), len(under_way), options.ranks, len(lines))
 
 
 def _lines(directory: Path) -> list[tuple[str, ...]]:
@@ -94,14 +94,14 @@ def _lines(directory: Path) -> list[tuple[str, ...]]:
     return [tuple(line.split()) for line in path.read_text(encoding="utf-8").splitlines()] if path.is_file() else []
 
 
-def _write_cases(what: Sweep, todo: list[Case], directory: Path) -> list[Problem]:
+def _write_cases(what: Sweep, todo: list[SweepCase], directory: Path) -> list[Problem]:
     """Write what each case needs, on all cores; the problems of the fewest beads and of the fewest rows.
 
     Raises:
         InputError: a case cannot be a job.
     """
 
-    def ready(_: str, answer: Answer) -> None:
+    def ready(_: str, answer: TaskResult) -> None:
         if answer.failed:
             raise RunError(answer.failed)
         if "refused" in answer.value:
@@ -111,7 +111,7 @@ def _write_cases(what: Sweep, todo: list[Case], directory: Path) -> list[Problem
     for case in todo:
         wanted, source = request(what, case, scene_of(what, case)), f"{what.source}: case {case.name}"
         arguments = {"directory": str(directory / case.name), "case": wanted.plain(), "source": source}
-        cases.append(evaluate.Case(case.name, Task(f"{__name__}:write_case", arguments)))
+        cases.append(evaluate.Computation(case.name, Task(f"{__name__}:write_case", arguments)))
     with count_bar("decks") as progress, Pool() as pool:
         sizes = evaluate.evaluate(cases, pool=pool, progress=progress, tell=ready)
     fewest = [min(sizes, key=lambda name: sizes[name].value[of]) for of in ("beads", "rows")]

@@ -14,7 +14,7 @@ from analysis.trajectory import Floats
 from lammps_inputs import InputError
 from lammps_inputs.numbers import known
 from workflow.runs.files import write_figure
-from workflow.sweep.collect import Table, file_name, refuse_axes, refuse_lines
+from workflow.sweep.collect import SweepTable, file_name, refuse_axes, refuse_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,13 +42,13 @@ class Group:
         return {"quantity": self.quantity, **self.fields, **numbers}
 
 
-def default_fields(table: Table) -> tuple[str, ...]:
+def default_fields(table: SweepTable) -> tuple[str, ...]:
     """Fields of the groups unless others are chosen: all but seeds; none where no seed is varied."""
     others = tuple(name for name in table.fields if name.rpartition(".")[2] != "seed")
     return others if len(others) < len(table.fields) else ()
 
 
-def grouped(table: Table, quantity: str, fields: Sequence[str]) -> list[Group]:
+def grouped(table: SweepTable, quantity: str, fields: Sequence[str]) -> list[Group]:
     """Groups of the cases with the same values in some fields, in the order of the table.
 
     Args:
@@ -67,12 +67,12 @@ def grouped(table: Table, quantity: str, fields: Sequence[str]) -> list[Group]:
     return groups
 
 
-def statistics_csv(table: Table, groups: Sequence[Group]) -> str:
+def statistics_csv(table: SweepTable, groups: Sequence[Group]) -> str:
     """One line a group; what is undefined is empty."""
     return _csv(table, groups, [[asdict(group.statistics)] for group in groups])
 
 
-def histogram_csv(table: Table, groups: Sequence[Group]) -> str:
+def histogram_csv(table: SweepTable, groups: Sequence[Group]) -> str:
     """One line a bin of each group."""
     bins = []
     for group in groups:
@@ -81,7 +81,7 @@ def histogram_csv(table: Table, groups: Sequence[Group]) -> str:
     return _csv(table, groups, bins)
 
 
-def _csv(table: Table, groups: Sequence[Group], lines: Sequence[list[dict[str, Any]]]) -> str:
+def _csv(table: SweepTable, groups: Sequence[Group], lines: Sequence[list[dict[str, Any]]]) -> str:
     """Quantity and fields of each group before the columns of its lines."""
     rows = [
         {"quantity": table.heading(group.quantity)}
@@ -93,12 +93,12 @@ def _csv(table: Table, groups: Sequence[Group], lines: Sequence[list[dict[str, A
     return to_csv({name: [row[name] for row in rows] for name in (rows[0] if rows else ["quantity"])})
 
 
-def plot(table: Table, directory: Path, groups: Sequence[Group], title: str = "") -> tuple[Path, ...]:
+def plot(table: SweepTable, directory: Path, groups: Sequence[Group], title: str = "") -> tuple[Path, ...]:
     """Draw the groups of one quantity into a directory; see `drawn`."""
     return write_figure(directory, file_name(groups[0].quantity, "statistics"), drawn(table, groups, title))
 
 
-def drawn(table: Table, groups: Sequence[Group], title: str = "") -> "Figure":
+def drawn(table: SweepTable, groups: Sequence[Group], title: str = "") -> "Figure":
     """Figure of the groups of one quantity: means with standard errors over one field, lines for a second one.
 
     One group is drawn as its histogram.
@@ -111,7 +111,7 @@ def drawn(table: Table, groups: Sequence[Group], title: str = "") -> "Figure":
     Raises:
         InputError: the groups have more than two fields, one without numbers, or too many lines.
     """
-    from analysis.figures.studies import Axis, histogram_figure, swept_figure  # takes half a second to import
+    from analysis.figures.studies import StudyAxis, histogram_figure, swept_figure  # takes half a second to import
 
     label = table.label(groups[0].quantity)
     counts = [group.statistics.values for group in groups]
@@ -127,10 +127,10 @@ def drawn(table: Table, groups: Sequence[Group], title: str = "") -> "Figure":
     refuse_axes(rows, [over, *others])
     if others:
         refuse_lines("--over", rows, others[0], f"--over {others[0]},{over} exchanges axis and lines")
-    axes = [Axis(table.label(name), rows.numbers(name)) for name in (over, *others)]
+    axes = [StudyAxis(table.label(name), rows.numbers(name)) for name in (over, *others)]
     mean = replace(label, words=f"mean of {label.words}")
     error = _numbers(groups, "standard_error")
-    means = Axis(mean, _numbers(groups, "mean"), error, error_words="standard error of the mean")
+    means = StudyAxis(mean, _numbers(groups, "mean"), error, error_words="standard error of the mean")
     return swept_figure(means, axes[0], axes[1] if others else None, title)
 
 

@@ -5,7 +5,7 @@ from itertools import accumulate
 import numpy as np
 
 from analysis.conservation import Conservation
-from analysis.quantity import Column, declare, derived, result, table, to_csv
+from analysis.quantity import QuantityColumn, declare, derived, result, table, to_csv
 from analysis.shape.exact_wave import wave_of
 from analysis.sharing.equipartition import AGREEMENTS, CONVERGES, Estimate, resolved, runs_exact_waves
 from analysis.sharing.is_solitary import Character, Tolerances
@@ -197,7 +197,7 @@ class Final(Estimate):
 
 
 @result
-class Range:
+class AmplitudeRange:
     """Of amplitudes over some beads."""
 
     first: int = declare("first bead of the second half of the way")
@@ -219,13 +219,15 @@ class EnergyShare:
         "energy within three beads of the peaks",
         "energy input",
         f"not all beads are recorded, another pulse is as near, no pulse keeps its shape, or {TOO_COARSE}",
-        columns=(Column("energy_share", "share of the energy in the leading waves"),),
+        columns=(QuantityColumn("energy_share", "share of the energy in the leading waves"),),
     )
     measured_error: float | None = declare(
         "uncertainty of ``measured`` by the time between frames",
         "energy input",
         "as ``measured``",
-        columns=(Column("energy_share_uncertainty", "uncertainty of the share of the energy in the leading waves"),),
+        columns=(
+            QuantityColumn("energy_share_uncertainty", "uncertainty of the share of the energy in the leading waves"),
+        ),
     )
 
 
@@ -249,15 +251,15 @@ class Equipartition:
         f"0.01 and 0.001 {COUNTED}",
         undefined=NO_AGREEMENT,
         columns=(
-            Column("agree_10", "bead from which amplitudes agree to 10 %", "0.1", "d_{10}"),
-            Column("agree_1", "bead from which amplitudes agree to 1 %", "0.01", "d_1"),
+            QuantityColumn("agree_10", "bead from which amplitudes agree to 10 %", "0.1", "d_{10}"),
+            QuantityColumn("agree_1", "bead from which amplitudes agree to 1 %", "0.01", "d_1"),
         ),
     )
     arrivals: dict[str, int | None] = declare(
         "bead from which on the difference of the chains' arrivals, latest - earliest over the time in which the wave "
         f"passes (at half its height), stays below 0.1, 0.01 and 0.001 {COUNTED}",
         undefined=NO_AGREEMENT,
-        columns=(Column("in_step_1", "bead from which arrivals agree to 1 %", "0.01"),),
+        columns=(QuantityColumn("in_step_1", "bead from which arrivals agree to 1 %", "0.01"),),
     )
     final: Final | None = declare(
         "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
@@ -268,11 +270,11 @@ class Equipartition:
         f"such differences do not become smaller by a factor of {1.0 / CONVERGES:g}",
         "v",
         columns=(
-            Column("amplitude", "asymptotic amplitude", "value", "v"),
-            Column("amplitude_uncertainty", "uncertainty of the asymptotic amplitude", "uncertainty"),
+            QuantityColumn("amplitude", "asymptotic amplitude", "value", "v"),
+            QuantityColumn("amplitude_uncertainty", "uncertainty of the asymptotic amplitude", "uncertainty"),
         ),
     )
-    range: Range | None = declare(
+    range: AmplitudeRange | None = declare(
         "range of amplitudes over the second half of the way", undefined="no pulse keeps its shape"
     )
     energy_share: EnergyShare = declare("energy in the leading waves at the last clear bead")
@@ -281,8 +283,8 @@ class Equipartition:
         "beads",
         f"no beat is seen, or half beats scatter by more than half of their mean; {UNRESOLVED}",
         columns=(
-            Column("beat_length", "beat length", "value"),
-            Column("beat_length_uncertainty", "uncertainty of the beat length", "uncertainty"),
+            QuantityColumn("beat_length", "beat length", "value"),
+            QuantityColumn("beat_length_uncertainty", "uncertainty of the beat length", "uncertainty"),
         ),
     )
     decay_law: DecayFit | None = declare(
@@ -424,7 +426,7 @@ def equipartition(found: Survey) -> Equipartition:
         amplitudes={str(one): shared.agrees_from(one) if seen else None for one in AGREEMENTS},
         arrivals={str(one): shared.in_step_from(one) if seen else None for one in AGREEMENTS},
         final=None if final is None else Final(final.value, final.uncertainty),
-        range=None if span is None else Range(span[0], int(shared.bead[-1]), *span[1:]),
+        range=None if span is None else AmplitudeRange(span[0], int(shared.bead[-1]), *span[1:]),
         energy_share=EnergyShare(
             exact=float(np.sum(shared.wave_share[-1])) if len(shared) and runs_exact_waves(system) else None,
             measured=float(measured[-1]) if len(measured) and pulse else None,

@@ -9,7 +9,7 @@ from analysis.tracking.pulses import of_one_kind
 from analysis.trajectory import Integers, along_the_way
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
-from workflow.screen import Table
+from workflow.screen import PrintedTable
 from workflow.verdicts.analysis_report import last_clear_bead
 from workflow.verdicts.findings.finding import MOST_CHAINS
 
@@ -22,7 +22,7 @@ MOST_ROWS = 32
 _COLUMNS = {"arrival": "arrival", "peak_velocity": "peak velocity", "speed": "speed"}
 
 
-def pulse_table(survey: Survey) -> Table | None:
+def pulse_table(survey: Survey) -> PrintedTable | None:
     """Arrival, peak velocity and speed of the leading waves at selected beads; None where no pulse leads.
 
     Numbers are in the scene's units, in SI with the peak velocity over V beside them. The last bead is the last one
@@ -33,7 +33,7 @@ def pulse_table(survey: Survey) -> Table | None:
     scale = survey.problem.scale
     head = ["bead", "chain", *headings(Waves, scale, _COLUMNS), *(["peak velocity / V"] if scale.si else [])]
     rows = [row for bead in selected_beads(survey) for row in _rows(survey.waves.at(bead), bead, survey)]
-    return Table(f"{survey.problem.name}: leading pulse", head, rows) if rows else None
+    return PrintedTable(f"{survey.problem.name}: leading pulse", head, rows) if rows else None
 
 
 def _rows(waves: Waves, bead: int, survey: Survey) -> list[list[str]]:

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from analysis.files.events import Events
-from analysis.quantity import Column, Quantity, declare, result, walk
+from analysis.files.events import Collisions
+from analysis.quantity import Quantity, QuantityColumn, declare, result, walk
 from analysis.statistics import Histogram, Statistics
 from lammps_inputs.units import SI, Label
 from workflow.runs.files import EVENTS, RECORD
@@ -34,24 +34,24 @@ class RunErrors:
         "largest error of any velocity, of beads and resonators, in the frames that were compared with the reference",
         "V",
         "the run was not checked",
-        columns=(Column("error_velocity", "error of velocities"),),
+        columns=(QuantityColumn("error_velocity", "error of velocities"),),
     )
     amplitude: float = declare(
         "largest error of a peak velocity of the leading pulse",
         "V",
         "the run was not checked, or no pulse was seen or leads (drives, foundations, slow resonators)",
-        columns=(Column("error_amplitude", "error of peak velocities"),),
+        columns=(QuantityColumn("error_amplitude", "error of peak velocities"),),
     )
     arrival: float = declare(
         "largest error of an arrival of the leading pulse",
         "T",
         "the run was not checked, no arrival is sharp, or no pulse leads",
-        columns=(Column("error_arrival", "error of arrivals"),),
+        columns=(QuantityColumn("error_arrival", "error of arrivals"),),
     )
 
 
 @result
-class Run:
+class RecordOfRun:
     """Numbers of a run in `workflow.runs.job`."""
 
     check: RunErrors = declare("measured error of the run", undefined="the run was not checked")
@@ -62,7 +62,7 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Place:
+class QuantityPlace:
     """A quantity in one of a run's files.
 
     Attributes:
@@ -89,8 +89,8 @@ class CollectColumn:
         column: name, label, and key within the value.
     """
 
-    place: Place
-    column: Column
+    place: QuantityPlace
+    column: QuantityColumn
 
     @property
     def file(self) -> str:
@@ -123,14 +123,14 @@ class CollectColumn:
 def tables() -> dict[str, Any]:
     """CSV file -> type whose fields are its columns."""
     found = {one.table[0]: one.table[1] for one in FINDINGS if one.table is not None}
-    return {WAVES: WavesTable, **found, EVENTS: Events, STATISTICS: Statistics, HISTOGRAM: Histogram}
+    return {WAVES: WavesTable, **found, EVENTS: Collisions, STATISTICS: Statistics, HISTOGRAM: Histogram}
 
 
-def places() -> Iterator[Place]:
+def places() -> Iterator[QuantityPlace]:
     """All quantities, file by file."""
     for file, path, kind in _sections():
         for keys, quantity in walk(kind, path):
-            yield Place(file, keys, quantity)
+            yield QuantityPlace(file, keys, quantity)
 
 
 def _sections() -> list[tuple[str, tuple[str, ...], Any]]:
@@ -139,7 +139,7 @@ def _sections() -> list[tuple[str, tuple[str, ...], Any]]:
     return [
         (REPORT, (), Report),
         *of_findings,
-        (RECORD, (), Run),
+        (RECORD, (), RecordOfRun),
         *((file, (), kind) for file, kind in tables().items()),
     ]
 
@@ -160,7 +160,7 @@ def explained(word: str) -> str | None:
     keys = tuple(word.split("."))
     named = [place for place in places() if any(column.name == word for column in place.quantity.columns)]
     named += [place for place in places() if place.path[-len(keys) :] == keys]
-    found: dict[Quantity, list[Place]] = {}
+    found: dict[Quantity, list[QuantityPlace]] = {}
     for place in named:
         found.setdefault(place.quantity, []).append(place)
     lines = [line for quantity, at in found.items() for line in _lines(word, quantity, at)]
@@ -183,7 +183,7 @@ def _held(word: str) -> Iterator[str]:
         yield from _filled(f"{holder} holds {', '.join(names)}", "    ")
 
 
-def _lines(word: str, quantity: Quantity, at: list[Place]) -> Iterator[str]:
+def _lines(word: str, quantity: Quantity, at: list[QuantityPlace]) -> Iterator[str]:
     columns = [column for column in quantity.columns if word in (column.name, at[0].path[-1])]
     labels = [column.label for column in columns if column.name == word and column.label]
     yield from _filled("; ".join(dict.fromkeys([*labels, quantity.meaning])), "    ")

@@ -9,7 +9,7 @@ from analysis.shape.exact_wave import HERTZ, solitary_wave
 from analysis.shape.waveforms import COMPARED
 from analysis.sharing.equipartition import AGREEMENT, RESOLVED, SMALLEST_BEAT
 from analysis.sharing.is_solitary import Tolerances
-from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star
+from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState, expected_n_star
 from analysis.tracking.pulses import CONSTANT_OVER, LEAST_BEADS, SMALLEST
 from analysis.tracking.undisturbed import APART, CLEAR
 from lammps_inputs import physics, references
@@ -29,21 +29,33 @@ TERMS = {
     "clear of the end",
     "half beat": "beads between two places where the amplitude of the kicked chain passes the mean of the chains; "
     f"changes of sign after which it deviates by less than {SMALLEST_BEAT:g} of the mean do not count",
-    State.EQUAL.value: f"up to the last compared bead, over half a beat at least, amplitudes differ by less than "
-    f"{_EQUAL} of their mean, and arrivals by less than {_EQUAL} of the time in which the exact wave of the mean "
-    "amplitude passes at half its height",
-    State.BEATING.value: f"a half beat was seen, but amplitudes or arrivals do not agree to {_EQUAL} for as long as "
-    "the last one",
-    State.SHORT.value: "no half beat was seen, or no bead was passed clear of the end in all chains, or the compared "
-    f"beads are more than {RESOLVED:g} / sqrt(kappa) apart, a quarter of the shortest beat",
-    State.ALONE.value: "a single chain, chains that no spring connects with the kicked one, or springs that end more "
-    f"than {CLEAR} rows before the last compared bead without agreement to {_EQUAL}",
-    State.UNSURE.value: f"amplitudes agree to {_EQUAL}, but the uncertainty of amplitudes or arrivals is larger, or "
-    "arrivals are undefined",
-    State.UNLIKE.value: f"beads or contacts of one row differ between the coupled chains, and nothing agrees to "
-    f"{_EQUAL}",
-    State.NO_PULSE.value: "no pulse keeps its shape or is followed: drives, foundations, resonators slower than a "
-    "pulse, contacts that act at a distance",
+    EquipartitionState.EQUAL.value: (
+        f"up to the last compared bead, over half a beat at least, amplitudes differ by less than "
+        f"{_EQUAL} of their mean, and arrivals by less than {_EQUAL} of the time in which the exact wave of the mean "
+        "amplitude passes at half its height"
+    ),
+    EquipartitionState.BEATING.value: (
+        f"a half beat was seen, but amplitudes or arrivals do not agree to {_EQUAL} for as long as the last one"
+    ),
+    EquipartitionState.SHORT.value: (
+        "no half beat was seen, or no bead was passed clear of the end in all chains, or the compared "
+        f"beads are more than {RESOLVED:g} / sqrt(kappa) apart, a quarter of the shortest beat"
+    ),
+    EquipartitionState.ALONE.value: (
+        "a single chain, chains that no spring connects with the kicked one, or springs that end more "
+        f"than {CLEAR} rows before the last compared bead without agreement to {_EQUAL}"
+    ),
+    EquipartitionState.UNSURE.value: (
+        f"amplitudes agree to {_EQUAL}, but the uncertainty of amplitudes or arrivals is larger, or "
+        "arrivals are undefined"
+    ),
+    EquipartitionState.UNLIKE.value: (
+        f"beads or contacts of one row differ between the coupled chains, and nothing agrees to {_EQUAL}"
+    ),
+    EquipartitionState.NO_PULSE.value: (
+        "no pulse keeps its shape or is followed: drives, foundations, resonators slower than a "
+        "pulse, contacts that act at a distance"
+    ),
     "solitary": f"within {COMPARED:g} beads of the peak the velocity differs from the exact wave of this amplitude by "
     f"at most {_ALLOWED.shape:.0%} of it; the speed differs by at most {_ALLOWED.speed:.0%} from that of the exact "
     f"wave; (largest - smallest) / mean amplitude of the last {CONSTANT_OVER} beads is at most "

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from analysis.against import common_times
-from analysis.against.difference import Deviation, Difference, Place, deviation_of
+from analysis.against.difference import Deviation, DeviationPlace, Difference, deviation_of
 from analysis.against.rounding import precision
 from analysis.files import table, traces
-from analysis.files.table import Table
+from analysis.files.table import TrajectoryTable
 from analysis.files.traces import Channel
 from analysis.gauges.gauge import beads_of, complaint, read_at
 from analysis.trajectory import Floats, Trajectory, joined
@@ -92,7 +92,7 @@ def _diagnosis(path: Path, theirs: Trajectory, run: Trajectory) -> Diagnosis:
     return in_run if in_run.causes else Diagnosis(remark=f"{path}: {in_table.remark}")
 
 
-def _loaded(path: Path, problem: Problem, *, dimensionless: bool) -> Table:
+def _loaded(path: Path, problem: Problem, *, dimensionless: bool) -> TrajectoryTable:
     """The table in a file, with chains and beads of a problem.
 
     Raises:
@@ -165,10 +165,10 @@ def _deviation(channel: Channel, apart: Floats, times: Floats, tolerance: float,
     known = np.isfinite(apart)
     when = times[known]
     bead = channel.bead or (problem.beads if channel.right else 1)
-    return deviation_of(apart[known], when, tolerance, lambda k: Place(channel.chain, bead, float(when[k])))
+    return deviation_of(apart[known], when, tolerance, lambda k: DeviationPlace(channel.chain, bead, float(when[k])))
 
 
-def as_trajectory(given: Table, problem: Problem, *, dimensionless: bool) -> Trajectory:
+def as_trajectory(given: TrajectoryTable, problem: Problem, *, dimensionless: bool) -> Trajectory:
     """A table made dimensionless, for every chain of the scene; NaN where the table has nothing."""
     scale = problem.scale
     units = (1.0, 1.0, 1.0) if dimensionless else (scale.time, scale.length, scale.velocity)
@@ -186,7 +186,7 @@ def as_trajectory(given: Table, problem: Problem, *, dimensionless: bool) -> Tra
     return Trajectory(replace(problem, recorded=recorded), given.time / units[0], displacement, velocity)
 
 
-def check_places(path: Path, given: Table, problem: Problem) -> None:
+def check_places(path: Path, given: TrajectoryTable, problem: Problem) -> None:
     """Refuse a table with chains or beads that the run has not.
 
     Raises:

@@ -20,7 +20,7 @@ from bokeh.models import (
 from bokeh.plotting import figure
 
 from analysis.figures.spacetime import STILL
-from analysis.figures.style import Unit
+from analysis.figures.style import AxisUnit
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 from workflow.view.plots import chain_name, label, lists, name_places, number
@@ -142,7 +142,7 @@ def moving_beads(
     return plot, column(bar, scales, sizing_mode="stretch_width")
 
 
-def _slider(part: Thinned, unit: Unit) -> Slider:
+def _slider(part: Thinned, unit: AxisUnit) -> Slider:
     """A slider whose values are times, written to a tenth of the time between frames."""
     digits = max(0, 1 - math.floor(math.log10(part.every)))
     written = CustomJSTickFormatter(args={"digits": digits, "unit": behind(unit)}, code=_TIME)

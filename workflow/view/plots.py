@@ -27,7 +27,7 @@ from matplotlib.colors import to_hex
 from analysis.figures.spacetime import COLOURS, panels, round_ticks, signed_root
 from analysis.figures.style import CHAIN_COLOURS as ON_PAPER
 from analysis.figures.style import CHAIN_DASHES as DASHES_ON_PAPER
-from analysis.figures.style import Unit
+from analysis.figures.style import AxisUnit
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 from workflow.view.thin import Thinned, Units, axis_label, behind
@@ -173,7 +173,7 @@ def name_places(plot: Any, part: Thinned) -> None:
         plot.xaxis.formatter = CustomJSTickFormatter(args={"beads": part.beads.tolist()}, code=_NAME)
 
 
-def number(unit: Unit) -> CustomJSHover:
+def number(unit: AxisUnit) -> CustomJSHover:
     """How a cursor says a number."""
     return CustomJSHover(args={"unit": behind(unit)}, code=_NUMBER)
 

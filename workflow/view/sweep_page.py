@@ -32,8 +32,8 @@ from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
 from analysis.figures.studies import logarithmic
-from analysis.figures.style import Unit
-from workflow.sweep.collect import SHOWN, UNCERTAINTIES, Table
+from analysis.figures.style import AxisUnit
+from workflow.sweep.collect import SHOWN, UNCERTAINTIES, SweepTable
 from workflow.view.plots import CHAIN_COLOURS, TICK, TOOLS, choice, label, number
 
 _LINK = '<% if (link) { %><a href="<%= link %>"><%- value %></a><% } else { %><%- value %><% } %>'
@@ -110,7 +110,7 @@ _HIGHEST, _ROW = 430, 25
 """Largest height of the table, and that of a row, in pixels."""
 
 
-def layout(table: Table, files: dict[str, list[str]], name: str) -> tuple[Any, CustomJS]:
+def layout(table: SweepTable, files: dict[str, list[str]], name: str) -> tuple[Any, CustomJS]:
     """A table and a plot, with points coloured by the second field; a choice for each varied field filters both.
 
     Returns:
@@ -170,7 +170,7 @@ def layout(table: Table, files: dict[str, list[str]], name: str) -> tuple[Any, C
     return column(top, grid, sizing_mode="stretch_width"), choose
 
 
-def points(table: Table, key: str) -> dict[str, list[float]]:
+def points(table: SweepTable, key: str) -> dict[str, list[float]]:
     """A column of a table as points: value, its uncertainty, ends of the bar of that, and 0 for a hollow mark."""
     value = table.numbers(key)
     error = table.numbers(UNCERTAINTIES[key]) if key in UNCERTAINTIES else np.full(len(value), np.nan)
@@ -185,7 +185,7 @@ def _anchor(case: str, file: str) -> str:
     return f'<a href="{escape(f"{case}/{file}")}">{escape(Path(file).stem)}</a>'
 
 
-def _columns(table: Table, data: dict[str, list[Any]]) -> list[TableColumn]:
+def _columns(table: SweepTable, data: dict[str, list[Any]]) -> list[TableColumn]:
     """Columns that hold anything, those of the printed table first, as wide as their texts.
 
     Uncertainties stand behind their numbers.
@@ -230,7 +230,7 @@ class _Drawing:
     integers: list[str]
 
 
-def _colour(table: Table, data: dict[str, list[Any]]) -> tuple[Any, Any]:
+def _colour(table: SweepTable, data: dict[str, list[Any]]) -> tuple[Any, Any]:
     """Of the points, by the second varied field, and its bar; one colour and no bar where there is no such field."""
     name = table.fields[1] if len(table.fields) > 1 else ""
     texts = list(dict.fromkeys(map(str, data[name]))) if name else []
@@ -286,7 +286,7 @@ def _plot(drawing: _Drawing, kind: str) -> Any:
     if bar is not None:
         plot.add_layout(bar.clone(), "right")
     tips = [("case", "@case"), ("over", "@x{custom}"), ("quantity", "@y{custom}"), ("uncertainty", "@error{custom}")]
-    formatters = {f"@{key}": number(Unit(1.0, "")) for key in ("x", "y", "error")}
+    formatters = {f"@{key}": number(AxisUnit(1.0, "")) for key in ("x", "y", "error")}
     plot.add_tools(HoverTool(renderers=[drawn], tooltips=tips, formatters=formatters))
     plot.add_tools(TapTool(renderers=[drawn], callback=CustomJS(args={"source": source}, code=_OPEN)))
     return plot

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analysis import motion
 from analysis.figures.spacetime import largest_afar
-from analysis.figures.style import Frames, Unit, axis_unit, evenly_spaced
+from analysis.figures.style import AxisUnit, FrameContent, axis_unit, evenly_spaced
 from analysis.quantity import declared
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem
@@ -73,7 +73,7 @@ class Thinned:
         """Time from one frame to the next."""
         return float(self.time[1] - self.time[0]) if len(self.time) > 1 else 1.0
 
-    def measured(self, units: Mapping[str, Unit]) -> "Thinned":
+    def measured(self, units: Mapping[str, AxisUnit]) -> "Thinned":
         """The same in units of time, velocity, length, force and energy."""
         kinds = {name: name for name in ("time", "velocity", "force", "energy")}
         kinds |= {"displacement": "length", "overlap": "length"}
@@ -165,7 +165,7 @@ def _energy(frames: Trajectory) -> Floats:
 
 # --- units ------------------------------------------------------------------------------------------------------------
 
-Units = dict[str, Unit]
+Units = dict[str, AxisUnit]
 
 
 def units_of(problem: Problem, part: Thinned) -> Units:
@@ -183,16 +183,16 @@ def units_of(problem: Problem, part: Thinned) -> Units:
         "energy": _size(part.energy),
     }
     if not problem.scale.si:
-        return {name: Unit(float(getattr(problem.scale, name)), "") for name in largest}
+        return {name: AxisUnit(float(getattr(problem.scale, name)), "") for name in largest}
     return {name: axis_unit(problem, name, size) for name, size in largest.items()}
 
 
-def axis_label(name: str, unit: Unit) -> str:
+def axis_label(name: str, unit: AxisUnit) -> str:
     """Such as ``time t (ms)``, with the symbol of the figures."""
-    return Label(name, declared(Frames)[name][0].symbol, unit.symbol or REDUCED).plain
+    return Label(name, declared(FrameContent)[name][0].symbol, unit.symbol or REDUCED).plain
 
 
-def behind(unit: Unit) -> str:
+def behind(unit: AxisUnit) -> str:
     """What stands behind a number: ``" ms"``, or nothing."""
     return f" {unit.symbol}" if unit.symbol else ""
 

@@ -24,7 +24,7 @@ from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.collect import collect
 from workflow.verdicts.analyse import FIGURES, analyse, default_beads
-from workflow.verdicts.findings.gauges import Forces
+from workflow.verdicts.findings.gauges import ForcesFinding
 from workflow.view.run_page import layout
 from workflow.view.sweep_page import layout as sweep_layout
 from workflow.view.thin import Thinned, thinned
@@ -184,7 +184,7 @@ def _run(path: Path) -> Path:
         analysis = analyse(directory, figures=False)
         survey = analysis.survey
         readings = next(
-            (finding.readings for finding in analysis.findings.values() if isinstance(finding, Forces)), None
+            (finding.readings for finding in analysis.findings.values() if isinstance(finding, ForcesFinding)), None
         )
         if problem.chains > 1:
             lines.append(_sentence(survey.verdict.sentence))

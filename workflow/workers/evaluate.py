@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from lammps_inputs import InputError
 from workflow.errors import RunError
-from workflow.workers.pool import Answer, Pool, Task
+from workflow.workers.pool import Pool, Task, TaskResult
 
 # --- results ----------------------------------------------------------------------------------------------------------
 
@@ -24,7 +24,7 @@ def key_of(request: Any) -> str:
     return hashlib.sha256(json.dumps(request, sort_keys=True).encode()).hexdigest()[:20]
 
 
-class Results(dict[str, Any]):
+class StoredResults(dict[str, Any]):
     """Key -> result as plain data; `keep` writes it to the disk at once.
 
     Args:
@@ -64,7 +64,7 @@ class Results(dict[str, Any]):
             self._file.write(json.dumps({"key": key, "result": result}) + "\n")
             self._file.flush()
 
-    def __enter__(self) -> "Results":
+    def __enter__(self) -> "StoredResults":
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -77,19 +77,19 @@ class Results(dict[str, Any]):
 Progress = Callable[[int, int, int], None]
 """Called with the cases done, their total, and how many of them failed."""
 
-Tell = Callable[[str, Answer], None]
+Tell = Callable[[str, TaskResult], None]
 """Called with the key and the answer of each case that was computed, as it is done."""
 
 
-Failed = Callable[[Answer], bool]
+Failed = Callable[[TaskResult], bool]
 """Whether progress counts an answer as failed."""
 
 
-def _has_failed(answer: Answer) -> bool:
+def _has_failed(answer: TaskResult) -> bool:
     return bool(answer.failed)
 
 
-class Case(NamedTuple):
+class Computation(NamedTuple):
     """One computation of a study.
 
     Attributes:
@@ -106,20 +106,20 @@ class Case(NamedTuple):
     alone: bool = False
 
 
-def case(function: str, arguments: dict[str, Any], *, cost: float = 0.0) -> Case:
+def case(function: str, arguments: dict[str, Any], *, cost: float = 0.0) -> Computation:
     """A case whose key follows from the arguments of its function, ``module:name``."""
-    return Case(key_of(arguments), Task(function, arguments), cost)
+    return Computation(key_of(arguments), Task(function, arguments), cost)
 
 
 def evaluate(
-    cases: Sequence[Case],
-    cache: Results | None = None,
+    cases: Sequence[Computation],
+    cache: StoredResults | None = None,
     *,
     pool: Pool | None = None,
     progress: Progress | None = None,
     tell: Tell | None = None,
     failed: Failed = _has_failed,
-) -> dict[str, Answer]:
+) -> dict[str, TaskResult]:
     """The answer to each case by its key; values are added to the cache at once, so that an interruption loses none.
 
     Args:
@@ -131,8 +131,8 @@ def evaluate(
         failed: which answers progress counts as failed; by default those without a value.
     """
     wanted = {one.key: one for one in cases}
-    kept = Results(None) if cache is None else cache
-    found = {key: Answer(kept[key]) for key in wanted if key in kept}
+    kept = StoredResults(None) if cache is None else cache
+    found = {key: TaskResult(kept[key]) for key in wanted if key in kept}
     missing = sorted((one for key, one in wanted.items() if key not in found), key=lambda one: -one.cost)
     bad = sum(failed(answer) for answer in found.values())
     if progress is not None:
@@ -157,8 +157,8 @@ def evaluate(
 
 
 def values(
-    cases: Sequence[Case],
-    cache: Results | None = None,
+    cases: Sequence[Computation],
+    cache: StoredResults | None = None,
     *,
     pool: Pool | None = None,
     progress: Progress | None = None,
@@ -173,6 +173,6 @@ def values(
     return [found[one.key].value for one in cases]
 
 
-def _refuse_failure(_: str, answer: Answer) -> None:
+def _refuse_failure(_: str, answer: TaskResult) -> None:
     if answer.failed:
         raise RunError(answer.failed)

@@ -41,7 +41,7 @@ class Task(NamedTuple):
     arguments: dict[str, Any]
 
 
-class Answer(NamedTuple):
+class TaskResult(NamedTuple):
     """Result of a task: the value of its function, or why there is none."""
 
     value: Any = None
@@ -79,7 +79,7 @@ class Pool:
         self._everyone.clear()
         self._idle.clear()
 
-    def answers(self, tasks: Iterable[tuple[Any, Task]]) -> Iterator[tuple[Any, Answer]]:
+    def answers(self, tasks: Iterable[tuple[Any, Task]]) -> Iterator[tuple[Any, TaskResult]]:
         """Do tasks; the key and the answer of each as it is done.
 
         Args:
@@ -107,7 +107,7 @@ class Pool:
                             self._idle.append(process)
                         else:
                             self._discard(process)
-                        yield busy.pop(process), Answer(said.get("value"), said.get("failed", ""))
+                        yield busy.pop(process), TaskResult(said.get("value"), said.get("failed", ""))
 
     def _given(self, task: Task) -> "_Process":
         """A process that has begun a task."""

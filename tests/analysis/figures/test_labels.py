@@ -10,9 +10,9 @@ from stock_lammps import scene
 from synthetic_waves import of_keys
 
 from analysis.against.difference import Deviation, ErrorMap
-from analysis.dispersion import Cell, Map
+from analysis.dispersion import Map, UnitCell
 from analysis.figures.energy import energy_figure
-from analysis.figures.engines import Curve, PublishedPoint, engines_figure, relative_mode_figure, scan_figure
+from analysis.figures.engines import EngineCurve, PublishedPoint, engines_figure, relative_mode_figure, scan_figure
 from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figure
 from analysis.figures.forces import force_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
@@ -23,7 +23,7 @@ from analysis.figures.waves import distance_figure, response_figure, shape_figur
 from analysis.files.traces import Channel, Traces
 from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges
-from analysis.gauges.spectra import Spectra
+from analysis.gauges.spectra import VelocitySpectra
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.waveforms import Passages
 from analysis.sharing.energies import EnergyShares, Flow
@@ -114,7 +114,7 @@ def test_the_force_figure_has_each_gauge_and_chain_where_it_says(problem):
 
 def test_the_spectra_figure_has_each_bead_chain_and_drive_where_it_says(problem):
     amplitude = np.add.outer(np.array([0.2, 0.1]), np.add.outer(1e-3 * np.arange(CHAINS), np.array([0.3, 0.6])))
-    spectra = Spectra((3, 8), 2.0, np.array([0.0, 0.1]), amplitude, np.array([0.07]), np.zeros((1, CHAINS, 2)))
+    spectra = VelocitySpectra((3, 8), 2.0, np.array([0.0, 0.1]), amplitude, np.array([0.07]), np.zeros((1, CHAINS, 2)))
     axes = spectra_figure(problem, spectra).axes
     hertz = 1.0 / problem.scale.time / unit_on(axes[-1].get_xlabel(), problem, "Hz")
     label = axes[0].figure.get_supylabel()
@@ -131,7 +131,7 @@ def test_the_spectra_figure_has_each_bead_chain_and_drive_where_it_says(problem)
 
 
 def test_the_dispersion_figure_has_power_and_branches_where_its_axes_say(problem):
-    cell = Cell(np.array([[1.0]]), np.array([[2.25]]), np.zeros((1, 1, 1)))  # omega = 3 |sin(q / 2)|
+    cell = UnitCell(np.array([[1.0]]), np.array([[2.25]]), np.zeros((1, 1, 1)))  # omega = 3 |sin(q / 2)|
     wavenumber = np.arange(-4, 4) * math.pi / 4.0
     frequency = 0.5 * np.arange(8)
     power = np.zeros((8, 8))
@@ -379,7 +379,7 @@ def test_the_engines_figure_has_each_bead_and_engine_where_it_says(si):
     what = pair(si, gap=0.5 * pair(si).scale.length)
     time, velocity = np.array([0.0, 1.0, 2.0]), np.zeros((3, 2, 2))
     velocity[1, 1, 1] = 0.5  # chain 2, the second of the rows shown
-    curve = Curve("rigid", time, velocity, np.array([2, 3]), np.array([[0.7, 0.6], [0.2, 0.1]]))
+    curve = EngineCurve("rigid", time, velocity, np.array([2, 3]), np.array([[0.7, 0.6], [0.2, 0.1]]))
     first, *rows = engines_figure(what, (4, 9), [curve]).axes
     assert [axis.get_title(loc="left") for axis in (first, *rows)] == ["(a) rigid", "(b) bead 4", "(c) bead 9"]
     assert first.get_ylabel() == "first impulse $I / (m V)$"

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from analysis.files import events
-from analysis.files.events import Events
+from analysis.files.events import Collisions
 from analysis.quantity import csv_of, declared
 from lammps_inputs import InputError
 from lammps_inputs.units import make_scale
@@ -13,7 +13,7 @@ SI = make_scale(3.6e-3, 6.9e9, 0.7, si=True)
 def some(count):
     random = np.random.default_rng(count)
     time, striker = np.cumsum(random.random(count)), random.uniform(0.1, 1.0, count)
-    return Events(
+    return Collisions(
         time, random.integers(1, 4, count), random.integers(1, 99, count), striker, striker - random.random(count)
     )
 
@@ -25,13 +25,13 @@ def test_a_table_of_collisions_reads_back(count, tmp_path):
     path.write_text(csv_of(written, SI))
     read = events.from_csv(path, SI)
     assert len(read) == count
-    for name in declared(Events):
+    for name in declared(Collisions):
         # the scale is multiplied in and divided out: two roundings
         np.testing.assert_allclose(getattr(read, name), getattr(written, name), rtol=5e-16)
 
 
 def test_a_table_is_in_the_units_of_the_scene():
-    written = Events(np.array([2.0]), np.array([1]), np.array([3]), np.array([0.5]), np.array([0.25]))
+    written = Collisions(np.array([2.0]), np.array([1]), np.array([3]), np.array([0.5]), np.array([0.25]))
     head, line = csv_of(written, SI).splitlines()
     assert head == "time (s),chain,row,striker (m/s),target (m/s)"
     assert csv_of(written, make_scale(1.0, 1.0, 1.0, si=False)).startswith("time,chain,row,striker,target\n")
@@ -45,7 +45,7 @@ def test_a_table_of_before_units_were_named_is_read_too(tmp_path):
 
 
 def test_the_impulse_is_what_is_handed_on():
-    assert Events(*(np.array([value]) for value in (0.0, 1, 1, 0.75, 0.25))).impulse == 0.5
+    assert Collisions(*(np.array([value]) for value in (0.0, 1, 1, 0.75, 0.25))).impulse == 0.5
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from small_problems import problem, written_down
 
-from analysis.gauges.spectra import Spectra, SpectrumMeter, amplitude_at, amplitudes
+from analysis.gauges.spectra import SpectrumMeter, VelocitySpectra, amplitude_at, amplitudes
 from analysis.quantity import csv_of
 from analysis.trajectory import watch
 from lammps_inputs.loads import Motion
@@ -58,7 +58,7 @@ def test_a_drive_with_less_than_two_frames_a_cycle_has_no_amplitude(frequency, s
     assert np.isfinite(meter.result().at_drive).all() == seen
 
 
-SWINGS = Spectra(
+SWINGS = VelocitySpectra(
     beads=(3, 8),
     after=2.0,
     frequency=np.array([0.0, 0.1]),

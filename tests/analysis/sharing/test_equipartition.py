@@ -11,7 +11,7 @@ from synthetic_waves import of_keys, problem, reference, surveyed
 from analysis.sharing.equipartition import Sharing, runs_exact_waves
 from analysis.sharing.impulses import measure
 from analysis.sharing.survey import Survey
-from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star, fit_decay, verdict_on
+from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState, expected_n_star, fit_decay, verdict_on
 from analysis.trajectory import mirrored_problem
 from lammps_inputs import Kick
 from workflow.engines.reference import engine
@@ -197,21 +197,21 @@ def test_chains_with_gaps_are_compared_by_the_impulses_of_first_contacts(directi
 def test_chains_with_gaps_of_which_few_beads_are_recorded_are_not_compared():
     what = problem(2, 0.1, 30, 250.0, 0.25, gap=2.8742376715100764, recorded=(5, 10, 15, 20))
     verdict = surveyed(engine.run(what)).verdict
-    assert verdict.state is State.UNSURE
+    assert verdict.state is EquipartitionState.UNSURE
     assert "known only where all beads are recorded" in verdict.sentence
 
 
 @pytest.mark.parametrize(
     ("chains", "kappa", "beads", "duration", "state"),
     [
-        (2, 0.5, 120, 192.0, State.EQUAL),
-        (2, 0.1, 120, 192.0, State.EQUAL),
-        (2, 0.1, 50, 75.0, State.BEATING),
-        (3, 0.1, 120, 192.0, State.BEATING),
-        (2, 0.005, 200, 280.0, State.SHORT),
-        (2, 0.1, 120, 3.0, State.SHORT),
-        (1, 0.0, 50, 60.0, State.ALONE),
-        (2, 0.0, 50, 60.0, State.ALONE),
+        (2, 0.5, 120, 192.0, EquipartitionState.EQUAL),
+        (2, 0.1, 120, 192.0, EquipartitionState.EQUAL),
+        (2, 0.1, 50, 75.0, EquipartitionState.BEATING),
+        (3, 0.1, 120, 192.0, EquipartitionState.BEATING),
+        (2, 0.005, 200, 280.0, EquipartitionState.SHORT),
+        (2, 0.1, 120, 3.0, EquipartitionState.SHORT),
+        (1, 0.0, 50, 60.0, EquipartitionState.ALONE),
+        (2, 0.0, 50, 60.0, EquipartitionState.ALONE),
     ],
 )
 def test_verdict(chains, kappa, beads, duration, state):
@@ -234,7 +234,7 @@ def test_verdict_knows_since_when_amplitudes_and_arrivals_agree():
 def test_verdict_without_any_place_gives_the_rule_of_thumb():
     empty = Sharing(0, np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2)), 0.5)
     verdict = verdict_on(empty, problem(2, 0.1), None)
-    assert (verdict.state, verdict.expected.value) == (State.SHORT, pytest.approx(60.0))
+    assert (verdict.state, verdict.expected.value) == (EquipartitionState.SHORT, pytest.approx(60.0))
 
 
 def test_a_verdict_on_chains_shorter_than_what_is_left_out_names_no_bead():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from small_problems import problem
 
-from analysis.files.events import Events
+from analysis.files.events import Collisions
 from analysis.sharing.impulses import ImpulseMeter, from_events, measure, relative_difference
 from analysis.trajectory import joined, watch
 from workflow.engines import collisions
@@ -42,7 +42,7 @@ def hertz(**changes):
 
 def of_rigid(problem, direction=1):
     run = collisions.run(problem)
-    return from_events(problem, Events(run.time, run.chain, run.row, run.striker, run.target), direction)
+    return from_events(problem, Collisions(run.time, run.chain, run.row, run.striker, run.target), direction)
 
 
 def rigid(**changes):

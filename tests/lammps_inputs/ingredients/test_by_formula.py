@@ -10,7 +10,7 @@ from lammps_inputs import InputError, laws, library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.laws import expression
 from lammps_inputs.laws.expression import names
-from lammps_inputs.laws.written import Force, Written, reach
+from lammps_inputs.laws.written import Force, FormulaLaw, reach
 from lammps_inputs.limits import rates
 
 SATURATING = {"force": "k*s/sqrt(1+(s/s0)^2)", "k": 0.3, "s0": 0.5}
@@ -127,7 +127,7 @@ def test_springs_by_formula_have_that_force_at_every_strain_that_the_energy_reac
     if made is None:
         return
     law, unit, energy = made.system.ground[0].law, made.scale, physics.energy(made.system)
-    if not isinstance(law, Written):  # k s
+    if not isinstance(law, FormulaLaw):  # k s
         return
     for side in (1.0, -1.0):
         far = min(reach(law, energy, side), 1e3)

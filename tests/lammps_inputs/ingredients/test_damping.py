@@ -15,7 +15,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Precompression
-from lammps_inputs.ingredients.unequal import Kind
+from lammps_inputs.ingredients.unequal import BeadKind
 from lammps_inputs.ingredients.walls import Face, Walls
 from lammps_inputs.laws.dashpot import alpha
 from lammps_inputs.limits import rates
@@ -62,7 +62,7 @@ WALLS: dict[str, dict[str, Any]] = {
     "left, hard": {"walls": Walls(left=Face(stiffness=20.0))},
     "heavy bead": {
         "walls": Walls(right=Face(stiffness=5.0)),
-        "kinds": {"heavy": Kind(mass=3.0)},
+        "kinds": {"heavy": BeadKind(mass=3.0)},
         "pattern": ("heavy",),
     },
     "linear": {"walls": Walls(right=Face(stiffness=2.0)), "contact": Contact(exponent=1.0)},

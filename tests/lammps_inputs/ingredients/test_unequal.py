@@ -17,7 +17,7 @@ from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.long_waves import period_of
 from analysis.sharing.cells import FinalEnergy, left
 from analysis.sharing.survey import survey
-from analysis.sharing.verdict import State
+from analysis.sharing.verdict import EquipartitionState
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import blocks
@@ -271,7 +271,7 @@ def test_with_two_pulses_on_the_way_none_is_said_to_be_reflected():
 def test_chains_of_different_beads_are_not_said_to_beat(tmp_path):
     case = scene(beads=30, duration=40.0, **{**DIMER, "pattern": [["heavy"], ["light"]]})
     verdict = analyse(run(case, tmp_path / "run", check=False).directory, figures=False).survey.verdict
-    assert verdict.state is State.UNLIKE
+    assert verdict.state is EquipartitionState.UNLIKE
     assert verdict.sentence.startswith("the chains are of different beads")
 
 

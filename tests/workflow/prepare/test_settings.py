@@ -23,7 +23,7 @@ from workflow.errors import RunError
 from workflow.prepare import pilot
 from workflow.prepare.pilot import stride
 from workflow.prepare.settings import settle
-from workflow.prepare.step_choice import Settings
+from workflow.prepare.step_choice import ChosenStep
 from workflow.runs.check import check
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -245,7 +245,7 @@ def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
     ],
 )
 def test_the_sentence_says_how_the_step_was_chosen(changes, said):
-    found = Settings(1e-4, 0.0125, 8, 0.1, 2e-5, 2e-5, 1.0, limited=False, seconds=0.5)
+    found = ChosenStep(1e-4, 0.0125, 8, 0.1, 2e-5, 2e-5, 1.0, limited=False, seconds=0.5)
     for scale, step in (
         (make_scale(1.0, 1.0, 1.0, si=False), "0.0125"),
         (make_scale(2.0, 2.0, 1e5, si=True), "0.00125 s"),

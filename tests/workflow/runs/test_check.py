@@ -12,7 +12,7 @@ from small_problems import problem
 from stock_lammps import scene
 
 from analysis.against.common_times import paired
-from analysis.against.difference import Difference, Place
+from analysis.against.difference import DeviationPlace, Difference
 from analysis.trajectory import joined
 from lammps_inputs import Kick, Material, Output, library, strict_yaml
 from workflow.cli import main
@@ -22,10 +22,10 @@ from workflow.engines.reference.step_halving import StepHalving, accurate_refere
 from workflow.prepare import pilot
 from workflow.prepare.pilot import better_timestep
 from workflow.prepare.settings import settle
-from workflow.prepare.step_choice import Settings
+from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
 from workflow.runs.check import Check, accountant, check, stride
-from workflow.runs.job import Job, Uncertainty
+from workflow.runs.job import Job, UncertaintyRecord
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.validate import validate
@@ -242,7 +242,7 @@ def test_an_error_is_said_to_be_too_large_as_far_as_it_is_certain_and_is_a_failu
     velocity, sure, asked, code, says, finished, capsys
 ):
     told = replace(finished.check, velocity=velocity, reference=replace(finished.check.reference, velocity=sure))
-    chosen = Settings(1e-4, 0.01, 10, 0.1, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1, asked=asked is True)
+    chosen = ChosenStep(1e-4, 0.01, 10, 0.1, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1, asked=asked is True)
     assert _exit_code(told, finished.directory.scene, None if asked is None else chosen) == code
     printed = capsys.readouterr().out
     assert says in printed
@@ -253,7 +253,7 @@ def test_an_error_is_said_to_be_too_large_as_far_as_it_is_certain_and_is_a_failu
 def test_the_error_is_told_with_its_bead_and_time_in_the_scenes_units(material):
     problem = scene(beads=10, kick=(Kick(velocity=0.5),), material=material).problem()
     uncertainty = SimpleNamespace(velocity=8.5e-6, arrival=2.9e-5)
-    said = _checked(Check(1.6e-4, Place(2, 7, 160.0), 5.7e-4, 6.3e-6, uncertainty, 0.0), problem)
+    said = _checked(Check(1.6e-4, DeviationPlace(2, 7, 160.0), 5.7e-4, 6.3e-6, uncertainty, 0.0), problem)
     second = " s" if material else ""
     assert said == (
         f"error: velocities 1.6e-04 V (bead 7 of chain 2, t = {160.0 * problem.scale.time:.5g}{second}), "
@@ -265,7 +265,7 @@ def test_the_error_is_told_with_its_bead_and_time_in_the_scenes_units(material):
 
 # --- what it is measured against, with uncertainties made up, and the exchange that frames get ------------------------
 
-ASKED = Settings(1e-4, 0.01, 10, 0.025, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1)
+ASKED = ChosenStep(1e-4, 0.01, 10, 0.025, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1)
 
 
 @pytest.mark.parametrize(
@@ -289,7 +289,7 @@ def test_steps_are_doubled_until_the_reference_is_sure_or_hardly_gets_surer(fall
 
 
 def uncertainty_with(steps_per_frame):
-    return Uncertainty(steps_per_frame=steps_per_frame, velocity=None, arrival=None, energy=None, momentum=None)
+    return UncertaintyRecord(steps_per_frame=steps_per_frame, velocity=None, arrival=None, energy=None, momentum=None)
 
 
 @pytest.mark.parametrize(

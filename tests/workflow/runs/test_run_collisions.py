@@ -48,7 +48,7 @@ def test_the_collisions_of_a_run_are_those_of_the_engine(directory):
         collisions.run(directory.problem),
     )
     assert directory.job.collisions == len(table) == len(exact) > 20
-    for name in declared(events.Events):
+    for name in declared(events.Collisions):
         np.testing.assert_array_equal(getattr(table, name), getattr(exact, name))  # all scales are 1 here
 
 

@@ -16,11 +16,11 @@ from workflow.cli import main
 from workflow.runs.run import run
 from workflow.studies.design import file
 from workflow.studies.design.file import Variable
-from workflow.studies.design.found import Found, Sensitivity, Verified, sensitivity
-from workflow.studies.design.search import Record, computed, search, worth
+from workflow.studies.design.found import DesignResult, Sensitivity, Verified, sensitivity
+from workflow.studies.design.search import DesignRecord, computed, search, worth
 from workflow.study_kit import scene_quantities
 from workflow.sweep.collect import collect
-from workflow.workers.evaluate import Results, values
+from workflow.workers.evaluate import StoredResults, values
 from workflow.workers.pool import Pool
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
@@ -127,13 +127,13 @@ EVOLUTION = {"evaluations": 20, "population": 8}
 def test_evolution_finds_what_no_exhaustive_search_betters(found, tmp_path):
     """With fewer designs than there are; those that it asks for are kept from the exhaustive search."""
     design = file.load(written(tmp_path, search=EVOLUTION))
-    with Results(found / "evaluations.jsonl") as cache:
+    with StoredResults(found / "evaluations.jsonl") as cache:
         best = min(worth(design, record) for record in search(design, computing(design, cache)))
         everything = file.load(written(tmp_path))
         assert best == min(worth(everything, record) for record in search(everything, computing(everything, cache)))
 
 
-class Stopped(Results):
+class Stopped(StoredResults):
     """A cache that is interrupted with its seventh result."""
 
     def keep(self, key, result):
@@ -150,7 +150,7 @@ def test_a_search_that_was_stopped_goes_the_same_way_again(tmp_path):
     with pytest.raises(KeyboardInterrupt), Stopped(path) as cache:
         search(design, computing(design, cache))
     before = path.read_text()
-    with Results(path) as cache:
+    with StoredResults(path) as cache:
         again = search(design, computing(design, cache))
     assert path.read_text().startswith(before)
     whole = search(design, computing(design))
@@ -176,7 +176,7 @@ def test_what_is_wanted_is_small_or_large(wanted, better, tmp_path):
     path = tmp_path / "design.yaml"
     plain = {"scene": SCENE, "vary": {"coupling.stiffness": {"from": 0.1, "to": 1}}, wanted: "delay"}
     path.write_text(strict_yaml.dump(plain))
-    records = [Record({}, {"delay": delay}, "", 0.0) for delay in (10.0, 11.0)]
+    records = [DesignRecord({}, {"delay": delay}, "", 0.0) for delay in (10.0, 11.0)]
     assert min(records, key=lambda one: worth(file.load(path), one)) is records[better]
 
 
@@ -191,7 +191,7 @@ def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, 
     late = [r for r in records if r.values["beads"] > 16]
     assert all(r.quantities[design.objective] is None and worth(design, r) == np.inf for r in late)
     assert min(records, key=lambda one: worth(design, one)).values["beads"] <= 16
-    assert Found(design, records, [], None, Sensitivity(0.0, 0, (), 0, "", 0, {}), 0.0).undefined == len(late)
+    assert DesignResult(design, records, [], None, Sensitivity(0.0, 0, (), 0, "", 0, {}), 0.0).undefined == len(late)
 
 
 def test_a_design_that_ends_at_a_bead_waits_for_what_is_wanted_at_the_wall():
@@ -208,7 +208,7 @@ def test_manufacture_is_off_to_both_sides_by_the_spread_at_most(tmp_path):
 
     def linear(designs):
         asked.extend(designs)
-        return [Record(values, {"wall_force": values["coupling.stiffness"]}, "", 0.0) for values in designs]
+        return [DesignRecord(values, {"wall_force": values["coupling.stiffness"]}, "", 0.0) for values in designs]
 
     found = sensitivity(design, linear, {"coupling.stiffness": 0.5})
     assert len(found.members) == 50
@@ -222,15 +222,15 @@ def test_manufacture_is_off_to_both_sides_by_the_spread_at_most(tmp_path):
 def failing(designs):
     """Every third design is no scene, every other third has no objective, and all are too light."""
     kinds = [("no scene", {}), ("", {"wall_force": None, "mass": 3.0}), ("", {"wall_force": 1.5, "mass": 3.0})]
-    return [Record(values, kinds[k % 3][1], kinds[k % 3][0], 0.0) for k, values in enumerate(designs)]
+    return [DesignRecord(values, kinds[k % 3][1], kinds[k % 3][0], 0.0) for k, values in enumerate(designs)]
 
 
 def test_members_of_the_ensemble_that_fail_or_do_not_keep_a_limit_are_counted_and_few_have_no_statistics(tmp_path):
     numbers = {"coupling.stiffness": {"from": 0.1, "to": 1}}
     design = file.load(written(tmp_path, vary=numbers, manufacture={"members": 30}))
     small = sensitivity(design, failing, {"coupling.stiffness": 1.0})
-    best = Record({"coupling.stiffness": 1.0}, {"wall_force": 1.0, "mass": 20.0}, "", 0.0)
-    found = Found(design, [best], [], None, small, 0.0)
+    best = DesignRecord({"coupling.stiffness": 1.0}, {"wall_force": 1.0, "mass": 20.0}, "", 0.0)
+    found = DesignResult(design, [best], [], None, small, 0.0)
     assert found.warnings == [
         "the best is at a bound of the search (coupling.stiffness: to 1); a better design may lie beyond it",
         "20 of 30 members of the tolerance ensemble do not keep the limit of mass",
@@ -239,7 +239,7 @@ def test_members_of_the_ensemble_that_fail_or_do_not_keep_a_limit_are_counted_an
     ]
     assert "wall_force of 10 of 30 members: 1.5, 1.5" in found.tolerance
     assert "mean" not in found.tolerance
-    assert "mean" in Found(design, [best], [], None, replace(small, asked=20), 0.0).tolerance
+    assert "mean" in DesignResult(design, [best], [], None, replace(small, asked=20), 0.0).tolerance
     assert found.plain()["manufacture"]["refused"] == found.plain()["manufacture"]["undefined"] == 10
 
 

@@ -19,14 +19,14 @@ from workflow.prepare.pilot import stride
 from workflow.runs import check as checking
 from workflow.runs.run import run
 from workflow.studies.extremes import study
-from workflow.studies.extremes.cells import BASE, Cell, changed, grid, scaled
-from workflow.studies.extremes.study import Error, classify, true_error
+from workflow.studies.extremes.cells import BASE, ReportRun, changed, grid, scaled
+from workflow.studies.extremes.study import LargestError, classify, true_error
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 SHORT = changed(BASE, beads=8, duration=5.0)
 
-REFUSED = Cell("gap", "1e9", changed(SHORT, gap=1e9))
+REFUSED = ReportRun("gap", "1e9", changed(SHORT, gap=1e9))
 
 
 def named(axis, value):
@@ -41,26 +41,26 @@ def named(axis, value):
 @pytest.mark.parametrize(
     ("kind", "told", "truth"),
     [
-        ("RIGHT", Error(1e-5, 1e-6), 1e-5),
-        ("RIGHT", Error(1e-3, 1e-3), 1e-5),  # says more than is true
-        ("RIGHT", Error(0.0, 0.0), 1e-9),
-        ("REPORTED", Error(0.1, 1e-3), 0.1),
-        ("REPORTED", Error(1e-4, 0.1), 0.1),  # says how uncertainty it is
-        ("REPORTED", Error(math.nan, 0.0), math.nan),
-        ("WRONG", Error(4.5e-4, 0.0), 6e-4),  # nearly as reported, and more than asked
-        ("WRONG", Error(1e-5, 1e-6), 1e-3),
-        ("WRONG", Error(1e-5, 1e-6), math.nan),
-        ("WRONG", Error(1e-2, 1e-6), 2e-2),  # large, but still half of what is true
-        ("WRONG", Error(1e-7, 1e-8), 1e-5),  # as right as asked, and not as right as said
+        ("RIGHT", LargestError(1e-5, 1e-6), 1e-5),
+        ("RIGHT", LargestError(1e-3, 1e-3), 1e-5),  # says more than is true
+        ("RIGHT", LargestError(0.0, 0.0), 1e-9),
+        ("REPORTED", LargestError(0.1, 1e-3), 0.1),
+        ("REPORTED", LargestError(1e-4, 0.1), 0.1),  # says how uncertainty it is
+        ("REPORTED", LargestError(math.nan, 0.0), math.nan),
+        ("WRONG", LargestError(4.5e-4, 0.0), 6e-4),  # nearly as reported, and more than asked
+        ("WRONG", LargestError(1e-5, 1e-6), 1e-3),
+        ("WRONG", LargestError(1e-5, 1e-6), math.nan),
+        ("WRONG", LargestError(1e-2, 1e-6), 2e-2),  # large, but still half of what is true
+        ("WRONG", LargestError(1e-7, 1e-8), 1e-5),  # as right as asked, and not as right as said
     ],
 )
 def test_a_run_that_ended_is_right_or_told_or_wrong(kind, told, truth):
-    assert classify(5e-4, told, Error(truth, 0.0))[0] == kind
+    assert classify(5e-4, told, LargestError(truth, 0.0))[0] == kind
 
 
 def test_an_error_within_the_uncertainty_of_the_reference_is_not_counted_against_a_run():
-    assert classify(5e-4, Error(1e-5, 1e-6), Error(1e-4, 1e-4))[0] == "RIGHT"
-    assert classify(5e-4, Error(1e-5, 1e-6), Error(1e-4, 1e-6))[0] == "WRONG"
+    assert classify(5e-4, LargestError(1e-5, 1e-6), LargestError(1e-4, 1e-4))[0] == "RIGHT"
+    assert classify(5e-4, LargestError(1e-5, 1e-6), LargestError(1e-4, 1e-6))[0] == "WRONG"
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_a_run_that_ends_by_an_error_is_refused_or_stopped_or_a_crash(error, kin
         raise error
 
     monkeypatch.setattr(study, "run", fail)
-    found = study.measure(Cell("x", "y", SHORT))
+    found = study.measure(ReportRun("x", "y", SHORT))
     assert found.kind == kind
     assert "no" in found.why
 
@@ -85,7 +85,7 @@ def test_a_failure_of_the_comparison_is_not_taken_for_a_refusal(monkeypatch):
         raise InputError("other beads")
 
     monkeypatch.setattr(study, "true_error", fail)
-    assert study.measure(Cell("x", "y", SHORT)).kind == "WRONG"
+    assert study.measure(ReportRun("x", "y", SHORT)).kind == "WRONG"
     assert asked == [pytest.approx(0.1)]
 
 
@@ -100,7 +100,7 @@ def wrong_kappa(tmp_path_factory):
 
 
 def test_a_deck_with_the_wrong_springs_is_silently_wrong(wrong_kappa):
-    assert classify(study.PROMISED, Error(1e-4, 1e-6), true_error(wrong_kappa, 1e-5))[0] == "WRONG"
+    assert classify(study.PROMISED, LargestError(1e-4, 1e-6), true_error(wrong_kappa, 1e-5))[0] == "WRONG"
 
 
 def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(monkeypatch):
@@ -111,7 +111,7 @@ def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(
         return replace(lines, coefficients=tuple(k.replace("kappa/2", "kappa*0.51") for k in lines.coefficients))
 
     monkeypatch.setattr(Linear, "across", wrong)
-    honest = study.measure(Cell("x", "y", BASE))
+    honest = study.measure(ReportRun("x", "y", BASE))
     assert honest.kind == "REPORTED"
     check = checking.check
 
@@ -119,7 +119,7 @@ def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(
         return replace(check(*arguments), velocity=1e-5)
 
     monkeypatch.setattr(checking, "check", lie)
-    assert study.measure(Cell("x", "y", BASE)).kind == "WRONG"
+    assert study.measure(ReportRun("x", "y", BASE)).kind == "WRONG"
 
 
 @pytest.fixture(scope="module")
@@ -131,13 +131,13 @@ def test_one_bit_more_than_one_rank_computes_is_found(good, tmp_path):
     other = wrong_runs.rewritten(
         good, tmp_path / "other", lambda own: (own.displacement, np.nextafter(own.velocity, 2))
     )
-    cell = Cell("ranks", "2", {}, ranks=2)
+    cell = ReportRun("ranks", "2", {}, ranks=2)
     assert "differs from one rank" in study._fault(cell, other, tmp_path)
     assert study._fault(cell, good, tmp_path / "again") is None
 
 
 def test_energy_that_grows_is_found(good, tmp_path):
-    cell = Cell("steps", "2000", {}, drift=True)
+    cell = ReportRun("steps", "2000", {}, drift=True)
     assert study._fault(cell, good, tmp_path) is None
     growing = wrong_runs.rewritten(
         good, tmp_path / "growing", lambda own: (own.displacement, own.velocity * (1 + 1e-6 * own.time[:, None, None]))
@@ -149,7 +149,9 @@ def test_a_run_that_is_not_the_scaled_copy_is_found(tmp_path):
     slow = scaled(SHORT, 1e-6)
     other = changed(slow, coupling={"stiffness": 1.0001 * slow["coupling"]["stiffness"]})
     directory = run(study.library.from_plain(other, "scene"), tmp_path / "run", check=False).directory
-    assert "differs from the scaled run" in study._fault(Cell("V", "1e-6", slow, scaling=True), directory, tmp_path)
+    assert "differs from the scaled run" in study._fault(
+        ReportRun("V", "1e-6", slow, scaling=True), directory, tmp_path
+    )
 
 
 # --- a small grid, for real -------------------------------------------------------------------------------------------
@@ -161,7 +163,7 @@ def test_a_run_that_is_not_the_scaled_copy_is_found(tmp_path):
     [
         *(("RIGHT", named("V", value)) for value in ("1e-12", "1e+12")),
         *(("RIGHT", named("kappa", value)) for value in ("0", "1e-08")),
-        ("RIGHT", Cell("kappa", "1e4", changed(SHORT, coupling={"stiffness": 1e4}, duration=0.1))),
+        ("RIGHT", ReportRun("kappa", "1e4", changed(SHORT, coupling={"stiffness": 1e4}, duration=0.1))),
         ("STOPPED", named("step / bound", "0.99")),
         ("REFUSED", named("step / bound", "1.01")),
         ("STOPPED", named("step / bound", "1.5 forced")),
@@ -170,7 +172,7 @@ def test_a_run_that_is_not_the_scaled_copy_is_found(tmp_path):
         ("REFUSED", named("gap", "1e+09")),
         ("RIGHT", named("corners", "V 1e-30")),
     ],
-    ids=lambda one: f"{one.axis} {one.value}" if isinstance(one, Cell) else one,
+    ids=lambda one: f"{one.axis} {one.value}" if isinstance(one, ReportRun) else one,
 )
 def test_a_cell_ends_as_it_should(kind, cell):
     found = study.measure(cell)
@@ -182,13 +184,13 @@ def test_a_cell_ends_as_it_should(kind, cell):
 @pytest.mark.slow
 @pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 def test_two_ranks_are_right():
-    assert study.measure(Cell("ranks", "2", SHORT, ranks=2)).kind == "RIGHT"
+    assert study.measure(ReportRun("ranks", "2", SHORT, ranks=2)).kind == "RIGHT"
 
 
 def test_stiff_springs_are_checked_in_every_phase_of_their_swing():
     # 0.4 T are nine swings to a percent, so frames 0.4 apart show no error
     stiff = changed(SHORT, coupling={"stiffness": 1e4}, timestep=2e-4, output={"every": 0.1}, duration=0.5)
-    found = study.measure(Cell("kappa", "1e4", stiff))
+    found = study.measure(ReportRun("kappa", "1e4", stiff))
     assert found.kind == "REPORTED"
     assert found.reported == pytest.approx(found.error, rel=0.01)
 
@@ -218,7 +220,7 @@ def test_the_last_frame_is_checked_or_the_one_before(frames, every, left):
 def test_an_automatic_window_takes_in_kicks_that_are_far_apart():
     kicks = [{"velocity": 1.0}, {"velocity": 0.7, "bead": 50}]
     far = changed(BASE, beads=150, kick=kicks, window="auto", duration=20.0, output={"every": 0.5})
-    assert study.measure(Cell("window", "two kicks", far)).kind == "RIGHT"
+    assert study.measure(ReportRun("window", "two kicks", far)).kind == "RIGHT"
 
 
 # --- the report -------------------------------------------------------------------------------------------------------
@@ -241,7 +243,7 @@ def test_parts_are_chosen_by_name():
 
 @pytest.mark.usefixtures("pool_here")
 def test_the_command_writes_a_table_goes_on_where_it_stopped_and_fails_for_a_wrong_cell(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(study, "grid", lambda *_: [Cell("beads", "8", SHORT), REFUSED])
+    monkeypatch.setattr(study, "grid", lambda *_: [ReportRun("beads", "8", SHORT), REFUSED])
     monkeypatch.setattr(study, "_program", lambda: "this one")
     command = ["extremes", "-o", str(tmp_path)]
     assert main(command) == 0

@@ -10,13 +10,13 @@ import pytest
 from lammps_inputs import InputError, strict_yaml
 from workflow.cli import main
 from workflow.studies.threshold import study
-from workflow.studies.threshold.bracket import Axis, crossings, wanted
+from workflow.studies.threshold.bracket import SearchedField, crossings, wanted
 from workflow.study_kit import directory as studying
 from workflow.study_kit import options, scene_quantities
 
 pytestmark = pytest.mark.usefixtures("pool_here")
 
-LINEAR = Axis(-1.0, 2.0, tolerance=1e-4)
+LINEAR = SearchedField(-1.0, 2.0, tolerance=1e-4)
 
 
 def searched(function, axis, level=0.0):
@@ -32,11 +32,11 @@ def searched(function, axis, level=0.0):
 @pytest.mark.parametrize(
     ("function", "axis", "level", "places"),
     [
-        (lambda x: x, Axis(0.1, 1.0), 0.3, [0.3]),
-        (lambda x: -math.log(x), Axis(1e-6, 1e3, log=True), 3.0, [math.exp(-3.0)]),
+        (lambda x: x, SearchedField(0.1, 1.0), 0.3, [0.3]),
+        (lambda x: -math.log(x), SearchedField(1e-6, 1e3, log=True), 3.0, [math.exp(-3.0)]),
         (lambda x: x * x, LINEAR, 0.5, [-math.sqrt(0.5), math.sqrt(0.5)]),
         (lambda x: float(x >= 0.7), LINEAR, 1.0, [0.7]),
-        (lambda x: x * x - 0.25, Axis(1, 100, whole=True), 1000.0, [31.5]),
+        (lambda x: x * x - 0.25, SearchedField(1, 100, whole=True), 1000.0, [31.5]),
     ],
 )
 def test_every_crossing_of_a_function_is_in_a_bracket_as_narrow_as_asked_for(function, axis, level, places):

@@ -18,8 +18,8 @@ from workflow.cli import main
 from workflow.errors import RunError
 from workflow.runs.status import status
 from workflow.study_kit.directory import Study
-from workflow.workers.evaluate import Results, case, evaluate, values
-from workflow.workers.pool import Answer, Pool
+from workflow.workers.evaluate import StoredResults, case, evaluate, values
+from workflow.workers.pool import Pool, TaskResult
 
 
 def declared():
@@ -42,21 +42,21 @@ def parsed(text, **options):
 
 def test_values_come_in_the_order_of_the_cases_and_those_in_the_cache_are_not_computed(tmp_path):
     path = tmp_path / "cases.jsonl"
-    with Results(path) as cache, Pool(1) as pool:
+    with StoredResults(path) as cache, Pool(1) as pool:
         assert values([parsed("1"), parsed("2", cost=9.0), parsed("1")], cache, pool=pool) == [1, 2, 1]
     lines = path.read_text().splitlines()
     assert [json.loads(line)["result"] for line in lines] == [2, 1]  # the largest first, and each once
     path.write_text(lines[0].replace('"result": 2', '"result": 5') + "\n" + lines[1][:-3])
-    with Results(path) as cache:
+    with StoredResults(path) as cache:
         assert values([parsed("2"), parsed("1")], cache) == [5, 1]
     assert len(path.read_text().splitlines()) == 2
 
 
 def test_a_case_that_fails_is_an_answer_and_is_not_cached():
-    cache, seen = Results(None), []
+    cache, seen = StoredResults(None), []
     good, bad = parsed("1"), parsed("{")
     found = evaluate([good, bad], cache, progress=lambda *counts: seen.append(counts))
-    assert found[good.key] == Answer(1)
+    assert found[good.key] == TaskResult(1)
     assert "JSONDecodeError" in found[bad.key].failed
     assert list(cache) == [good.key]
     assert (seen[0], seen[-1]) == ((0, 2, 0), (2, 2, 1))

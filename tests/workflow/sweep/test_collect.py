@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from refusals import refusal
 
 from analysis.dispersion import cell_of
-from analysis.figures.studies import MOST_LINES, Axis, Sought, logarithmic, map_figure, swept_figure
+from analysis.figures.studies import MOST_LINES, Sought, StudyAxis, logarithmic, map_figure, swept_figure
 from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.units import Label
 from workflow import api
@@ -250,14 +250,14 @@ def test_a_table_of_the_users_is_not_overwritten_and_one_of_ours_is(copied, caps
 def test_an_axis_is_logarithmic_where_its_values_are_spaced_by_a_factor(values, log):
     assert logarithmic(values) is log
     numbers = np.array(values, dtype=float)
-    figure = swept_figure(Axis(Label("y"), numbers), Axis(Label("x"), numbers))
+    figure = swept_figure(StudyAxis(Label("y"), numbers), StudyAxis(Label("x"), numbers))
     assert figure.axes[0].get_xscale() == ("log" if log else "linear")
 
 
 @pytest.mark.parametrize("ends", [(0.02, 0.5), (0.21, 0.99), (3.0, 290.0)])
 def test_labels_of_a_logarithmic_axis_do_not_overlap(ends):
     x = np.geomspace(*ends, 20)
-    figure = swept_figure(Axis(Label("y"), np.arange(20.0)), Axis(Label("x"), x))
+    figure = swept_figure(StudyAxis(Label("y"), np.arange(20.0)), StudyAxis(Label("x"), x))
     FigureCanvasAgg(figure).draw()
     axis = figure.axes[0]
     low, high = axis.get_xlim()
@@ -275,7 +275,7 @@ def legend(figure):
 @pytest.mark.parametrize("holes", [False, True])
 def test_the_axis_of_a_quantity_that_is_never_negative_has_no_number_below_0(holes):
     y = np.array([0.0, 40.0, np.nan if holes else 120.0, 120.0])
-    figure = swept_figure(Axis(Label("y"), y), Axis(Label("x"), np.arange(4.0)))
+    figure = swept_figure(StudyAxis(Label("y"), y), StudyAxis(Label("x"), np.arange(4.0)))
     axis = figure.axes[0]
     assert min(axis.get_yticks()) == 0.0
     assert (axis.get_ylim()[0] < 0.0) == holes  # for the tick of the case without a number
@@ -285,7 +285,7 @@ def test_the_axis_of_a_quantity_that_is_never_negative_has_no_number_below_0(hol
 def test_a_value_that_is_sought_and_the_places_where_it_is_are_marked_in_the_units_of_the_axes():
     x, y = np.array([1e3, 2e3, 4e3]), np.array([120.0, 90.0, 40.0])
     sought = Sought(100.0, np.array([1.5e3]), np.array([10.0]))
-    figure = swept_figure(Axis(Label("bead"), y), Axis(Label("stiffness", "k", "N/m"), x), sought=sought)
+    figure = swept_figure(StudyAxis(Label("bead"), y), StudyAxis(Label("stiffness", "k", "N/m"), x), sought=sought)
     axis = figure.axes[0]
     (level,) = [line for line in axis.get_lines() if line.get_label() == "value sought: 100"]
     assert set(level.get_ydata()) == {100.0}
@@ -299,7 +299,9 @@ def test_a_map_has_every_number_in_its_place_crosses_unsettled_ones_and_hatches_
     x, y = (part.ravel() for part in np.meshgrid([0.1, 0.2, 0.4], np.arange(1.0, MOST_LINES + 2)))
     keep = ~((x == 0.2) & (y == 3.0))
     figure = map_figure(
-        Axis(Label("z"), (x * y)[keep], None, (y == 3.0)[keep]), Axis(Label("x"), x[keep]), Axis(Label("y"), y[keep])
+        StudyAxis(Label("z"), (x * y)[keep], None, (y == 3.0)[keep]),
+        StudyAxis(Label("x"), x[keep]),
+        StudyAxis(Label("y"), y[keep]),
     )
     axis = figure.axes[0]
     mesh = axis.collections[0]
@@ -317,7 +319,7 @@ def test_a_map_has_every_number_in_its_place_crosses_unsettled_ones_and_hatches_
 def test_contours_of_a_map_lie_where_the_quantity_has_their_value(factor):
     x, y = (part.ravel() for part in np.meshgrid([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 2.0]))
     z = 1.0 + factor * (x + 2.0 * y)  # linear, as the interpolation between the centres of cells is
-    figure = map_figure(Axis(Label("z"), z), Axis(Label("x"), x), Axis(Label("y"), y))
+    figure = map_figure(StudyAxis(Label("z"), z), StudyAxis(Label("x"), x), StudyAxis(Label("y"), y))
     mesh, contours = figure.axes[0].collections
     assert (type(mesh.norm).__name__ == "LogNorm") == (z.max() / z.min() > 30.0)
     assert len(contours.levels) >= 3
@@ -328,7 +330,7 @@ def test_contours_of_a_map_lie_where_the_quantity_has_their_value(factor):
 @pytest.mark.parametrize("values", [[1.0, 1.0, 1.0, 1.0], [np.nan, 2.0, np.nan, np.nan]])
 def test_a_map_of_one_value_has_no_contours(values):
     x, y = np.array([1.0, 2.0, 1.0, 2.0]), np.array([1.0, 1.0, 2.0, 2.0])
-    figure = map_figure(Axis(Label("z"), np.array(values)), Axis(Label("x"), x), Axis(Label("y"), y))
+    figure = map_figure(StudyAxis(Label("z"), np.array(values)), StudyAxis(Label("x"), x), StudyAxis(Label("y"), y))
     figure.draw_without_rendering()
     assert len(figure.axes[0].collections) == 1
 
@@ -340,7 +342,7 @@ def test_a_field_of_more_values_than_lines_is_refused_with_the_limit_and_drawn_a
         for gap in (1.0, 2.0)
         for beads in range(10, 11 + MOST_LINES)
     ]
-    found = collecting.Table(["gap", "beads"], rows, False)
+    found = collecting.SweepTable(["gap", "beads"], rows, False)
     with pytest.raises(InputError, match=r"9 values; a figure has at most 8 lines; --over gap,beads draws a map"):
         collecting.drawn(found, "speed", "gap", "beads")
     mesh = collecting.drawn(found, "speed", "gap,beads").axes[0].collections[0]
@@ -349,7 +351,7 @@ def test_a_field_of_more_values_than_lines_is_refused_with_the_limit_and_drawn_a
 
 def test_uncertainties_are_bars_and_cases_that_are_not_settled_are_hollow():
     x, open_ = np.array([3.0, 1.0, 2.0]), np.array([False, True, False])  # cases come in the order of any field
-    figure = swept_figure(Axis(Label("y"), 2.0 * x, 0.1 * x, open_), Axis(Label("x"), x), title="scene")
+    figure = swept_figure(StudyAxis(Label("y"), 2.0 * x, 0.1 * x, open_), StudyAxis(Label("x"), x), title="scene")
     axis = figure.axes[0]
     assert (figure.get_suptitle(), legend(figure)) == ("scene", ["not settled"])
     (hollow,) = [line for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
@@ -364,7 +366,9 @@ def test_cases_without_a_number_are_ticks_at_the_foot_and_no_mark_is_cut(lines):
         np.array([0.05, 0.1, 0.2]),
         np.array([np.nan, 1.0, 2.0]),
     )  # so few are the ticks themselves
-    figure = swept_figure(Axis(Label("y"), y), Axis(Label("x"), x), Axis(Label("z"), np.ones(3)) if lines else None)
+    figure = swept_figure(
+        StudyAxis(Label("y"), y), StudyAxis(Label("x"), x), StudyAxis(Label("z"), np.ones(3)) if lines else None
+    )
     axis = figure.axes[0]
     assert legend(figure)[-1] == "no number"
     (foot,) = [line for line in axis.get_lines() if line.get_marker() == "|"]
@@ -464,7 +468,7 @@ def test_frequencies_that_do_not_pass_are_shaded_in_the_figure_over_frequency(sh
 def test_what_lies_between_bands_is_shaded():
     x = np.array([1.0, 5.0, 9.0])
     bands = np.array([[6.0, 7.0], [0.0, 3.0], [2.0, 4.0]])
-    axis = swept_figure(Axis(Label("y"), x), Axis(Label("x"), x), None, "", bands).axes[0]
+    axis = swept_figure(StudyAxis(Label("y"), x), StudyAxis(Label("x"), x), None, "", bands).axes[0]
     first, last = axis.get_xlim()
     shaded = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in axis.patches]
     np.testing.assert_allclose(shaded, [(4.0, 6.0), (7.0, last)])

@@ -4,7 +4,7 @@ import pytest
 
 from lammps_inputs import Scene
 from workflow.sweep import collect, fields
-from workflow.sweep.collect import QUANTITIES, Table
+from workflow.sweep.collect import QUANTITIES, SweepTable
 
 REPORT = {
     "front": 58,
@@ -79,13 +79,13 @@ def test_every_column_has_its_own_unit():
 def test_bands_are_drawn_where_all_cases_have_them(other, same):
     rows = [{"case": "a"}, {"case": "b"}]
     bands = {"a": [[0.0, 1.0], [1.5, 2.0]], "b": [[0.0, 1.0], [1.5, other]]}
-    table = Table(["drive.frequency"], rows, False, bands=bands)
+    table = SweepTable(["drive.frequency"], rows, False, bands=bands)
     assert (table.passed("drive.frequency") is not None) == same
     assert table.passed("gap") is None
 
 
 def test_columns_begin_with_case_fields_and_outcome_and_end_with_the_reason():
-    columns = Table(["gap", "beads"], [], False).columns
+    columns = SweepTable(["gap", "beads"], [], False).columns
     assert (columns[:4], columns[4:-1], columns[-1]) == (
         ["case", "gap", "beads", "outcome"],
         list(QUANTITIES),
@@ -105,7 +105,7 @@ def test_a_figure_is_of_cases_that_are_done_and_has_a_tick_for_each_other(tmp_pa
         {**blank, "case": str(gap), "gap": gap, "outcome": outcome, "speed": 10.0 * gap, "reason": None}
         for gap, outcome in ((1.0, "done"), (2.0, "failed"), (3.0, "done"), (4.0, "incomplete"))
     ]
-    collect.plot(Table(["gap"], rows, False), tmp_path, "speed", "gap", None)
+    collect.plot(SweepTable(["gap"], rows, False), tmp_path, "speed", "gap", None)
     line, foot = drawn[0].axes[0].get_lines()
     assert [place for place in line.get_xydata().tolist() if place[1] == place[1]] == [[1.0, 10.0], [3.0, 30.0]]
     assert foot.get_xdata().tolist() == [2.0, 4.0]

@@ -14,7 +14,7 @@ from workflow import api
 from workflow.cli import main
 from workflow.study_kit.scene_quantities import by_reference, mass_of
 from workflow.sweep import statistics as grouping
-from workflow.sweep.collect import QUANTITIES, Table
+from workflow.sweep.collect import QUANTITIES, SweepTable
 
 pytestmark = pytest.mark.usefixtures("pool_here")
 
@@ -31,7 +31,7 @@ def table(fields, cases):
         {**blank, "case": str(number), **dict(zip(fields, values, strict=True)), "outcome": outcome, "speed": speed}
         for number, (*values, outcome, speed) in enumerate(cases)
     ]
-    return Table(list(fields), rows, False)
+    return SweepTable(list(fields), rows, False)
 
 
 SEEDED = table(
@@ -110,7 +110,7 @@ def test_groups_that_cannot_be_drawn_are_refused_with_the_reason(fields, values,
 
 
 def test_a_quantity_at_a_bead_is_labelled_with_it():
-    found = Table([], [], True, at_beads=("peak_velocity@10",))
+    found = SweepTable([], [], True, at_beads=("peak_velocity@10",))
     assert found.columns[2] == "peak_velocity@10"
     assert found.heading("peak_velocity@10") == "peak_velocity@10 (m/s)"
     assert found.label("peak_velocity@10") == Label("peak velocity at bead 10", "v", "m/s")

@@ -7,7 +7,7 @@ import pytest
 from sweeps import SMALL, sweep_file
 
 from lammps_inputs import InputError, strict_yaml
-from workflow.sweep.file import LONGEST_NAME, MAX_CASES, Range, all_cases, case_name, from_plain, load, scene_of
+from workflow.sweep.file import LONGEST_NAME, MAX_CASES, SpacedValues, all_cases, case_name, from_plain, load, scene_of
 
 
 def cases(**options):
@@ -58,13 +58,13 @@ def test_one_kick_of_two_is_named_by_its_number():
     ],
 )
 def test_a_range_has_the_numbers_one_would_write(given, values):
-    found = Range.model_validate(given).values()
+    found = SpacedValues.model_validate(given).values()
     assert found == values
     assert [type(value) for value in found] == [type(value) for value in values]
 
 
 def test_a_logarithmic_range_has_equal_ratios():
-    found = Range.model_validate({"from": 0.1, "to": 10, "count": 6, "spacing": "log"}).values()
+    found = SpacedValues.model_validate({"from": 0.1, "to": 10, "count": 6, "spacing": "log"}).values()
     np.testing.assert_allclose(np.diff(np.log(found)), np.log(100.0) / 5, rtol=1e-13)
 
 

@@ -14,7 +14,7 @@ import pytest
 from refusals import refusal
 
 from analysis.shape.exact_wave import solitary_wave
-from analysis.sharing.verdict import State
+from analysis.sharing.verdict import EquipartitionState
 from lammps_inputs import Coupling, Kick, Output, Scene, file_names, find, library
 from lammps_inputs.units import make_scale
 from workflow.cli import main
@@ -209,7 +209,7 @@ def test_frames_so_far_apart_that_agreement_to_one_per_cent_cannot_be_told_get_n
         scene(output=Output(every=2.0, beads=tuple(range(2, 120)))), tmp_path / "coarse", check=False
     ).directory
     told = analyse(coarse, figures=False).survey.verdict
-    assert told.state is not State.EQUAL
+    assert told.state is not EquipartitionState.EQUAL
 
 
 ONE = {"name": "one", "beads": 40, "kick": {"velocity": 1}, "duration": 50, "output": {"every": 0.2}}
@@ -248,7 +248,7 @@ def gapped(tmp_path_factory):
 def test_gapped_chains_that_reproduce_finds_equal_are_found_equal_and_in_step(gapped):
     found = analyse(gapped, figures=False).survey
     assert found.arrival == "impulse"
-    assert found.verdict.state is State.EQUAL
+    assert found.verdict.state is EquipartitionState.EQUAL
     # `granchain reproduce` asks the impulses of the first contacts, which are not the peaks but level out with them
     impulses = hertz_impulses(problem_at(THETA_OF_EQ_5, 0.1, 120))
     assert abs(found.shared.agrees_from(0.01) - relative_mode(impulses, 10, 120).equal_from) <= 3

@@ -11,7 +11,7 @@ from small_problems import problem
 from analysis.quantity import plain
 from analysis.sharing.equipartition import Estimate
 from analysis.sharing.survey import survey
-from analysis.sharing.verdict import DecayFit, State, Verdict
+from analysis.sharing.verdict import DecayFit, EquipartitionState, Verdict
 from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.pulses import Pulse, Train
 from analysis.tracking.succession import Change
@@ -58,7 +58,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
             span=(6, 0.33, 0.35),
         ),
         decay=decay,
-        verdict=Verdict(State.BEATING, "they beat", expected=Estimate(62.0, 5.0)),
+        verdict=Verdict(EquipartitionState.BEATING, "they beat", expected=Estimate(62.0, 5.0)),
         energies=SimpleNamespace(
             wave=np.array([[0.5, 0.4], [0.5, 0.48]]), wave_error=np.array([[1e-3, 2e-3], [2e-3, 3e-3]])
         ),

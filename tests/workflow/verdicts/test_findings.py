@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from analysis.dispersion import Cell, Map
+from analysis.dispersion import Map, UnitCell
 from analysis.gauges.far_end import Transmitted
 from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges as places_of
-from analysis.gauges.spectra import Spectra
+from analysis.gauges.spectra import VelocitySpectra
 from analysis.loaded_pulse import LoadedWave
 from analysis.loaded_pulse import Sound as Measured
 from analysis.quantity import csv_of
@@ -48,7 +48,7 @@ def readings(problem, static):
 
 
 def finding_of(seen, problem):
-    return gauges.Forces(problem, seen.entries({}), seen)
+    return gauges.ForcesFinding(problem, seen.entries({}), seen)
 
 
 @pytest.mark.parametrize("static", [0.0, 5.0])
@@ -114,7 +114,7 @@ def test_each_gauge_and_chain_has_its_column_in_forces_csv(problem, static):
 def test_what_comes_through_is_in_the_scenes_units_and_energy_a_share(problem):
     found = Transmitted(wall_force=2.0, wall_force_chain=1.5, delay=30.0, transmitted_energy=0.25)
     force, time = problem.scale.force, problem.scale.time
-    assert gauges.FarEnd(problem, found).plain() == pytest.approx(
+    assert gauges.FarEndFinding(problem, found).plain() == pytest.approx(
         {"wall_force": 2.0 * force, "wall_force_chain": 1.5 * force, "delay": 30.0 * time, "transmitted_energy": 0.25}
     )
 
@@ -130,8 +130,10 @@ def spectra(request):
     lines = np.zeros((3, 2, 2))
     lines[1, 0], lines[2, 1] = [0.1, 0.2], [0.3, 0.4]  # [line, chain, bead]
     at_drive = np.array([[[0.5, 0.1], [0.8, 0.2]]])
-    seen = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([frequency * driven.scale.time]), at_drive)
-    return gauges.Spectra(driven, seen.found(driven), seen), driven.scale, frequency
+    seen = VelocitySpectra(
+        (1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([frequency * driven.scale.time]), at_drive
+    )
+    return gauges.SpectraFinding(driven, seen.found(driven), seen), driven.scale, frequency
 
 
 def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_driven(spectra):
@@ -148,7 +150,7 @@ def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_dr
 
 
 def finding(problem, bead_length, wave=None, crests=()):
-    return sound.Sound(problem, Measured.of(problem, wave, crests, bead_length), bead_length)
+    return sound.SoundFinding(problem, Measured.of(problem, wave, crests, bead_length), bead_length)
 
 
 @pytest.mark.parametrize("si", [False, True])
@@ -196,11 +198,11 @@ def test_where_nothing_repeats_the_cutoff_bounds_motion_on_springs_too():
 
 
 def test_bands_and_their_bin_are_in_the_scenes_units(problem):
-    cell = Cell(np.ones((1, 1)), np.full((1, 1), 2.25), np.zeros((1, 1, 1)))  # omega = 3 |sin(q / 2)|
+    cell = UnitCell(np.ones((1, 1)), np.full((1, 1), 2.25), np.zeros((1, 1, 1)))  # omega = 3 |sin(q / 2)|
     frequency = np.array([0.0, 0.25])
     folded, exact = np.array([0.1, 0.2]), np.zeros((2, 1))
     found = Map(1, folded, frequency, np.zeros((2, 2)), cell, folded, exact, np.array([[np.nan], [0.4]]))
-    told, unit = sound.Dispersion(problem, found.bands(), found).plain(), problem.scale.time
+    told, unit = sound.DispersionFinding(problem, found.bands(), found).plain(), problem.scale.time
     assert np.array(told["bands"]) == pytest.approx(np.array([[0.0, 3.0 / unit]]), abs=1e-6 / unit)
     assert np.array(told["measured"]) == pytest.approx(np.array([[0.4 / unit, 0.4 / unit]]))
     assert told["bin"] == pytest.approx(0.25 / unit)
@@ -313,6 +315,6 @@ def test_of_spectra_the_highest_line_and_what_is_passed_on_are_told(spectra, pri
 
 
 def test_a_finding_is_displayed_as_its_numbers_in_the_scenes_units(problem):
-    found = gauges.FarEnd(problem, Transmitted(2.0, 1.0, 3.0, 0.5))
+    found = gauges.FarEndFinding(problem, Transmitted(2.0, 1.0, 3.0, 0.5))
     assert repr(found) == f"<far_end of {problem.name}, in the scene's units: {found.plain()}>"
     assert f"'delay': {3.0 * problem.scale.time!r}" in repr(found)

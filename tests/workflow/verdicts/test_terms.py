@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from analysis.shape.exact_wave import solitary_wave
-from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star
+from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState, expected_n_star
 from analysis.tracking.undisturbed import APART
 from lammps_inputs import handbook, physics
 from lammps_inputs.window import LEAST_WINDOW
@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[3]
 
 
 def test_every_state_of_equipartition_has_a_criterion():
-    assert {state.value for state in State} <= terms.TERMS.keys()
+    assert {state.value for state in EquipartitionState} <= terms.TERMS.keys()
 
 
 def test_every_word_for_a_pulse_has_a_criterion():

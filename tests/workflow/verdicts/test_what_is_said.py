@@ -12,14 +12,19 @@ from typing import Any
 
 import pytest
 
-from analysis.sharing.verdict import State
+from analysis.sharing.verdict import EquipartitionState
 from lammps_inputs import shipped, strict_yaml
 from lammps_inputs.units import hertz_constant, make_scale, sphere_mass
 from workflow.cli import main
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-EQUAL, BEATING, SHORT, ALONE = State.EQUAL, State.BEATING, State.SHORT, State.ALONE
+EQUAL, BEATING, SHORT, ALONE = (
+    EquipartitionState.EQUAL,
+    EquipartitionState.BEATING,
+    EquipartitionState.SHORT,
+    EquipartitionState.ALONE,
+)
 
 STEEL = {"radius": 4.76e-3, "density": 8000, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
 
@@ -44,7 +49,7 @@ class Row:
     """
 
     name: str
-    state: State
+    state: EquipartitionState
     chains: int
     beads: int
     kappa: float

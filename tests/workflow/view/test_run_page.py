@@ -14,7 +14,7 @@ from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, Output
 from lammps_inputs.ingredients.foundation import Foundation
-from lammps_inputs.ingredients.unequal import Kind, radii
+from lammps_inputs.ingredients.unequal import BeadKind, radii
 from lammps_inputs.laws.in_time import HalfSine
 from lammps_inputs.loads import Load
 from workflow.view import moving, plots, run_page
@@ -330,7 +330,7 @@ def test_forces_of_gauges_and_pushes_are_drawn_over_time_in_the_units_of_the_pag
 
 
 def test_beads_are_drawn_at_their_sizes():
-    kinds = {"a": Kind(radius=1.0), "b": Kind(radius=0.5)}
+    kinds = {"a": BeadKind(radius=1.0), "b": BeadKind(radius=0.5)}
     what = scene(chains=1, beads=6, kick=(Kick(velocity=0.5),), duration=2.0, kinds=kinds, pattern=("a", "b"))
     part = thinned(what.problem(), [made(what.problem())], [0])
     root = run_page.layout(what.problem(), part, None, [1], radius=radii(what))

@@ -7,7 +7,7 @@ from bokeh.document import Document
 from bokeh.models import ColorBar, DataTable
 
 from lammps_inputs.units import Label
-from workflow.sweep.collect import QUANTITIES, Table
+from workflow.sweep.collect import QUANTITIES, SweepTable
 from workflow.view.sweep_page import layout
 
 FIELDS = ["coupling.stiffness", "kick.velocity"]
@@ -20,7 +20,7 @@ def row(stiffness, velocity, **found):
 
 
 def shown(rows, files=()):
-    table = Table(FIELDS, rows, si=True, labels={"kick.velocity": Label("kick velocity", "", "m/s")})
+    table = SweepTable(FIELDS, rows, si=True, labels={"kick.velocity": Label("kick velocity", "", "m/s")})
     made, _ = layout(table, {one["case"]: list(files) for one in rows}, "swept")
     document = Document()
     document.add_root(made)

@@ -83,7 +83,7 @@ class Rows(NamedTuple):
     """[row]"""
 
 
-class State(NamedTuple):
+class CollisionState(NamedTuple):
     """Everything that the loop changes."""
 
     rows: Rows
@@ -99,7 +99,7 @@ class State(NamedTuple):
     """work [a and b, mode]"""
 
 
-class Events(NamedTuple):
+class EventArrays(NamedTuple):
     """Arrays for consecutive collisions."""
 
     time: Floats
@@ -111,11 +111,11 @@ class Events(NamedTuple):
     """velocity of the bead of the next row before the collision, and of this one after it"""
 
 
-def make_state(rows: Rows, modes: Modes) -> State:
+def make_state(rows: Rows, modes: Modes) -> CollisionState:
     """A state in which nothing has been predicted yet."""
     pairs, chains = len(rows.x) - 1, rows.x.shape[1]
     oscillating = len(modes.omega)
-    return State(
+    return CollisionState(
         rows,
         make_heap(pairs),
         np.full(pairs, -1),
@@ -147,7 +147,7 @@ def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> Non
 
 
 @ieee_inner
-def predict(state: State, pair: int, now: float, modes: Modes, gap: float, end: float) -> None:
+def predict(state: CollisionState, pair: int, now: float, modes: Modes, gap: float, end: float) -> None:
     """Put a pair's next contact into the queue."""
     near, relative, waves = state.near, state.relative, state.waves
     omega, shape, weight = modes.omega, modes.shape, modes.weight
@@ -188,14 +188,14 @@ def predict(state: State, pair: int, now: float, modes: Modes, gap: float, end: 
 
 
 @ieee
-def predict_all(state: State, modes: Modes, gap: float, end: float) -> None:
+def predict_all(state: CollisionState, modes: Modes, gap: float, end: float) -> None:
     """Predict every pair from time 0."""
     for pair in range(len(state.chain)):
         predict(state, pair, 0.0, modes, gap, end)
 
 
 @ieee
-def collide(state: State, modes: Modes, gap: float, end: float, events: Events) -> int:
+def collide(state: CollisionState, modes: Modes, gap: float, end: float, events: EventArrays) -> int:
     """Run until the arrays of events are full or nothing meets before the end; the number of events recorded."""
     rows, queue, near = state.rows, state.queue, state.near
     count = 0
@@ -281,7 +281,7 @@ def run(problem: Problem, *, max_events: int | None = None) -> CollisionRun:
     count = 0
     while True:
         room = ROOM if max_events is None else min(ROOM, max_events - count)
-        events = Events(*(np.empty(room, kind) for kind in (float, np.int64, np.int64, float, float)))
+        events = EventArrays(*(np.empty(room, kind) for kind in (float, np.int64, np.int64, float, float)))
         found = collide(state, modes, gap, end, events)
         parts.append([column[:found] for column in events])
         count += found

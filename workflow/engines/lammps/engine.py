@@ -30,7 +30,7 @@ _HUNG_SECONDS = 60.0
 
 
 @dataclass(frozen=True)
-class Outcome:
+class LammpsOutcome:
     """How LAMMPS ended.
 
     Attributes:
@@ -71,7 +71,7 @@ def run(
     part: int = 1,
     restart_every: float = RESTART_EVERY,
     lock: int | None = None,
-) -> Outcome:
+) -> LammpsOutcome:
     """Run the deck that stands in a directory to its end.
 
     Ctrl-C ends it at the next segment, with every frame until then on disk, and a restart.
@@ -111,11 +111,11 @@ def run(
         errors.seek(0)
         said = complaint(errors)
     if last.get("end") == "done":
-        return Outcome("done", last["step"], last["seconds"], last["lammps"])
+        return LammpsOutcome("done", last["step"], last["seconds"], last["lammps"])
     if last.get("end") == "failed" and last.get("disk"):
         raise EndedError(last["reason"])
     if stopped or last.get("end") == "stopped":
-        return Outcome("stopped", int(last.get("step", 0)), last.get("seconds", 0.0), last.get("lammps", 0))
+        return LammpsOutcome("stopped", int(last.get("step", 0)), last.get("seconds", 0.0), last.get("lammps", 0))
     if last.get("end") == "failed":
         raise RunError(last["reason"])
     raise EndedError(f"LAMMPS {how_it_ended(process.returncode)} after step {last.get('step', 0)}. {said}")

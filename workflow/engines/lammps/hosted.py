@@ -9,7 +9,7 @@ from pathlib import Path
 
 from lammps_inputs import Problem
 from workflow.engines.lammps import worker
-from workflow.engines.lammps.engine import RESTART_EVERY, Outcome, Progress
+from workflow.engines.lammps.engine import RESTART_EVERY, LammpsOutcome, Progress
 from workflow.errors import RunError
 
 
@@ -26,7 +26,7 @@ def run(
     part: int = 1,
     restart_every: float = RESTART_EVERY,
     lock: int | None = None,  # noqa: ARG001  this process holds it itself
-) -> Outcome:
+) -> LammpsOutcome:
     """As `engine.run` on one rank; ends early, with a restart, when this process's standard input closes.
 
     Changes the working directory, since LAMMPS opens its files there.
@@ -50,4 +50,4 @@ def run(
     instance.close()
     if end["end"] == "failed":
         raise RunError(end["reason"])
-    return Outcome(end["end"], end["step"], end["seconds"], end["lammps"])
+    return LammpsOutcome(end["end"], end["step"], end["seconds"], end["lammps"])

@@ -12,7 +12,7 @@ from analysis.trajectory import EXCHANGES, Floats, Trajectory, joined
 from lammps_inputs import Problem, physics
 from lammps_inputs.laws import dashpot
 from workflow.engines.reference import engine
-from workflow.engines.reference.kernel import Frames
+from workflow.engines.reference.kernel import FrameArrays
 from workflow.engines.reference.schemes import BLANES_MOAN
 
 
@@ -79,7 +79,7 @@ class _Follower:
                 memory = None if block.memory is None else block.memory[frame - 1]
                 state.restart(x[frame - 1], w[frame - 1], moving.start + 1, min(moving.stop, problem.beads), memory)
                 number = round(float(block.time[frame - 1]) / problem.every) * self._steps
-                frames = Frames(end_x, end_v, found[frame : frame + 1], end_memory)
+                frames = FrameArrays(end_x, end_v, found[frame : frame + 1], end_memory)
                 state.advance(BLANES_MOAN, problem.every / self._steps, number, self._steps, pushed, frames)
                 self._more += self._on_the_way(block, frame, block.velocity[frame][:, pushed - 1] - end_v[0], pushed)
                 found[frame, -1] += self._more

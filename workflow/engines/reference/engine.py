@@ -17,7 +17,7 @@ from lammps_inputs.limits import rates
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines.reference import kernel
-from workflow.engines.reference.kernel import Frames, Passing, Steps
+from workflow.engines.reference.kernel import FrameArrays, Passing, Steps
 from workflow.engines.reference.schemes import BLANES_MOAN, VERLET, Scheme
 from workflow.engines.reference.terms import make_memory, make_terms
 
@@ -110,7 +110,7 @@ def blocks(
         shape = (len(frame), lines, len(recorded))
         exchange = np.zeros((len(frame), len(EXCHANGES)))
         memory = np.empty((len(frame), *past.shape[1:]))
-        frames = Frames(np.empty(shape), np.empty(shape), exchange, memory)
+        frames = FrameArrays(np.empty(shape), np.empty(shape), exchange, memory)
         time = np.asarray(frame * problem.every, dtype=np.float64)
         state.advance(scheme, step, (first - 1) * steps, steps, recorded, frames)
         exchange[:, -1] += brought_up(problem, time)
@@ -133,7 +133,7 @@ _ADVANCE = 16.0
 """Rows that the front may advance by in a block of frames where a window follows the pulse."""
 
 
-def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int64]:
+def _recorded(problem: Problem, state: "IntegratorState", ahead: float) -> NDArray[np.int64]:
     """Beads to record in the next frames, which end a time ahead."""
     if problem.window is None:
         return problem.recorded_beads
@@ -146,7 +146,7 @@ def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int6
 
 
 @dataclass(frozen=True)
-class State:
+class IntegratorState:
     """A problem at an instant, and what advances it; row i is bead i of every chain, rows 0 and beads + 1 stay at rest.
 
     Attributes:
@@ -162,7 +162,7 @@ class State:
     span: NDArray[np.int64]
     program: Any
     parameters: tuple[Any, ...]
-    compiled: kernel.State
+    compiled: kernel.KernelState
 
     @property
     def memory(self) -> Floats:
@@ -181,7 +181,7 @@ class State:
         self.compiled.push[:] = 0.0
 
     def advance(
-        self, scheme: Scheme, h: float, first_step: int, steps: int, recorded: NDArray[np.int64], frames: Frames
+        self, scheme: Scheme, h: float, first_step: int, steps: int, recorded: NDArray[np.int64], frames: FrameArrays
     ) -> None:
         """Fill frames of the recorded beads, so many steps each, after ``first_step`` earlier ones."""
         stepping = make_steps(scheme, h)
@@ -193,7 +193,7 @@ def make_steps(scheme: Scheme, h: float) -> Steps:
     return Steps(np.array(scheme.kicks), np.array(scheme.drifts), h)
 
 
-def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False, step: float = 0.0) -> State:
+def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False, step: float = 0.0) -> IntegratorState:
     """The start of a problem.
 
     Args:
@@ -216,7 +216,7 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
     span = np.array([first, last, problem.beads if window is None else window, 1])
     terms, parameters = make_terms(system, as_lammps=as_lammps, step=step)
     state = kernel.make_state(x, v, span, terms, make_memory(system))
-    return State(x, v, span, kernel.make_program(terms), parameters, state)
+    return IntegratorState(x, v, span, kernel.make_program(terms), parameters, state)
 
 
 # --- the leading pulse without frames, for chains too long to record --------------------------------------------------

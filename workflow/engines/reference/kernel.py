@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-class State(NamedTuple):
+class KernelState(NamedTuple):
     """What the compiled step advances in place."""
 
     x: Floats
@@ -70,7 +70,7 @@ class Steps(NamedTuple):
     h: float
 
 
-class Frames(NamedTuple):
+class FrameArrays(NamedTuple):
     """Frames to fill: [frame, chain, bead], and [frame, entry] (`analysis.trajectory.Trajectory`)."""
 
     x: Floats
@@ -90,11 +90,11 @@ class Passing(NamedTuple):
     v_before: Floats
 
 
-def make_state(x: Floats, v: Floats, span: Integers, terms: Terms, memory: Floats) -> State:
+def make_state(x: Floats, v: Floats, span: Integers, terms: Terms, memory: Floats) -> KernelState:
     """A state with displacements and velocities [bead + 2, chain], which are advanced in place.
 
     Args:
-        x, v, span: see `State`.
+        x, v, span: see `KernelState`.
         terms: of the system.
         memory: at the start, likewise.
     """
@@ -103,7 +103,7 @@ def make_state(x: Floats, v: Floats, span: Integers, terms: Terms, memory: Float
     push, lost, work = np.zeros(x.size), np.zeros((4, x.size)), np.zeros(1)
     past = memory.reshape(-1) if terms.with_memory else np.zeros(0)
     memories = past, np.zeros_like(past), np.zeros_like(past)
-    return State(x.reshape(-1), v.reshape(-1), push, span, x.shape[1], room, lost, work, memories)
+    return KernelState(x.reshape(-1), v.reshape(-1), push, span, x.shape[1], room, lost, work, memories)
 
 
 _ROOM = {

@@ -31,7 +31,7 @@ from lammps_inputs import InputError, schema, strict_yaml
 from workflow.study_kit.scene_quantities import KNOWN, heading, refuse_unknown
 from workflow.sweep import fields
 from workflow.sweep.collect import AT_BEAD
-from workflow.sweep.file import Part, number, scene_in, scene_of_file, validated
+from workflow.sweep.file import SweepPart, number, scene_in, scene_of_file, validated
 
 # --- variables --------------------------------------------------------------------------------------------------------
 
@@ -130,7 +130,7 @@ def values_of(variables: Sequence[Variable], vector: Sequence[float]) -> dict[st
 MOST_PLACES = 64
 
 
-class Search(Part):
+class Search(SweepPart):
     """How to search."""
 
     evaluations: Annotated[int, Field(ge=20, le=10_000_000)] = 2000
@@ -140,14 +140,14 @@ class Search(Part):
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
 
 
-class Manufacture(Part):
+class Manufacture(SweepPart):
     """What small errors do to the best."""
 
     spread: Annotated[float, Field(gt=0, le=0.5)] = 0.01
     members: Annotated[int, Field(ge=2, le=10_000)] = 32
 
 
-class Limit(Part):
+class Limit(SweepPart):
     """Bounds of a quantity."""
 
     low: Annotated[Any, Field(alias="from")] = None
@@ -173,7 +173,7 @@ class Limit(Part):
         return float(max(below, above))
 
 
-class File(Part):
+class File(SweepPart):
     """The keys of a design file."""
 
     scene: Any
@@ -191,7 +191,7 @@ class File(Part):
 Places = Annotated[int, Field(ge=1, le=MOST_PLACES)]
 
 
-class _Bounds(Part):
+class _Bounds(SweepPart):
     """A number, or a list of so many."""
 
     low: Annotated[Any, PlainValidator(number), Field(alias="from", json_schema_extra={"type": "number"})]
@@ -208,7 +208,7 @@ class _Bounds(Part):
         return self
 
 
-class _Choices(Part):
+class _Choices(SweepPart):
     """A list of so many choices."""
 
     of: list[Any]

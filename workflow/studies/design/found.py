@@ -11,7 +11,7 @@ from lammps_inputs import html
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import cell
 from workflow.studies.design.file import Design, Variable
-from workflow.studies.design.search import Compute, Record, worth
+from workflow.studies.design.search import Compute, DesignRecord, worth
 
 SET_AGAINST = "set against"
 """What the scene `beside` is called."""
@@ -115,7 +115,7 @@ class Verified:
 
 
 @dataclass(frozen=True)
-class Found:
+class DesignResult:
     """Result of a search.
 
     Attributes:
@@ -128,7 +128,7 @@ class Found:
     """
 
     design: Design
-    records: list[Record]
+    records: list[DesignRecord]
     verified: list[Verified]
     beside: Verified | None
     sensitivity: Sensitivity
@@ -158,7 +158,7 @@ class Found:
         return ["", *columns], rows
 
     @property
-    def best(self) -> Record:
+    def best(self) -> DesignRecord:
         """By the reference."""
         return min(self.records, key=lambda record: worth(self.design, record))
 

@@ -13,13 +13,13 @@ from analysis.trajectory import Floats, direction_of, watch
 from lammps_inputs import references
 from lammps_inputs.units import Label
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.design.found import SET_AGAINST, Found
+from workflow.studies.design.found import SET_AGAINST, DesignResult
 from workflow.studies.design.search import RULED_OUT, worth
-from workflow.study_kit.page import Picture, document, drawn, shown, table
+from workflow.study_kit.page import PageFigure, document, drawn, shown, table
 from workflow.study_kit.scene_quantities import label
 
 
-def page(found: Found) -> str:
+def page(found: DesignResult) -> str:
     """The report in HTML, pictures and all."""
     design, best = found.design, found.verified[0]
     wanted = ("least" if design.sign > 0.0 else "largest") + f" {design.objective}"
@@ -41,11 +41,11 @@ def page(found: Found) -> str:
     return document(f"{scene}: {wanted}", summary, body, cited)
 
 
-def _shown(pictures: list[Picture]) -> str:
+def _shown(pictures: list[PageFigure]) -> str:
     return "".join(shown(picture) for picture in pictures)
 
 
-def _search_words(found: Found) -> str:
+def _search_words(found: DesignResult) -> str:
     values = _values(found)
     how = (
         "These are all designs there are."
@@ -58,7 +58,7 @@ def _search_words(found: Found) -> str:
     )
 
 
-def _values(found: Found, name: str | None = None) -> Floats:
+def _values(found: DesignResult, name: str | None = None) -> Floats:
     """A quantity of every design, by default the objective; NaN where limits are broken."""
     design = found.design
     chosen = name or design.objective
@@ -70,16 +70,16 @@ def _values(found: Found, name: str | None = None) -> Floats:
     )
 
 
-def _objective(found: Found) -> Objective:
+def _objective(found: DesignResult) -> Objective:
     beside = None if found.beside is None else found.beside.reference[found.design.objective]
     return Objective(_label(found, found.design.objective), found.design.sign, beside)
 
 
-def _label(found: Found, name: str) -> Label:
+def _label(found: DesignResult, name: str) -> Label:
     return label(name, found.design.scene)
 
 
-def _of_search(found: Found) -> list[Picture]:
+def _of_search(found: DesignResult) -> list[PageFigure]:
     what, values = _objective(found), _values(found)
     pictures = [drawn("history", history_figure(what, values), "Every design, as the search came to it.")]
     if found.design.asked.also:
@@ -89,7 +89,7 @@ def _of_search(found: Found) -> list[Picture]:
     return pictures
 
 
-def _of_best(found: Found) -> list[Picture]:
+def _of_best(found: DesignResult) -> list[PageFigure]:
     best = found.verified[0].directory
     spacetime = spacetime_figure(watch(SpaceTime(best.problem), best.blocks()))
     pictures = [drawn("spacetime", spacetime, "The best in space and time, by LAMMPS.")]
@@ -120,7 +120,7 @@ def _wall(directory: RunDirectory) -> tuple[Floats, Floats] | None:
     return np.concatenate(times), np.concatenate(forces)
 
 
-def _made(found: Found) -> str:
+def _made(found: DesignResult) -> str:
     small = found.sensitivity
     best = found.best.quantities[found.design.objective] or 0.0
     words = (

@@ -24,7 +24,7 @@ from workflow.workers.evaluate import key_of
 
 
 @dataclass(frozen=True)
-class Record:
+class DesignRecord:
     """One design.
 
     Attributes:
@@ -41,7 +41,7 @@ class Record:
     seconds: float
 
 
-Compute = Callable[[Sequence[dict[str, Any]]], list[Record]]
+Compute = Callable[[Sequence[dict[str, Any]]], list[DesignRecord]]
 """Designs, each field -> value -> their records, in their order."""
 
 
@@ -52,7 +52,7 @@ def computed(
     *,
     limited: bool = True,
     **shown: Any,
-) -> list[Record]:
+) -> list[DesignRecord]:
     """Records of designs, each computed once.
 
     Args:
@@ -71,7 +71,7 @@ def computed(
     cases = [scene_quantities.case(scene, design.names, design.source, masses) for scene in scenes]
     found = evaluated(cases, **shown)
     return [
-        Record(values, one.get("quantities", {}), one.get("refused", ""), one["seconds"])
+        DesignRecord(values, one.get("quantities", {}), one.get("refused", ""), one["seconds"])
         for values, one in zip(designs, found, strict=True)
     ]
 
@@ -81,7 +81,7 @@ RULED_OUT = 1e30
 Comput. Methods Appl. Mech. Eng. 186, 2000)."""
 
 
-def worth(design: Design, record: Record) -> float:
+def worth(design: Design, record: DesignRecord) -> float:
     """The smaller the better; infinite of what is no scene."""
     if record.refused:
         return math.inf
@@ -102,9 +102,9 @@ STRIDES = (0.1, 0.03, 0.01, 0.003)
 """Of a number, in its range, one after the other."""
 
 
-def search(design: Design, compute: Compute) -> list[Record]:
+def search(design: Design, compute: Compute) -> list[DesignRecord]:
     """Records of all designs that were asked for, in that order; each once."""
-    asked: dict[str, Record] = {}
+    asked: dict[str, DesignRecord] = {}
 
     def ask(vectors: Sequence[Floats]) -> list[float]:
         records = compute([values_of(design.variables, vector.tolist()) for vector in vectors])

@@ -24,11 +24,11 @@ from typing import Any
 from lammps_inputs import InputError, library, strict_yaml
 from workflow.cluster import add_job_arguments, job_options
 from workflow.runs.files import as_json
-from workflow.screen import Answer, one_line, print_table
+from workflow.screen import CommandResult, one_line, print_table
 from workflow.studies.design import file
 from workflow.studies.design.file import Design
-from workflow.studies.design.found import Found, Verified, sensitivity
-from workflow.studies.design.search import RULED_OUT, Compute, Record, computed, search, worth
+from workflow.studies.design.found import DesignResult, Verified, sensitivity
+from workflow.studies.design.search import RULED_OUT, Compute, DesignRecord, computed, search, worth
 from workflow.study_kit.directory import Study, csv_text, kept_run
 from workflow.study_kit.options import add_jobs, add_output, as_job, interrupted
 from workflow.study_kit.scene_quantities import by_reference, of_frames, scene_to_run
@@ -38,7 +38,7 @@ REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "
 STUDY = Study("design", f"{PAGE} is the report", tables=(REPORT, TABLE, BEST, PAGE), cache="evaluations.jsonl")
 
 
-def carry_out(design: Design, directory: Path, jobs: int | None = None) -> Found:
+def carry_out(design: Design, directory: Path, jobs: int | None = None) -> DesignResult:
     """Search, verify and write; what a directory holds of an earlier start is made use of.
 
     Args:
@@ -69,9 +69,9 @@ def carry_out(design: Design, directory: Path, jobs: int | None = None) -> Found
         beside = None
         if design.beside is not None:
             known = by_reference(design.beside, design.names, f"{design.source}: beside")
-            beside = _in_lammps(design, design.beside, directory / BESIDE, Record({}, known, "", 0.0))
+            beside = _in_lammps(design, design.beside, directory / BESIDE, DesignRecord({}, known, "", 0.0))
         timed = [record.seconds for record in records if design.objective in record.quantities]
-        found = Found(design, records, verified, beside, small, sum(timed) / len(timed))
+        found = DesignResult(design, records, verified, beside, small, sum(timed) / len(timed))
         study.write(directory, {REPORT: as_json(found.plain()) + "\n"})
         from workflow.studies.design.report import page  # matplotlib takes half a second to import
 
@@ -79,12 +79,12 @@ def carry_out(design: Design, directory: Path, jobs: int | None = None) -> Found
     return found
 
 
-def _shown(design: Design, compute: Callable[..., list[Record]]) -> Compute:
+def _shown(design: Design, compute: Callable[..., list[DesignRecord]]) -> Compute:
     """The same computation, with the number of designs there may be and the best so far in its bar."""
     best = math.inf
     total = design.count if design.exhaustive and design.count else design.asked.search.evaluations
 
-    def shown(designs: Sequence[dict[str, Any]]) -> list[Record]:
+    def shown(designs: Sequence[dict[str, Any]]) -> list[DesignRecord]:
         nonlocal best
         words = "" if best >= RULED_OUT else f"{design.objective} {design.sign * best:.4g}"
         records = compute(designs, of=total, words=words)
@@ -94,14 +94,14 @@ def _shown(design: Design, compute: Callable[..., list[Record]]) -> Compute:
     return shown
 
 
-def _why_nothing(design: Design, records: list[Record]) -> str:
+def _why_nothing(design: Design, records: list[DesignRecord]) -> str:
     refused = [record.refused for record in records if record.refused]
     if len(refused) == len(records):
         return f"{design.source}: none of {len(records)} designs is a scene; the first: {refused[0]}"
     return f"{design.source}: where: none of {len(records)} designs keeps the limits and has a {design.objective}"
 
 
-def _in_lammps(design: Design, plain: dict[str, Any], path: Path, record: Record) -> Verified:
+def _in_lammps(design: Design, plain: dict[str, Any], path: Path, record: DesignRecord) -> Verified:
     """A scene run in LAMMPS, or taken from an earlier start, beside its record by the reference."""
     scene = scene_to_run(plain, design.names, design.source)
     directory = kept_run(scene, "lammps", path)
@@ -111,7 +111,7 @@ def _in_lammps(design: Design, plain: dict[str, Any], path: Path, record: Record
     return Verified(directory, record.values, record.quantities, lammps, error)
 
 
-def _table(design: Design, records: list[Record]) -> str:
+def _table(design: Design, records: list[DesignRecord]) -> str:
     """All designs as CSV, the best first."""
     rows = [
         {
@@ -146,7 +146,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_job_arguments(parser)
 
 
-def execute(arguments: argparse.Namespace) -> Answer:
+def execute(arguments: argparse.Namespace) -> CommandResult:
     """Search, verify, print the best; exit code 130 when interrupted, with all that was computed kept."""
     options = job_options(arguments)
     what = file.load(arguments.design)
@@ -159,10 +159,10 @@ def execute(arguments: argparse.Namespace) -> Answer:
     except KeyboardInterrupt:
         return interrupted()
     _print(found, arguments)
-    return Answer(0, found.plain())
+    return CommandResult(0, found.plain())
 
 
-def _print(found: Found, arguments: argparse.Namespace) -> None:
+def _print(found: DesignResult, arguments: argparse.Namespace) -> None:
     design = found.design
     how = "all there are" if design.exhaustive else "by evolution"
     print_table(f"{one_line(arguments.design)}: {len(found.records)} designs, {how}", *found.table())

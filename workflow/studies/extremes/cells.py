@@ -13,7 +13,7 @@ Plain = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Cell:
+class ReportRun:
     """One run of the report.
 
     Attributes:
@@ -67,7 +67,7 @@ def scaled(scene: Plain, factor: float) -> Plain:
     return {**scene, **changes}
 
 
-def grid(parts: Sequence[str] = ()) -> list[Cell]:
+def grid(parts: Sequence[str] = ()) -> list[ReportRun]:
     """Cells of these parts, or of all, axis by axis."""
     return [
         _cell(axis, WORDS.get(value, value), entry)
@@ -79,7 +79,7 @@ def grid(parts: Sequence[str] = ()) -> list[Cell]:
     ]
 
 
-def _cell(axis: str, value: Any, entry: Plain) -> Cell:
+def _cell(axis: str, value: Any, entry: Plain) -> ReportRun:
     """The cell of an entry of ``cells.yaml`` at a value."""
     own = _filled({key: one for key, one in entry.items() if key not in ("value", "values")}, {**WORDS, "VALUE": value})
     flags = {key: own.pop(key) for key in ("ranks", "scaling", "drift", "force") if key in own}
@@ -87,7 +87,7 @@ def _cell(axis: str, value: Any, entry: Plain) -> Cell:
     if "of_bound" in own:
         step = own.pop("of_bound") * stability_bound(library.from_plain(BASE, "base").system)
         own |= {"timestep": step, "output": {"every": step * max(1, round(0.1 / step))}}
-    return Cell(axis, value if isinstance(value, str) else f"{value:g}", changed(scene, **own), **flags)
+    return ReportRun(axis, value if isinstance(value, str) else f"{value:g}", changed(scene, **own), **flags)
 
 
 def _filled(template: Any, words: Plain) -> Any:

@@ -29,7 +29,7 @@ from workflow.errors import RunError
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import one_line
-from workflow.studies.extremes.cells import PARTS, Cell, grid, scaled
+from workflow.studies.extremes.cells import PARTS, ReportRun, grid, scaled
 from workflow.study_kit.directory import Study, print_records, to_csv
 from workflow.study_kit.options import add_parts, refuse_unknown_parts
 from workflow.verdicts.validate import TOLERANCES
@@ -49,14 +49,14 @@ _STAGE = 20e-9
 _HALVINGS = 4
 
 
-class Error(NamedTuple):
+class LargestError(NamedTuple):
     """The largest error of any velocity, and its uncertainty, in units of V."""
 
     value: float
     uncertainty: float
 
 
-def true_error(directory: RunDirectory, tolerance: float) -> Error:
+def true_error(directory: RunDirectory, tolerance: float) -> LargestError:
     """The largest error of a run that came to its end.
 
     Args:
@@ -72,7 +72,7 @@ def true_error(directory: RunDirectory, tolerance: float) -> Error:
         steps *= 2
         if halving.uncertainty.velocity <= tolerance or _seconds(problem, steps) > LONGEST:
             break
-    return Error(error, halving.uncertainty.velocity)
+    return LargestError(error, halving.uncertainty.velocity)
 
 
 def _seconds(problem: Problem, steps_per_frame: int) -> float:
@@ -105,7 +105,7 @@ LEAST_ERROR = 1e-8
 
 
 @result
-class Outcome:
+class RunOutcome:
     """One cell of the report; errors are the largest of any velocity."""
 
     axis: str = declare("what is extreme", digits="")
@@ -125,7 +125,7 @@ class Outcome:
     seconds: float = declare("time of the run and its comparison", "s", digits=".1f", default=0.0)
 
 
-def classify(asked: float, reported: Error, truth: Error) -> tuple[str, str]:
+def classify(asked: float, reported: LargestError, truth: LargestError) -> tuple[str, str]:
     """Kind and reason of a run that came to its end. NaN counts as an infinite error.
 
     Args:
@@ -153,13 +153,13 @@ SHARPER = 10.0
 
 def computed(**cell: Any) -> dict[str, Any]:
     """`measure` for the worker pool."""
-    return asdict(measure(Cell(**cell)))
+    return asdict(measure(ReportRun(**cell)))
 
 
-def measure(cell: Cell) -> Outcome:
+def measure(cell: ReportRun) -> RunOutcome:
     """Run a cell and compare it. Whatever happens, an outcome comes back, unless it is interrupted."""
     started = time.perf_counter()
-    outcome = Outcome(cell.axis, cell.value, "WRONG", "", PROMISED)
+    outcome = RunOutcome(cell.axis, cell.value, "WRONG", "", PROMISED)
     with tempfile.TemporaryDirectory(prefix="granchain-extremes-") as folder:
         try:
             outcome = _run_and_compare(cell, Path(folder), outcome)
@@ -168,7 +168,7 @@ def measure(cell: Cell) -> Outcome:
     return replace(outcome, seconds=time.perf_counter() - started)
 
 
-def _run_and_compare(cell: Cell, folder: Path, outcome: Outcome) -> Outcome:
+def _run_and_compare(cell: ReportRun, folder: Path, outcome: RunOutcome) -> RunOutcome:
     path = folder / "run"
     try:
         scene = library.from_plain(cell.scene, "scene")
@@ -183,7 +183,7 @@ def _run_and_compare(cell: Cell, folder: Path, outcome: Outcome) -> Outcome:
         return replace(outcome, kind="STOPPED", why=str(error))
     if done.outcome != "done" or done.check is None:
         raise KeyboardInterrupt
-    reported = Error(done.check.velocity, done.check.reference.velocity)
+    reported = LargestError(done.check.velocity, done.check.reference.velocity)
     truth = true_error(done.directory, min(outcome.asked, max(reported.value, LEAST_ERROR)) / SHARPER)
     kind, why = classify(outcome.asked, reported, truth)
     fault = _fault(cell, done.directory, folder)
@@ -199,7 +199,7 @@ def _run_and_compare(cell: Cell, folder: Path, outcome: Outcome) -> Outcome:
     )
 
 
-def _fault(cell: Cell, directory: RunDirectory, folder: Path) -> str | None:
+def _fault(cell: ReportRun, directory: RunDirectory, folder: Path) -> str | None:
     """What else must hold in this cell, and does not."""
     if cell.ranks > 1 and (off := _apart(directory, directory.scene, folder / "one")):
         return f"differs from one rank by {off:.1e}"
@@ -260,11 +260,11 @@ QUICK = 1e7
 """Largest cost of a cell of the quick report: about a second, most of it for starting and judging; see `cost`."""
 
 
-def plan(cells: Sequence[Cell]) -> list[evaluate.Case]:
+def plan(cells: Sequence[ReportRun]) -> list[evaluate.Computation]:
     """Their cases, which are computed again when the program changes. Those of several ranks use all cores."""
     program = _program()
     return [
-        evaluate.Case(
+        evaluate.Computation(
             key_of([program, asdict(cell)]),
             Task(f"{__name__}:computed", asdict(cell)),
             cost(cell),
@@ -274,7 +274,7 @@ def plan(cells: Sequence[Cell]) -> list[evaluate.Case]:
     ]
 
 
-def cost(cell: Cell) -> float:
+def cost(cell: ReportRun) -> float:
     """Bead-steps of a cell or so; 0 if it is refused at once."""
     try:
         scene = library.from_plain(cell.scene, "scene").model_copy(update={"accuracy": None, "window": None})
@@ -315,11 +315,11 @@ def execute(arguments: argparse.Namespace) -> int:
     chosen = [cell for cell in grid(arguments.parts) if not arguments.quick or cost(cell) <= QUICK]
     with STUDY.evaluating(arguments.output) as values:
         found = values(plan(chosen), failed=lambda one: bool(one.failed) or one.value["kind"] == "WRONG")
-        outcomes = [Outcome(**value) for value in found]
+        outcomes = [RunOutcome(**value) for value in found]
         if arguments.output is not None:
-            STUDY.write(arguments.output, {TABLE: to_csv(Outcome, outcomes)})
+            STUDY.write(arguments.output, {TABLE: to_csv(RunOutcome, outcomes)})
     title = "largest error of any velocity (V), against a more accurate reference"
-    print_records(title, Outcome, outcomes)
+    print_records(title, RunOutcome, outcomes)
     for outcome in outcomes:
         if outcome.kind in ("REFUSED", "STOPPED", "WRONG"):
             print(f"{outcome.kind} {outcome.axis} {outcome.value}: {outcome.why}")

@@ -42,7 +42,7 @@ SHARE = 0.3
 
 
 @dataclass(frozen=True)
-class Estimate:
+class FitResult:
     """What was found.
 
     Attributes:
@@ -66,7 +66,7 @@ class Estimate:
     converged: bool
 
 
-def estimate(residuals: Residuals, slopes: Slopes, start: Floats, size: Floats) -> Estimate:
+def estimate(residuals: Residuals, slopes: Slopes, start: Floats, size: Floats) -> FitResult:
     """Fit.
 
     Args:
@@ -96,7 +96,7 @@ def estimate(residuals: Residuals, slopes: Slopes, start: Floats, size: Floats) 
     factor = float(student.ppf(0.5 + 0.5 * CONFIDENCE, max(1, rows - len(parameters))))
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = covariance / np.sqrt(np.outer(np.diag(covariance), np.diag(covariance)))
-    return Estimate(parameters, error, factor * error, correlation, noise, rows, weak, converged)
+    return FitResult(parameters, error, factor * error, correlation, noise, rows, weak, converged)
 
 
 def _noise(left: Floats, parameters: int, size: Floats) -> Floats:

@@ -10,7 +10,7 @@ from analysis.quantity import cell
 from analysis.trajectory import Floats
 from lammps_inputs import html
 from lammps_inputs.numbers import known
-from workflow.studies.fit.estimate import Estimate
+from workflow.studies.fit.estimate import FitResult
 from workflow.studies.fit.goodness import LEVEL, TESTS, Goodness, clipped, goodness, resolution
 from workflow.studies.fit.model import Model, reversed_channels
 from workflow.sweep import fields
@@ -160,7 +160,7 @@ NUMERICAL = 3.0
 """Residuals up to this multiple of the numerical error are not tested: a run is as far from the exact motion."""
 
 
-def judged(model: Model, found: Estimate, size: Floats) -> Fit:
+def judged(model: Model, found: FitResult, size: Floats) -> Fit:
     """The fit of an estimate, tested.
 
     Args:
@@ -212,7 +212,7 @@ def judged(model: Model, found: Estimate, size: Floats) -> Fit:
     )
 
 
-def _free(model: Model, found: Estimate, *, intervals: bool) -> dict[str, Field]:
+def _free(model: Model, found: FitResult, *, intervals: bool) -> dict[str, Field]:
     """Values of the free fields, and of the offset where it is free, with intervals."""
     offset = model.finds_offset
     names = (*model.names, *[OFFSET] * offset)
@@ -265,7 +265,7 @@ def _clips(channels: dict[str, Residuals], values: Floats, traces: Floats) -> li
     return said
 
 
-def _of_misfit(model: Model, found: Estimate, size: Floats, test: Goodness, fixed: tuple[str, ...]) -> list[str]:
+def _of_misfit(model: Model, found: FitResult, size: Floats, test: Goodness, fixed: tuple[str, ...]) -> list[str]:
     """Likely causes of a rejected fit."""
     flipped = reversed_channels(model, found.parameters, size)
     if flipped:
@@ -281,7 +281,7 @@ def _of_misfit(model: Model, found: Estimate, size: Floats, test: Goodness, fixe
     ]
 
 
-def _weak(names: list[str], found: Estimate) -> list[str]:
+def _weak(names: list[str], found: FitResult) -> list[str]:
     """What the data do not determine."""
     said = []
     for group, blind in found.weak:

@@ -28,8 +28,8 @@ from workflow.cluster import add_job_arguments, job_options
 from workflow.formats import figure_files
 from workflow.runs.files import as_json
 from workflow.runs.run import run
-from workflow.screen import Answer, one_line, print_table
-from workflow.studies.fit.estimate import Estimate, estimate
+from workflow.screen import CommandResult, one_line, print_table
+from workflow.studies.fit.estimate import FitResult, estimate
 from workflow.studies.fit.found import Fit, InLammps, judged
 from workflow.studies.fit.model import NO_SCENE, Model, aligned, squares
 from workflow.study_kit.directory import Study
@@ -116,7 +116,7 @@ def _sizes(given: Traces, path: Path, unknowns: int) -> Floats:
     return np.asarray(size)
 
 
-def _best(model: Model, size: Floats) -> Estimate:
+def _best(model: Model, size: Floats) -> FitResult:
     """The best of searches from the start and from points around it."""
     count = len(model.names)
     around = SPREAD * (2.0 * qmc.Sobol(count, seed=1).random(STARTS) - 1.0)
@@ -131,7 +131,7 @@ def _best(model: Model, size: Floats) -> Estimate:
     return min(tried, key=lambda one: squares(model.residuals(one.parameters) / size))
 
 
-def _in_lammps(model: Model, found: Estimate, directory: Path) -> InLammps:
+def _in_lammps(model: Model, found: FitResult, directory: Path) -> InLammps:
     """Error of the run of the fitted scene over the data's time, and how far its traces are from the reference's."""
     offset = model.offset(found.parameters)
     until = max(float(model.given.time[-1]) - offset, 0.0) + 8.0 * model.every
@@ -146,7 +146,7 @@ def _in_lammps(model: Model, found: Estimate, directory: Path) -> InLammps:
     return InLammps(error, float(np.max(np.abs(theirs - own) / found.noise)))
 
 
-def _figure(model: Model, found: Estimate, *, rejected: bool) -> "Figure":
+def _figure(model: Model, found: FitResult, *, rejected: bool) -> "Figure":
     from analysis.figures.errors import residual_figure  # matplotlib takes half a second to import
 
     own, run = model.traces(found.parameters), model.trajectory(found.parameters)
@@ -192,7 +192,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_job_arguments(parser)
 
 
-def execute(arguments: argparse.Namespace) -> Answer:
+def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print what was found; exit code 1 when the search did not converge or the test of fit rejects the model."""
     options = job_options(arguments)
     if options is not None:
@@ -207,7 +207,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         lammps=not arguments.no_lammps,
     )
     _print(found, arguments)
-    return Answer(0 if found.converged and found.fits is not False else 1, found.plain())
+    return CommandResult(0 if found.converged and found.fits is not False else 1, found.plain())
 
 
 def _words(arguments: argparse.Namespace) -> list[str]:

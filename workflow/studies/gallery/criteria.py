@@ -23,7 +23,7 @@ Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
-class Range:
+class RequiredRange:
     """Where a quantity is required to lie, and, for a statement that needs a correction only, the wider range."""
 
     least: float
@@ -52,24 +52,24 @@ def _interval(least: float, most: float, unit: str) -> str:
     return f"{value:g} ± {most - value:.2g}{unit}" if most > least else f"{value:g}{unit}"
 
 
-def near(value: float, within: float, wider: float = 0.0) -> Range:
+def near(value: float, within: float, wider: float = 0.0) -> RequiredRange:
     """Within a distance of a value."""
     wider = max(within, wider)
-    return Range(value - within, value + within, value - wider, value + wider)
+    return RequiredRange(value - within, value + within, value - wider, value + wider)
 
 
-def at_most(bound: float, wider: float | None = None) -> Range:
+def at_most(bound: float, wider: float | None = None) -> RequiredRange:
     """Not above a bound."""
-    return Range(-math.inf, bound, -math.inf, bound if wider is None else wider)
+    return RequiredRange(-math.inf, bound, -math.inf, bound if wider is None else wider)
 
 
-def at_least(bound: float, wider: float | None = None) -> Range:
+def at_least(bound: float, wider: float | None = None) -> RequiredRange:
     """Not below a bound."""
-    return Range(bound, math.inf, bound if wider is None else wider, math.inf)
+    return RequiredRange(bound, math.inf, bound if wider is None else wider, math.inf)
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredQuantity:
     """A quantity and the range that it is required to lie in.
 
     Attributes:
@@ -81,7 +81,7 @@ class Measured:
 
     what: str
     found: Mapping[str, float]
-    required: Range
+    required: RequiredRange
     form: str = "5"
 
     @property
@@ -123,7 +123,7 @@ def by_engine(found: Mapping[str, Value], text: Callable[[Value], str], before: 
 
 
 def state(
-    *measured: Measured,
+    *measured: MeasuredQuantity,
     published: str = "",
     source: str = "",
     derived: str = "",

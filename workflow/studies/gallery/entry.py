@@ -28,7 +28,7 @@ from lammps_inputs import library
 from workflow.runs.engines import ENGINES as KNOWN_ENGINES
 from workflow.runs.run_directory import RunDirectory
 from workflow.study_kit.directory import kept_run
-from workflow.study_kit.page import Picture, Section, Statement, drawn
+from workflow.study_kit.page import PageFigure, Section, Statement, drawn
 
 ENGINES = ("lammps", "reference")
 COLOURS = CHAIN_COLOURS
@@ -221,7 +221,7 @@ class Entry:
     axes: tuple[str, str] = ("", "")
     draw: Draw | None = None
     caption: str = ""
-    pictures: Callable[[Results], Sequence[Picture]] = lambda _: ()
+    pictures: Callable[[Results], Sequence[PageFigure]] = lambda _: ()
     swept: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     sources: Mapping[str, str] = field(default_factory=dict)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError, html
 from lammps_inputs.library import suggestion
-from workflow.screen import Answer, count_bar, one_line, print_table
+from workflow.screen import CommandResult, count_bar, one_line, print_table
 from workflow.studies.gallery.criteria import RULE
 from workflow.studies.gallery.entries import ENTRIES, GROUPS
 from workflow.study_kit import page
@@ -85,7 +85,8 @@ def _chosen(names: Sequence[str]) -> list[str]:
 def _side_by_side(names: Sequence[str], folder: Path, progress: evaluate.Progress | None) -> dict[str, page.Section]:
     """The section of each entry; runs of an earlier start are used again by the entry itself."""
     cases = [
-        evaluate.Case(name, Task(f"{__name__}:run_entry", {"name": name, "folder": str(folder)})) for name in names
+        evaluate.Computation(name, Task(f"{__name__}:run_entry", {"name": name, "folder": str(folder)}))
+        for name in names
     ]
     found = {}
     for name, answer in evaluate.evaluate(cases, progress=progress).items():
@@ -122,11 +123,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--list", action="store_true", help="print the names of the entries, and run nothing")
 
 
-def execute(arguments: argparse.Namespace) -> Answer:
+def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print the names, or run entries, write the page and print the verdicts; exit code 1 if one could not be run."""
     if arguments.list:
         print("\n".join(ENTRIES))
-        return Answer(0, list(ENTRIES))
+        return CommandResult(0, list(ENTRIES))
     directory = arguments.output
     with count_bar("gallery") as progress:
         found = gallery(directory, arguments.entries, progress=progress)
@@ -140,4 +141,4 @@ def execute(arguments: argparse.Namespace) -> Answer:
         if section.failed:
             print(f"{name}: failed: {one_line(section.failed)}")
     print(one_line(directory / PAGE))
-    return Answer(int(any(section.failed for section in found.values())), plain)
+    return CommandResult(int(any(section.failed for section in found.values())), plain)

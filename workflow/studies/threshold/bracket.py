@@ -21,7 +21,7 @@ Known = Mapping[float, float | None]
 
 
 @dataclass(frozen=True)
-class Axis:
+class SearchedField:
     """The values of a field that are searched.
 
     Attributes:
@@ -100,7 +100,7 @@ class Crossing:
     undefined: bool
 
 
-def wanted(known: Known, axis: Axis, level: float) -> list[float]:
+def wanted(known: Known, axis: SearchedField, level: float) -> list[float]:
     """Values of the field to compute next; none where the search has ended."""
     scan = [value for value in axis.scan() if value not in known]
     if scan:
@@ -112,12 +112,12 @@ def wanted(known: Known, axis: Axis, level: float) -> list[float]:
     return found
 
 
-def crossings(known: Known, axis: Axis, level: float) -> list[Crossing]:
+def crossings(known: Known, axis: SearchedField, level: float) -> list[Crossing]:
     """Result once no further value is `wanted`."""
     return [_crossing(known, pair, level) for pair in _brackets(known, axis, level)]
 
 
-def _brackets(known: Known, axis: Axis, level: float) -> Iterator[tuple[float, float]]:
+def _brackets(known: Known, axis: SearchedField, level: float) -> Iterator[tuple[float, float]]:
     """Neighbours in the scan, of those where the quantity is defined, on different sides of the level."""
     scan = [value for value in axis.scan() if known[value] is not None]
     return ((a, b) for a, b in itertools.pairwise(scan) if _above(known, a, level) != _above(known, b, level))
@@ -128,7 +128,9 @@ def _above(known: Known, value: float, level: float) -> bool | None:
     return None if found is None else found >= level
 
 
-def _halved(known: Known, axis: Axis, level: float, pair: tuple[float, float]) -> tuple[float, float, list[float]]:
+def _halved(
+    known: Known, axis: SearchedField, level: float, pair: tuple[float, float]
+) -> tuple[float, float, list[float]]:
     """The bracket after all halvings whose values are known, and the value that the next one needs, if any."""
     low, high = pair
     below = _above(known, low, level)

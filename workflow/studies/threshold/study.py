@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any
 from lammps_inputs import InputError, library
 from lammps_inputs.units import REDUCED
 from workflow.formats import figure_files
-from workflow.screen import Answer, cell, one_line, print_table
-from workflow.studies.threshold.bracket import Axis, Crossing, crossings, wanted
+from workflow.screen import CommandResult, cell, one_line, print_table
+from workflow.studies.threshold.bracket import Crossing, SearchedField, crossings, wanted
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, floats, to_csv
 from workflow.study_kit.scene_quantities import case, heading, label, refuse_unknown
@@ -56,7 +56,7 @@ class Question:
     quantity: str
     level: float
     field: str
-    axis: Axis
+    axis: SearchedField
     over: options.SecondField
 
     @property
@@ -64,7 +64,7 @@ class Question:
         """The quantity's uncertainty; empty where it has none."""
         return UNCERTAINTIES.get(self.quantity, "")
 
-    def case(self, over: Any, value: float) -> evaluate.Case:
+    def case(self, over: Any, value: float) -> evaluate.Computation:
         """The scene with values in both fields."""
         number = int(value) if self.axis.whole else value
         scene = fields.put_all(self.over.put(self.scene, over), {self.field: number})
@@ -104,7 +104,7 @@ class Threshold:
 
 
 @dataclass(frozen=True)
-class Point:
+class ComputedPoint:
     """A computed scene: values of the second field and of the field, and the quantity, None where it is undefined."""
 
     over: Any
@@ -113,7 +113,7 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Found:
+class ThresholdResult:
     """Result of a study.
 
     Attributes:
@@ -125,7 +125,7 @@ class Found:
 
     question: Question
     thresholds: list[Threshold]
-    points: list[Point]
+    points: list[ComputedPoint]
     refused: dict[Any, str]
 
     def plain(self) -> dict[str, Any]:
@@ -166,7 +166,7 @@ class Found:
 # --- carried out ------------------------------------------------------------------------------------------------------
 
 
-def carry_out(question: Question, directory: Path, jobs: int | None = None) -> Found:
+def carry_out(question: Question, directory: Path, jobs: int | None = None) -> ThresholdResult:
     """Find all places, on all cores; what a directory holds of an earlier start is not computed again.
 
     Args:
@@ -191,17 +191,21 @@ def carry_out(question: Question, directory: Path, jobs: int | None = None) -> F
                 errors[over, x] = quantities.get(question.uncertainty)
                 if "refused" in value:
                     refused.setdefault(over, value["refused"])
-        found = Found(
+        found = ThresholdResult(
             question,
             [
                 _threshold(question, over, one, [errors[over, one.low], errors[over, one.high]])
                 for over, values in known.items()
                 for one in crossings(values, axis, level)
             ],
-            [Point(over, x, quantity) for over, values in known.items() for x, quantity in sorted(values.items())],
+            [
+                ComputedPoint(over, x, quantity)
+                for over, values in known.items()
+                for x, quantity in sorted(values.items())
+            ],
             refused,
         )
-        tables = {TABLE: to_csv(Threshold, found.thresholds), POINTS: to_csv(Point, found.points)}
+        tables = {TABLE: to_csv(Threshold, found.thresholds), POINTS: to_csv(ComputedPoint, found.points)}
         STUDY.write(directory, tables, {FIGURE: _figure(found)})
     return found
 
@@ -217,9 +221,9 @@ def _threshold(question: Question, over: Any, crossing: Crossing, errors: list[f
     return Threshold(over, question.axis.middle(crossing.low, crossing.high), uncertainty, **edges)
 
 
-def _figure(found: Found) -> "Figure":
+def _figure(found: ThresholdResult) -> "Figure":
     from analysis.figures.studies import MOST_LINES, Sought, map_figure, swept_figure
-    from analysis.figures.studies import Axis as Shown  # matplotlib takes half a second to import
+    from analysis.figures.studies import StudyAxis as Shown  # matplotlib takes half a second to import
 
     asked = found.question
     quantity, field = label(asked.quantity, asked.scene), label(asked.field, asked.scene)
@@ -272,7 +276,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_jobs(parser)
 
 
-def execute(arguments: argparse.Namespace) -> Answer:
+def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print the thresholds; exit code 1 without any, 130 when interrupted, with all that was computed kept."""
     question = _question(arguments)
     try:
@@ -280,7 +284,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     except KeyboardInterrupt:
         return options.interrupted()
     _print(found, arguments.output)
-    return Answer(0 if found.thresholds else 1, found.plain())
+    return CommandResult(0 if found.thresholds else 1, found.plain())
 
 
 def _question(arguments: argparse.Namespace) -> Question:
@@ -299,11 +303,11 @@ def _question(arguments: argparse.Namespace) -> Question:
         raise InputError(f"--vary: {ends} given; the smaller number first{above}, such as 0.02:0.5")
     if whole and not (low.is_integer() and high.is_integer()):
         raise InputError(f"--vary: {field} takes whole numbers; {ends} given")
-    axis = Axis(low, high, arguments.log, whole, arguments.points, arguments.tolerance)
+    axis = SearchedField(low, high, arguments.log, whole, arguments.points, arguments.tolerance)
     return Question(name, plain, quantity, options.number(level, "--where", "agree_1=50"), field, axis, over)
 
 
-def _print(found: Found, output: Path) -> None:
+def _print(found: ThresholdResult, output: Path) -> None:
     asked = found.question
     if found.thresholds:
         head = [heading(name, asked.scene) for name in (asked.over.name, asked.field) if name]

@@ -15,7 +15,7 @@ from workflow.studies.trade.settings import LAMMPS, REFERENCE, WINDOW, Interval,
 
 
 @dataclass
-class Point:
+class MeasuredSetting:
     """What a setting was found to do.
 
     Attributes:
@@ -47,11 +47,11 @@ class Point:
         return statistics.median(self.repeats)
 
 
-Points = Sequence[Point]
+Points = Sequence[MeasuredSetting]
 
 
 @dataclass(frozen=True)
-class Limits:
+class TrialLimits:
     """How often settings are run, and how long that may take.
 
     Attributes:
@@ -71,9 +71,9 @@ def measure(
     settings: Sequence[Setting],
     run: Callable[[Setting], float],
     errors: Callable[[Setting], dict[str, float]],
-    limits: Limits,
+    limits: TrialLimits,
     follow: Callable[[Points, int, int], None] = lambda *_: None,
-) -> list[Point]:
+) -> list[MeasuredSetting]:
     """Run every setting once, for its errors, and then up to ``repeats`` times more, in rounds, for its time.
 
     Args:
@@ -86,7 +86,7 @@ def measure(
     Returns:
         a point for each setting, in their order.
     """
-    points = [Point(setting) for setting in settings]
+    points = [MeasuredSetting(setting) for setting in settings]
     clock, done, total = limits.clock, 0, len(points) * (1 + limits.repeats)
     begun = clock()
     for number in range(1 + limits.repeats):
@@ -141,17 +141,17 @@ class Order:
     points: int = declare("number of settings", digits="d")
 
 
-def pareto(points: Points, quantity: str) -> list[Point]:
+def pareto(points: Points, quantity: str) -> list[MeasuredSetting]:
     """The points that no other beats in both error and time, in the order of rising time."""
     known = [point for point in points if point.measured and math.isfinite(point.errors[quantity])]
-    front: list[Point] = []
+    front: list[MeasuredSetting] = []
     for point in sorted(known, key=lambda point: (point.seconds, point.errors[quantity])):
         if not front or point.errors[quantity] < front[-1].errors[quantity]:
             front.append(point)
     return front
 
 
-def cheapest(points: Points, accuracy: float, floor: float = 0.0) -> Point | None:
+def cheapest(points: Points, accuracy: float, floor: float = 0.0) -> MeasuredSetting | None:
     """The fastest point whose velocities are within the accuracy, the uncertainty of the reference added; or None."""
     within = [point for point in points if point.measured and point.errors["velocity"] + floor <= accuracy]
     return min(within, key=lambda point: point.seconds, default=None)
@@ -201,16 +201,16 @@ class Findings:
     notes: list[str] = field(default_factory=list)
 
     @property
-    def comparable(self) -> list[Point]:
+    def comparable(self) -> list[MeasuredSetting]:
         """Measured points whose errors are those of all beads."""
         return [point for point in self.points if point.measured and point.setting.method != WINDOW]
 
-    def by_method(self) -> dict[str, list[Point]]:
+    def by_method(self) -> dict[str, list[MeasuredSetting]]:
         """Points of each method."""
         methods = dict.fromkeys(point.setting.method for point in self.points)
         return {name: [point for point in self.points if point.setting.method == name] for name in methods}
 
-    def front(self, quantity: str) -> list[Point]:
+    def front(self, quantity: str) -> list[MeasuredSetting]:
         """The Pareto front of the error of a quantity and wall time."""
         return pareto(self.comparable, quantity)
 
@@ -275,11 +275,11 @@ def advice(study: Findings, truth: Truth, accuracy: float) -> str:
     return f"{said}; with LAMMPS {_says(lammps, study.problem)}."
 
 
-def _nearest(points: list[Point]) -> Point:
+def _nearest(points: list[MeasuredSetting]) -> MeasuredSetting:
     return min(points, key=lambda point: point.errors["velocity"])
 
 
-def _says(point: Point, problem: Problem) -> str:
+def _says(point: MeasuredSetting, problem: Problem) -> str:
     """A setting as a user would ask for it, its error, and its cost."""
     own, scale, ranks = point.setting.problem, problem.scale, point.setting.ranks
     step = f"{_dividing(own.timestep * scale.time, own.steps_per_frame)}"

@@ -30,7 +30,7 @@ from workflow.prepare.settings import settle
 from workflow.runs.files import as_json
 from workflow.runs.run_directory import provenance
 from workflow.screen import count_bar, one_line
-from workflow.studies.trade.points import Findings, Limits, Order, Points, measure, sentences
+from workflow.studies.trade.points import Findings, Order, Points, TrialLimits, measure, sentences
 from workflow.studies.trade.settings import QUANTITIES, WINDOW, Interval, Truth, intervals, make_truth, run, settings
 from workflow.study_kit.directory import Study, print_records, to_csv
 
@@ -60,7 +60,7 @@ BUSY = 0.7
 
 
 @result
-class Record:
+class PrintedSetting:
     """A measured setting as it is printed and written."""
 
     method: str = declare("engine and scheme, or what varies", digits="")
@@ -78,11 +78,11 @@ class Record:
     front: str = declare("* on the Pareto front of the velocities' error and time", digits="")
 
 
-def records(found: Findings) -> list[Record]:
+def records(found: Findings) -> list[PrintedSetting]:
     """Of all settings that were measured."""
     front = found.front("velocity")
     return [
-        Record(
+        PrintedSetting(
             method=point.setting.method,
             setting=point.setting.label,
             timestep=point.setting.problem.timestep,
@@ -138,7 +138,9 @@ def study(problem: Problem, directory: Path, *, budget: float = BUDGET) -> Findi
     with STUDY.opened(directory), count_bar("trade") as follow:
         try:
             with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as name:
-                _measure(found, directory, Path(name), Limits(REPEATS, _LONGEST * budget, _ENGINES * budget), follow)
+                _measure(
+                    found, directory, Path(name), TrialLimits(REPEATS, _LONGEST * budget, _ENGINES * budget), follow
+                )
             found.whole = True
         except KeyboardInterrupt:
             found.notes.append("Interrupted: not all settings were measured.")
@@ -148,14 +150,14 @@ def study(problem: Problem, directory: Path, *, budget: float = BUDGET) -> Findi
     return found
 
 
-def _measure(found: Findings, directory: Path, work: Path, limits: Limits, follow: Callable[..., None]) -> None:
+def _measure(found: Findings, directory: Path, work: Path, limits: TrialLimits, follow: Callable[..., None]) -> None:
     problem = found.problem
     follow(0, 1)
     truth = found.truth = make_truth(problem, work, seconds=_TRUTH / _ENGINES * limits.budget)
 
     def keep(points: Points, done: int, total: int) -> None:
         found.points = points
-        STUDY.write(directory, {ENGINES: to_csv(Record, records(found), problem.scale)})
+        STUDY.write(directory, {ENGINES: to_csv(PrintedSetting, records(found), problem.scale)})
         follow(done, total)
 
     measure(
@@ -250,7 +252,7 @@ def _print(found: Findings) -> None:
         f"{found.problem.name}: largest errors (V, V, T), wall time (s) of the time loop with its frames; steps in T"
     )
     tables = (
-        (title, Record, records(found)),
+        (title, PrintedSetting, records(found)),
         ("measured orders, of velocities", Order, found.orders()),
         ("errors of amplitudes (V) and arrivals (T), by the time between frames", Interval, found.frames),
     )

@@ -15,7 +15,7 @@ from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import Table
+from workflow.screen import PrintedTable
 from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ SMALLEST_LOSS = 1e-8
 
 
 @dataclass(frozen=True, repr=False)
-class Budget(Finding):
+class BudgetFinding(Finding):
     """The account, and how well it is known."""
 
     key, kind, figure = "budget", ClosedAccount, "budget"
@@ -60,7 +60,7 @@ class Budget(Finding):
         return budget_figure(self.problem, self.found)
 
 
-def closed(directory: RunDirectory, seen: Conservation, exchange: Accountant) -> Budget | None:
+def closed(directory: RunDirectory, seen: Conservation, exchange: Accountant) -> BudgetFinding | None:
     """The budget of what was seen; None where nothing is exchanged, and where not all beads are recorded.
 
     Args:
@@ -78,7 +78,7 @@ def closed(directory: RunDirectory, seen: Conservation, exchange: Accountant) ->
         between_frames=exchange.uncertainty / account.most,
         stated=None if stated is None else stated.velocity,
     )
-    return Budget(directory.problem, found)
+    return BudgetFinding(directory.problem, found)
 
 
 @dataclass(frozen=True, repr=False)
@@ -89,7 +89,7 @@ class Energy(Finding):
 
     found: Flow
 
-    def said(self) -> Iterator[Table | str]:
+    def said(self) -> Iterator[PrintedTable | str]:
         """How much of it each chain had, at the least, most and last, and where along the chain at the end."""
         flow, chains, scale = self.found, self.problem.chains, self.problem.scale
         if chains == 1:
@@ -105,7 +105,7 @@ class Energy(Finding):
             rows.append([f"of {chains}", "", "", "", ""])
         when = [scale.heading(f"{which} at time", "time") for which in ("least", "most")]
         head = ["chain", *when, "at the end", "there, around bead"]
-        yield Table(f"{self.problem.name}: share of the energy", head, rows)
+        yield PrintedTable(f"{self.problem.name}: share of the energy", head, rows)
         if flow.fastest_mode_action is not None:
             yield f"share of the action in the fastest mode of the rows at the end: {flow.fastest_mode_action:.6f}"
 

@@ -8,7 +8,7 @@ from analysis import quantity
 from analysis.sharing.survey import Survey
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
-from workflow.screen import Table
+from workflow.screen import PrintedTable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,7 +47,7 @@ class Finding:
         """The same in the scene's units."""
         return quantity.plain(self.found, self.problem.scale)
 
-    def said(self) -> "Iterator[str | Table]":
+    def said(self) -> "Iterator[str | PrintedTable]":
         """What `analyze` prints: lines and tables."""
         yield from ()
 

@@ -15,15 +15,15 @@ from analysis.gauges.far_end import Transmitted
 from analysis.gauges.forces import PULSE, ForceMeter, ForceTable, Reading, Readings
 from analysis.gauges.gauge import gauges
 from analysis.gauges.reflection import Reflection, reflections
-from analysis.gauges.spectra import HighestLine, Lines, SpectrumMeter, SpectrumTable
-from analysis.gauges.spectra import Spectra as Measured
+from analysis.gauges.spectra import HighestLine, SpectralLines, SpectrumMeter, SpectrumTable
+from analysis.gauges.spectra import VelocitySpectra as Measured
 from analysis.sharing.survey import Survey
 from lammps_inputs import physics
-from workflow.runs.contacts import Contacts as ContactOverlaps
+from workflow.runs.contacts import LargestContactForce as ContactOverlaps
 from workflow.runs.contacts import has_contacts, of_overlap
 from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import Table
+from workflow.screen import PrintedTable
 from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ SMALLEST_UNCERTAINTY = 1e-4
 
 
 @dataclass(frozen=True, repr=False)
-class Forces(Finding):
+class ForcesFinding(Finding):
     """Forces over time: an entry for each gauge and chain."""
 
     key, kind, figure = "forces", list[Reading], "forces"
@@ -56,7 +56,7 @@ class Forces(Finding):
     found: list[Reading]
     readings: Readings
 
-    def said(self) -> Iterator[str | Table]:
+    def said(self) -> Iterator[str | PrintedTable]:
         """Largest force, impulse and dwell of every gauge; what is so far; forces on walls, and what they reflect."""
         problem, readings, scale = self.problem, self.readings, self.problem.scale
         chains = range(min(problem.chains, MOST_CHAINS))
@@ -65,7 +65,7 @@ class Forces(Finding):
         shown = [one for one in self.found if one.chain <= MOST_CHAINS]
         rows = [[one.name if one.chain == 1 else "", str(one.chain), *self._cells(one, words)] for one in shown]
         head = ["force at", "chain", *quantity.headings(Reading, scale, words)]
-        yield Table(f"{problem.name}: forces", head, rows)
+        yield PrintedTable(f"{problem.name}: forces", head, rows)
         yield from self._uncertain()
         yield from self._unfinished()
         kinds = [gauge.kind for gauge in readings.gauges]
@@ -163,7 +163,7 @@ class Forces(Finding):
         )
         meter = ForceMeter(problem, places)
 
-        def finish(found: Survey) -> Forces:
+        def finish(found: Survey) -> ForcesFinding:
             passed = (*found.pulses, *found.crests)
             check = directory.job.check
             error = 0.0 if check is None else check.amplitude or 0.0
@@ -185,16 +185,16 @@ def _said(found: Reflection, *, coupled: bool) -> str:
 
 
 @dataclass(frozen=True, repr=False)
-class Spectra(Finding):
+class SpectraFinding(Finding):
     """Of the velocity."""
 
-    key, kind, figure = "spectra", Lines, "spectra"
+    key, kind, figure = "spectra", SpectralLines, "spectra"
     table = "spectra.csv", SpectrumTable
 
-    found: Lines
+    found: SpectralLines
     spectra: Measured
 
-    def said(self) -> Iterator[Table]:
+    def said(self) -> Iterator[PrintedTable]:
         """The highest line of every bead, and what it has of the drives."""
         spectra, found, scale = self.spectra, self.found, self.problem.scale
         words = {"frequency": "highest line at", "amplitude": "its velocity"}
@@ -209,7 +209,7 @@ class Spectra(Finding):
                 passed_on = [quantity.cell(drive.transmissibility, ".5g") for drive in one.at_drive]
                 rows.append([str(one.bead) if one.chain == 1 else "", str(one.chain), *line, *passed_on])
         start = scale.written(found.after, "time", ".5g")
-        yield Table(f"{self.problem.name}: spectra from t = {start} on", head, rows)
+        yield PrintedTable(f"{self.problem.name}: spectra from t = {start} on", head, rows)
 
     def rows(self) -> SpectrumTable:
         """All lines."""
@@ -230,7 +230,7 @@ class Spectra(Finding):
         after = None if wanted.after is None else wanted.after / problem.scale.time
         meter = SpectrumMeter(problem, wanted.beads, after)
 
-        def finish(_: Survey) -> Spectra | None:
+        def finish(_: Survey) -> SpectraFinding | None:
             spectra = meter.result()
             return None if spectra is None else cls(problem, spectra.found(problem), spectra)
 
@@ -238,7 +238,7 @@ class Spectra(Finding):
 
 
 @dataclass(frozen=True, repr=False)
-class FarEnd(Finding):
+class FarEndFinding(Finding):
     """Force, delay and energy."""
 
     key, kind = "far_end", Transmitted
@@ -256,7 +256,7 @@ class FarEnd(Finding):
 
 
 @dataclass(frozen=True, repr=False)
-class Contacts(Finding):
+class ContactsFinding(Finding):
     """The largest contact force."""
 
     key, kind = "contacts", ContactOverlaps
@@ -275,7 +275,7 @@ class Contacts(Finding):
             return None
         overlap = LargestOverlap()
 
-        def finish(_: Survey) -> Contacts | None:
+        def finish(_: Survey) -> ContactsFinding | None:
             largest = of_overlap(directory.scene, overlap)
             return None if largest is None else cls(problem, largest)
 

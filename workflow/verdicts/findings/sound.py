@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Dispersion(Finding):
+class DispersionFinding(Finding):
     """Bands, and the map that they are from; None where there is none."""
 
     key, kind, figure = "dispersion", Bands, "dispersion"
@@ -65,7 +65,7 @@ class Dispersion(Finding):
             why = Bands(str(error))
             return Measure(lambda _: cls(problem, why, None))
 
-        def finish(_: Survey) -> Dispersion:
+        def finish(_: Survey) -> DispersionFinding:
             try:
                 found = collected.result()
             except NoDispersionError as error:
@@ -76,7 +76,7 @@ class Dispersion(Finding):
 
 
 @dataclass(frozen=True, repr=False)
-class Sound(Finding):
+class SoundFinding(Finding):
     """Speed of sound, and the leading pulse."""
 
     key, kind = "sound", Measured
@@ -118,7 +118,7 @@ class Sound(Finding):
         length = bead_length(directory.scene)
         pulse = LoadedPulse(problem) if problem.whole and problem.system.holds(Fact.PULSE) else None
 
-        def finish(found: Survey) -> Sound:
+        def finish(found: Survey) -> SoundFinding:
             wave = None if pulse is None else pulse.result()
             return cls(problem, Measured.of(problem, wave, found.crests, length), length)
 

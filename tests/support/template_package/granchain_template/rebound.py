@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.quantity import Column, declare, result
+from analysis.quantity import QuantityColumn, declare, result
 from analysis.sharing.survey import Survey
 from analysis.trajectory import Trajectory
 from workflow.runs.run_directory import RunDirectory
@@ -19,7 +19,7 @@ class Backwards:
     largest: float = declare(
         "largest velocity of any bead towards lower numbers, at the frames",
         "velocity",
-        columns=(Column("largest_backwards", "largest velocity backwards"),),
+        columns=(QuantityColumn("largest_backwards", "largest velocity backwards"),),
     )
 
 

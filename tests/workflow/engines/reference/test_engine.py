@@ -13,7 +13,7 @@ from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import EXCHANGES
 from lammps_inputs import Kick, Output, find, physics
 from workflow.engines.reference.engine import blocks, make_state, passages, run
-from workflow.engines.reference.kernel import Frames
+from workflow.engines.reference.kernel import FrameArrays
 from workflow.engines.reference.schemes import BLANES_MOAN, VERLET
 
 SCHEMES = [VERLET, BLANES_MOAN]
@@ -32,7 +32,7 @@ def problem(**changes):
 def integrated(state, like, scheme, h, steps):
     """One frame, ``steps`` steps of h after a state of the kernel."""
     shape = (1, like.chains, like.beads)
-    frames = Frames(np.empty(shape), np.empty(shape), np.zeros((1, len(EXCHANGES))))
+    frames = FrameArrays(np.empty(shape), np.empty(shape), np.zeros((1, len(EXCHANGES))))
     state.span[3] = 1
     state.advance(scheme, h, 0, steps, np.arange(1, like.beads + 1), frames)
     return frames.x[0], frames.v[0]

@@ -4,11 +4,11 @@ import math
 
 import pytest
 
-from workflow.studies.gallery.criteria import Measured, at_least, at_most, near, state
+from workflow.studies.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 
 
 def judged(found, required, lammps=0.682):
-    return state(Measured("V", {"lammps": lammps, "reference": found}, required, "4 V"), published="0.682 V.")
+    return state(MeasuredQuantity("V", {"lammps": lammps, "reference": found}, required, "4 V"), published="0.682 V.")
 
 
 @pytest.mark.parametrize(
@@ -42,5 +42,5 @@ def test_the_worse_engine_decides():
 
 
 def test_the_worst_quantity_decides():
-    good, bad = (Measured("n", {"reference": value}, near(1.0, 0.5)) for value in (1.0, 2.0))
+    good, bad = (MeasuredQuantity("n", {"reference": value}, near(1.0, 0.5)) for value in (1.0, 2.0))
     assert [state(good, one, derived="n is 1").holds for one in (good, bad)] == ["holds", "does not hold"]

@@ -13,7 +13,16 @@ from lammps_inputs.units import Scale
 from workflow.engines.reference.step_halving import Uncertainty
 from workflow.errors import RunError
 from workflow.studies.trade import settings
-from workflow.studies.trade.points import Findings, Limits, Point, cheapest, measure, order, pareto, sentences
+from workflow.studies.trade.points import (
+    Findings,
+    MeasuredSetting,
+    TrialLimits,
+    cheapest,
+    measure,
+    order,
+    pareto,
+    sentences,
+)
 from workflow.studies.trade.settings import RANKS, Setting, Truth
 
 OWN = problem()
@@ -41,7 +50,7 @@ class Machine:
 
     def measured(self, settings, follow=lambda *_: None, **limits):
         errors = lambda setting: {"velocity": setting.value**2}  # noqa: E731
-        return measure(settings, self.run, errors, Limits(clock=lambda: self.now, **limits), follow)
+        return measure(settings, self.run, errors, TrialLimits(clock=lambda: self.now, **limits), follow)
 
 
 def test_the_first_call_gives_the_error_and_stands_apart_from_the_repeats():
@@ -86,7 +95,7 @@ def test_progress_counts_to_its_total_also_where_calls_are_left_out():
 
 
 def point(error, seconds, step=1.0, first=1e6):
-    return Point(Setting("LAMMPS verlet", step, OWN), {"velocity": error}, [first, seconds], first)
+    return MeasuredSetting(Setting("LAMMPS verlet", step, OWN), {"velocity": error}, [first, seconds], first)
 
 
 def law(steps, power, factor=1.0):
@@ -126,14 +135,14 @@ def test_two_steps_have_an_order_without_an_error_and_one_has_none():
 
 
 def test_settings_that_are_no_steps_have_no_order():
-    ranks = [Point(Setting(RANKS, count, OWN), {"velocity": 0.01 * count}, [1.0]) for count in (1, 2)]
+    ranks = [MeasuredSetting(Setting(RANKS, count, OWN), {"velocity": 0.01 * count}, [1.0]) for count in (1, 2)]
     assert Findings(OWN, points=ranks).orders() == []
 
 
 def test_the_front_is_what_no_measured_point_beats_in_both():
     kept = [point(1e-1, 1.0), point(1e-3, 2.0), point(1e-6, 5.0)]
     beaten = [point(1e-1, 1.5), point(2e-3, 2.0), point(1e-3, 6.0), point(math.inf, 0.1)]
-    assert pareto([*beaten, Point(kept[0].setting), *reversed(kept)], "velocity") == kept
+    assert pareto([*beaten, MeasuredSetting(kept[0].setting), *reversed(kept)], "velocity") == kept
 
 
 def test_the_fastest_that_suffices_is_chosen_whatever_its_first_call_took():
@@ -156,7 +165,9 @@ def truth(velocity=1e-11):
 
 
 def found(setting, error, seconds):
-    return Point(setting, {"velocity": error, "amplitude": 0.1 * error, "arrival": 2.0 * error}, [seconds, seconds])
+    return MeasuredSetting(
+        setting, {"velocity": error, "amplitude": 0.1 * error, "arrival": 2.0 * error}, [seconds, seconds]
+    )
 
 
 def by_law(method, factor, power, seconds, own=None):
@@ -245,7 +256,7 @@ def test_windows_are_in_no_advice_for_all_beads():
 
 
 def test_what_was_left_out_has_one_sentence_a_method():
-    gone = [Point(each.setting, left_out="would take 9 s") for each in VERLET[-3:]]
+    gone = [MeasuredSetting(each.setting, left_out="would take 9 s") for each in VERLET[-3:]]
     words = [sentence for sentence in said([*VERLET[:-3], *gone]) if sentence.startswith("Left out")]
     assert words == [f"Left out: LAMMPS verlet, {gone[0].setting.label} (would take 9 s), and 2 more."]
 

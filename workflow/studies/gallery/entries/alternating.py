@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.trajectory import Floats
-from workflow.studies.gallery.criteria import Measured, at_most, near, state
+from workflow.studies.gallery.criteria import MeasuredQuantity, at_most, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, line
 
 # --- anti-resonances of dimers ----------------------------------------------------------------------------------------
@@ -44,13 +44,13 @@ def _anti_resonances(results: Results) -> Statements:
             each(lambda run: run.residual(2), results[f"ratio-{ratio:.4f}"]),
         )
         yield state(
-            Measured("mass ratio of the smallest residual energy", least, near(ratio, 1e-4, 2e-3)),
+            MeasuredQuantity("mass ratio of the smallest residual energy", least, near(ratio, 1e-4, 2e-3)),
             published=f"There is no residual motion at a mass ratio of {ratio}.",
             source="jayaprakash2011, as quoted",
             derived="Required within one unit of the last digit.",
         )
         yield state(
-            Measured("share of the pulse's energy that stays in a cell", left, at_most(2e-7), "1e"),
+            MeasuredQuantity("share of the pulse's energy that stays in a cell", left, at_most(2e-7), "1e"),
             published=f"At {ratio} a solitary wave propagates.",
             source="jayaprakash2011, as quoted",
         )
@@ -106,20 +106,24 @@ def _resonance(results: Results) -> Statements:
     here, there = (results[f"ratio-{ratio:g}"] for ratio in (RESONANCE, OTHER))
     weaker = each(lambda one, other: one.peak(2 * CELLS[1] + 1) / other.peak(2 * CELLS[1] + 1), here, there)
     yield state(
-        Measured(f"mass ratio of the weakest pulse in cell {CELLS[1]}", {"reference": far}, near(RESONANCE, 0.01), "3"),
+        MeasuredQuantity(
+            f"mass ratio of the weakest pulse in cell {CELLS[1]}", {"reference": far}, near(RESONANCE, 0.01), "3"
+        ),
         published=f"The pulse is attenuated most at a mass ratio of {RESONANCE}.",
         source=source,
         derived="Required within one unit of the last digit.",
     )
     drift = {"reference": abs(close - far)}
     yield state(
-        Measured(f"its change between cells {CELLS[0]} and {CELLS[1]}", drift, at_most(0.01, math.inf), "3"),
+        MeasuredQuantity(f"its change between cells {CELLS[0]} and {CELLS[1]}", drift, at_most(0.01, math.inf), "3"),
         published="The ratio is quoted without a distance.",
         source=source,
         correction=f"It depends on the distance: after {CELLS[0]} cells it is {close:.2f}.",
     )
     yield state(
-        Measured(f"velocity in cell {CELLS[1]} over that at the anti-resonance {OTHER}", weaker, at_most(0.5), "4"),
+        MeasuredQuantity(
+            f"velocity in cell {CELLS[1]} over that at the anti-resonance {OTHER}", weaker, at_most(0.5), "4"
+        ),
         published="At the resonance the pulse is attenuated strongly.",
         source=source,
     )
@@ -179,7 +183,7 @@ def _decorated(results: Results) -> Statements:
         expected = _effective(radius, peak["reference"])
         required = near(expected, 2e-3 * expected)
         yield state(
-            Measured("speed, cells per unit time", each(_cells, results[name]), required, "4"),
+            MeasuredQuantity("speed, cells per unit time", each(_cells, results[name]), required, "4"),
             published=claim,
             source="harbola2009decorated, abstract",
             derived=f"Radius {radius:g}: the light bead, between its two contacts in series, gives the contact "
@@ -187,7 +191,7 @@ def _decorated(results: Results) -> Statements:
             "required within 0.2%.",
         )
         yield state(
-            Measured("velocity of the leading pulse at bead 81", peak, near(PLAIN, 2e-3, 0.01), "4 V"),
+            MeasuredQuantity("velocity of the leading pulse at bead 81", peak, near(PLAIN, 2e-3, 0.01), "4 V"),
             published=claim,
             source="harbola2009decorated, abstract",
             derived=f"Radius {radius:g}: the wave of a plain kicked chain has {PLAIN} V.",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, near, state
+from workflow.studies.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, line
 
 # --- beats ------------------------------------------------------------------------------------------------------------
@@ -31,14 +31,14 @@ def _beats(results: Results) -> Statements:
     share = each(lambda run: run.flow.extremes(1)[1][0], runs)
     when = each(lambda run: run.flow.extremes(1)[1][1] * run.problem.scale.time, runs)
     yield state(
-        Measured("largest share of the chain that was not kicked", share, at_least(0.95), "4"),
-        Measured("smallest share after that", each(_returned, runs), at_most(0.05), "4"),
+        MeasuredQuantity("largest share of the chain that was not kicked", share, at_least(0.95), "4"),
+        MeasuredQuantity("smallest share after that", each(_returned, runs), at_most(0.05), "4"),
         published="Weakly coupled chains on elastic foundations exchange energy in beats.",
         source="starosvetsky2012, title",
         derived="Required: 95% of the energy is exchanged, and 95% returns.",
     )
     yield state(
-        Measured("time of the largest share", when, near(HALF_BEAT, 0.25, 0.1 * HALF_BEAT), "2"),
+        MeasuredQuantity("time of the largest share", when, near(HALF_BEAT, 0.25, 0.1 * HALF_BEAT), "2"),
         derived="Two linear oscillators, coupled alike, exchange their energy in pi / (sqrt(k_f + 2 k) - "
         f"sqrt(k_f)) = {HALF_BEAT:.1f}; required within one frame.",
         correction="It is later: contacts press on the beads while the pulse spreads.",
@@ -135,22 +135,22 @@ def _parametric(results: Results) -> Statements:
     beside = max(abs(_growth(results[name]["reference"]) - _floquet(offset)) for name, offset in OFFSETS.items())
     kinetic = each(lambda run: 0.5 * np.sum(run.trajectory.velocity[-1] ** 2), results["chain"])
     yield state(
-        Measured("rate of growth of the amplitude", rate, near(first, 1e-3 * first), "8"),
+        MeasuredQuantity("rate of growth of the amplitude", rate, near(first, 1e-3 * first), "8"),
         published="The amplitude grows as exp(s t), s = h omega_0 / 4 at twice the frequency omega_0, to first "
         "order in the depth h of the modulation of omega^2.",
         source="landau1976",
         derived=f"s = e sqrt(k_0) / 4 = {first:g}; required within 0.1%.",
     )
     yield state(
-        Measured("rate of growth of the amplitude", rate, near(_floquet(0.0), 2e-7), "8"),
+        MeasuredQuantity("rate of growth of the amplitude", rate, near(_floquet(0.0), 2e-7), "8"),
         derived=f"The monodromy matrix of one bead gives {_floquet(0.0):.8f} (Floquet).",
     )
     yield state(
-        Measured("largest difference from Floquet", {"reference": beside}, near(0.0, 1e-6), "1e"),
+        MeasuredQuantity("largest difference from Floquet", {"reference": beside}, near(0.0, 1e-6), "1e"),
         derived="Beside the resonance, and outside of it, where nothing grows.",
     )
     yield state(
-        Measured("kinetic energy at the end", kinetic, near(CHAIN_ENERGY, 5e-6), "6"),
+        MeasuredQuantity("kinetic energy at the end", kinetic, near(CHAIN_ENERGY, 5e-6), "6"),
         derived=f"A chain of 60 beads in contact, k = 0.2, e = 0.5, f = 0.2: {CHAIN_ENERGY:g} at t = 60, by "
         "another integrator.",
     )
@@ -223,7 +223,7 @@ def _landau_zener(results: Results) -> Statements:
     swept = [_stays(results[name]["reference"]) / _formula(rate) for name, rate in RATES.items()]
     slowest, *_, fastest = RATES.values()
     yield state(
-        Measured("share of the action that stays", mode, near(expected, 0.003 * expected), "6"),
+        MeasuredQuantity("share of the action that stays", mode, near(expected, 0.003 * expected), "6"),
         published="A classical analog of the Landau-Zener formula holds for two coupled oscillators.",
         source="novotny2010, abstract",
         derived="From a pure mode of the coupled pair, exp(-pi kappa^2 / (omega_0 alpha)) of the action E / omega "
@@ -231,14 +231,14 @@ def _landau_zener(results: Results) -> Statements:
         "required within 0.3%, for a sweep of k_1 - k_2 from -D to D with D = 40 kappa.",
     )
     yield state(
-        Measured("share of the action that stays", kick, near(expected, 0.003 * expected, 1.05 * finite), "6"),
+        MeasuredQuantity("share of the action that stays", kick, near(expected, 0.003 * expected, 1.05 * finite), "6"),
         derived="The same where chain 1 alone is kicked.",
         correction="Its beads then are not in a pure mode: the finite start adds up to "
         f"2 (kappa / D) sqrt(P (1 - P)) = {finite:.3f}.",
     )
     yield state(
-        Measured("largest share over the formula's", {"reference": max(swept)}, near(1.0, 0.003), "5"),
-        Measured("smallest share over the formula's", {"reference": min(swept)}, near(1.0, 0.003), "5"),
+        MeasuredQuantity("largest share over the formula's", {"reference": max(swept)}, near(1.0, 0.003), "5"),
+        MeasuredQuantity("smallest share over the formula's", {"reference": min(swept)}, near(1.0, 0.003), "5"),
         derived=f"Likewise from a pure mode at rates from {slowest:g} to {fastest:g}.",
     )
 

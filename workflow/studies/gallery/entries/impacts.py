@@ -11,7 +11,7 @@ from scipy.special import beta
 
 from analysis.gauges.forces import Readings
 from analysis.trajectory import Floats
-from workflow.studies.gallery.criteria import NAMES, Measured, at_most, near, state
+from workflow.studies.gallery.criteria import NAMES, MeasuredQuantity, at_most, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, each
 
 SOURCES = {
@@ -137,13 +137,13 @@ def _elastic(impacts: Mapping[str, Impact], curves: Mapping[str, PublishedCurve]
         duration = each(lambda run: 1e6 * _duration(run), runs)
         deviation = each(functools.partial(_deviation, impact), runs)
         yield state(
-            Measured("largest force", force, near(curve.force, 0.05), "3 kN"),
-            Measured("duration of the contact", duration, near(curve.duration, curve.digit), "2 us"),
+            MeasuredQuantity("largest force", force, near(curve.force, 0.05), "3 kN"),
+            MeasuredQuantity("duration of the contact", duration, near(curve.duration, curve.digit), "2 us"),
             published=f"{material}: the force reaches {curve.force:g} kN, and the contact lasts {curve.duration:g} us.",
             source="chung2011, curves of its figures as digitised by others",
         )
         yield state(
-            Measured("largest relative deviation of the three", deviation, at_most(WITHIN), "1e"),
+            MeasuredQuantity("largest relative deviation of the three", deviation, at_most(WITHIN), "1e"),
             published="Hertz's theory of impact, with the reduced mass m: largest overlap d = (5 m v^2 / (4 A))^(2/5), "
             "largest force A d^(3/2), duration of the contact 2.943 d / v.",
             source="johnson1985, section 11.4",
@@ -233,7 +233,7 @@ def _restitution(results: Results) -> Statements:
             engine: max(abs(one[engine] - given) for one, given in zip(found, GIVEN, strict=True)) for engine in NAMES
         }
         yield state(
-            Measured("largest deviation", worst, at_most(WITHIN), "1e"),
+            MeasuredQuantity("largest deviation", worst, at_most(WITHIN), "1e"),
             derived=f"{_words(material)}: the sphere leaves the plane with the coefficient of restitution that was "
             f"given, {', '.join(f'{given:g}' for given in GIVEN)}; the dashpot is that of the law `restitution`, whose "
             "force is tensile at the end of the contact.",

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from analysis.loaded_pulse import LoadedPulse, LoadedWave
 from analysis.shape.long_waves import speed_over_sound
 from analysis.trajectory import watch
-from workflow.studies.gallery.criteria import Measured, near, state
+from workflow.studies.gallery.criteria import MeasuredQuantity, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, exponent
 
 
@@ -37,7 +37,7 @@ def _precompressed(results: Results) -> Statements:
         speed, wave = each(lambda run: _wave(run).over_sound, results[name]), _wave(results[name]["reference"])
         required = near(wave.theory, 1e-3, 0.012 * wave.theory)
         yield state(
-            Measured("speed of the wave over that of sound", speed, required, "4"),
+            MeasuredQuantity("speed of the wave over that of sound", speed, required, "4"),
             published="Long-wave theory: V_s / c_0 = sqrt((4/15) (3 + 2 f^(5/3) - 5 f^(2/3))) / (f^(2/3) - 1), f = "
             "F_m / F_0.",
             source="nesterenko2001",
@@ -89,7 +89,7 @@ def _edges(results: Results, scene: str, edges: Sequence[Edge], source: str) -> 
     for place, (edge, published, derived) in zip(PLACES, edges, strict=True):
         found = {engine: float(one[place]) for engine, one in bands.items()}
         yield state(
-            Measured("angular frequency of the edge", found, near(edge, resolved), "4"),
+            MeasuredQuantity("angular frequency of the edge", found, near(edge, resolved), "4"),
             published=published,
             source=source,
             derived=f"{derived}; the spectrum resolves {resolved:.4f}.",
@@ -176,7 +176,7 @@ def _resonators(results: Results) -> Statements:
     """The edges of the bands, and the decay in the gap."""
     yield from _edges(results, "kicked", OF_RESONATORS, "kim2014, abstract")
     yield state(
-        Measured("ratio", each(_ratio, results["driven"]), near(RATIO, 1e-4), "6"),
+        MeasuredQuantity("ratio", each(_ratio, results["driven"]), near(RATIO, 1e-4), "6"),
         derived=f"A drive in the gap, at an angular frequency of {DRIVE:g}, moves each bead "
         f"-exp(-arccosh(m omega^2 / (2 K) - 1)) = {RATIO:.6f} times as far as the bead before, with the effective "
         "mass m = 1 + m2 w^2 / (w^2 - omega^2).",
@@ -225,13 +225,13 @@ def _gravity(results: Results) -> Statements:
     speed = each(_phase_velocity, results["column"])
     between = f"beads {DEPTHS[0]:g} to {DEPTHS[-1]:g}"
     yield state(
-        Measured(f"exponent of the leading peak, {between}", falls, near(-0.25, 0.005, 0.02), "4"),
+        MeasuredQuantity(f"exponent of the leading peak, {between}", falls, near(-0.25, 0.005, 0.02), "4"),
         published="The velocity of the leading peak falls as depth^(-0.250).",
         source="hong1998, abstract",
         correction=f"Down to {DEPTHS[-1]:g} beads it falls a little more slowly: the pulse still becomes broader.",
     )
     yield state(
-        Measured(f"exponent of the speed, {between}", speed, near(1.0 / 6.0, 0.005, 0.02), "4"),
+        MeasuredQuantity(f"exponent of the speed, {between}", speed, near(1.0 / 6.0, 0.005, 0.02), "4"),
         published="The phase velocity grows as depth^(1/2 (1 - 1/p)), p being the exponent of the contact force.",
         source="hong1999, abstract",
         derived="p = 3/2: exponent 1/6.",

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from analysis.contacts import YieldMeter
 from analysis.trajectory import Floats, watch
 from lammps_inputs.laws.plastic import restitution_of
-from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, by_engine, near, state
+from workflow.studies.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.studies.gallery.entry import (
     COLOURS,
     PUBLISHED,
@@ -75,29 +75,33 @@ def _plastic(results: Results) -> Statements:
     )
     single, plastic, elastic = (results[name] for name in ("chain", "two-plastic", "two-elastic"))
     early, late = (each(functools.partial(_force_exponent, *ends), single) for ends in ((5, 20), (60, 80)))
-    amplitude = Measured("amplitude at bead 100", each(lambda run: run.peak(100), plastic), near(0.0641, 5e-4), "4 V")
+    amplitude = MeasuredQuantity(
+        "amplitude at bead 100", each(lambda run: run.peak(100), plastic), near(0.0641, 5e-4), "4 V"
+    )
     yield state(
-        Measured("largest deviation from Thornton's closed form", worst, at_most(1e-3), "1e"),
+        MeasuredQuantity("largest deviation from Thornton's closed form", worst, at_most(1e-3), "1e"),
         derived="The restitution of two beads follows from their velocity over that at yield, over four decades.",
     )
     yield state(
-        Measured("exponent between 500 and 5000 times the velocity at yield", slope, near(-0.25, 2e-3), "4"),
+        MeasuredQuantity("exponent between 500 and 5000 times the velocity at yield", slope, near(-0.25, 2e-3), "4"),
         derived="Far beyond yield the restitution falls as v^(-1/4).",
     )
     yield state(
-        Measured("pulses that pass bead 40", each(lambda run: run.train(40).pulses, single), at_least(2.0), "0"),
+        MeasuredQuantity(
+            "pulses that pass bead 40", each(lambda run: run.train(40).pulses, single), at_least(2.0), "0"
+        ),
         published="In elasto-plastic chains energy dissipation leads to the formation of wave trains.",
         source="pal2013, abstract",
     )
     yield state(
-        Measured("exponent, contacts 5 to 20", early, at_most(-0.6), "3"),
-        Measured("contacts 60 to 80", late, at_least(-0.5), "3"),
+        MeasuredQuantity("exponent, contacts 5 to 20", early, at_most(-0.6), "3"),
+        MeasuredQuantity("contacts 60 to 80", late, at_least(-0.5), "3"),
         derived="The largest force falls along the chain, and the more slowly the nearer its overlap comes to that "
         "at yield, below which no energy is lost: there is no one power law.",
     )
     yield state(
-        Measured("bead from which on amplitudes agree to 1 %", each(_agree, plastic), near(33.0, 1.0), "0"),
-        Measured("of elastic chains", each(_agree, elastic), near(62.0, 1.0), "0"),
+        MeasuredQuantity("bead from which on amplitudes agree to 1 %", each(_agree, plastic), near(33.0, 1.0), "0"),
+        MeasuredQuantity("of elastic chains", each(_agree, elastic), near(62.0, 1.0), "0"),
         derived="Two coupled plastic chains reach equipartition, and earlier than elastic ones: the larger wave "
         "loses more.",
         also=[amplitude.line()],
@@ -166,8 +170,8 @@ def _rosas(results: Results) -> Statements:
     maxima = "maxima of the velocity along the chain"
     second = each(lambda run: _tops(run)[-1][1] / _tops(run)[0][1], two)
     yield state(
-        Measured(maxima, each(lambda run: len(_tops(run)), two), near(2.0, 0.0), "0"),
-        Measured("last over first maximum", second, at_most(1.0), "3"),
+        MeasuredQuantity(maxima, each(lambda run: len(_tops(run)), two), near(2.0, 0.0), "0"),
+        MeasuredQuantity("last over first maximum", second, at_most(1.0), "3"),
         published="At low viscosity the disturbance has two parts: an attenuating solitary wave and a broad "
         "wave behind it.",
         source="rosas2008, abstract",
@@ -175,14 +179,14 @@ def _rosas(results: Results) -> Statements:
         also=by_engine(each(_tops, two), _said),
     )
     yield state(
-        Measured(maxima, each(lambda run: len(_tops(run)), strong), near(1.0, 0.0), "0"),
+        MeasuredQuantity(maxima, each(lambda run: len(_tops(run)), strong), near(1.0, 0.0), "0"),
         published="Beyond a critical viscosity the two waves merge into one with a monotonic front.",
         source="rosas2007, abstract",
         derived=f"Here at a coefficient of {STRONG:g}; the critical value is not in the abstract.",
         also=by_engine(each(_tops, strong), _said),
     )
     yield state(
-        Measured(
+        MeasuredQuantity(
             "slope over the coefficient", each(functools.partial(_slope, 0.2, WEAK), weak), near(-0.10586, 1e-3, 2e-3)
         ),
         derived="For weak damping the peak velocity to the power 1/5 falls linearly along the chain, by 0.10586 "
@@ -229,7 +233,7 @@ def _kuwabara_kono(results: Results) -> Statements:
     for name, coefficient in VISCOELASTIC.items():
         rise = each(functools.partial(_slope, -0.2, coefficient), results[name])
         yield state(
-            Measured("rise a bead over the coefficient", rise, near(0.07577, 1e-3, 4e-3)),
+            MeasuredQuantity("rise a bead over the coefficient", rise, near(0.07577, 1e-3, 4e-3)),
             derived="For weak damping the peak velocity to the power -1/5 rises linearly along the chain, by "
             f"0.07577 times the coefficient a bead (exact wave; here {coefficient:g}).",
             correction="Derived for vanishing damping.",

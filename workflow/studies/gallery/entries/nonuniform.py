@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from analysis.shape.exact_wave import solitary_wave
 from lammps_inputs import laws, physics
-from workflow.studies.gallery.criteria import Measured, at_least, at_most, by_engine, near, state
+from workflow.studies.gallery.criteria import MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.studies.gallery.entry import (
     COLOURS,
     PUBLISHED,
@@ -46,7 +46,7 @@ def _tapered(results: Results) -> Statements:
     for name, taper in TAPERS.items():
         share = _hard_spheres(taper)
         yield state(
-            Measured("share of the energy", each(_arrives, results[name]), near(share, 0.005, 0.06), "4"),
+            MeasuredQuantity("share of the energy", each(_arrives, results[name]), near(share, 0.005, 0.06), "4"),
             published="Hard spheres: the last of n beads gets [4 f / (1 + f)^2]^(n - 1) of the energy.",
             source="doney2005, as quoted",
             derived=f"n = {BEADS}, each {taper:.0%} smaller, f = (1 - {taper:g})^3: {share:.4f}, taken for Hertzian "
@@ -60,14 +60,14 @@ def _tapered(results: Results) -> Statements:
         for smaller, larger in pairwise(TAPERS)
     }
     yield state(
-        *(Measured(what, fall, at_most(1.0), "4") for what, fall in falls.items()),
+        *(MeasuredQuantity(what, fall, at_most(1.0), "4") for what, fall in falls.items()),
         derived="The larger the taper, the smaller the share of the energy that arrives.",
     )
     for name, taper in TAPERS.items():
         growth = (2.0 / (1.0 + (1.0 - taper) ** 3)) ** (LAST - FIRST)
         found = each(lambda run: run.peak(LAST) / run.peak(FIRST), results[name])
         yield state(
-            Measured("ratio of the velocities", found, near(growth, 0.01 * growth, 0.2 * growth), "4"),
+            MeasuredQuantity("ratio of the velocities", found, near(growth, 0.01 * growth, 0.2 * growth), "4"),
             published="The binary collision approximation gives quantitatively accurate results.",
             source="harbola2009, abstract",
             derived=f"Taper {taper:.0%}: from bead {FIRST} to {LAST} the velocity grows by the factor {growth:.4f}; "
@@ -130,24 +130,24 @@ def _graded(results: Results) -> Statements:
     """Velocity, force and speed behind a slow ramp; how much a steeper one scatters."""
     source, slow = "chaunsali2018, abstract", results["ramp-100"]
     yield state(
-        Measured("change of the peak velocity", each(_change, slow), near(0.0, 2e-3)),
+        MeasuredQuantity("change of the peak velocity", each(_change, slow), near(0.0, 2e-3)),
         published="The gradient in stiffness accelerates the impulse wave without a significant scattering.",
         source=source,
         derived="A pulse that keeps its momentum and energy keeps its velocity V_m, as all beads have one mass.",
     )
     yield state(
-        Measured("exponent", each(_force_exponent, slow), near(0.4, 1e-3), "4"),
+        MeasuredQuantity("exponent", each(_force_exponent, slow), near(0.4, 1e-3), "4"),
         published="The gradient in stiffness results in the scaling of contact forces along the chain.",
         source=source,
         derived="F_m grows as A^(2/5) V_m^(6/5), so as A^0.4.",
     )
     yield state(
-        Measured("exponent", each(_speed_exponent, slow), near(0.4, 1e-3), "4"),
+        MeasuredQuantity("exponent", each(_speed_exponent, slow), near(0.4, 1e-3), "4"),
         derived="The speed grows as A^(2/5) V_m^(1/5), so as A^0.4.",
     )
     for name, contacts in (("ramp-10", "10 contacts"), ("jump", "1 contact")):
         yield state(
-            Measured("change of the peak velocity", each(_change, results[name]), near(0.0, 2e-3, 0.1)),
+            MeasuredQuantity("change of the peak velocity", each(_change, results[name]), near(0.0, 2e-3, 0.1)),
             derived=f"A ramp over {contacts} does not change the velocity.",
             correction="The pulse is about five beads long: a shorter ramp scatters it.",
         )
@@ -209,7 +209,9 @@ def _impurity(results: Results) -> Statements:
     above = each(lambda run: _frequency(run) / (float(run.speed(60, 75)) / width), results["mass-0.1"])
     slope = each(lambda *runs: exponent(np.array([*map(_frequency, runs)]), np.array([*LIGHT.values()])), *light)
     yield state(
-        Measured("frequency of mass 0.1 over one over the time in which the wave passes", above, at_least(1.0), "2"),
+        MeasuredQuantity(
+            "frequency of mass 0.1 over one over the time in which the wave passes", above, at_least(1.0), "2"
+        ),
         published="A light intruder oscillates while the wave passes, at frequencies above the wave's spectrum.",
         source="job2009, abstract",
         also=[
@@ -219,7 +221,7 @@ def _impurity(results: Results) -> Statements:
         ],
     )
     yield state(
-        Measured("exponent", slope, near(-0.5, 0.02, 0.1), "3"),
+        MeasuredQuantity("exponent", slope, near(-0.5, 0.02, 0.1), "3"),
         published="The frequency follows from dimensional analysis.",
         source="job2009, abstract",
         derived="Contacts of unchanged stiffness: frequency as mass^(-1/2).",
@@ -228,8 +230,8 @@ def _impurity(results: Results) -> Statements:
     two, eight = (results[name] for name in HEAVY)
     weaker = each(lambda one, other: _passed(other) / _passed(one), two, eight)
     yield state(
-        Measured("mass 2: transmitted over incident velocity", each(_passed, two), at_most(1.0)),
-        Measured("mass 8: the same, over that of mass 2", weaker, at_most(1.0)),
+        MeasuredQuantity("mass 2: transmitted over incident velocity", each(_passed, two), at_most(1.0)),
+        MeasuredQuantity("mass 8: the same, over that of mass 2", weaker, at_most(1.0)),
         derived="A heavy bead reflects part of the wave, the more the heavier it is, and transmits a train of "
         "weaker waves.",
     )

@@ -14,8 +14,8 @@ from functools import cache
 
 import numpy as np
 
-from analysis.figures.engines import Curve, PublishedPoint, engines_figure, relative_mode_figure, scan_figure
-from analysis.files.events import Events
+from analysis.figures.engines import EngineCurve, PublishedPoint, engines_figure, relative_mode_figure, scan_figure
+from analysis.files.events import Collisions
 from analysis.sharing import impulses
 from analysis.sharing.impulses import Impulses, relative_difference
 from analysis.trajectory import Floats, Integers, Trajectory
@@ -25,9 +25,9 @@ from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines import collisions
 from workflow.engines.collisions.modes import THETA_OF_EQ_5
 from workflow.engines.reference import engine as reference
-from workflow.studies.gallery.criteria import Measured, at_least, at_most, near, state
+from workflow.studies.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.studies.gallery.entry import Entry, Results, Statements
-from workflow.study_kit.page import Picture, drawn
+from workflow.study_kit.page import PageFigure, drawn
 
 AGREE = 0.01
 """Relative difference of the chains' impulses up to which they count as equal (the paper: "identical")."""
@@ -74,7 +74,7 @@ def rigid_impulses(problem: Problem) -> Impulses:
 
 
 def _impulses(problem: Problem, found: collisions.CollisionRun) -> Impulses:
-    return impulses.from_events(problem, Events(found.time, found.chain, found.row, found.striker, found.target))
+    return impulses.from_events(problem, Collisions(found.time, found.chain, found.row, found.striker, found.target))
 
 
 def hertz_impulses(problem: Problem) -> Impulses:
@@ -82,7 +82,7 @@ def hertz_impulses(problem: Problem) -> Impulses:
     return impulses.measure(problem, reference.blocks(problem))
 
 
-def curves(problem: Problem, rows: Sequence[int]) -> list[Curve]:
+def curves(problem: Problem, rows: Sequence[int]) -> list[EngineCurve]:
     """Velocities over time and first impulses of rows of rigid beads (exact) and of Hertz beads (reference)."""
     place = [int(np.flatnonzero(problem.recorded_beads == row)[0]) for row in rows]
     rigid = collisions.run(problem)
@@ -94,7 +94,7 @@ def curves(problem: Problem, rows: Sequence[int]) -> list[Curve]:
     for name, (blocks, one) in models.items():
         parts = [(block.time, block.velocity[:, :, place].copy()) for block in blocks]
         time, velocity = (np.concatenate(column) for column in zip(*parts, strict=True))
-        found.append(Curve(name, time, velocity, one.bead, one.first))
+        found.append(EngineCurve(name, time, velocity, one.bead, one.first))
     return found
 
 
@@ -131,7 +131,9 @@ def _sharing_in_the_first_row() -> Statements:
     first = first_row(THETA_OF_EQ_5)
     later = {"rigid beads": float(first.phase[1] - first.phase[0]) / np.pi}
     yield state(
-        Measured("time between the first collisions of the two chains, omega t / pi", later, near(0.0, 1e-6), "6"),
+        MeasuredQuantity(
+            "time between the first collisions of the two chains, omega t / pi", later, near(0.0, 1e-6), "6"
+        ),
         published="At the gap of eq. 5 the first row has shared its energy equally when it collides.",
         source="starosvetsky2013, sentence after eq. 5",
         derived="By eqs 3 and 4 the energy is shared equally if velocities and displacements of the two beads are "
@@ -209,8 +211,8 @@ def _partition_of_rigid_beads(rigid: Impulses) -> Statements:
     what = "difference of the impulses at the gap of eq. 5"
     apart = {row: {"rigid beads": float(relative_difference(rigid.first)[rigid.row(row)])} for row in ROWS}
     yield state(
-        *(Measured(f"{what}, row {row}", found, at_most(0.01), "3") for row, found in apart.items()),
-        Measured("gaps at which rows 20 to 30 agree within 1%", keeping, at_least(1.0), "0"),
+        *(MeasuredQuantity(f"{what}, row {row}", found, at_most(0.01), "3") for row, found in apart.items()),
+        MeasuredQuantity("gaps at which rows 20 to 30 agree within 1%", keeping, at_least(1.0), "0"),
         published="Rigid beads: the pulse is partitioned equally among the chains.",
         source="starosvetsky2013, Figs 8 and 9, rows 5 and 25",
         derived=EQUAL,
@@ -279,7 +281,7 @@ def _partition_of_hertz_beads(hertz: dict[float, Impulses]) -> Statements:
     modes = {f"kappa = {kappa:g}": relative_mode(found, 10, LAST) for kappa, found in hertz.items()}
     since = {name: math.nan if mode.equal_from is None else mode.equal_from for name, mode in modes.items()}
     yield state(
-        Measured("row from which on impulses agree within 1%", since, at_most(LAST), "0"),
+        MeasuredQuantity("row from which on impulses agree within 1%", since, at_most(LAST), "0"),
         published="Beads with gaps and Hertzian contacts (eq. 2) reach equipartition.",
         source="starosvetsky2013, eq. 2, Figs 8 and 9",
         derived=f"{EQUAL} Contacts have a duration, in which the springs act; that equalises the chains.",
@@ -335,8 +337,8 @@ def _limit() -> Statements:
     rates = {f"row {bead}": float(rate) for bead, rate in zip(limit.bead, limit.rate, strict=True)}
     within, rows = at_most(0.01, math.inf), f"rows 2 to {limit.bead[-1]}"
     yield state(
-        Measured(f"largest difference of the impulses in {rows}", worst, within, "3"),
-        Measured("exponent of the difference in kappa", rates, near(0.5, 0.05), "2"),
+        MeasuredQuantity(f"largest difference of the impulses in {rows}", worst, within, "3"),
+        MeasuredQuantity("exponent of the difference in kappa", rates, near(0.5, 0.05), "2"),
         published="The rigid model represents the gapped array.",
         source="starosvetsky2013, section 3",
         derived="A contact lasts 2.44 T and a period of the springs 2 pi T / sqrt(2 kappa): at fixed theta (here 1) "
@@ -358,7 +360,7 @@ def statements(_: Results) -> Statements:
     yield from _limit()
 
 
-def pictures(_: Results) -> list[Picture]:
+def pictures(_: Results) -> list[PageFigure]:
     """Figs 8 and 9, the scan and the relative mode."""
     swept, (hertz, rigid) = _scan(), _both_models()
     found = []

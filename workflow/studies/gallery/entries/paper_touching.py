@@ -10,10 +10,10 @@ from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
 from analysis.figures.waves import response_figure
 from analysis.sharing.equipartition import Estimate, Sharing, sharing
 from analysis.trajectory import watch
-from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, by_engine, near, state
+from workflow.studies.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.studies.gallery.entry import Entry, Ran, Results, Statements, each
 from workflow.studies.gallery.equipartition_distance import distance_map, equipartition_distance
-from workflow.study_kit.page import Picture, drawn
+from workflow.study_kit.page import PageFigure, drawn
 
 CASES = (("two-chains", 55, "1", "2"), ("two-chains-strong", 55, "3", "4"), ("three-chains", 90, "5", "6"))
 """Scene, the bead of the paper's figure, and the numbers of its figures in space and time and of that bead."""
@@ -30,7 +30,7 @@ def statements(results: Results) -> Statements:
     final = each(lambda run: _final(run).value, two)
     settled, apart = final["reference"], each(lambda run: _mismatch(run, 55), two)
     yield state(
-        Measured("final amplitude", final, near(0.4, 0.025, 0.05), "4 V"),
+        MeasuredQuantity("final amplitude", final, near(0.4, 0.025, 0.05), "4 V"),
         published="N = 2, kappa = 0.1: the amplitude settles near 40% of V, a reduction of some 60%.",
         source=f"{PAPER}, Figs 1 and 2",
         derived=COARSE,
@@ -43,14 +43,14 @@ def statements(results: Results) -> Statements:
     ):
         reduction = each(lambda run: 1.0 - _final(run).value, those)
         yield state(
-            Measured("reduction of the final amplitude", reduction, near(claimed, 0.025), "4"),
+            MeasuredQuantity("reduction of the final amplitude", reduction, near(claimed, 0.025), "4"),
             published=says,
             source=f"{PAPER}, {figures}",
             derived=COARSE,
             also=by_engine(those, _final_line),
         )
     yield state(
-        Measured("difference of the peaks at bead 55, kappa = 0.1", apart, at_most(0.01, 0.05), "4"),
+        MeasuredQuantity("difference of the peaks at bead 55, kappa = 0.1", apart, at_most(0.01, 0.05), "4"),
         published="The waves in the chains are identical.",
         source=f"{PAPER}, section 2",
         derived="Identical: the peaks differ by at most 1% of their mean.",
@@ -62,7 +62,7 @@ def statements(results: Results) -> Statements:
         for name, bead, _, _ in CASES
     }
     yield state(
-        *(Measured(what, lag, at_most(0.1), "4 T") for what, lag in lags.items()),
+        *(MeasuredQuantity(what, lag, at_most(0.1), "4 T") for what, lag in lags.items()),
         published="The waves are synchronised.",
         source=f"{PAPER}, section 2",
         derived="Synchronised: arrivals differ by at most 0.1 T.",
@@ -83,8 +83,8 @@ def _beyond(two: Mapping[str, float], strong: Mapping[str, float]) -> Statements
     ratio = {engine: strong[engine] / amplitude for engine, amplitude in two.items()}
     since = {f"N = {case.chains}": math.nan if case.within_1 is None else case.within_1 for case in more}
     yield state(
-        Measured("final amplitude at kappa = 0.5 over that at 0.1", ratio, at_least(0.95), "4"),
-        Measured("weaker coupling, over that at 0.1", far, at_least(0.95, -math.inf), "4"),
+        MeasuredQuantity("final amplitude at kappa = 0.5 over that at 0.1", ratio, at_least(0.95), "4"),
+        MeasuredQuantity("weaker coupling, over that at 0.1", far, at_least(0.95, -math.inf), "4"),
         published="The final waves hardly depend on the coupling.",
         source=f"{PAPER}, section 2",
         derived="Required: a change of at most 5%; beyond the couplings of the paper a correction is enough.",
@@ -93,7 +93,7 @@ def _beyond(two: Mapping[str, float], strong: Mapping[str, float]) -> Statements
         also=[f"kappa = {case.kappa:g}: {case.amplitude:.4f} V, {_within('1%', case.within_1)}" for case in weaker],
     )
     yield state(
-        Measured("bead from which on peaks agree within 1%", since, at_least(1.0), "0"),
+        MeasuredQuantity("bead from which on peaks agree within 1%", since, at_least(1.0), "0"),
         published="Equipartition is robust in the number of chains.",
         source=f"{PAPER}, section 2",
         derived="kappa = 0.1, N = 2 to 8; required is that there is such a bead.",
@@ -139,7 +139,7 @@ def _within(tolerance: str, bead: int | None) -> str:
     return f"within {tolerance} from bead {bead} on"
 
 
-def pictures(runs: Results) -> list[Picture]:
+def pictures(runs: Results) -> list[PageFigure]:
     """The paper's Figs 1 to 6, and the map of the distance to equipartition."""
     found = []
     for name, bead, space, time in CASES:

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.criteria import Measured, at_least, at_most, by_engine, near, state
+from workflow.studies.gallery.criteria import MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.studies.gallery.entry import Entry, Ran, Results, Statements, chain, each, line
 
 # --- a collision of equal waves ---------------------------------------------------------------------------------------
@@ -39,15 +39,15 @@ def _collision(results: Results) -> Statements:
     alone, even, odd = (results[name] for name in ("alone", "even", "odd"))
     early = each(lambda one, two: one.arrival(PASSED) - _after(two)[0], alone, even)
     ratio = each(lambda one, other: _secondary(one) / _secondary(other), even, odd)
-    secondary_odd = Measured("odd number of beads", each(_secondary, odd), at_least(0.0), "5 V")
+    secondary_odd = MeasuredQuantity("odd number of beads", each(_secondary, odd), at_least(0.0), "5 V")
     yield state(
-        Measured("energy lost by each wave, even number of beads", each(_lost, even), at_most(0.01), "6"),
-        Measured("odd number of beads", each(_lost, odd), at_most(0.01), "6"),
+        MeasuredQuantity("energy lost by each wave, even number of beads", each(_lost, even), at_most(0.01), "6"),
+        MeasuredQuantity("odd number of beads", each(_lost, odd), at_most(0.01), "6"),
         published="Solitary waves collide almost elastically.",
         source="ahnert2009, abstract",
     )
     yield state(
-        Measured(
+        MeasuredQuantity(
             "largest velocity behind the wave, even number of beads", each(_secondary, even), at_least(0.01), "5 V"
         ),
         published="Two secondary solitary waves emerge from the region where equal waves collide.",
@@ -55,12 +55,12 @@ def _collision(results: Results) -> Statements:
         also=[secondary_odd.line()],
     )
     yield state(
-        Measured("velocity for an even over that for an odd number of beads", ratio, at_least(1.0), "2"),
+        MeasuredQuantity("velocity for an even over that for an odd number of beads", ratio, at_least(1.0), "2"),
         published="Secondary waves are stronger in chains with an even number of beads, where waves meet in a contact.",
         source="santibanez2011, abstract",
     )
     yield state(
-        Measured(f"arrival at bead {PASSED} before that of a single wave by", early, at_least(0.01), "3 T"),
+        MeasuredQuantity(f"arrival at bead {PASSED} before that of a single wave by", early, at_least(0.01), "3 T"),
         published="The collision introduces a phase shift.",
         source="santibanez2011, abstract",
     )
@@ -119,7 +119,7 @@ def _wall(results: Results) -> Statements:
     soft, rigid = (each(lambda run: _back(run)[0], results[name]) for name in ("soft", "rigid"))
     yield state(
         *(
-            Measured(
+            MeasuredQuantity(
                 f"{name}: force on the wall over that in the chain", ratio[name], at_least(max(ratio[softer].values()))
             )
             for softer, name in pairwise(WALLS)
@@ -130,7 +130,7 @@ def _wall(results: Results) -> Statements:
         also=by_engine(ratio["soft"], "{:.5f}".format, "soft, "),
     )
     yield state(
-        Measured(f"time to return to bead {SEEN}, soft", soft, at_least(max(rigid.values())), "3 T"),
+        MeasuredQuantity(f"time to return to bead {SEEN}, soft", soft, at_least(max(rigid.values())), "3 T"),
         published="Soft walls slow the reflection.",
         source="przedborski2015, abstract",
         also=by_engine(rigid, "{:.3f} T".format, "rigid, "),
@@ -138,7 +138,7 @@ def _wall(results: Results) -> Statements:
     for wall, value, says in MIRRORS:
         back = each(lambda run: _back(run)[1], results[wall])
         yield state(
-            Measured("reflected over incident velocity", back, near(value, 1e-4)),
+            MeasuredQuantity("reflected over incident velocity", back, near(value, 1e-4)),
             derived=f"{says}: by mirror symmetry the reflected wave has {value} of the velocity of the incident "
             f"one at bead {SEEN}, as in the entry on collisions.",
         )

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from analysis.shape.exact_wave import nesterenko, solitary_wave
 from analysis.trajectory import Floats
-from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, by_engine, near, state
+from workflow.studies.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.studies.gallery.entry import (
     COLOURS,
     PUBLISHED,
@@ -44,7 +44,7 @@ def _kicked(results: Results) -> Statements:
         ("velocity of the last bead at the end", last, 0.986, "The last ball leaves the chain with 0.986 V."),
         ("velocity of bead 1 at the end", first, -0.071, "The impacting ball rebounds with 0.071 V."),
     ):
-        measured = Measured(what, found, near(value, 5e-4), "5 V")
+        measured = MeasuredQuantity(what, found, near(value, 5e-4), "5 V")
         yield state(measured, published=published, source="hinch1999, as quoted")
 
 
@@ -93,7 +93,7 @@ def _nesterenko(results: Results) -> Statements:
     theory, exact = nesterenko(), solitary_wave()
     width = HALF * theory.width
     yield state(
-        Measured("speed over V_m^(1/5)", each(_speed, single), near(theory.speed, 1e-4, 0.01)),
+        MeasuredQuantity("speed over V_m^(1/5)", each(_speed, single), near(theory.speed, 1e-4, 0.01)),
         published="Long-wave theory: a compact wave overlap^(1/2) = 5/4 (c cos)^2, velocity = c overlap.",
         source="nesterenko2001, ch. 1",
         derived=f"c = (4/5)^(2/5) V_m^(1/5) = {theory.speed:.4f} V_m^(1/5) beads per unit time.",
@@ -101,7 +101,7 @@ def _nesterenko(results: Results) -> Statements:
     )
     measured = each(lambda run: run.width(BEAD), single)
     yield state(
-        Measured("full width at half maximum", measured, near(width, 0.005, 0.25), "3 beads"),
+        MeasuredQuantity("full width at half maximum", measured, near(width, 0.005, 0.25), "3 beads"),
         published="The wave is cos^4, five beads wide.",
         source="nesterenko1983",
         derived=f"End to end 5 pi / sqrt(10) = {theory.width:.2f} beads, {width:.3f} at half the maximum.",
@@ -113,7 +113,7 @@ def _nesterenko(results: Results) -> Statements:
     ):
         exponents = {engine: exponent(found[1], found[place]) for engine, found in train.items()}
         yield state(
-            Measured("exponent", exponents, near(power, 0.002), "4"),
+            MeasuredQuantity("exponent", exponents, near(power, 0.002), "4"),
             published=f"The speed grows as the {root}.",
             source="nesterenko1983",
         )
@@ -179,14 +179,14 @@ def _exact(results: Results) -> Statements:
     series, tails = each(lambda run: np.max(np.abs(_deviation(run)[1])), runs), each(_tail, runs)
     rise, last = float(np.max(np.diff(tails["reference"]))), float(tails["reference"][-1])
     yield state(
-        Measured("largest difference, in A", series, at_most(5e-4), "6"),
+        MeasuredQuantity("largest difference, in A", series, at_most(5e-4), "6"),
         published="The displacement of a bead is A/2 (1 - tanh(f/2)), f = 2.39536 x + 0.268529 x^3 + 0.0061347 "
         "x^5 (x in beads).",
         source="sen2001, as quoted",
     )
     yield state(
-        Measured("factor at the farthest bead", {"reference": last}, near(1.5, 0.03), "3"),
-        Measured("largest change of the factor from bead to bead", {"reference": rise}, at_most(0.0), "3"),
+        MeasuredQuantity("factor at the farthest bead", {"reference": last}, near(1.5, 0.03), "3"),
+        MeasuredQuantity("largest change of the factor from bead to bead", {"reference": rise}, at_most(0.0), "3"),
         published="The tails of the wave fall off super-exponentially.",
         source="ahnert2009, abstract",
         derived="With each bead farther ahead of the wave the logarithm of the velocity falls faster, by a "
@@ -194,7 +194,7 @@ def _exact(results: Results) -> Statements:
         also=by_engine(tails, lambda tail: ", ".join(f"{value:.3f}" for value in tail), "factors, "),
     )
     yield state(
-        Measured("speed over V_m^(1/5)", each(_speed, runs), near(exact.speed, 2e-5), "6"),
+        MeasuredQuantity("speed over V_m^(1/5)", each(_speed, runs), near(exact.speed, 2e-5), "6"),
         published="The travelling-wave equation c^2 r = Lambda * r^(3/2) is solved by iteration.",
         source="ahnert2009, abstract",
         derived=f"The iteration converges to c = {exact.speed:.6f} V_m^(1/5) beads per unit time.",
@@ -245,21 +245,21 @@ def _trains(results: Results) -> Statements:
     steepest = {engine: float(one.max()) for engine, one in ratios.items()}
     for name, beads in LAUNCHED.items():
         yield state(
-            Measured("number of waves", count[name], near(beads, 0.0), "0"),
+            MeasuredQuantity("number of waves", count[name], near(beads, 0.0), "0"),
             published="When m grains hit a chain, m solitons are generated.",
             source="multisoliton2003, abstract",
             derived=f"m = {beads}; counted at bead {PASSED}, from {LEAST} V on.",
             also=lines[name],
         )
     yield state(
-        Measured("number of waves", count["striker-4"], at_least(4.0), "0"),
-        Measured("largest ratio of a wave to the one before", steepest, at_most(1.0), "3"),
+        MeasuredQuantity("number of waves", count["striker-4"], at_least(4.0), "0"),
+        MeasuredQuantity("largest ratio of a wave to the one before", steepest, at_most(1.0), "3"),
         published="The impact of a large striker generates a train of solitary waves ordered by decreasing amplitude.",
         source="job2007, abstract",
         also=lines["striker-4"],
     )
     yield state(
-        Measured("range of the ratios over their mean", spread, at_most(0.1, 0.25), "3"),
+        MeasuredQuantity("range of the ratios over their mean", spread, at_most(0.1, 0.25), "3"),
         published="The force at the end of the chain unloads nearly exponentially.",
         source="job2007, abstract",
         derived="Velocities of the train form nearly a geometric series.",
