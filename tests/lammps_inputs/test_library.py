@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from strategies import VALUES, YAML_LIKE
 
 from lammps_inputs import (
+from lammps_inputs.ingredients import registry
     InputError,
     Scene,
     find,
@@ -197,6 +198,6 @@ def test_own_ingredients_that_are_none_are_refused_by_the_name_of_their_module(s
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "bed_of_mine", raising=False)
     with pytest.raises(InputError, match="GRANCHAIN_INGREDIENTS: ") as caught:
-        ingredients._own("bed_of_mine")
+        registry._own("bed_of_mine")
     assert says in str(caught.value)
     assert "'bed_of_mine'" in str(caught.value)
