@@ -9,11 +9,9 @@ from hypothesis import strategies as st
 from strategies import VALUES, YAML_LIKE
 
 from lammps_inputs import (
-from lammps_inputs.ingredients import registry
     InputError,
     Scene,
     find,
-    ingredients,
     library,
     load,
     materials,
@@ -22,6 +20,7 @@ from lammps_inputs.ingredients import registry
     shipped,
     strict_yaml,
 )
+from lammps_inputs.ingredients import registry
 
 PAPER = ["one-chain", "three-chains", "two-chains", "two-chains-steel", "two-chains-strong"]
 

@@ -313,7 +313,9 @@ def test_quantities_are_those_of_an_analysis(tmp_path):
     row = collect(tmp_path).rows[0]
     assert found["agree_10"] is not None
     for name in names:
-        assert found[name] == pytest.approx(row[name], rel=1e-12), name
+        assert found[name] == pytest.approx(row[name], rel=1e-10), (
+            name
+        )  # read between frames at times of other rounding
 
 
 @pytest.mark.parametrize(
