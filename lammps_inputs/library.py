@@ -13,8 +13,8 @@ from pydantic_core import ErrorDetails
 from lammps_inputs import strict_yaml
 from lammps_inputs.errors import InputError
 from lammps_inputs.ingredients.registry import INGREDIENTS
+from lammps_inputs.installed_scenes import installed
 from lammps_inputs.scene import SEVERAL, Scene
-from lammps_inputs.shipped import installed
 from lammps_inputs.window import LEAST_WINDOW
 
 EDITORS = "# yaml-language-server: $schema="

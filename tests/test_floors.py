@@ -14,7 +14,7 @@ BELOW = {
 }
 STAIRS = {  # the lowest first
     "lammps_inputs": ("laws", "ingredients", "limits", "decks", "slurm"),
-    "analysis": ("files", "shape", "tracking", "mda", "against", "sharing", "gauges", "figures"),
+    "analysis": ("files", "shape", "tracking", "mda", "compare", "sharing", "gauges", "figures"),
     "workflow": (
         "engines",
         "workers",

@@ -13,7 +13,7 @@ EXCEPT = {
     "analysis/shape/exact_wave.py": "its own theory, for any exponent",
     "lammps_inputs/limits/solids.py": "where that one law ends",
     "workflow/studies/gallery/entries/impacts.py": "the exact impact of two spheres, to compare with",
-    "analysis/against/common_times.py": "how an interpolation errs where a contact opens",
+    "analysis/compare/common_times.py": "how an interpolation errs where a contact opens",
 }
 FORCES = re.compile(r"laws ?\. ?hertz|Hertz ?\(|gran/hertz|bond_style|bond_coeff|pair_style|spring/self|\*\* ?1\.5\b")
 

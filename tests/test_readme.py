@@ -13,7 +13,7 @@ from synthetic_waves import reference
 from analysis.figures.spacetime import SpaceTime, spacetime_figure
 from analysis.figures.style import picture
 from analysis.trajectory import watch
-from lammps_inputs import shipped
+from lammps_inputs import installed_scenes
 from workflow.formats import written_as
 
 README, SCENES = (
@@ -46,7 +46,7 @@ def test_bars_of_colours_have_the_colours_of_the_figure():
 
 
 @pytest.mark.parametrize(
-    "name", [name for name in shipped.installed() if not name.startswith(("one-", "two-", "three-"))]
+    "name", [name for name in installed_scenes.installed() if not name.startswith(("one-", "two-", "three-"))]
 )
 def test_every_scene_of_an_ingredient_stands_in_the_gallery(name):
     assert f"`{name}`" in README

@@ -34,8 +34,8 @@ from workflow.view import need_bokeh
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from workflow.studies.design.found import DesignResult
-    from workflow.studies.fit.found import Fit
+    from workflow.studies.design.result import DesignResult
+    from workflow.studies.fit.result import Fit
     from workflow.studies.gallery.study import Sections
 
 __all__ = [
@@ -231,7 +231,7 @@ def sweep(
         InputError: a case is no valid scene.
         RunError: the sweep was interrupted.
     """
-    from workflow.sweep.carry_out import sweep as carry_out
+    from workflow.sweep.run_sweep import sweep as carry_out
 
     read = file.from_plain(dict(what), Path("sweep")) if isinstance(what, Mapping) else file.load(Path(what))
     end = carry_out(read, _path(directory), processes=jobs, check=check)

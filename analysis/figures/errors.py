@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from analysis.against.difference import Deviation, ErrorMap
+from analysis.compare.difference import Deviation, ErrorMap
 from analysis.figures.style import (
     CHAIN_COLOURS,
     FrameContent,
@@ -45,7 +45,7 @@ def validation_figure(
 
     Args:
         problem: what was run.
-        errors: see `analysis.against.difference.Difference.error_map`.
+        errors: see `analysis.compare.difference.Difference.error_map`.
         deviations, tolerances: by quantity, dimensionless.
         against: name of what the run was compared with.
     """

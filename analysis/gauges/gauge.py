@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from analysis import hermite, motion
-from analysis.against import common_times
+from analysis.compare import common_times
 from analysis.files.traces import Channel
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem, System, laws, physics

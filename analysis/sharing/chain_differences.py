@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.against.difference import Deviation, DeviationPlace, deviation_of
+from analysis.compare.difference import Deviation, DeviationPlace, deviation_of
 from analysis.files.events import Collisions
 from analysis.sharing.energies import EnergyFlow
 from analysis.sharing.impulses import ImpulseMeter, from_events

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.against.common_times import near_the_front
 from analysis.columns import together
+from analysis.compare.common_times import near_the_front
 from analysis.conservation import energy_input
 from analysis.shape.exact_wave import wave_of
 from analysis.shape.long_waves import LoadedSpeed

@@ -1,6 +1,6 @@
 """Every passage of a compressive pulse at a bead: a maximum over time of its velocity, found between the frames.
 
-`brackets` says where between the frames, and its uncertainty. Reads a run block by block, so its memory does not grow
+`peak_bounds` says where between the frames, and its uncertainty. Reads a run block by block, so its memory does not grow
 with the number of frames; nothing depends on where the blocks begin.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from analysis import hermite
 from analysis.columns import Columns, together
-from analysis.tracking.brackets import NODES, Brackets, bracketed, highest, largest, no_maxima, on_a_grid
+from analysis.tracking.peak_bounds import NODES, Brackets, bracketed, highest, largest, no_maxima, on_a_grid
 from analysis.trajectory import (
     Flags,
     Floats,

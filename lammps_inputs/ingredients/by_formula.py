@@ -16,9 +16,9 @@ from pydantic import (
 
 from lammps_inputs import laws, physics
 from lammps_inputs.ingredients.base import Ingredient
-from lammps_inputs.laws import expression, written
+from lammps_inputs.laws import expression, formula_law
 from lammps_inputs.laws.expression import STRAIN
-from lammps_inputs.laws.written import Force
+from lammps_inputs.laws.formula_law import Force
 from lammps_inputs.system import System
 
 _SPAN = np.geomspace(1e-9, 1e9, 109)
@@ -144,7 +144,7 @@ def multiple_of_strain(force: Force) -> float | None:
 
 
 @functools.lru_cache(maxsize=256)
-def kind_of_contact(force: Force, tension: str | None) -> written.FormulaKind:
+def kind_of_contact(force: Force, tension: str | None) -> formula_law.FormulaKind:
     """How the formula counts s, and whether it is cut where beads are apart.
 
     Raises:
@@ -155,14 +155,14 @@ def kind_of_contact(force: Force, tension: str | None) -> written.FormulaKind:
         raise ValueError("contact.force: has no real value at s = 0, where beads rest; valid: `A/(d+s)^p` with d > 0")
     if rest < 0.0:
         raise ValueError(f"contact.force: is {rest:.6g} at s = 0, so that beads pull each other at rest; at least 0")
-    law = force.law(written.AlongChains)
+    law = force.law(formula_law.AlongChains)
     slopes = [float(law.stiffness(s, *law)) for s in (small, -small)]
     way = 1.0 if slopes[0] > 0.0 or slopes[1] > 0.0 else -1.0
     if not any(abs(slope) > 0.0 for slope in slopes):
         raise ValueError("contact.force: is the same at all s near 0; it should grow as beads come closer")
     if not np.isfinite(slopes[0 if way > 0.0 else 1]):
         raise ValueError("contact.force: falls as beads come closer; it should grow, as A*s^1.5 with A > 0")
-    kind = written.FormulaKind(way, cut=rest == 0.0 if tension is None else tension == "cut")
+    kind = formula_law.FormulaKind(way, cut=rest == 0.0 if tension is None else tension == "cut")
     if not kind.cut and not np.isfinite(slopes[1 if way > 0.0 else 0]):
         if tension is None:
             raise ValueError(
@@ -176,13 +176,13 @@ def kind_of_contact(force: Force, tension: str | None) -> written.FormulaKind:
 
 
 @functools.lru_cache(maxsize=256)
-def power_of_contact(force: Force, kind: written.FormulaKind) -> tuple[float, float, bool]:
+def power_of_contact(force: Force, kind: formula_law.FormulaKind) -> tuple[float, float, bool]:
     """Exponent and constant of ``A s^p``, as which a contact's force begins above that at rest; whether it is that.
 
     Raises:
         ValueError: p is below 1.
     """
-    law = force.law(written.AlongChains, kind)
+    law = force.law(formula_law.AlongChains, kind)
     stiffness = [float(law.stiffness(s, *law)) for s in (SMALL, 2.0 * SMALL)]
     if not 0.999 * stiffness[0] <= stiffness[1] < np.inf:
         raise ValueError("contact.force: is infinitely stiff at s = 0; powers of s from 1 on are valid")
@@ -205,7 +205,7 @@ def refuse_unrest(key: str, force: Force) -> None:
         raise ValueError(f"{key}.force: has no real value at s = 0, where beads rest; add a term to what is divided by")
     if rest:
         raise ValueError(f"{key}.force: is {rest:.6g} at s = 0, where beads rest; it should be 0 there")
-    law = force.law(written.ToGround)
+    law = force.law(formula_law.ToGround)
     slope, beyond = (float(law.stiffness(s, *law)) for s in (SMALL, 4.0 * SMALL))
     if not np.isfinite(slope) or abs(beyond) < 0.999 * abs(slope):
         raise ValueError(f"{key}.force: is infinitely stiff at s = 0; powers of s from 1 on are valid")
@@ -247,10 +247,10 @@ def refuse_reach(key: str, law: Any, system: System, length: float, *, pressed: 
     energy = physics.energy(system)
     law = law._replace(strength=float(np.max(law.strength)))
     for side in (1.0, -1.0):
-        far = written.reach(law, energy, side)
+        far = formula_law.reach(law, energy, side)
         if far == np.inf:
             if pressed and side > 0.0:
-                held = float(np.max(law.energy(written.FARTHEST, *law)))
+                held = float(np.max(law.energy(formula_law.FARTHEST, *law)))
                 raise ValueError(
                     f"{key}.force: holds at most {held / energy:.3g} of the energy of the excitation, so beads would "
                     "pass through each other; slower kicks, or a force that grows further"
@@ -265,7 +265,7 @@ def refuse_reach(key: str, law: Any, system: System, length: float, *, pressed: 
                 f"{key}.force: has no real value from s = {s:.3g} on, which the energy of the excitation reaches; "
                 "slower kicks or other parameters"
             )
-        if written.first_pole(law, side, np.linspace(0.0, 1.001 * far, written.FINE))[1] < np.inf:
+        if formula_law.first_pole(law, side, np.linspace(0.0, 1.001 * far, formula_law.FINE))[1] < np.inf:
             raise ValueError(
                 f"{key}.force: is infinite at s = {s:.3g}, which the energy of the excitation reaches; slower kicks or "
                 "other parameters"

@@ -22,7 +22,7 @@ from lammps_inputs.ingredients.base import Phase, Positive, Rows, ScenePart, Sce
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power
-from lammps_inputs.laws.written import AlongChains, Force, FormulaKind
+from lammps_inputs.laws.formula_law import AlongChains, Force, FormulaKind
 from lammps_inputs.links import Along
 from lammps_inputs.numbers import random_shares
 from lammps_inputs.system import System

@@ -21,8 +21,8 @@ from lammps_inputs.ingredients.base import (
     with_keys,
 )
 from lammps_inputs.laws import Law
+from lammps_inputs.laws.formula_law import AcrossChains, Force
 from lammps_inputs.laws.spring import Duffing, Linear
-from lammps_inputs.laws.written import AcrossChains, Force
 from lammps_inputs.layout import Layout
 from lammps_inputs.links import Across
 from lammps_inputs.system import System

@@ -17,8 +17,8 @@ from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, by_formula
 from lammps_inputs.ingredients.base import Cubic, Phase, Positive, Rows, ScenePart, SceneParts, Stiffness
+from lammps_inputs.laws.formula_law import ToGround
 from lammps_inputs.laws.spring import Duffing, Linear, Varying
-from lammps_inputs.laws.written import ToGround
 from lammps_inputs.links import Ground
 from lammps_inputs.numbers import number_or_array
 from lammps_inputs.system import System

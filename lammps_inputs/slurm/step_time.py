@@ -5,8 +5,8 @@ measured on one core with 100 to a million beads, except where a comment says th
 """
 
 from lammps_inputs import physics
+from lammps_inputs.laws.formula_law import AcrossChains, AlongChains
 from lammps_inputs.laws.in_time import TabulatedForce
-from lammps_inputs.laws.written import AcrossChains, AlongChains
 from lammps_inputs.problem import Problem
 
 LONE_BEAD = 10e-9

@@ -7,7 +7,7 @@ import key_tables
 import pytest
 
 import lammps_inputs
-from lammps_inputs import handbook, library, references, shipped
+from lammps_inputs import handbook, installed_scenes, library, references
 from lammps_inputs.ingredients.registry import INGREDIENTS
 from lammps_inputs.scene import BaseScene, Scene
 
@@ -22,7 +22,7 @@ def test_tables_of_keys_are_those_of_the_types_and_references_those_of_the_bibli
     assert key_tables.renewed(page) == page, "run `python tests/support/key_tables.py`"
 
 
-@pytest.mark.parametrize("name", shipped.installed())
+@pytest.mark.parametrize("name", installed_scenes.installed())
 def test_what_a_scene_cites_is_in_the_bibliography(name):
     cited = references.of_scene(library.find(name))
     assert {key for keys in cited.values() for key in keys} <= set(references.bibtex())

@@ -12,12 +12,12 @@ from lammps_inputs import (
     InputError,
     Scene,
     find,
+    installed_scenes,
     library,
     load,
     materials,
     physics,
     references,
-    shipped,
     strict_yaml,
 )
 from lammps_inputs.ingredients import registry
@@ -101,10 +101,10 @@ def test_any_positive_numbers_give_a_scene_or_one_line(numbers):
 
 
 def test_the_scenes_of_the_paper_are_installed():
-    assert set(shipped.installed()) >= set(PAPER)
+    assert set(installed_scenes.installed()) >= set(PAPER)
 
 
-@pytest.mark.parametrize("name", shipped.installed())
+@pytest.mark.parametrize("name", installed_scenes.installed())
 def test_an_installed_scene_has_its_own_name_and_says_what_it_is(name):
     scene = find(name)
     assert scene.name == name

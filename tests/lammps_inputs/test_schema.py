@@ -7,7 +7,7 @@ import jsonschema
 import pytest
 
 import lammps_inputs
-from lammps_inputs import library, schema, shipped
+from lammps_inputs import installed_scenes, library, schema
 
 FILE = Path(lammps_inputs.__file__).parent / library.SCHEMA
 VALIDATOR = jsonschema.Draft202012Validator(schema.scene())
@@ -25,9 +25,9 @@ def test_the_file_that_scenes_name_is_the_schema_of_today():
     )
 
 
-@pytest.mark.parametrize("name", shipped.installed())
+@pytest.mark.parametrize("name", installed_scenes.installed())
 def test_an_installed_scene_names_the_schema_and_fits_it(name):
-    path = shipped.installed()[name]
+    path = installed_scenes.installed()[name]
     first = path.read_text().splitlines()[0]
     assert (path.parent / first.removeprefix(library.EDITORS)).resolve() == FILE
     assert list(VALIDATOR.iter_errors(library.load_plain(path))) == []

@@ -17,7 +17,7 @@ from refusals import refusal, tree
 from stock_lammps import scene
 from sweeps import GRANCHAIN
 
-from lammps_inputs import library, shipped, strict_yaml
+from lammps_inputs import installed_scenes, library, strict_yaml
 from workflow import cli
 from workflow.cli import COMMANDS, GROUPS, main
 from workflow.prepare.settings import settle
@@ -283,12 +283,12 @@ def test_a_program_without_standard_streams_ends_with_its_own_code_and_no_traceb
 def test_scenes_lists_a_line_for_each_installed_scene(capsys):
     assert main(["scenes"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == list(shipped.installed())
+    assert [line.split()[0] for line in lines] == list(installed_scenes.installed())
     assert all(len(line.split()) > 3 for line in lines)
 
 
 TEXTS = {
-    **{name: strict_yaml.dump(library.load_plain(path)) for name, path in [*shipped.installed().items()][::9]},
+    **{name: strict_yaml.dump(library.load_plain(path)) for name, path in [*installed_scenes.installed().items()][::9]},
     "least": scene_text(),
     "until a bead": scene_text(duration=None, until_bead="7"),
     "several kicks": scene_text(kick="[{bead: 1, velocity: 1.0}, {bead: 9, velocity: -0.3}]"),

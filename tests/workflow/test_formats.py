@@ -6,7 +6,7 @@ import pytest
 
 from workflow import api, cli, formats
 from workflow.cli import main
-from workflow.sweep import carry_out
+from workflow.sweep import run_sweep
 
 
 @pytest.fixture
@@ -51,8 +51,8 @@ def test_figures_have_the_width_that_is_asked_for(ran):
 
 def test_cases_of_a_sweep_are_drawn_with_the_width_that_is_asked_for(ran):
     with formats.written_as(("png",), 3.4):
-        asked = carry_out.task(ran, None, check=False, figures=("png",)).arguments
-    assert carry_out.compute(**asked) == "done"
+        asked = run_sweep.task(ran, None, check=False, figures=("png",)).arguments
+    assert run_sweep.compute(**asked) == "done"
     assert inches(ran / "response.png") == pytest.approx(3.4, abs=0.01)
 
 

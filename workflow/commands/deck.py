@@ -6,11 +6,11 @@ from pathlib import Path
 from lammps_inputs import InputError, file_names, library
 from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job
-from workflow import cluster
+from workflow import cost_model
 from workflow.prepare.settings import settle
 from workflow.runs import contacts
 from workflow.runs.files import LAMMPS_FILES, write_text
-from workflow.runs.own_files import prepared, refuse_to_overwrite, replacing
+from workflow.runs.output_directory import prepared, refuse_to_overwrite, replacing
 from workflow.runs.size import size_of, too_large
 from workflow.screen import one_line
 
@@ -26,18 +26,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="directory to make")
     parser.add_argument("--overwrite", action="store_true", help="replace an earlier run's files in DIR")
     parser.add_argument("--force", action="store_true", help="even with a time step above the stability bound")
-    cluster.add_job_arguments(parser)
+    cost_model.add_job_arguments(parser)
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Write deck, data and scene, and the job."""
-    options = cluster.job_options(arguments)
+    options = cost_model.job_options(arguments)
     scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=arguments.force)
     if why := deck.refusal(scene.system):
         raise InputError(f"{arguments.scene}: {why}")
     files = deck.render(scene)
     if options is not None:
-        options = cluster.with_ranks(options, scene.problem())
+        options = cost_model.with_ranks(options, scene.problem())
         files |= job.render_job(options, scene.problem(), arguments.output)
     refuse_to_overwrite(arguments.scene, arguments.output)
     names = (*LAMMPS_FILES, *(file_names.JOB_FILES if options is not None else ()))
@@ -54,8 +54,8 @@ def execute(arguments: argparse.Namespace) -> int:
         print("\n".join(overlaps.lines()))
     print(f"{one_line(arguments.output)}: {', '.join(files)}")
     if options is not None:
-        print(cluster.cost(scene.problem(), options.ranks).sentence())
-        slower = cluster.too_many(scene.problem(), options.ranks)
+        print(cost_model.cost(scene.problem(), options.ranks).sentence())
+        slower = cost_model.too_many(scene.problem(), options.ranks)
         if slower:
             print(slower)
         print(f"submit there: sbatch {file_names.JOB}; state: granchain status {one_line(arguments.output)}")

@@ -13,7 +13,7 @@ from workflow.runs import run as running
 from workflow.runs.check import Check
 from workflow.runs.contacts import LargestContactForce
 from workflow.runs.engines import ENGINES
-from workflow.runs.own_files import refuse_to_overwrite
+from workflow.runs.output_directory import refuse_to_overwrite
 from workflow.runs.resume import begun, resume, settings_of
 from workflow.runs.size import refuse_beforehand, refuse_too_long, size_of
 from workflow.runs.status import onwards

@@ -2,7 +2,7 @@
 
 import argparse
 
-from lammps_inputs import shipped
+from lammps_inputs import installed_scenes
 from workflow.screen import CommandResult
 
 ANSWERS = "name -> description"
@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> CommandResult:  # noqa: ARG001
     """Print a name and a line for each."""
-    scenes = shipped.descriptions()
+    scenes = installed_scenes.descriptions()
     width = max(map(len, scenes))
     for name, description in scenes.items():
         print(f"{name:{width}}  {description}")

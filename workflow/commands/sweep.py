@@ -5,11 +5,11 @@ from pathlib import Path
 
 from lammps_inputs import InputError, file_names
 from lammps_inputs.slurm.site import JobOptions
-from workflow.cluster import add_job_arguments, job_options
+from workflow.cost_model import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
 from workflow.screen import CommandResult, one_line
 from workflow.study_kit.options import add_output
-from workflow.sweep import carry_out, file
+from workflow.sweep import file, run_sweep
 
 ANSWERS = "how many cases there are, are done, have failed"
 DRAWS = True
@@ -42,7 +42,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
 
 
 def _run(what: file.Sweep, arguments: argparse.Namespace) -> CommandResult:
-    end = carry_out.sweep(
+    end = run_sweep.sweep(
         what,
         arguments.output,
         processes=arguments.jobs,

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from analysis.against.common_times import on_common_rows, velocity_error
+from analysis.compare.common_times import on_common_rows, velocity_error
 from lammps_inputs import InputError, Problem, Scene, library, physics, scheme
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates

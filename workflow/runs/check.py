@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 
-from analysis.against.difference import Deviation, DeviationPlace, errors_of
+from analysis.compare.difference import Deviation, DeviationPlace, errors_of
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, html, physics
 from workflow.engines.reference import engine

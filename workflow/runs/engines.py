@@ -15,7 +15,7 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene, file_names, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.system import System
-from workflow import cluster as model
+from workflow import cost_model as model
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs.check import closing, references_of

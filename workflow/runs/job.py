@@ -84,7 +84,7 @@ class UncertaintyRecord(_RecordPart):
 
 
 class ErrorPlace(_RecordPart):
-    """A bead of a chain, or a resonator at it, at a time: an `analysis.against.difference.DeviationPlace`."""
+    """A bead of a chain, or a resonator at it, at a time: an `analysis.compare.difference.DeviationPlace`."""
 
     chain: Count
     bead: Count

@@ -17,7 +17,7 @@ from workflow.prepare.step_choice import ChosenStep
 from workflow.runs.engines import ENGINES, LAMMPS, Progress
 from workflow.runs.files import RECORD, all_parts, alone, part_number, parts, write_text
 from workflow.runs.job import Job, restart_refused
-from workflow.runs.own_files import refuse_links, refuse_unwritable, remove_leftovers
+from workflow.runs.output_directory import refuse_links, refuse_unwritable, remove_leftovers
 from workflow.runs.run import CompletedRun, carry_out, measure_error
 from workflow.runs.run_directory import RunDirectory, fingerprint
 

@@ -13,7 +13,7 @@ from typing import TypedDict, Unpack
 
 from analysis.trajectory import FramesInUnits, Trajectory
 from lammps_inputs import InputError, Scene, file_names, html
-from workflow.cluster import MEMORY
+from workflow.cost_model import MEMORY
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
@@ -23,7 +23,7 @@ from workflow.runs import check as checking
 from workflow.runs import contacts
 from workflow.runs.engines import ENGINES, LAMMPS, Progress, Start, Work, engine_called
 from workflow.runs.files import write_text
-from workflow.runs.own_files import prepared, refuse_links, refuse_unusable, replacing
+from workflow.runs.output_directory import prepared, refuse_links, refuse_unusable, replacing
 from workflow.runs.run_directory import RunDirectory, fingerprint, provenance, results
 from workflow.runs.size import refuse_beforehand, refuse_too_long
 from workflow.runs.status import onwards

@@ -11,7 +11,7 @@
 | run.json          | versions, command, host, times, outcome        |
 
 Every file is written whole, except the dump, whose frames are whole one by one, and a directory is locked while
-something runs in it (`files`). Which files are ours, and may be replaced: see `own_files`.
+something runs in it (`files`). Which files are ours, and may be replaced: see `output_directory`.
 
 Here is also what ``run.json`` records of a run: where and with what it was computed, its input's fingerprint, and its
 results: the number and the fingerprint of its frames, enough to determine whether these are the ones that it wrote.
@@ -32,7 +32,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.against import start
+from analysis.compare import start
 from analysis.files import recording
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, file_names, load

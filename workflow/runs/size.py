@@ -1,6 +1,6 @@
 """How large a run will be, in steps, frames, bytes and time, and whether that is more than its limits.
 
-By the model of `workflow.cluster`, whose times were measured on one machine: LAMMPS took 0.7 to 2 times as long.
+By the model of `workflow.cost_model`, whose times were measured on one machine: LAMMPS took 0.7 to 2 times as long.
 """
 
 import math
@@ -13,7 +13,7 @@ from lammps_inputs.numbers import size_text, time_text
 from lammps_inputs.output import Limits
 from lammps_inputs.slurm import site
 from lammps_inputs.window import LEAST_WINDOW
-from workflow import cluster as model
+from workflow import cost_model as model
 from workflow.runs.engines import LAMMPS, Engine
 
 MOST = Limits(gigabytes=20.0, hours=24.0)

@@ -39,7 +39,7 @@ from workflow.formats import figure_files
 from workflow.runs import job
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import alone, write_figure, write_text
-from workflow.runs.own_files import claim, make_directory
+from workflow.runs.output_directory import claim, make_directory
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar, print_table

@@ -13,7 +13,7 @@ from lammps_inputs.slurm.job import render_command
 from lammps_inputs.slurm.site import JobOptions
 from lammps_inputs.units import Label
 from workflow.runs.files import write_text
-from workflow.runs.own_files import claim, make_directory
+from workflow.runs.output_directory import claim, make_directory
 from workflow.screen import CommandResult
 from workflow.study_kit.directory import floats
 from workflow.study_kit.scene_quantities import label

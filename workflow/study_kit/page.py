@@ -14,7 +14,7 @@ from analysis.figures.style import picture as content_of
 from lammps_inputs import references
 from workflow.provenance import foot
 from workflow.runs.files import write_bytes, write_text
-from workflow.runs.own_files import claim
+from workflow.runs.output_directory import claim
 
 SECTION = "section.json"
 

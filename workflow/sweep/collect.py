@@ -23,7 +23,7 @@ from workflow.runs.job import account
 from workflow.runs.status import slurm_queue, status
 from workflow.screen import count_bar
 from workflow.sweep import fields
-from workflow.sweep.carry_out import Asked, asked, is_analysed, read_json, task
+from workflow.sweep.run_sweep import Asked, asked, is_analysed, read_json, task
 from workflow.verdicts.analysis_report import REPORT, WAVES
 from workflow.verdicts.quantities import OWN, CollectColumn, collect_columns
 from workflow.workers import evaluate

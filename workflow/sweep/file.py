@@ -25,7 +25,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, ValidationError, model_validator
 
-from lammps_inputs import InputError, Scene, library, schema, shipped, strict_yaml
+from lammps_inputs import InputError, Scene, installed_scenes, library, schema, strict_yaml
 from lammps_inputs.numbers import text
 from workflow.sweep import fields
 
@@ -246,7 +246,7 @@ def scene_in(given: Any, path: Path, key: str = "scene") -> dict[str, Any]:
         return library.with_files(given, path.parent)
     if not isinstance(given, str):
         raise InputError(f"{path}: {key}: should be a name, a file, or the scene's `key: value` pairs")
-    installed = shipped.installed()
+    installed = installed_scenes.installed()
     if given in installed:
         return library.load_plain(installed[given])
     try:

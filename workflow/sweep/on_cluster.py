@@ -8,17 +8,17 @@ from lammps_inputs import InputError, Problem, Scene, file_names, library, load
 from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
-from workflow.cluster import with_ranks
+from workflow.cost_model import with_ranks
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
 from workflow.runs.engines import LAMMPS
 from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text
 from workflow.runs.job import Job
-from workflow.runs.own_files import claim, listed, retire
+from workflow.runs.output_directory import claim, listed, retire
 from workflow.runs.status import slurm_queue, status
 from workflow.screen import count_bar
-from workflow.sweep.carry_out import Asked, begin, planned, refuse_if_queued, request
 from workflow.sweep.file import Sweep, SweepCase, scene_of
+from workflow.sweep.run_sweep import Asked, begin, planned, refuse_if_queued, request
 from workflow.workers import evaluate
 from workflow.workers.pool import Pool, Task, TaskResult
 
@@ -54,7 +54,7 @@ def write_array(what: Sweep, directory: Path, options: JobOptions) -> WrittenSwe
         options: of the job.
 
     Raises:
-        InputError: as `workflow.sweep.carry_out.plan`; or the list of cases would change under an array in the queue.
+        InputError: as `workflow.sweep.run_sweep.plan`; or the list of cases would change under an array in the queue.
     """
     if what.engine != LAMMPS.name:
         raise InputError(f"{what.source}: engine: a Slurm job runs lammps, not {what.engine}")

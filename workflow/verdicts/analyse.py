@@ -26,7 +26,7 @@ from workflow.formats import figure_files, in_any_format
 from workflow.runs.check import accountant
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import EVENTS, write_figure, write_json, write_text
-from workflow.runs.own_files import claim, retire
+from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, report, waves_csv
 from workflow.verdicts.findings import FINDINGS, energy

@@ -1,6 +1,6 @@
 """Likely causes of a difference between a trajectory and its reference, in words.
 
-`analysis.against.identify` and `analysis.against.rounding` do the measuring.
+`analysis.compare.identify` and `analysis.compare.rounding` do the measuring.
 """
 
 import math
@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analysis import motion
-from analysis.against import start
-from analysis.against.identify import (
+from analysis.compare import start
+from analysis.compare.identify import (
     LEAST_FRAMES,
     NOISE,
     TOO_FAR,
@@ -20,7 +20,7 @@ from analysis.against.identify import (
     other_parameters,
     time_shift,
 )
-from analysis.against.rounding import precision
+from analysis.compare.rounding import precision
 from analysis.files.recording import rest_positions
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs.loads import Motion

@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis.against.common_times import OtherFramesError, paired
-from analysis.against.difference import Deviation, Difference
+from analysis.compare.common_times import OtherFramesError, paired
+from analysis.compare.difference import Deviation, Difference
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.sharing.chain_differences import ChainDifference
 from analysis.trajectory import Trajectory, joined
@@ -18,7 +18,7 @@ from workflow.engines.reference.step_halving import StepHalving, Uncertainty
 from workflow.formats import figure_files
 from workflow.runs.check import accountant
 from workflow.runs.files import write_figure, write_json
-from workflow.runs.own_files import claim
+from workflow.runs.output_directory import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.diagnose import Diagnosis, diagnose, rounded
 
@@ -73,7 +73,7 @@ class Validation:
     Attributes:
         problem: what was run.
         against: what it was compared with.
-        deviations: per quantity of `analysis.against.difference.QUANTITIES`; those that cannot be had are missing.
+        deviations: per quantity of `analysis.compare.difference.QUANTITIES`; those that cannot be had are missing.
         tolerances: what was let pass.
         frames: number of frames that the run has, as far as the scene asks for them.
         compared: number of instants at which the two were compared.

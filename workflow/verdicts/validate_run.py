@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from analysis.against.common_times import near_the_front, of_recorded, on_common_rows, simultaneous
-from analysis.against.difference import Deviation, Difference
+from analysis.compare.common_times import near_the_front, of_recorded, on_common_rows, simultaneous
+from analysis.compare.difference import Deviation, Difference
 from analysis.files import events
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.sharing.chain_differences import ChainDifference, ChainMeter

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.against import common_times
-from analysis.against.difference import Deviation, DeviationPlace, Difference, deviation_of
-from analysis.against.rounding import precision
+from analysis.compare import common_times
+from analysis.compare.difference import Deviation, DeviationPlace, Difference, deviation_of
+from analysis.compare.rounding import precision
 from analysis.files import table, traces
 from analysis.files.table import TrajectoryTable
 from analysis.files.traces import Channel

@@ -23,8 +23,8 @@ from analysis.figures.spacetime import STILL
 from analysis.figures.style import AxisUnit
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
+from workflow.view.downsample import Thinned, Units, behind
 from workflow.view.plots import chain_name, label, lists, name_places, number
-from workflow.view.thin import Thinned, Units, behind
 
 BEADS_IN_SIGHT = 40
 """Around the front, where beads move."""

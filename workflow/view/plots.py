@@ -30,7 +30,7 @@ from analysis.figures.style import CHAIN_DASHES as DASHES_ON_PAPER
 from analysis.figures.style import AxisUnit
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
-from workflow.view.thin import Thinned, Units, axis_label, behind
+from workflow.view.downsample import Thinned, Units, axis_label, behind
 
 CHAIN_COLOURS = tuple("#44aa99" if colour == "#000000" else colour for colour in ON_PAPER)
 """Colours of the figures, with teal (Tol) for black, which is not seen in dark mode."""

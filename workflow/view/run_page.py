@@ -15,6 +15,7 @@ from analysis.tracking.leading_waves import Waves
 from analysis.trajectory import Flags, Floats, Integers, mirrored_bead
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
+from workflow.view.downsample import Thinned, Units, units_of
 from workflow.view.moving import moving_beads
 from workflow.view.plots import (
     MARKS,
@@ -30,7 +31,6 @@ from workflow.view.plots import (
     number,
     root_colours,
 )
-from workflow.view.thin import Thinned, Units, units_of
 from workflow.view.traces import traces_of
 
 # --- graphs over beads ------------------------------------------------------------------------------------------------

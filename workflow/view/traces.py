@@ -8,8 +8,8 @@ from bokeh.events import Tap
 from bokeh.layouts import column
 from bokeh.models import ColumnDataSource, CustomJS, Range1d
 
+from workflow.view.downsample import Thinned, Units
 from workflow.view.plots import MARKS, add_legend, chain_name, choice, graph, largest, lists, look, mark
-from workflow.view.thin import Thinned, Units
 
 MOST_TRACES = len(MARKS)
 """Lines that are drawn at most; those of one bead where there are more chains."""

@@ -20,14 +20,14 @@ from workflow import provenance
 from workflow.formats import in_any_format
 from workflow.runs.engines import ENGINES, LAMMPS, RIGID
 from workflow.runs.files import write_text
-from workflow.runs.own_files import claim
+from workflow.runs.output_directory import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.collect import collect
 from workflow.verdicts.analyse import FIGURES, analyse, default_beads
 from workflow.verdicts.findings.gauges import ForcesFinding
+from workflow.view.downsample import Thinned, thinned
 from workflow.view.run_page import layout
 from workflow.view.sweep_page import layout as sweep_layout
-from workflow.view.thin import Thinned, thinned
 
 # --- HTML -------------------------------------------------------------------------------------------------------------
 

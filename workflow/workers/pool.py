@@ -1,7 +1,7 @@
 """Worker processes that stay warm: tasks go in, answers come out; a process that dies is one failed task.
 
 A task names a function of this project, whose arguments and value are plain data (JSON):
-``Task("workflow.sweep.carry_out:run_case", {"path": "two-chains"})``.
+``Task("workflow.sweep.run_sweep:run_case", {"path": "two-chains"})``.
 """
 
 import contextlib

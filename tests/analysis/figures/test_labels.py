@@ -9,7 +9,7 @@ import pytest
 from stock_lammps import scene
 from synthetic_waves import of_keys
 
-from analysis.against.difference import Deviation, ErrorMap
+from analysis.compare.difference import Deviation, ErrorMap
 from analysis.dispersion import Map, UnitCell
 from analysis.figures.energy import energy_figure
 from analysis.figures.engines import EngineCurve, PublishedPoint, engines_figure, relative_mode_figure, scan_figure

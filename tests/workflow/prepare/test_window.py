@@ -9,7 +9,7 @@ import pytest
 from processes import HANGS
 from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
 
-from analysis.against.common_times import near_the_front
+from analysis.compare.common_times import near_the_front
 from analysis.files import recording
 from analysis.files.binary_dump import BinaryDump
 from analysis.sharing.survey import survey

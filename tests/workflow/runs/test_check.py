@@ -11,8 +11,8 @@ import pytest
 from small_problems import problem
 from stock_lammps import scene
 
-from analysis.against.common_times import paired
-from analysis.against.difference import DeviationPlace, Difference
+from analysis.compare.common_times import paired
+from analysis.compare.difference import DeviationPlace, Difference
 from analysis.trajectory import joined
 from lammps_inputs import Kick, Material, Output, library, strict_yaml
 from workflow.cli import main

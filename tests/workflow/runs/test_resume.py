@@ -23,7 +23,7 @@ from lammps_inputs.decks import deck
 from workflow.cli import main
 from workflow.engines.lammps import files_on_disk, mpi
 from workflow.runs.files import alone, parts
-from workflow.runs.own_files import claim
+from workflow.runs.output_directory import claim
 from workflow.runs.resume import resume
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory, results

@@ -16,7 +16,7 @@ from workflow.cli import main
 from workflow.runs.run import run
 from workflow.studies.design import file
 from workflow.studies.design.file import Variable
-from workflow.studies.design.found import DesignResult, Sensitivity, Verified, sensitivity
+from workflow.studies.design.result import DesignResult, Sensitivity, Verified, sensitivity
 from workflow.studies.design.search import DesignRecord, computed, search, worth
 from workflow.study_kit import scene_quantities
 from workflow.sweep.collect import collect

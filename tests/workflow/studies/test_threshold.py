@@ -10,7 +10,7 @@ import pytest
 from lammps_inputs import InputError, strict_yaml
 from workflow.cli import main
 from workflow.studies.threshold import study
-from workflow.studies.threshold.bracket import SearchedField, crossings, wanted
+from workflow.studies.threshold.crossings import SearchedField, crossings, wanted
 from workflow.study_kit import directory as studying
 from workflow.study_kit import options, scene_quantities
 

@@ -17,7 +17,7 @@ from workflow.cli import main
 from workflow.runs.files import alone
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.sweep.carry_out import Asked, begin, task
+from workflow.sweep.run_sweep import Asked, begin, task
 from workflow.workers.pool import Pool
 
 pytestmark = pytest.mark.usefixtures("lammps_here")

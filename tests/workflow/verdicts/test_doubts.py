@@ -7,7 +7,7 @@ import pytest
 from small_problems import written_down
 from wrong_runs import causes
 
-from analysis.against.identify import TimeShift, identify
+from analysis.compare.identify import TimeShift, identify
 from lammps_inputs import library, physics
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import Uncertainty

@@ -10,7 +10,7 @@ import wrong_runs
 from refusals import refusal
 from stock_lammps import scene
 
-from analysis.against.difference import Deviation
+from analysis.compare.difference import Deviation
 from analysis.files.recording import Writer
 from lammps_inputs import Kick, file_names, find
 from lammps_inputs.decks import deck

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from analysis.sharing.verdict import EquipartitionState
-from lammps_inputs import shipped, strict_yaml
+from lammps_inputs import installed_scenes, strict_yaml
 from lammps_inputs.units import hertz_constant, make_scale, sphere_mass
 from workflow.cli import main
 
@@ -196,7 +196,7 @@ ALIKE = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(set(shipped.installed()).difference(ALIKE)))
+@pytest.mark.parametrize("name", sorted(set(installed_scenes.installed()).difference(ALIKE)))
 def test_installed_scenes_of_all_laws_pass_validate(name, tmp_path, capsys):
     assert main(["validate", name, "-o", str(tmp_path / "run")]) == 0
     assert capsys.readouterr().out.count("\npassed\n") == 1

@@ -18,7 +18,7 @@ from lammps_inputs.ingredients.unequal import BeadKind, radii
 from lammps_inputs.laws.in_time import HalfSine
 from lammps_inputs.loads import Load
 from workflow.view import moving, plots, run_page
-from workflow.view.thin import thinned, units_of
+from workflow.view.downsample import thinned, units_of
 from workflow.view.write import _left_out
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)

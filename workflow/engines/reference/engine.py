@@ -18,8 +18,8 @@ from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines.reference import kernel
 from workflow.engines.reference.kernel import FrameArrays, Passing, Steps
+from workflow.engines.reference.kernel_inputs import make_memory, make_terms
 from workflow.engines.reference.schemes import BLANES_MOAN, VERLET, Scheme
-from workflow.engines.reference.terms import make_memory, make_terms
 
 STEPS_PER_BOUND = 15.0
 """Steps of the default scheme in the stability bound of velocity Verlet; 0.05 for the paper's scenes."""
@@ -138,7 +138,7 @@ def _recorded(problem: Problem, state: "IntegratorState", ahead: float) -> NDArr
     if problem.window is None:
         return problem.recorded_beads
     front = int(state.span[1])
-    # see `analysis.against.common_times.near_the_front`: a window has moved before the front reaches its head
+    # see `analysis.compare.common_times.near_the_front`: a window has moved before the front reaches its head
     first = 1 if front < problem.window else front - problem.window // 2
     return np.arange(
         first, min(problem.beads, front + math.ceil(rates.front_speed(problem.system) * ahead) + problem.window) + 1

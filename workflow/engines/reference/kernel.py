@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workflow.engines.reference import template
-from workflow.engines.reference.terms import Term, Terms
+from workflow.engines.reference.kernel_inputs import Term, Terms
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.against.common_times import on_common_rows, velocity_error
-from analysis.against.difference import matched
+from analysis.compare.common_times import on_common_rows, velocity_error
+from analysis.compare.difference import matched
 from analysis.conservation import Conservation
 from analysis.tracking.leading_waves import leading_finder, leading_passages
 from analysis.tracking.peaks import sharp

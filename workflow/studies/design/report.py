@@ -13,7 +13,7 @@ from analysis.trajectory import Floats, direction_of, watch
 from lammps_inputs import references
 from lammps_inputs.units import Label
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.design.found import SET_AGAINST, DesignResult
+from workflow.studies.design.result import SET_AGAINST, DesignResult
 from workflow.studies.design.search import RULED_OUT, worth
 from workflow.study_kit.page import PageFigure, document, drawn, shown, table
 from workflow.study_kit.scene_quantities import label

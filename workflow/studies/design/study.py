@@ -22,12 +22,12 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, library, strict_yaml
-from workflow.cluster import add_job_arguments, job_options
+from workflow.cost_model import add_job_arguments, job_options
 from workflow.runs.files import as_json
 from workflow.screen import CommandResult, one_line, print_table
 from workflow.studies.design import file
 from workflow.studies.design.file import Design
-from workflow.studies.design.found import DesignResult, Verified, sensitivity
+from workflow.studies.design.result import DesignResult, Verified, sensitivity
 from workflow.studies.design.search import RULED_OUT, Compute, DesignRecord, computed, search, worth
 from workflow.study_kit.directory import Study, csv_text, kept_run
 from workflow.study_kit.options import add_jobs, add_output, as_job, interrupted

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis.against.common_times import paired
-from analysis.against.difference import errors_of
+from analysis.compare.common_times import paired
+from analysis.compare.difference import errors_of
 from analysis.conservation import Conservation
 from analysis.quantity import declare, result
 from lammps_inputs import InputError, Problem, Scene, library, physics

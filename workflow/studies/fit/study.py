@@ -22,16 +22,16 @@ from scipy.stats import qmc
 from analysis.files.traces import Traces
 from analysis.gauges.gauge import read_at
 from analysis.trajectory import Floats
-from lammps_inputs import InputError, library, shipped, strict_yaml
+from lammps_inputs import InputError, installed_scenes, library, strict_yaml
 from workflow import formats
-from workflow.cluster import add_job_arguments, job_options
+from workflow.cost_model import add_job_arguments, job_options
 from workflow.formats import figure_files
 from workflow.runs.files import as_json
 from workflow.runs.run import run
 from workflow.screen import CommandResult, one_line, print_table
 from workflow.studies.fit.estimate import FitResult, estimate
-from workflow.studies.fit.found import Fit, InLammps, judged
 from workflow.studies.fit.model import NO_SCENE, Model, aligned, squares
+from workflow.studies.fit.result import Fit, InLammps, judged
 from workflow.study_kit.directory import Study
 from workflow.study_kit.options import add_output, as_job
 
@@ -213,7 +213,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
 def _words(arguments: argparse.Namespace) -> list[str]:
     """The command as a job runs it."""
     scene = arguments.scene
-    path = scene if scene in shipped.installed() else str(Path(scene).absolute())
+    path = scene if scene in installed_scenes.installed() else str(Path(scene).absolute())
     library.find(scene)
     words = ["fit", path, "--against", str(arguments.against.absolute()), "--free", arguments.free, "-o", "."]
     words += [] if arguments.offset is None else [f"--offset={arguments.offset!r}"]

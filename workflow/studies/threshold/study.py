@@ -20,7 +20,7 @@ from lammps_inputs import InputError, library
 from lammps_inputs.units import REDUCED
 from workflow.formats import figure_files
 from workflow.screen import CommandResult, cell, one_line, print_table
-from workflow.studies.threshold.bracket import Crossing, SearchedField, crossings, wanted
+from workflow.studies.threshold.crossings import Crossing, SearchedField, crossings, wanted
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, floats, to_csv
 from workflow.study_kit.scene_quantities import case, heading, label, refuse_unknown

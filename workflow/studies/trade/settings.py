@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.against.difference import errors_of, matched
+from analysis.compare.difference import errors_of, matched
 from analysis.files import recording
 from analysis.quantity import declare, result
 from analysis.tracking.leading_waves import leading_finder, leading_passages
@@ -203,7 +203,7 @@ class Truth:
     def errors(self, blocks: Iterable[Trajectory]) -> dict[str, float]:
         """Largest errors of a run whose frames are among this problem's; infinite where they are undefined.
 
-        Of a window, only the rows count that `analysis.against.common_times.near_the_front` takes to be right.
+        Of a window, only the rows count that `analysis.compare.common_times.near_the_front` takes to be right.
         """
         stream = iter(blocks)
         first = next(stream)

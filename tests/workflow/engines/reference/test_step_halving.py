@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from small_problems import problem
 
-from analysis.against.common_times import paired
-from analysis.against.difference import Difference
+from analysis.compare.common_times import paired
+from analysis.compare.difference import Difference
 from analysis.trajectory import joined
 from lammps_inputs import find
 from workflow.engines.reference import engine

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from small_problems import problem, written_down
 
 from analysis import hermite
-from analysis.against.common_times import MARGIN, OtherFramesError, at_times, interpolation_error, paired
+from analysis.compare.common_times import MARGIN, OtherFramesError, at_times, interpolation_error, paired
 from analysis.trajectory import joined
 from lammps_inputs import InputError
 from workflow.engines.reference import engine

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small_problems import problem, written_down
 
-from analysis.against.difference import QUANTITIES, Difference, matched
+from analysis.compare.difference import QUANTITIES, Difference, matched
 from analysis.figures.errors import validation_figure
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
 from analysis.trajectory import blocks

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analysis.against.rounding import SINGLE, precision
+from analysis.compare.rounding import SINGLE, precision
 
 NUMBERS = np.random.default_rng(1).normal(size=500) * 10.0 ** np.random.default_rng(2).integers(-6, 3, 500)
 

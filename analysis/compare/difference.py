@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.against.common_times import of_common_atoms, paired
+from analysis.compare.common_times import of_common_atoms, paired
 from analysis.conservation import Conservation
 from analysis.tracking.leading_waves import leading_finder, leading_passages
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp

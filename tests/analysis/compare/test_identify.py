@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small_problems import problem, written_down
 
-from analysis.against.identify import identify, least_squares, time_shift
+from analysis.compare.identify import identify, least_squares, time_shift
 from lammps_inputs.ingredients import coupled_chains
 from workflow.engines.reference import engine
 

@@ -1,7 +1,7 @@
 """What of a trajectory is not its scene's: least squares of factors on forces and masses.
 
 From one frame to the next the momentum of an atom changes by the impulses of all forces on it, which follow from the
-recorded motion (`analysis.against.momentum`), so that
+recorded motion (`analysis.compare.momentum`), so that
 
     m_i (v_i(t_n+1) - v_i(t_n)) = sum over k of f_k I_k,i,n
 
@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analysis.against.momentum import (
+from analysis.compare.momentum import (
     HOLDING,
     STATIC,
     ForceOfState,

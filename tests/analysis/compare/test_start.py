@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from synthetic_waves import of_keys, reference
 
-from analysis.against import start
+from analysis.compare import start
 from lammps_inputs import Kick, find
 from workflow.engines.reference import engine
 

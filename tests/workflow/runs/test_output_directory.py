@@ -18,7 +18,14 @@ from workflow.errors import EndedError
 from workflow.runs import files
 from workflow.runs.files import RECORD, write_json, write_text
 from workflow.runs.job import load
-from workflow.runs.own_files import claim, prepared, refuse_unusable, refuse_unwritable, remove_leftovers, replacing
+from workflow.runs.output_directory import (
+    claim,
+    prepared,
+    refuse_unusable,
+    refuse_unwritable,
+    remove_leftovers,
+    replacing,
+)
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.study_kit.directory import Study
@@ -69,7 +76,7 @@ def test_of_two_that_find_a_new_directory_empty_at_once_one_is_refused(tmp_path:
         with prepared(tmp_path / "run"):
             (tmp_path / "run" / name).touch()
 
-    monkeypatch.setattr("workflow.runs.own_files.alone", alone)
+    monkeypatch.setattr("workflow.runs.output_directory.alone", alone)
     with ThreadPoolExecutor(2) as pool:
         failures = [one.exception() for one in [pool.submit(write, name) for name in ("one", "other")]]
     (refused,) = filter(None, failures)

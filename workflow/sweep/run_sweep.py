@@ -26,7 +26,7 @@ from workflow.prepare.settings import found_beforehand, refuse_unstable
 from workflow.runs import job
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import RECORD, alone, write_json, write_text
-from workflow.runs.own_files import claim, make_directory, others, remove_leftovers
+from workflow.runs.output_directory import claim, make_directory, others, remove_leftovers
 from workflow.runs.resume import resume
 from workflow.runs.run import CompletedRun, run
 from workflow.runs.run_directory import RunDirectory
