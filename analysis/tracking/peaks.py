@@ -1,7 +1,7 @@
 """Every passage of a compressive pulse at a bead: a maximum over time of its velocity, found between the frames.
 
-`peak_bounds` says where between the frames, and its uncertainty. Reads a run block by block, so its memory does not grow
-with the number of frames; nothing depends on where the blocks begin.
+`peak_bounds` says where between the frames, and its uncertainty. Reads a run block by block, so its memory does not
+grow with the number of frames; nothing depends on where the blocks begin.
 """
 
 from collections.abc import Iterable
