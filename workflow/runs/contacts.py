@@ -10,7 +10,7 @@ import numpy as np
 from analysis.contacts import LargestOverlap, shown_by_frames
 from analysis.quantity import declare, result
 from analysis.trajectory import watch
-from lammps_inputs import Scene, System, laws, physics
+from lammps_inputs import Problem, Scene, System, laws, physics
 from lammps_inputs.ingredients.unequal import radii, sizes_and_moduli, unlike
 from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.laws.plastic import YIELD_PRESSURE
@@ -99,17 +99,16 @@ def measure(directory: RunDirectory) -> LargestContactForce | None:
     Raises:
         InputError: there are no frames.
     """
-    if not has_contacts(directory):
+    if not has_contacts(directory.scene, directory.problem, deforms=ENGINES[directory.engine].deforms):
         return None
     blocks = directory.blocks() if shown_by_frames(directory.problem) else ()
     return of_overlap(directory.scene, watch(LargestOverlap(), blocks))
 
 
-def has_contacts(directory: RunDirectory) -> bool:
-    """Whether the run has contacts of spheres, in SI units."""
-    scene = directory.scene
-    spheres = all(_of_spheres(scene, link.law) for link in directory.problem.system.along)
-    return scene.material is not None and spheres and ENGINES[directory.engine].deforms
+def has_contacts(scene: Scene, problem: Problem, *, deforms: bool) -> bool:
+    """Whether a run has contacts of spheres, in SI units; ``deforms`` says whether its engine has overlaps."""
+    spheres = all(_of_spheres(scene, link.law) for link in problem.system.along)
+    return scene.material is not None and spheres and deforms
 
 
 def _of_spheres(scene: Scene, law: laws.Law) -> bool:

@@ -10,9 +10,7 @@ import numpy as np
 
 from analysis import quantity
 from analysis.conservation import Conservation
-from analysis.gauges.far_end import FarEnd
 from analysis.motion import bead_energy, participation
-from analysis.sharing.energies import EnergyFlow
 from analysis.sharing.equipartition import sharing
 from analysis.sharing.impulses import meter_of
 from analysis.sharing.is_solitary import Tolerances
@@ -28,19 +26,21 @@ from workflow.prepare.extent import with_duration
 from workflow.sweep import fields
 from workflow.sweep.collect import AT_BEAD, QUANTITIES, at_bead, column_called, quantities
 from workflow.verdicts.analysis_report import REPORT, ChainSummary, Report, report
+from workflow.verdicts.findings import FINDINGS
+from workflow.verdicts.findings.finding import Recorded
 from workflow.workers import evaluate
 
 MASS = "mass"
 """Of all beads, in the scene's units: known before anything runs."""
 
-_METERS: dict[str, type[FarEnd | EnergyFlow]] = {"far_end": FarEnd, "energy": EnergyFlow}
-"""Part of a report -> what measures it alone."""
+_MEASURES = {kind.key: kind for kind in FINDINGS if "measure" in vars(kind)}
+"""Key of what only some runs have -> what measures it in frames; ours, and those of other distributions."""
 
-_METERED = {name: q.path[0] for name, q in QUANTITIES.items() if q.path[0] in _METERS}
-_AT_THE_END = tuple(name for name, part in _METERED.items() if part == "far_end")
+_MEASURED = {name: _MEASURES[q.path[0]] for name, q in QUANTITIES.items() if q.path[0] in _MEASURES}
+_AT_THE_END = tuple(name for name, measure in _MEASURED.items() if measure.key == "far_end")
 
-_MEASURED = {*_METERS, "kicked", *(field.name for field in dataclasses.fields(Report))}
-"""Parts of a report that `of_frames` finds; the others need a run directory."""
+_REPORTED = {"kicked", *(field.name for field in dataclasses.fields(Report))}
+"""Parts of a report of every run."""
 
 KNOWN = (
     MASS,
@@ -48,7 +48,7 @@ KNOWN = (
     *(
         name
         for name, q in QUANTITIES.items()
-        if q.file == REPORT and q.label and name not in _AT_THE_END and q.path[0] in _MEASURED
+        if q.file == REPORT and q.label and name not in _AT_THE_END and q.path[0] in {*_MEASURES, *_REPORTED}
     ),
 )
 """Quantities that a design may be about."""
@@ -114,7 +114,8 @@ def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> 
         InputError: it is none, or its end is not reached.
     """
     at_the_end = any(name in _AT_THE_END for name in names)
-    scene = with_duration(library.from_plain({**plain, "output": {}}, source), wall=at_the_end)
+    output = {key: part for key, part in plain.get("output", {}).items() if key in ("forces", "spectra")}
+    scene = with_duration(library.from_plain({**plain, "output": output}, source), wall=at_the_end)
     if scene.window is not None:
         raise InputError(f"{source}: window: rows behind it count here; leave it out")
     for name in names:
@@ -139,20 +140,26 @@ def of_frames(
     problem: Problem, frames: Callable[[], Iterable[Trajectory]], scene: Scene, names: tuple[str, ...]
 ) -> Measured:
     """Quantities of a run; ``frames`` reads it again."""
-    found: dict[str, Any] = {}
-    at_bead: dict[str, Any] = {}
+    values: dict[str, Any] = {}
+    at_beads: dict[str, Any] = {}
     quick = _quick(problem, frames, scene, names) if _is_plain(problem) else {}
-    for part in {_METERED[name] for name in names if name in _METERED}:
-        meter, count = _METERS[part](problem), Accountant(problem).of
+    run, asked_for = Recorded(scene, problem), {_MEASURED[name] for name in names if name in _MEASURED}
+    measures = [measure for kind in FINDINGS if kind in asked_for and (measure := kind.measure(run)) is not None]
+    exchange = Accountant(problem)
+    surveyed = None
+    if any(kind.needs_survey for kind in asked_for) or any(name not in (MASS, *_MEASURED, *quick) for name in names):
+        seen, allowed = Conservation(), Tolerances()
+        surveyed = survey(frames, problem, watchers=[seen, *measures], tolerances=allowed, counted=exchange.of)
+        values |= quantity.plain(report(surveyed, seen, allowed), problem.scale)
+        at_beads = _at_beads(surveyed.waves, problem, scene, names)
+    elif measures:
         for block in frames():
-            meter.add(count(block) if physics.acted_on(problem.system) and block.exchange is None else block)
-        found[part] = quantity.plain(meter.result(), problem.scale)
-    if any(name not in (MASS, *_METERED, *quick) for name in names):
-        seen, allowed, count = Conservation(), Tolerances(), Accountant(problem).of
-        surveyed = survey(frames, problem, watchers=[seen], tolerances=allowed, counted=count)
-        found |= quantity.plain(report(surveyed, seen, allowed), problem.scale)
-        at_bead = _at_beads(surveyed.waves, problem, scene, names)
-    known = {**quantities(found, {}, scene.plain()), **quick, **at_bead, MASS: mass_of(scene)}
+            counted = physics.acted_on(problem.system) and block.exchange is None
+            for measure in measures:
+                measure.add(exchange.of(block) if counted else block)
+    for finding in filter(None, (measure.finish(surveyed) for measure in measures)):
+        values[finding.key] = finding.plain()
+    known = {**quantities(values, {}, scene.plain()), **quick, **at_beads, MASS: mass_of(scene)}
     return {name: None if known[name] is None else float(known[name]) for name in names}
 
 

@@ -30,7 +30,7 @@ from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, report, waves_csv
 from workflow.verdicts.findings import FINDINGS, energy
-from workflow.verdicts.findings.finding import Finding
+from workflow.verdicts.findings.finding import Finding, Recorded
 from workflow.verdicts.pulse_table import pulse_table
 
 if TYPE_CHECKING:
@@ -125,7 +125,8 @@ def analyse(
         )
     exchange = accountant(directory, problem)
     conservation, fingerprint = Conservation(), Fingerprint()
-    measures = [one for kind in FINDINGS if (one := kind.measure(directory)) is not None]
+    run = recorded(directory)
+    measures = [measure for kind in FINDINGS if (measure := kind.measure(run)) is not None]
     watchers: list[Any] = [conservation, fingerprint, *measures]
     spacetime = history = None
     if figures:
@@ -173,6 +174,17 @@ def analyse(
         failure=directory.failure,
         altered=directory.fingerprint not in ("", fingerprint.sha256()),
         findings=there,
+    )
+
+
+def recorded(directory: RunDirectory) -> Recorded:
+    """The run of a directory as measures see it."""
+    check = directory.job.check
+    return Recorded(
+        scene=directory.scene,
+        problem=directory.problem,
+        deforms=ENGINES[directory.engine].deforms,
+        amplitude_error=0.0 if check is None else check.amplitude or 0.0,
     )
 
 

@@ -226,7 +226,7 @@ def test_the_examples_of_its_help_find_thresholds(example, tmp_path, monkeypatch
     assert all(0.02 < float(one["place"]) < 0.5 for one in found)
 
 
-@pytest.mark.parametrize("name", ["in_resonators", "permanent", "residual_energy"])
+@pytest.mark.parametrize("name", ["in_resonators", "wall_seconds"])
 def test_a_quantity_that_only_the_analysis_of_a_run_directory_finds_is_refused(name):
     with pytest.raises(InputError, match=f"'{name}' is no quantity; known are mass, wall_force"):
         scene_quantities.refuse_unknown(name, "--quantity", "quantity")

@@ -16,7 +16,7 @@ from lammps_inputs.facts import Fact
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import PrintedTable
-from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure
+from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure, Recorded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -86,6 +86,7 @@ class Energy(Finding):
     """Shares of the chains."""
 
     key, kind, figure = "energy", Flow, "energy"
+    needs_survey = False
 
     found: Flow
 
@@ -116,9 +117,9 @@ class Energy(Finding):
         return energy_figure(self.problem, self.found)
 
     @classmethod
-    def measure(cls, directory: RunDirectory) -> Measure | None:
+    def measure(cls, run: Recorded) -> Measure | None:
         """Of all beads, where no pulse keeps its shape."""
-        problem = directory.problem
+        problem = run.problem
         if not problem.whole or problem.system.holds(Fact.PULSE):
             return None
         flow = EnergyFlow(problem)
@@ -156,9 +157,9 @@ class Cells(Finding):
                 yield f"  it reflects {split.reflected:.2%} of the energy input; {split.incident:.2%} is incident"
 
     @classmethod
-    def measure(cls, directory: RunDirectory) -> Measure | None:
+    def measure(cls, run: Recorded) -> Measure | None:
         """Of all beads, where a pulse stays together and no sound runs."""
-        problem, scene = directory.problem, directory.scene
+        problem, scene = run.problem, run.scene
         system = problem.system
         if (
             not problem.whole
@@ -197,9 +198,9 @@ class Window(Finding):
         yield self.found.sentence
 
     @classmethod
-    def measure(cls, directory: RunDirectory) -> Measure | None:
+    def measure(cls, run: Recorded) -> Measure | None:
         """Where there is a window."""
-        problem = directory.problem
+        problem = run.problem
         if problem.window is None:
             return None
         behind = BehindWindow()

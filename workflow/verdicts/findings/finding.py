@@ -5,18 +5,32 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from analysis import quantity
-from analysis.sharing.survey import Survey
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, Scene
 from workflow.screen import PrintedTable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from workflow.runs.run_directory import RunDirectory
-
 MOST_CHAINS = 8
 """Chains that a table shows."""
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A run as measures see it, whether its frames are in a directory or in memory.
+
+    Attributes:
+        scene: what was run.
+        problem: the dimensionless problem that it stands for.
+        deforms: whether beads have overlaps and forces, as those of all engines but that of rigid beads.
+        amplitude_error: measured error of peak velocities, in units of V; 0 where it was not measured.
+    """
+
+    scene: Scene
+    problem: Problem
+    deforms: bool = True
+    amplitude_error: float = 0.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -34,6 +48,9 @@ class Finding:
 
     figure: ClassVar[str] = ""
     """Name of the figure that it may draw; empty where there is none."""
+
+    needs_survey: ClassVar[bool] = True
+    """Whether it follows from the pulses of the run, too, and not from the frames alone."""
 
     problem: Problem
 
@@ -65,9 +82,9 @@ class Finding:
         raise NotImplementedError
 
     @classmethod
-    def measure(cls, directory: "RunDirectory") -> "Measure | None":
+    def measure(cls, run: Recorded) -> "Measure | None":
         """What to measure in a run; None where it has none of it, or it follows from what is measured of every run."""
-        del directory
+        del run
         return None
 
 
@@ -79,5 +96,6 @@ def _ignore(block: Trajectory, /) -> None:
 class Measure:
     """What is given every block of frames, and says in the end what was found, if anything was."""
 
-    finish: Callable[[Survey], Finding | None]
+    finish: Callable[[Any], Finding | None]
+    """What was found, from the `Survey` of the run; from None for a kind that needs none."""
     add: Callable[[Trajectory], None] = _ignore

@@ -21,10 +21,8 @@ from analysis.sharing.survey import Survey
 from lammps_inputs import physics
 from workflow.runs.contacts import LargestContactForce as ContactOverlaps
 from workflow.runs.contacts import has_contacts, of_overlap
-from workflow.runs.engines import ENGINES
-from workflow.runs.run_directory import RunDirectory
 from workflow.screen import PrintedTable
-from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure
+from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure, Recorded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -153,10 +151,10 @@ class ForcesFinding(Finding):
         return force_figure(self.problem, self.readings)
 
     @classmethod
-    def measure(cls, directory: RunDirectory) -> Measure | None:
+    def measure(cls, run: Recorded) -> Measure | None:
         """Of what the scene names; rigid beads feel none."""
-        wanted, problem = directory.scene.output.forces, directory.problem
-        if wanted is None or not ENGINES[directory.engine].deforms:
+        wanted, problem = run.scene.output.forces, run.problem
+        if wanted is None or not run.deforms:
             return None
         places = gauges(
             problem.system, wall=wanted.wall is True, contacts=wanted.contacts or (), sensors=wanted.sensors or ()
@@ -165,10 +163,10 @@ class ForcesFinding(Finding):
 
         def finish(found: Survey) -> ForcesFinding:
             passed = (*found.pulses, *found.crests)
-            check = directory.job.check
-            error = 0.0 if check is None else check.amplitude or 0.0
             sides = {gauge.side for gauge in places if gauge.kind == "wall"}
-            reflected = {side: reflections(passed, problem, right=side == "right", error=error) for side in sides}
+            reflected = {
+                side: reflections(passed, problem, right=side == "right", error=run.amplitude_error) for side in sides
+            }
             readings = meter.result()
             return cls(problem, readings.entries(reflected), readings)
 
@@ -222,9 +220,9 @@ class SpectraFinding(Finding):
         return spectra_figure(self.problem, self.spectra)
 
     @classmethod
-    def measure(cls, directory: RunDirectory) -> Measure | None:
+    def measure(cls, run: Recorded) -> Measure | None:
         """Of what the scene names."""
-        wanted, problem = directory.scene.output.spectra, directory.problem
+        wanted, problem = run.scene.output.spectra, run.problem
         if wanted is None:
             return None
         after = None if wanted.after is None else wanted.after / problem.scale.time
@@ -242,14 +240,15 @@ class FarEndFinding(Finding):
     """Force, delay and energy."""
 
     key, kind = "far_end", Transmitted
+    needs_survey = False
 
     found: Transmitted
 
     @classmethod
-    def measure(cls, directory: RunDirectory) -> Measure | None:
+    def measure(cls, run: Recorded) -> Measure | None:
         """Of all beads, if they are elastic."""
-        problem = directory.problem
-        if not problem.whole or not ENGINES[directory.engine].deforms:
+        problem = run.problem
+        if not problem.whole or not run.deforms:
             return None
         end = Collected(problem)
         return Measure(lambda _: cls(problem, end.result()), end.add)
@@ -268,15 +267,15 @@ class ContactsFinding(Finding):
         yield from self.found.lines()
 
     @classmethod
-    def measure(cls, directory: RunDirectory) -> Measure | None:
+    def measure(cls, run: Recorded) -> Measure | None:
         """Of elastic spheres with a material; where frames do not show overlaps, what they may be at most."""
-        problem = directory.problem
-        if not has_contacts(directory):
+        problem = run.problem
+        if not has_contacts(run.scene, run.problem, deforms=run.deforms):
             return None
         overlap = LargestOverlap()
 
         def finish(_: Survey) -> ContactsFinding | None:
-            largest = of_overlap(directory.scene, overlap)
+            largest = of_overlap(run.scene, overlap)
             return None if largest is None else cls(problem, largest)
 
         return Measure(finish, overlap.add) if shown_by_frames(problem) else Measure(finish)
@@ -319,9 +318,9 @@ class PlasticContacts(Finding):
         return yield_figure(self.problem, self.contacts)
 
     @classmethod
-    def measure(cls, directory: RunDirectory) -> Measure | None:
+    def measure(cls, run: Recorded) -> Measure | None:
         """Of all beads."""
-        problem = directory.problem
+        problem = run.problem
         if not problem.memory_columns:
             return None
         meter = YieldMeter()

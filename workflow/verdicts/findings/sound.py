@@ -15,8 +15,7 @@ from analysis.shape.long_waves import sound_speed
 from analysis.sharing.survey import Survey
 from lammps_inputs import Scene, laws, physics
 from lammps_inputs.facts import Fact
-from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.findings.finding import Finding, Measure
+from workflow.verdicts.findings.finding import Finding, Measure, Recorded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,9 +53,9 @@ class DispersionFinding(Finding):
         return dispersion_figure(self.problem, self.map)
 
     @classmethod
-    def measure(cls, directory: RunDirectory) -> Measure | None:
+    def measure(cls, run: Recorded) -> Measure | None:
         """Under a static load."""
-        problem = directory.problem
+        problem = run.problem
         if not physics.loaded(problem.system):
             return None
         try:
@@ -110,12 +109,12 @@ class SoundFinding(Finding):
         yield line
 
     @classmethod
-    def measure(cls, directory: RunDirectory) -> Measure | None:
+    def measure(cls, run: Recorded) -> Measure | None:
         """Under a static load; the pulse where it stays together, of all beads."""
-        problem = directory.problem
+        problem = run.problem
         if not physics.loaded(problem.system):
             return None
-        length = bead_length(directory.scene)
+        length = bead_length(run.scene)
         pulse = LoadedPulse(problem) if problem.whole and problem.system.holds(Fact.PULSE) else None
 
         def finish(found: Survey) -> SoundFinding:
