@@ -1,6 +1,8 @@
 """Imports run one way: between packages, ``lammps_inputs <- analysis <- workflow``, and between those within each."""
 
 import ast
+import pkgutil
+import re
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -162,3 +164,12 @@ def test_the_developer_guide_of_a_package_names_its_subpackages_and_modules(pack
 )
 def test_the_walk_finds_what_is_imported_within_a_package(source, found):
     assert within(source, "workflow") == found
+
+
+def test_the_developer_guide_follows_a_scene_by_functions_that_exist():
+    text = (ROOT / "workflow" / "DEVELOPING.md").read_text(encoding="utf-8")
+    section = text.partition("## From a scene to waves.csv")[2].partition("\n## ")[0]
+    names = re.findall(r"`((?:lammps_inputs|analysis|workflow)\.[\w.]+)`", section)
+    assert len(names) >= 14
+    for name in names:
+        assert pkgutil.resolve_name(name), name
