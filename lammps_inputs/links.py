@@ -113,7 +113,7 @@ class Link:
         return np.asarray(dashpot.change(law, s, self.rate(velocity), self.rate(acceleration)))
 
     def given(self, displacement: Floats, first: int = 1) -> Floats:
-        """Impulse of each dashpot, [..., link], in units of m V, since its strain was 0; tension is not cut."""
+        """Impulse of each dashpot, [..., link], in units of m V, since its strain was 0, as if no tension were cut."""
         law = self._seen(displacement, first)
         return np.asarray(law.impulse(self.strain(displacement), *law))  # type: ignore[attr-defined]
 

@@ -210,9 +210,9 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
     lines = [
         f"fix motion {group} nve",
         *static_load.place_lines(system),
-        *(line for law in _of_links(problem) for line in law.motion),
+        *(line for part in _of_links(problem) for line in part.motion),
         *static_load.hold_lines(system),
-        *(line for law in loads.lines(problem.layout) for line in law.motion),
+        *(line for part in loads.lines(problem.layout) for line in part.motion),
     ]
     if _tied(system):
         lines.append("fix line all lineforce 1 0 0     # beads move along their chains only")
@@ -221,7 +221,7 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
 
 def moved_lines(problem: Problem) -> list[str]:
     """Fixes that move beads by a formula of the time; they need the time step, and the beads at rest."""
-    return [line for law in spelling(problem) for line in law.moved]
+    return [line for part in spelling(problem) for line in part.moved]
 
 
 def output_lines(problem: Problem, dump: str, snapshots: str = file_names.SNAPSHOTS) -> list[str]:
@@ -356,7 +356,7 @@ def number_lines(problem: Problem) -> list[str]:
         f"variable steps index {problem.steps}",
         f"variable every index {problem.steps_per_frame}   # steps between frames",
         f"variable thermo index {min(max(1, problem.steps // 20), 2**31 - 1)}   # steps between lines of the log",
-        *(line for law in spelling(problem) for line in law.variables),
+        *(line for part in spelling(problem) for line in part.variables),
     ]
 
 

@@ -55,7 +55,7 @@ class Law(Protocol):
     """Functions that every law has beside its parameters; a law is a tuple of those."""
 
     def force(self, *args: Any, **kwargs: Any) -> Any:
-        """Force at a strain, a number or an array over links; positive where the beads are pushed apart."""
+        """Force at a strain, of the strain's shape; it drives the link's first bead back and its second forward."""
 
     def energy(self, *args: Any, **kwargs: Any) -> Any:
         """Energy that is stored at a strain, an array of the strain's shape."""

@@ -277,8 +277,8 @@ def make_table(time: Floats, value: Floats) -> TabulatedForce:
     """Table from its points, in ascending order of time.
 
     Args:
-        time: times of the points, [point], in units of T.
-        value: forces there, [point], in units of m V / T.
+        time: times of the points, [point].
+        value: forces there, [point]; both dimensionless, or both in the scene's units.
     """
     width, mean = np.diff(time), 0.5 * (value[1:] + value[:-1])
     gained = np.concatenate([[0.0], np.cumsum(mean * width)])
