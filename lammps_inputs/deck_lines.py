@@ -50,7 +50,7 @@ class ContactModel(Protocol):
     """Dashpots of contacts, as LAMMPS's granular styles name them."""
 
     def granular(self, layout: "BeadLayout") -> tuple[Any, str]:
-        """Coefficient and model."""
+        """Coefficient and model of the dashpots in LAMMPS."""
 
 
 class BeadLayout(Protocol):
@@ -106,14 +106,14 @@ class BeadLayout(Protocol):
 
     @property
     def contact_loss(self) -> ContactModel | None:
-        """Law of damping of the contacts; None where they lose nothing."""
+        """Dashpot law of the contacts; None if they are undamped."""
 
     @property
     def velocity_at_full_steps(self) -> bool:
         """Whether LAMMPS's step is of order 2 by masses that are larger."""
 
     def wall_loss(self, side: float) -> ContactModel | None:
-        """Law of damping of the walls on a side; None where they lose nothing."""
+        """Dashpot law of the walls on a side; None if they are undamped."""
 
     def atom(self, chain: int, bead: int) -> int:
         """Number of a bead's atom."""
@@ -142,21 +142,21 @@ class AtomTypes:
 
 @dataclass(frozen=True)
 class DeckLines:
-    """What one law adds to a deck, also to its continuation; nothing by default.
+    """Lines and numbers that a law adds to a deck, also to its continuation; none by default.
 
     Attributes:
         variables: numbers at the top, which ``-var`` changes.
-        interactions: of atoms with each other, a section of their own.
+        interactions: interactions of atoms with each other, in a separate section.
         motion: fixes that act beside the integration, once the beads are read and at rest.
         moved: fixes that move beads by the time, for which the length of a step must be known.
         bonds: type of the bond that is each link across, [edge, row], counted from 1; 0 for none.
-        style: of these bonds.
-        coefficients: of every type of them, in the order of the types.
-        types: of the atoms, where contacts differ; else recorded beads are of type 2 and others of type 1.
+        style: style of these bonds.
+        coefficients: coefficients of every type of bond, in the order of the types.
+        types: types of the atoms, where contacts differ; else recorded beads are of type 2 and others of type 1.
         beside: a second pair style with its arguments, and the lines that give its coefficients.
-        heavier: variable of what masses are larger by, over half a time step.
+        heavier: variable that holds the increase of the masses over half a time step.
         damped: whether the dashpots of contacts are in the lines of these.
-        numbers: of every bead, [column, chain, bead], in the data file.
+        numbers: numbers of every bead, [column, chain, bead], in the data file.
     """
 
     variables: tuple[str, ...] = ()
@@ -179,9 +179,9 @@ def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:
     Only neighbours ever meet, so any strength may be that of any pair of types, once.
 
     Args:
-        strength: [chain, contact].
+        strength: dimensionless strengths, [chain, contact].
     """
-    found: dict[tuple[int, int], float] = {}
+    strengths: dict[tuple[int, int], float] = {}
     place: dict[tuple[int, float], int] = {}
     free: list[set[int]] = [{1}]  # of each type, those with which it has no strength yet
     rows: dict[bytes, NDArray[np.int64]] = {}
@@ -190,25 +190,25 @@ def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:
             continue
         types = [1]
         for value in row.tolist():
-            here = types[-1]
-            there = place.get((here, value))
-            if there is None:
-                if not free[here - 1]:
+            last = types[-1]
+            following = place.get((last, value))
+            if following is None:
+                if not free[last - 1]:
                     free.append(set(range(1, len(free) + 2)))
                     for others in free[:-1]:
                         others.add(len(free))
-                there = max(free[here - 1], key=lambda kind: (len(free[kind - 1]), -kind))
-                free[here - 1].discard(there)
-                free[there - 1].discard(here)
-                found[min(here, there), max(here, there)] = value
-                place[here, value], place[there, value] = there, here
-            types.append(there)
+                following = max(free[last - 1], key=lambda kind: (len(free[kind - 1]), -kind))
+                free[last - 1].discard(following)
+                free[following - 1].discard(last)
+                strengths[min(last, following), max(last, following)] = value
+                place[last, value], place[following, value] = following, last
+            types.append(following)
         rows[row.tobytes()] = np.array(types, dtype=np.int64)
-    return AtomTypes(np.array([rows[row.tobytes()] for row in strength]), found, len(free))
+    return AtomTypes(np.array([rows[row.tobytes()] for row in strength]), strengths, len(free))
 
 
 MOST_GROUPS = 24
-"""Of atoms that differ; LAMMPS allows 32."""
+"""Largest number of groups of atoms that differ; LAMMPS allows 32 groups."""
 
 
 def atoms_by_value(law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tuple[float, ...], str]]:
@@ -234,7 +234,7 @@ def atoms_by_value(law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tup
             ranges.setdefault(value, []).append(f"{start + 1}:{end}")
     if len(ranges) > MOST_GROUPS:
         raise ValueError(f"{len(ranges)} different values; LAMMPS allows {MOST_GROUPS}")
-    return [(value, " ".join(found)) for value, found in ranges.items()]
+    return [(value, " ".join(atoms)) for value, atoms in ranges.items()]
 
 
 def atoms_by_row(
@@ -261,7 +261,7 @@ def atoms_by_row(
 
 
 MOST_BENDS = 20
-"""Of a profile along a chain, whose formula LAMMPS evaluates for every bead at every step."""
+"""Largest number of bends of a profile along a chain; LAMMPS evaluates its formula for every bead at every step."""
 
 _STRAIGHT = 1e-12
 """Change of the slope, over the largest value, that is rounding."""
@@ -269,6 +269,10 @@ _STRAIGHT = 1e-12
 
 def row_formula(values: NDArray[np.float64], row: str) -> str:
     """A profile along a chain as a formula of LAMMPS in the number of the row, linear between its bends.
+
+    Args:
+        values: profile, [bead], in the units of the deck.
+        row: LAMMPS's name of the number of an atom's row, counted from 1.
 
     Raises:
         ValueError: more bends than `MOST_BENDS`.
@@ -302,7 +306,7 @@ def bonds_by_value(law: Iterable[Any], shape: tuple[int, int]) -> tuple[list[tup
 
 
 def whole_contacts(link: LinksAcross, *, inner: bool = False) -> tuple[str, ...]:
-    """What keeps contacts between beads that are tied by way of others, which LAMMPS leaves out by default.
+    """Command that keeps contacts between beads tied by bonds, which LAMMPS leaves out by default; none if not needed.
 
     Ties of an open row of chains never lead to a bead within reach.
     """

@@ -4,7 +4,7 @@ from enum import Enum
 
 
 class Fact(Enum):
-    """What holds unless an ingredient says otherwise."""
+    """Property of a plain chain that holds unless an ingredient removes it."""
 
     MOMENTUM = "momentum is conserved"
     ENERGY = "energy is conserved"

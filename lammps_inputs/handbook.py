@@ -39,22 +39,22 @@ def of_word(word: str) -> str | None:
     """
     if not re.fullmatch(r"[a-z][a-z0-9_-]{2,}", word):  # shorter ones are symbols
         return None
-    whole = re.compile(rf"(?<![\w-]){word}(?![\w-])")
+    pattern = re.compile(rf"(?<![\w-]){word}(?![\w-])")
 
     def having(code: str) -> list[tuple[list[str], str]]:
-        return [one for one in sections() if any(map(whole.search, re.findall(code, one[1], re.M)))]
+        return [section for section in sections() if any(map(pattern.search, re.findall(code, section[1], re.M)))]
 
-    found = having(r"^\| `[^|]*") or having(r"`([^`\n]*)`")
-    if len(found) == 1:
-        return _plain(found[0][1])
-    places = ", ".join(names[0] for names, _ in found)
-    return f"{word}\n    part of {places}; `granchain help KEY` explains each" if found else None
+    matches = having(r"^\| `[^|]*") or having(r"`([^`\n]*)`")
+    if len(matches) == 1:
+        return _plain(matches[0][1])
+    places = ", ".join(names[0] for names, _ in matches)
+    return f"{word}\n    part of {places}; `granchain help KEY` explains each" if matches else None
 
 
 def of_term(word: str) -> str | None:
     """A symbol or term as the tables of units and notation in `MODEL.md` define it; None where they do not."""
-    found = [meaning for names, meaning in terms() if word in names]
-    lines = [f"    {line}" for meaning in found for line in textwrap.wrap(meaning, WIDTH - 4)]
+    meanings = [meaning for names, meaning in terms() if word in names]
+    lines = [f"    {line}" for meaning in meanings for line in textwrap.wrap(meaning, WIDTH - 4)]
     return "\n".join([word, *lines]) if lines else None
 
 
@@ -71,10 +71,10 @@ def of_part_of_model(title: str) -> str | None:
     text = page("MODEL.md")
     parts = {part.partition("\n")[0]: part for part in re.split(r"^## ", text, flags=re.M)[1:]}
     parts |= {
-        found[1]: found[0] for found in re.finditer(r"^\*\*([^*]+)\.\*\*.*?(?=\n\n\*\*|\n\n## )", text, re.M | re.S)
+        match[1]: match[0] for match in re.finditer(r"^\*\*([^*]+)\.\*\*.*?(?=\n\n\*\*|\n\n## )", text, re.M | re.S)
     }
-    found = next((part for name, part in parts.items() if name.lower() == title.lower()), None)
-    return None if found is None else _plain(re.sub(r"(?<!\^)\*+([^*]+)(?<!\^)\*+", r"\1", _plain_math(found)))
+    section = next((part for name, part in parts.items() if name.lower() == title.lower()), None)
+    return None if section is None else _plain(re.sub(r"(?<!\^)\*+([^*]+)(?<!\^)\*+", r"\1", _plain_math(section)))
 
 
 _IN_ONE_LINE = (
@@ -97,8 +97,8 @@ _IN_ONE_LINE = (
 def _plain_math(text: str) -> str:
     """Text whose formulas, between dollar signs, are written in one line."""
 
-    def formula(found: re.Match[str]) -> str:
-        line = found[1]
+    def formula(match: re.Match[str]) -> str:
+        line = match[1]
         for pattern, plain in _IN_ONE_LINE:
             line = re.sub(pattern, plain, line)
         return line
@@ -148,5 +148,5 @@ def _entries(rows: list[str]) -> list[str]:
 
 
 def _unmarked(text: str) -> str:
-    """Without links and code marks."""
+    """Text of Markdown without links and code marks."""
     return " ".join(re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text).replace("`", "").split())

@@ -21,10 +21,10 @@ PLACES = "places"
 
 @dataclass(frozen=True)
 class Layout:
-    """What a law is spelled for: beads in LAMMPS, and the laws beside it.
+    """Diameter and places of the beads in LAMMPS, and the laws beside a law, for its LAMMPS commands.
 
     Attributes:
-        system: whose beads.
+        system: system of the beads.
         window: rows that exist in LAMMPS, where not all do.
     """
 
@@ -38,7 +38,7 @@ class Layout:
 
     @property
     def beads(self) -> int:
-        """Of each chain."""
+        """Number of beads of each chain."""
         return self.system.beads
 
     @property
@@ -57,11 +57,11 @@ class Layout:
 
     @property
     def contact_loss(self) -> ContactLoss | None:
-        """The law of damping of the contacts; None where they lose nothing."""
+        """Dashpot law of the contacts; None if they are undamped."""
         return physics.contact_loss(self.system)
 
     def wall_loss(self, side: float) -> WallDashpot | None:
-        """The law of damping of the walls on a side; None where they lose nothing."""
+        """Dashpot law of the walls on a side; None if they are undamped."""
         return physics.wall_loss(self.system, side)
 
     @property
@@ -79,7 +79,7 @@ class Layout:
         alone, shared = (rest + laws.max_strain(law, energy) for energy in (total, total / 2.0))
         held = (link.law for link in physics.walls(system))
         walls = (2.0 * float(np.max(laws.rest(law) + law.max_strain(total, *law))) for law in held)
-        # a row's dashpots know each other by their distance
+        # dashpots between chains act by the distance of two beads
         damped = any(isinstance(link, Across) and not physics.is_inner(system, link) for link in system.dampers)
         rows = (rest + 2.0 * laws.max_strain(link.law, total) for link in system.across if damped)
         least = max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows)
@@ -92,7 +92,7 @@ class Layout:
 
     @property
     def inner_diameter(self) -> float:
-        """Of atoms that are no beads: so small that those of two rows, which are as far apart as beads, never touch."""
+        """Diameter of atoms that are no beads, so small that those of two rows, as far apart as beads, never touch."""
         return self.diameter / 8.0
 
     def is_inner(self, link: Across) -> bool:
@@ -116,7 +116,7 @@ class Layout:
 
     @property
     def places(self) -> NDArray[np.float64]:
-        """[chain, bead] where the beads are at rest, to the last bit."""
+        """Places of the beads at rest, [chain, bead], in units of L, to the last bit."""
         if physics.even(self.system):
             row = np.arange(1, self.beads + 1) * self.spacing
             return np.broadcast_to(row, (self.chains, self.beads))
@@ -126,5 +126,5 @@ class Layout:
 
     @property
     def place_formula(self) -> str:
-        """The same as a formula of LAMMPS; where it is none of the number of an atom, a fix has noted it."""
+        """Place at rest as a formula of LAMMPS in the number of the atom; where there is none, a fix has stored it."""
         return f"((id-1)%{self.rows}+1)*{text(self.spacing)}" if physics.even(self.system) else f"f_{PLACES}"

@@ -4,7 +4,7 @@ import difflib
 import importlib.resources
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -12,6 +12,7 @@ from pydantic_core import ErrorDetails
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.errors import InputError
+from lammps_inputs.ingredients.base import ScenePart
 from lammps_inputs.ingredients.registry import INGREDIENTS
 from lammps_inputs.installed_scenes import installed
 from lammps_inputs.scene import SEVERAL, Scene
@@ -72,7 +73,7 @@ def load(path: Path) -> Scene:
 
 
 def load_plain(path: Path) -> dict[str, Any]:
-    """What stands in a scene's YAML file, and in the files that it names.
+    """Content of a scene's YAML file and of the files that it names.
 
     Raises:
         InputError: as `load`.
@@ -87,8 +88,8 @@ def with_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     Raises:
         InputError: one cannot be read.
     """
-    found = {key: ingredient for key, ingredient in INGREDIENTS.items() if key in data}
-    return data | {key: ingredient.from_files(data[key], folder) for key, ingredient in found.items()}
+    ingredients = {key: ingredient for key, ingredient in INGREDIENTS.items() if key in data}
+    return data | {key: ingredient.from_files(data[key], folder) for key, ingredient in ingredients.items()}
 
 
 def from_plain(data: dict[str, Any], source: str) -> Scene:
@@ -104,31 +105,29 @@ def from_plain(data: dict[str, Any], source: str) -> Scene:
 
 
 def mistaken(data: dict[str, Any], wanted: str) -> str:
-    """That plain data are of another kind of file than expected, and which command takes it; empty if they are not.
+    """Message that plain data are of another kind of file than expected, with its command; empty if they are not.
 
     Args:
-        data: what was read.
+        data: content of the file.
         wanted: ``scene``, ``sweep`` or ``design``.
     """
     if "vary" in data:
-        found = "design" if wanted == "design" or data.keys() & {"minimize", "maximize"} else "sweep"
+        kind = "design" if wanted == "design" or data.keys() & {"minimize", "maximize"} else "sweep"
     elif data.keys() & {"beads", "kick"}:
-        found = "scene"
+        kind = "scene"
     else:
         return ""
-    command = "run" if found == "scene" else found
-    return (
-        "" if found == wanted else f"looks like a {found}, not a {wanted}; `granchain {command} FILE -o DIR` takes it"
-    )
+    command = "run" if kind == "scene" else kind
+    return "" if kind == wanted else f"looks like a {kind}, not a {wanted}; `granchain {command} FILE -o DIR` takes it"
 
 
 def describe(error: ValidationError, model: type[BaseModel], data: Any = None) -> str:
     """Pydantic's complaints as one line: of each key what was found and what would be right, unknown keys first.
 
     Args:
-        error: what was raised.
-        model: of which.
-        data: what was given, by which parts of lists are numbered.
+        error: error that the model raised.
+        model: model of the file.
+        data: content of the file, by which parts of lists are numbered.
     """
     lists = {key for key, value in data.items() if isinstance(value, list) and len(value) > 1} if data else set()
     details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] != "extra_forbidden")
@@ -146,7 +145,7 @@ _LONGEST = 230
 
 
 def _one_a_key(details: list[ErrorDetails], model: type[BaseModel]) -> list[ErrorDetails]:
-    """Of complaints about the same value, the one about the innermost key; none that another one explains."""
+    """Complaints without repetition: the innermost of those about the same value, and none that another explains."""
     chosen: list[tuple[list[int | str], ErrorDetails]] = []
     for detail in details:
         path = _path(detail, model)
@@ -169,64 +168,64 @@ def _meant(path: list[int | str], model: type[BaseModel]) -> str | None:
 
 def _path(detail: ErrorDetails, model: type[BaseModel]) -> list[int | str]:
     """Keys and places of a complaint, without the names that pydantic gives to what may stand there."""
-    found: list[int | str] = []
+    path: list[int | str] = []
     at: type[BaseModel] | None = model
     by_name = False  # whether what follows is a name of the user's
     for position, part in enumerate(detail["loc"]):
         named = _keys(at)
         unknown = detail["type"] == "extra_forbidden" and position == len(detail["loc"]) - 1
-        own = at is not None and at.model_config.get("extra") == "allow"
-        if isinstance(part, int) or by_name or part in named or unknown or own:
-            found.append(part)
+        free = at is not None and at.model_config.get("extra") == "allow"
+        if isinstance(part, int) or by_name or part in named or unknown or free:
+            path.append(part)
         if by_name:
             by_name = False
         elif part in named:
             at = model_in(named[str(part)].annotation)
             by_name = "dict[" in str(named[str(part)].annotation)
-    return found
+    return path
 
 
 def _line(detail: ErrorDetails, model: type[BaseModel], lists: set[str]) -> str:
     kind = detail["type"]
     path = _path(detail, model)
     key = _key(path, lists)
-    given = _short(detail["input"])
+    shown = _short(detail["input"])
     context = detail.get("ctx", {})
     if kind == "extra_forbidden":
-        known = _known_beside(model, path)
-        meant = suggestion(str(path[-1]), known) or _elsewhere(path, model)
-        return f"{key}: unknown key{meant or f'; known here: {_listed(known)}'}"
+        keys = _known_beside(model, path)
+        meant = suggestion(str(path[-1]), keys) or _elsewhere(path, model)
+        return f"{key}: unknown key{meant or f'; known here: {_listed(keys)}'}"
     if kind == "missing":
         return f"{key}: is missing"
     if key == "window":
-        return f"window: should be `auto` or a whole number of rows, at least {LEAST_WINDOW}, {given} given"
+        return f"window: should be `auto` or a whole number of rows, at least {LEAST_WINDOW}, {shown} given"
     if kind == "value_error":
-        return f"{key}: {context['error']} ({given} given)" if key else str(context["error"])
+        return f"{key}: {context['error']} ({shown} given)" if key else str(context["error"])
     if kind == "string_pattern_mismatch":
         allowed = "letters, digits, `.`, `_`, `-`, at most 64" if key == "name" else "one line of printable text"
-        return f"{key}: {given} given; {allowed}"
+        return f"{key}: {shown} given; {allowed}"
     if kind == "literal_error" and key == "output.beads":
-        return f"{key}: should be `all` or a list of bead numbers, {given} given"
+        return f"{key}: should be `all` or a list of bead numbers, {shown} given"
     value = detail["input"]
     if kind in ("int_type", "int_from_float") and isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
-        return f"{key}: {given} given; write it as a whole number without a point or exponent, {int(value)}"
+        return f"{key}: {shown} given; write it as a whole number without a point or exponent, {int(value)}"
     message = _PLAIN.get(kind, detail["msg"].removeprefix("Input "))
     if kind == "literal_error":
         message = message.replace("True", "true") + _or_pairs(path, model)
         message += suggestion(str(value), re.findall(r"'([^']*)'", context["expected"]))
     example = _example(path, model) if message == _PAIRS else ""
     if example:
-        return f"{key}: {message}, such as `{example}`, {given} given"
-    return f"{key}: {message}, {given} given"
+        return f"{key}: {message}, such as `{example}`, {shown} given"
+    return f"{key}: {message}, {shown} given"
 
 
 def _elsewhere(path: list[int | str], model: type[BaseModel]) -> str:
-    """Of an unknown key the parts that have it, in brackets, if these are few; empty if there are none."""
+    """Parts of the scene that have an unknown key, in brackets, if these are few; empty if there are none."""
     word, first = str(path[-1]), _keys(model)
     parts = [name for name, field in first.items() if "dict[" not in str(field.annotation)]
-    found = [f"{name}.{word}" for name in parts if word in _keys(model_in(first[name].annotation))]
-    found = ([word] if word in first and len(path) > 1 else []) + found
-    return f" (did you mean {' or '.join(f'`{one}`' for one in found)}?)" if 0 < len(found) <= _FEW else ""
+    keys = [f"{name}.{word}" for name in parts if word in _keys(model_in(first[name].annotation))]
+    keys = ([word] if word in first and len(path) > 1 else []) + keys
+    return f" (did you mean {' or '.join(f'`{key}`' for key in keys)}?)" if 0 < len(keys) <= _FEW else ""
 
 
 _FEW = 6
@@ -248,16 +247,17 @@ _PLAIN = {
 
 def _example(path: list[int | str], model: type[BaseModel]) -> str:
     """A valid line for the part at a path; empty where there is none."""
-    example = getattr(_model_at(model, path), "example", "")
-    words = [part for part in path if isinstance(part, str)]
+    part = _model_at(model, path)
+    example = part.example if issubclass(part, ScenePart) else ""
+    words = [word for word in path if isinstance(word, str)]
     return f"{words[-1]}: {example}" if example and words else ""
 
 
 def _or_pairs(path: list[int | str], model: type[BaseModel]) -> str:
     """The keys of the pairs that may stand in place of a word; empty if none may."""
     field = _keys(_model_at(model, path[:-1])).get(str(path[-1]))
-    known = _keys(model_in(field.annotation)) if field else {}
-    return f", or hold pairs, `{{{', '.join(known)}}}`" if known else ""
+    keys = _keys(model_in(field.annotation)) if field else {}
+    return f", or hold pairs, `{{{', '.join(keys)}}}`" if keys else ""
 
 
 def _key(path: list[int | str], lists: set[str]) -> str:
@@ -274,9 +274,9 @@ def _key(path: list[int | str], lists: set[str]) -> str:
     return key
 
 
-def _listed(known: list[str]) -> str:
-    """As many of them as fit on a line."""
-    text = ", ".join(known)
+def _listed(keys: list[str]) -> str:
+    """Keys on one line, as many as fit."""
+    text = ", ".join(keys)
     return text if len(text) <= _ROOM else f"{text[:_ROOM].rpartition(',')[0]}, ..."
 
 
@@ -315,14 +315,14 @@ def model_in(annotation: Any) -> type[BaseModel] | None:
     """The model that a field holds, alone, in a list or besides nothing; None if it holds none."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
-    for argument in getattr(annotation, "__args__", ()):
-        found = model_in(argument)
-        if found is not None:
-            return found
+    for argument in get_args(annotation):
+        model = model_in(argument)
+        if model is not None:
+            return model
     return None
 
 
-def suggestion(word: str, known: Any) -> str:
-    """What a misspelt word may have been meant for, in brackets; empty if nothing comes near."""
-    close = difflib.get_close_matches(word, list(known), n=1)
+def suggestion(word: str, words: Any) -> str:
+    """Word that a misspelt one is closest to, in brackets; empty if none is close."""
+    close = difflib.get_close_matches(word, list(words), n=1)
     return f" (did you mean `{close[0]}`?)" if close else ""

@@ -4,8 +4,10 @@ The strain of a link is how far its first bead has come towards, and into, its s
 drives the first back and the second forward. All of the equation of motion is here: what else is computed, such as
 energy or acceleration, is a sum over links.
 
-Arrays are [..., chain, bead]. Functions of arrays that hold only some rows take ``first``, the bead with which the last
-axis begins: a law that differs from link to link must know which ones it sees.
+Displacements (in L), velocities (in V) and accelerations (in V / T) of beads are [..., chain, bead]. Forces (in
+m V / T) and energies (in m V**2) of links are [..., chain, contact], [..., edge, row] or [..., chain, bead], in short
+[..., link]. Functions of arrays that hold only some rows take ``first``, the bead with which the last axis begins, by
+which they choose the parameters of a law that differs from link to link.
 """
 
 import functools
@@ -32,8 +34,8 @@ class Link:
     """Links of one kind with one law.
 
     Attributes:
-        name: what they are to a user, such as "coupling".
-        law: of every one of them.
+        name: name for users, such as "coupling".
+        law: law of every link.
     """
 
     name: str
@@ -52,11 +54,11 @@ class Link:
         return hash((type(self), self.name, type(self.law)))
 
     def strain(self, displacement: Floats) -> Floats:
-        """Of each link, from displacements [..., chain, bead]."""
+        """Strain of each link, [..., link], in units of L, at displacements [..., chain, bead]."""
         raise NotImplementedError
 
     def on(self, rows: slice | Integers) -> Self:
-        """The links among chosen rows, which count from 0; each is taken to be next to the one before."""
+        """Links among chosen rows, [row], counted from 0; each is taken to be next to the one before."""
         if not laws.differs(self.law):
             return self
         return replace(self, law=laws.at(self.law, Ellipsis, self._links_of(rows)))
@@ -68,7 +70,7 @@ class Link:
         return replace(self, law=laws.at(self.law, Ellipsis, slice(None, None, -1)))
 
     def at(self, time: Any) -> Self:
-        """The links at a time, [...]; their law then does not depend on it."""
+        """Links at a time, a number or [...]; their law then does not depend on time."""
         if not laws.varies(self.law):
             return self
         return replace(self, law=self.law.now(np.asarray(time)[..., np.newaxis, np.newaxis]))  # type: ignore[attr-defined]
@@ -86,41 +88,41 @@ class Link:
         total += np.sum(energy, axis=-1)
 
     def energy(self, displacement: Floats, first: int = 1) -> Floats:
-        """Stored in each link."""
+        """Energy stored in each link, [..., link], at displacements [..., chain, bead]."""
         return np.asarray(laws.energy(self._seen(displacement, first), self.strain(displacement)))
 
     def force(self, displacement: Floats, first: int = 1) -> Floats:
-        """Of each link."""
+        """Force of each link, [..., link], at displacements [..., chain, bead]."""
         return np.asarray(laws.force(self._seen(displacement, first), self.strain(displacement)))
 
     def force_rate(self, displacement: Floats, velocity: Floats) -> Floats:
-        """How fast the force of each link changes."""
+        """Rate of change of the force of each link, [..., link], in units of m V / T**2."""
         law: Any = self._seen(displacement, 1)
         s = self.strain(displacement)
         rate = np.asarray(laws.stiffness(law, s) * self.rate(velocity))
         return rate + law.change(s, *law) if hasattr(law, "change") else rate
 
     def damping(self, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
-        """Of each link with a law of damping: its force, which is 0 at rest."""
+        """Force of each dashpot, [..., link], which is 0 at rest."""
         law = self._seen(displacement, first)
         return np.asarray(dashpot.damping(law, self.strain(displacement), self.rate(velocity)))
 
     def damping_rate(self, displacement: Floats, velocity: Floats, acceleration: Floats, first: int = 1) -> Floats:
-        """How fast that force changes, but for jumps."""
+        """Rate of change of the force of each dashpot, [..., link], in units of m V / T**2, but for jumps."""
         law, s = self._seen(displacement, first), self.strain(displacement)
         return np.asarray(dashpot.change(law, s, self.rate(velocity), self.rate(acceleration)))
 
     def given(self, displacement: Floats, first: int = 1) -> Floats:
-        """What each dashpot has given in time since there was no strain, but for tension that was cut."""
+        """Impulse of each dashpot, [..., link], in units of m V, since its strain was 0, as if no tension were cut."""
         law = self._seen(displacement, first)
         return np.asarray(law.impulse(self.strain(displacement), *law))  # type: ignore[attr-defined]
 
     def rate(self, velocity: Floats) -> Floats:
-        """Of the strain of each link, which is linear in the displacements, but for a constant."""
+        """Rate of the strain of each link, [..., link], in units of V; the strain is linear in the displacements."""
         return self.strain(velocity) - self.strain(np.zeros_like(velocity))
 
     def _seen(self, displacement: Floats, first: int) -> Law:
-        """The law of the links among the beads of an array."""
+        """Law of the links among the beads of an array."""
         return self.on(slice(first - 1, first - 1 + displacement.shape[-1])).law
 
     def _links_of(self, rows: slice | Integers) -> slice | Integers:
@@ -129,7 +131,7 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Along(Link):
-    """Each bead with the next of its chain; [..., chain, contact], contact i being that of beads i and i + 1.
+    """Links of each bead with the next of its chain, [..., chain, contact]; contact i is that of beads i and i + 1.
 
     Attributes:
         gap: clear distance at rest.
@@ -138,20 +140,20 @@ class Along(Link):
     gap: float = 0.0
 
     def strain(self, displacement: Floats) -> Floats:
-        """Overlap of each bead with the next; negative where they are apart."""
+        """Overlap of each bead with the next, [..., chain, contact], above that at rest; negative if less."""
         return displacement[..., :-1] - displacement[..., 1:] - self.gap
 
     def overlap(self, displacement: Floats, first: int = 1) -> Floats:
-        """Overlap of each bead with the next, that at rest included."""
+        """Overlap of each bead with the next, [..., chain, contact], that at rest included."""
         return np.asarray(self.strain(displacement) + laws.rest(self._seen(displacement, first)))
 
     def drive(self, total: Floats, force: Floats) -> None:
-        """Push beads of higher numbers forward, of lower ones back."""
+        """Add to ``total``, [..., chain, bead]: contacts push beads of higher numbers forward, of lower ones back."""
         total[..., 1:] += force
         total[..., :-1] -= force
 
     def shared(self, total: Floats, energy: Floats) -> None:
-        """Half of every contact's energy for either of its beads."""
+        """Add to ``total``, [..., chain, bead], half of every contact's energy for either of its beads."""
         total[..., 1:] += 0.5 * energy
         total[..., :-1] += 0.5 * energy
 
@@ -161,7 +163,7 @@ class Along(Link):
 
 @dataclass(frozen=True, eq=False)
 class Across(Link):
-    """Beads of one row in two chains, for every row; [..., edge, row]. The law's force must be odd in the strain.
+    """Links of the beads of a row in two chains, [..., edge, row]. The law's force must be odd in the strain.
 
     Attributes:
         edges: pairs of chains, counted from 0, the lower number first.
@@ -172,23 +174,23 @@ class Across(Link):
     grid: tuple[int, int] | None = None
 
     def strain(self, displacement: Floats) -> Floats:
-        """How far the bead of the lower chain is ahead of the other."""
+        """Displacement of the bead of the lower chain relative to the other, [..., edge, row]."""
         lower, higher = self._ends
         return np.asarray(displacement[..., lower, :] - displacement[..., higher, :])
 
     def drive(self, total: Floats, force: Floats) -> None:
-        """Pull the chain of lower number back, and the other forward."""
+        """Add to ``total``, [..., chain, bead]: springs pull the chain of lower number back, the other forward."""
         lower, higher = self._ends
         if isinstance(lower, slice):
             total[..., lower, :] -= force
             total[..., higher, :] += force
             return
-        for edge, (one, other) in enumerate(self.edges):
-            total[..., one, :] -= force[..., edge, :]
-            total[..., other, :] += force[..., edge, :]
+        for edge, (first, second) in enumerate(self.edges):
+            total[..., first, :] -= force[..., edge, :]
+            total[..., second, :] += force[..., edge, :]
 
     def add_chain_energy(self, total: Floats, energy: Floats) -> None:
-        """Half of the energy of every spring for either of its chains."""
+        """Add to ``total``, [..., chain], half of the energy of every spring for either of its chains."""
         springs = np.sum(energy, axis=-1)
         for end in (0, 1):
             for edge, ends in enumerate(self.edges):
@@ -199,7 +201,7 @@ class Across(Link):
         return np.asarray(np.broadcast_to(np.max(values, axis=-1) if np.ndim(values) else values, len(self.edges)))
 
     def counted_on(self, chains: int, lines: int) -> Self:
-        """The same links where so many other lines of atoms stand between the chains and the lines that they tie."""
+        """Links whose lines of atoms count on after a number of other lines behind the chains."""
         shift = [[n if n < chains else n + lines for n in edge] for edge in self.edges]
         return replace(self, edges=tuple((lower, higher) for lower, higher in shift))
 
@@ -210,7 +212,7 @@ class Across(Link):
 
     @property
     def shape(self) -> str:
-        """What the graph is to a reader; empty for an open row."""
+        """Words for the shape of the graph; empty for an open row."""
         chains = 1 + max((higher for _, higher in self.edges), default=0)
         if self.grid is not None:
             return f"lattice of {self.grid[0]} x {self.grid[1]}"
@@ -234,20 +236,20 @@ def partners(edges: tuple[tuple[int, int], ...], chains: int, side: int) -> list
 
     As many pairs as any chain has; where a chain has fewer, its edge is -1 and its partner itself.
     """
-    found: list[list[tuple[int, int]]] = [[] for _ in range(chains)]
+    pairs: list[list[tuple[int, int]]] = [[] for _ in range(chains)]
     for number, (lower, higher) in enumerate(edges):
-        here, there = (higher, lower) if side < 0 else (lower, higher)
-        found[here].append((number, there))
-    width = max(map(len, found), default=0)
+        end, partner = (higher, lower) if side < 0 else (lower, higher)
+        pairs[end].append((number, partner))
+    width = max(map(len, pairs), default=0)
     table = np.array(
-        [[*ends, *[(-1, chain)] * (width - len(ends))] for chain, ends in enumerate(found)], dtype=np.int64
+        [[*ends, *[(-1, chain)] * (width - len(ends))] for chain, ends in enumerate(pairs)], dtype=np.int64
     )
     return [(table[:, place, 0], table[:, place, 1]) for place in range(width)]
 
 
 @dataclass(frozen=True, eq=False)
 class Ground(Link):
-    """Each bead with its place at rest; [..., chain, bead].
+    """Links of each bead with its place at rest, [..., chain, bead].
 
     Attributes:
         side: 1 where the strain grows towards higher bead numbers, -1 where towards lower ones.
@@ -258,25 +260,25 @@ class Ground(Link):
     gap: float = 0.0
 
     def strain(self, displacement: Floats) -> Floats:
-        """The displacement itself, of all but walls."""
+        """Displacement of each bead from the point of zero strain, [..., chain, bead]."""
         return self.side * displacement - self.gap
 
     def rate(self, velocity: Floats) -> Floats:
-        """The velocity itself, likewise."""
+        """Velocity of each bead in the direction of growing strain, [..., chain, bead]."""
         return self.side * velocity
 
     def drive(self, total: Floats, force: Floats) -> None:
-        """Pull every bead back."""
+        """Add to ``total``, [..., chain, bead]: the links pull every bead back."""
         total -= self.side * force
 
     def shared(self, total: Floats, energy: Floats) -> None:
-        """All of it for the bead."""
+        """Add to ``total``, [..., chain, bead], all of the energy of each link for its bead."""
         total += energy
 
 
 @dataclass(frozen=True, eq=False)
 class Wall(Ground):
-    """The last bead of each chain, or the first, with a wall at rest, by a law of contacts or of their dashpots.
+    """Links of the last bead of each chain, or the first, with a wall at rest, by a law of contacts or of dashpots.
 
     It only ever pushes, and lets no bead oscillate. Its law has the strength 0 for all other beads.
     """

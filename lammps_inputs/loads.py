@@ -22,7 +22,7 @@ class Load:
 
     Attributes:
         chain, bead: counted from 1.
-        law: of the force in time.
+        law: law of the force in time.
     """
 
     chain: int
@@ -41,19 +41,19 @@ class Load:
         return hash((self.chain, self.bead, type(self.law)))
 
     def force(self, time: Any) -> Any:
-        """At a time."""
+        """Force at a time."""
         return self.law.force(time, *self.law)
 
     def rate(self, time: Any) -> Any:
-        """How fast the force changes."""
+        """Rate of change of the force at a time."""
         return self.law.rate(time, *self.law)
 
     def impulse(self, time: Any) -> Any:
-        """Given until a time."""
+        """Impulse until a time."""
         return self.law.impulse(time, *self.law)
 
     def travel(self, time: Any) -> Any:
-        """Of a free bead of mass 1, from rest, until a time."""
+        """Distance that a free bead of mass 1 has gone from rest until a time."""
         return self.law.travel(time, *self.law)
 
     @property
@@ -68,7 +68,7 @@ class Load:
 
     @property
     def total_impulse(self) -> float:
-        """All of its impulse; of one that never ends, that of half a period."""
+        """Impulse of the load from start to end; of one that never ends, that of half a period."""
         return self.law.total if self.endless else float(self.impulse(self.end))
 
     def mirrored(self, bead: int) -> "Load":
@@ -95,28 +95,28 @@ class Motion:
 
     @property
     def law(self) -> Sine:
-        """Of the acceleration in time; from rest at the start, but for the velocity then."""
+        """Law of the acceleration in time; the displacement is 0 at the start."""
         return Sine(-self.amplitude * self.omega**2, self.omega, self.phase)
 
     def displacement(self, time: Any) -> Any:
-        """At a time."""
+        """Displacement at a time, in units of L."""
         return self.amplitude * (np.sin(self.omega * time + self.phase) - np.sin(self.phase))
 
     def velocity(self, time: Any) -> Any:
-        """At a time."""
+        """Velocity at a time, in units of V."""
         return self.amplitude * self.omega * np.cos(self.omega * time + self.phase)
 
     def acceleration(self, time: Any) -> Any:
-        """At a time."""
+        """Acceleration at a time, in units of V / T."""
         return self.law.force(time, *self.law)
 
     def jerk(self, time: Any) -> Any:
-        """How fast the acceleration changes."""
+        """Rate of change of the acceleration at a time."""
         return self.law.rate(time, *self.law)
 
     @property
     def speed(self) -> float:
-        """The largest, about the mean."""
+        """Largest speed of the bead, in units of V."""
         return abs(self.amplitude) * self.omega
 
     def mirrored(self, bead: int) -> "Motion":
@@ -125,7 +125,7 @@ class Motion:
 
 
 def lines(layout: BeadLayout) -> list[DeckLines]:
-    """What the loads, and beads whose motion is given, are to LAMMPS, one after the other.
+    """LAMMPS commands of the loads and of the beads of prescribed motion, one after the other.
 
     Raises:
         ValueError: LAMMPS has no command for it.
@@ -136,7 +136,7 @@ def lines(layout: BeadLayout) -> list[DeckLines]:
 
 
 def _motion_lines(motion: Motion, name: str, layout: BeadLayout) -> DeckLines:
-    """Nothing pushes the bead, and it is moved."""
+    """LAMMPS commands of a bead that no force acts on and that is moved by a formula."""
     turn = f"v_{name}omega*step*v_timestep+v_{name}phase"
     return DeckLines(
         variables=(
@@ -156,7 +156,7 @@ def _motion_lines(motion: Motion, name: str, layout: BeadLayout) -> DeckLines:
 
 
 def start_lines(layout: BeadLayout) -> list[str]:
-    """The velocities that beads whose motion is given start with."""
+    """LAMMPS commands that set the initial velocities of beads of prescribed motion."""
     return [
         f"set atom {layout.atom(motion.chain, motion.bead)} "
         f"vx $(v_drive{number}amplitude*v_drive{number}omega*cos(v_drive{number}phase):%.17g)"

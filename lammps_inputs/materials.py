@@ -61,40 +61,44 @@ else:
     """Name of a material, of ours or of another distribution's."""
 
 
-def completed(given: Any, key: str) -> Any:
-    """Keys of a bead with the constants of the material that it names; those that are given are kept.
+def completed(keys: Any, key: str) -> Any:
+    """Keys of a bead with the constants of the material that it names, except those that the scene gives.
 
     Args:
-        given: what stands in the scene, of any type.
-        key: that holds the material's name.
+        keys: content of the scene, of any type.
+        key: key that holds the material's name.
 
     Raises:
         ValueError: none of the named material's constants would be used, or it has no yield strength.
     """
-    name = given.get(key) if isinstance(given, Mapping) else None
-    if isinstance(given, Mapping) and isinstance(given.get("yield_strength"), str):
-        given = {**given, "yield_strength": _yield_strength(given["yield_strength"], name, key)}
+    name = keys.get(key) if isinstance(keys, Mapping) else None
+    if isinstance(keys, Mapping) and isinstance(keys.get("yield_strength"), str):
+        keys = {**keys, "yield_strength": _yield_strength(keys["yield_strength"], name, key)}
     if not isinstance(name, str):
-        return given
+        return keys
     solid = CATALOGUE.get(name, CATALOGUE["steel"])._asdict()  # an unknown name is refused where it is read
-    own = {constant: given[constant] for constant in CONSTANTS if given.get(constant) is not None}
-    if len(own) == len(CONSTANTS) and not any(own[constant] == solid[constant] for constant in own):
-        raise ValueError(f"{name} is named, but {', '.join(own)} are all given; leave the name or the constants out")
-    wanted = CONSTANTS if given.get("mass") is None else CONSTANTS[:2]
-    return {**given, **{constant: solid[constant] for constant in wanted}, **own}
+    constants = {constant: keys[constant] for constant in CONSTANTS if keys.get(constant) is not None}
+    if len(constants) == len(CONSTANTS) and not any(constants[constant] == solid[constant] for constant in constants):
+        raise ValueError(
+            f"{name} is named, but {', '.join(constants)} are all given; leave the name or the constants out"
+        )
+    wanted = CONSTANTS if keys.get("mass") is None else CONSTANTS[:2]
+    return {**keys, **{constant: solid[constant] for constant in wanted}, **constants}
 
 
-def _yield_strength(said: str, name: Any, key: str) -> float:
-    """Of the material that is named.
+def _yield_strength(word: str, name: Any, key: str) -> float:
+    """Yield strength of the named material (Pa).
 
     Raises:
         ValueError: another word, no such material, or one without yield strength.
     """
-    if said != OF_THE_CATALOGUE:
-        raise ValueError(f"yield_strength: should be a number (Pa) or {OF_THE_CATALOGUE}, {said!r} given")
-    found = CATALOGUE.get(name, CATALOGUE["steel"]).yield_strength if isinstance(name, str) else None
-    if found is None:
-        known = ", ".join(other for other, solid in CATALOGUE.items() if solid.yield_strength)
-        what = f"{name!r}" if name is not None else f"no `{key}`"
-        raise ValueError(f"yield_strength: {OF_THE_CATALOGUE} holds that of {known}; {what} given; valid: 0.25e9 (Pa)")
-    return found
+    if word != OF_THE_CATALOGUE:
+        raise ValueError(f"yield_strength: should be a number (Pa) or {OF_THE_CATALOGUE}, {word!r} given")
+    strength = CATALOGUE.get(name, CATALOGUE["steel"]).yield_strength if isinstance(name, str) else None
+    if strength is None:
+        materials = ", ".join(other for other, solid in CATALOGUE.items() if solid.yield_strength)
+        reason = f"{name!r}" if name is not None else f"no `{key}`"
+        raise ValueError(
+            f"yield_strength: {OF_THE_CATALOGUE} holds that of {materials}; {reason} given; valid: 0.25e9 (Pa)"
+        )
+    return strength

@@ -20,13 +20,13 @@ def text(value: float) -> str:
 
 
 def random_shares(seed: int | list[int], count: int) -> NDArray[np.float64]:
-    """Evenly distributed numbers from 0 to 1: 53 bits of a generator whose stream NumPy keeps as it is."""
+    """Evenly distributed numbers from 0 to 1, [count]: 53 bits of a generator whose stream NumPy guarantees."""
     stream = np.random.PCG64(np.random.SeedSequence(seed))
     return np.asarray((stream.random_raw(count) >> np.uint64(11)) * 2.0**-53)
 
 
 def number_or_array(values: Any) -> float | NDArray[np.float64]:
-    """The number that all values are, or an array where they differ."""
+    """The number that all values are, or an array of their shape where they differ."""
     array = np.asarray(values)
     return float(array.flat[0]) if np.ptp(array) == 0.0 else array
 

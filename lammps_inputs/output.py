@@ -14,7 +14,7 @@ def each_once(beads: Any, otherwise: str = "") -> Any:
     """The beads of a list, if there are any, and none is named twice.
 
     Raises:
-        ValueError: so; ``otherwise`` says what else could be done.
+        ValueError: the list is empty, or a bead is named twice; ``otherwise`` names an alternative.
     """
     if not beads:
         raise ValueError(f"name at least one bead{otherwise}")
@@ -24,7 +24,7 @@ def each_once(beads: Any, otherwise: str = "") -> Any:
 
 
 class Forces(ScenePart):
-    """Where force is read, in every chain."""
+    """Places in every chain where forces are evaluated."""
 
     example: ClassVar[str] = "{contacts: [10]}"
 
@@ -82,7 +82,7 @@ def _not_recorded(scene: SceneParts, beads: Iterable[int]) -> str:
 
 
 class Spectra(ScenePart):
-    """Of the velocity of beads in every chain."""
+    """Spectra of the velocity of beads in every chain."""
 
     example: ClassVar[str] = "{beads: [1, 20]}"
 

@@ -29,17 +29,17 @@ kicks, on springs whose stiffness varies.
 
 
 def once(compute: Callable[[System], Found]) -> Callable[[System], Found]:
-    """The same function, which computes once for each system."""
+    """Function that computes its value once for each system and then returns the stored one."""
     name = f"_{compute.__name__}"
 
     @functools.wraps(compute)
-    def known(system: System) -> Found:
-        found = vars(system)
-        if name not in found:
-            found[name] = compute(system)
-        return cast(Found, found[name])
+    def stored(system: System) -> Found:
+        attributes = vars(system)
+        if name not in attributes:
+            attributes[name] = compute(system)
+        return cast(Found, attributes[name])
 
-    return known
+    return stored
 
 
 # --- beads ------------------------------------------------------------------------------------------------------------
@@ -81,28 +81,28 @@ def mass_of_atoms(system: System) -> float | NDArray[np.float64]:
 
 
 def mass_with_inner(system: System) -> Any:
-    """Of beads with the inner atoms that are tied to them, which move with them in slow motion, [chain, bead]."""
+    """Masses of beads with the inner atoms that are tied to them and move with them in slow motion, [chain, bead]."""
     return with_inner(system.mass, system.inner_mass, system.chains)
 
 
 def with_inner(mass: Any, inner: NDArray[np.float64] | None, chains: int) -> Any:
-    """Masses of beads with those of inner atoms, [line, bead], if there are any."""
+    """Masses of beads, [chain, bead], with those of inner atoms, [line, bead], if there are any."""
     if inner is None:
         return mass
     total = np.array(np.broadcast_to(mass, (chains, inner.shape[1])), dtype=np.float64)
-    for line, own in enumerate(inner):
-        total[line % chains] += own
+    for line, masses in enumerate(inner):
+        total[line % chains] += masses
     return total
 
 
 def atom_ids(system: System) -> NDArray[np.int64]:
-    """Numbers of all atoms, ascending: bead by bead, chain by chain, then likewise the places of inner atoms.
+    """Numbers of all atoms, [atom], ascending: bead by bead, chain by chain, then the inner atoms in the same order.
 
-    The inner atom of bead i of chain j is (lines before + j - 1) * beads + i; numbers of places without are left out.
+    The inner atom of bead i of chain j is (lines before + j - 1) * beads + i; numbers without an atom are left out.
     """
     beads = np.ones((system.chains, system.beads), dtype=bool)
-    there = beads if system.inner_mass is None else np.vstack([beads, system.inner_mass > 0.0])
-    return np.asarray(np.flatnonzero(there) + 1, dtype=np.int64)
+    present = beads if system.inner_mass is None else np.vstack([beads, system.inner_mass > 0.0])
+    return np.asarray(np.flatnonzero(present) + 1, dtype=np.int64)
 
 
 def is_inner(system: System, link: Link) -> bool:
@@ -113,14 +113,14 @@ def is_inner(system: System, link: Link) -> bool:
 @once
 def slowest_resonator(system: System) -> float:
     """Least angular frequency of an inner atom on a linear spring, its bead held; infinite where there is none."""
-    found = math.inf
+    slowest = math.inf
     for link in system.inner_links if system.inner_mass is not None else ():
         if isinstance(link.law, Linear):
             spring = np.broadcast_to(link.law.spring, (len(link.edges), system.beads))
             mass = system.inner_mass[[other - system.chains for _, other in link.edges]]  # type: ignore[index]
-            there = (spring > 0.0) & (mass > 0.0)
-            found = min(found, math.sqrt(float(np.min(spring[there] / mass[there], initial=math.inf))))
-    return found
+            present = (spring > 0.0) & (mass > 0.0)
+            slowest = min(slowest, math.sqrt(float(np.min(spring[present] / mass[present], initial=math.inf))))
+    return slowest
 
 
 def why_no_pulse(system: System) -> str:
@@ -155,8 +155,8 @@ def uniform(system: System) -> bool:
 def energy(system: System) -> float:
     """Energy of the kicks; with loads an upper bound: that of free beads.
 
-    What never ends puts in without end; then it is what one contact is taken to hold, that of beads some times
-    faster than the drive. Runs are checked for overlaps that LAMMPS could not hold.
+    A load that never ends has no bound; then it is the energy of beads some times faster than the drive, which one
+    contact is taken to hold. Runs are checked for overlaps that LAMMPS could not hold.
     """
     kicked = 0.5 * sum(_kicked_mass(system, kick) * kick[2] ** 2 for kick in system.kicks)
     if varying(system):
@@ -164,14 +164,14 @@ def energy(system: System) -> float:
     if not driven(system) and not system.loads:
         return kicked
     # a force F puts in F v at most F sqrt(2 E / m), so that sqrt(2 E) grows by no more than its impulse / sqrt(m)
-    given = sum(
+    growth = sum(
         load.law.total
         * (0.5 * _FASTER if load.endless else 1.0)
         / math.sqrt(mass_of(system, load.chain - 1, load.bead - 1))
         for load in system.loads
     )
-    given += _FASTER * math.sqrt(np.max(system.mass)) * sum(motion.speed for motion in system.motions)
-    return 0.5 * (math.sqrt(2.0 * kicked) + given) ** 2
+    growth += _FASTER * math.sqrt(np.max(system.mass)) * sum(motion.speed for motion in system.motions)
+    return 0.5 * (math.sqrt(2.0 * kicked) + growth) ** 2
 
 
 def momentum(system: System) -> float:
@@ -189,7 +189,7 @@ def _kicked_mass(system: System, kick: tuple[int, int, float]) -> float:
 
 
 def initial_velocity(system: System) -> NDArray[np.float64]:
-    """Velocities at the start, [chain, bead]; displacements are zero."""
+    """Velocities at the start, [chain, bead], in units of V; displacements are zero."""
     velocity = np.zeros((system.chains, system.beads))
     for chain, bead, value in system.kicks:
         velocity[chain - 1, bead - 1] = value
@@ -207,7 +207,7 @@ def excitations(system: System) -> tuple[tuple[int, int, float], ...]:
 
 def largest_excitation(system: System) -> tuple[int, int, float]:
     """(chain, bead, impulse), counted from 1, of what sets most in motion: where the leading pulse starts."""
-    return max(excitations(system), key=lambda one: abs(one[2]))
+    return max(excitations(system), key=lambda excitation: abs(excitation[2]))
 
 
 def acted_on(system: System) -> bool:
@@ -234,9 +234,9 @@ def gap(system: System) -> float:
 
 
 def exponent(system: System) -> float | None:
-    """Of the overlap in the force of a contact; None where that is no power of it, or contacts have their own."""
-    found = getattr(system.along[0].law, "exponent", None) if len(system.along) == 1 else None
-    return None if isinstance(found, np.ndarray) else found
+    """Exponent of the overlap in the force of all contacts; None where that is no power, or contacts differ."""
+    power = laws.exponent(system.along[0].law) if len(system.along) == 1 else None
+    return None if isinstance(power, np.ndarray) else power
 
 
 @once
@@ -272,13 +272,13 @@ def with_memory(system: System, memory: NDArray[np.float64]) -> System:
 
 
 def lost_by_yielding(system: System) -> Any:
-    """Energy dissipated by contacts and walls, [...], as follows from their memories; NaN where no law says it."""
+    """Energy dissipated by contacts and walls, [...], from their memories; NaN where a law has no such function."""
     lost = (link.law.lost(*link.law) if hasattr(link.law, "lost") else np.nan for link in remembering(system))
-    return sum((np.sum(one, axis=(-2, -1)) if np.ndim(one) else one for one in lost), 0.0)
+    return sum((np.sum(energy, axis=(-2, -1)) if np.ndim(energy) else energy for energy in lost), 0.0)
 
 
 def contact_loss(system: System) -> ContactLoss | None:
-    """The law of damping of the contacts; None where they lose nothing."""
+    """Dashpot law of the contacts; None if they are undamped."""
     return next((cast(ContactLoss, link.law) for link in system.dampers if isinstance(link, Along)), None)
 
 
@@ -303,9 +303,9 @@ def wall_at(system: System, side: float) -> Wall:
 
 
 def wall_loss(system: System, side: float) -> WallDashpot | None:
-    """The law of damping of the walls on a side; None where they lose nothing."""
-    found = (link for link in system.dampers if isinstance(link, Wall) and link.side == side)
-    return next((cast(WallDashpot, link.law) for link in found), None)
+    """Dashpot law of the walls on a side; None if they are undamped."""
+    dashpots = (link for link in system.dampers if isinstance(link, Wall) and link.side == side)
+    return next((cast(WallDashpot, link.law) for link in dashpots), None)
 
 
 @once
@@ -322,11 +322,11 @@ def at(system: System, time: Any) -> System:
         return system
     shape = (*np.shape(time), system.chains, system.beads)
 
-    def whole(link: Link) -> Link:
+    def at_time(link: Link) -> Link:
         law: Any = link.at(time).law
         return replace(link, law=type(law)(*(np.broadcast_to(value, shape) for value in law)))
 
-    return replace(system, links=tuple(whole(link) if laws.varies(link.law) else link for link in system.links))
+    return replace(system, links=tuple(at_time(link) if laws.varies(link.law) else link for link in system.links))
 
 
 # --- dashpots ---------------------------------------------------------------------------------------------------------
@@ -384,8 +384,8 @@ def simply_coupled(system: System) -> bool:
 def groups(system: System) -> tuple[frozenset[int], ...]:
     """Chains, counted from 0, that are tied to each other, directly or by others; each in one group."""
     group = {chain: {chain} for chain in range(system.chains)}
-    for one, other in (edge for link in system.across for edge in link.edges):
-        small, large = sorted((group[one], group[other]), key=len)
+    for first, second in (edge for link in system.across for edge in link.edges):
+        small, large = sorted((group[first], group[second]), key=len)
         if small is not large:
             large |= small
             group.update(dict.fromkeys(small, large))
@@ -393,5 +393,5 @@ def groups(system: System) -> tuple[frozenset[int], ...]:
 
 
 def tied_to(system: System, chain: int) -> list[int]:
-    """Chains, counted from 0, of the group that one is in, ascending."""
+    """Chains, counted from 0, of the group that a chain is in, ascending."""
     return sorted(next(group for group in groups(system) if chain in group))

@@ -47,7 +47,7 @@ def declared(kind: str) -> dict[str, EntryPoint]:
 
 
 def load(kind: str, name: str) -> Any:
-    """What an entry point names.
+    """Object that an entry point names.
 
     Raises:
         InputError: it cannot be imported; says which distribution declares it.

@@ -31,7 +31,7 @@ class Problem:
     frames_per_snapshot: int | None = None
     """Frames from one snapshot of all beads to the next; None where there are none."""
     scheme: SchemeName = "verlet"
-    """Of LAMMPS; ``timestep`` and ``steps`` are those of its Verlet steps, on average over a cycle."""
+    """Integration scheme of LAMMPS; ``timestep`` and ``steps`` are those of its Verlet steps, averaged over a cycle."""
     window: int | None = None
     """Rows that exist, near the front; None for all."""
 
@@ -47,12 +47,12 @@ class Problem:
 
     @property
     def beads(self) -> int:
-        """Of each chain."""
+        """Number of beads of each chain."""
         return self.system.beads
 
     @cached_property
     def layout(self) -> Layout:
-        """Where LAMMPS has the beads."""
+        """Diameter and places of the beads in LAMMPS."""
         return Layout(self.system, self.window)
 
     @property
@@ -103,17 +103,17 @@ class Problem:
 
     @property
     def recorded_beads(self) -> NDArray[np.int64]:
-        """Numbers of the recorded beads, counted from 1."""
+        """Numbers of the recorded beads, counted from 1, [recorded bead]."""
         if self.recorded is None:
             return np.arange(1, self.system.beads + 1)
         return np.array(self.recorded, dtype=np.int64)
 
     def coarser(self, stride: int) -> "Problem":
-        """The same problem with only every stride-th frame."""
+        """Problem with only every stride-th frame."""
         return replace(self, steps_per_frame=self.steps_per_frame * stride, frames=self.frames // stride)
 
     def snapshots(self) -> "Problem":
-        """The same problem with its snapshots of all beads as frames.
+        """Problem whose frames are its snapshots of all beads.
 
         Raises:
             ValueError: it has none.

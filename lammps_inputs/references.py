@@ -74,34 +74,34 @@ def of_models() -> dict[str, list[str]]:
     from lammps_inputs.ingredients import damping, plastic
     from lammps_inputs.ingredients.registry import INGREDIENTS
 
-    found = {"contacts of spheres": [HERTZ], "`contact.exponent`": [*POWER_LAW], "`contact.strength`": [GRADED]}
-    found |= {"`contact.force`": [MAGNETS]}
-    found |= {f"`{key}`": [source] for key, source in UNEQUAL.items()}
-    found |= {f"`{key}`": [*kind.sources] for key, kind in INGREDIENTS.items() if kind.sources}
-    found |= {f"`contact.yield`, law `{law}`": [*keys] for law, keys in plastic.SOURCES.items()}
-    found |= {f"`damping.contact`, law `{law}`": [*keys] for law, keys in damping.SOURCES.items()}
-    found |= {f"`scheme: {name}`": [key] for name, key in SCHEMES.items()}
-    return found | {"engine LAMMPS": [LAMMPS], "reference integrator": [REFERENCE]}
+    sources = {"contacts of spheres": [HERTZ], "`contact.exponent`": [*POWER_LAW], "`contact.strength`": [GRADED]}
+    sources |= {"`contact.force`": [MAGNETS]}
+    sources |= {f"`{key}`": [source] for key, source in UNEQUAL.items()}
+    sources |= {f"`{key}`": [*kind.sources] for key, kind in INGREDIENTS.items() if kind.sources}
+    sources |= {f"`contact.yield`, law `{law}`": [*keys] for law, keys in plastic.SOURCES.items()}
+    sources |= {f"`damping.contact`, law `{law}`": [*keys] for law, keys in damping.SOURCES.items()}
+    sources |= {f"`scheme: {name}`": [key] for name, key in SCHEMES.items()}
+    return sources | {"engine LAMMPS": [LAMMPS], "reference integrator": [REFERENCE]}
 
 
 def of_scene(scene: "BaseScene") -> dict[str, list[str]]:
-    """What a paper on a scene cites: subject -> keys of `bibtex`."""
+    """Publications that a paper on a scene cites: subject -> keys of `bibtex`."""
     from lammps_inputs.ingredients import plastic
 
     exponent = scene.contact_scale[0]
-    found = {"contacts": [HERTZ] if exponent == 1.5 else [*POWER_LAW]}
+    sources = {"contacts": [HERTZ] if exponent == 1.5 else [*POWER_LAW]}
     kinds = [*(scene.kinds or {}).values(), *filter(None, [scene.striker])]
     names = [kind.material for kind in kinds] + ([scene.material.name] if scene.material else [])
     if solids := [materials.CATALOGUE[name].source for name in names if name]:
-        found["material"] = list(dict.fromkeys(solids))
+        sources["material"] = list(dict.fromkeys(solids))
     if plastic.key(scene) == "material.yield_strength":
         used = [(kind.material, kind.yield_strength) for kind in kinds]
         used += [(scene.material.name, scene.material.yield_strength)] if scene.material else []
         named = any(name and materials.CATALOGUE[name].yield_strength == value for name, value in used if value)
-        found["yield strength"] = [*plastic.SOURCES["thornton"], *([materials.YIELD_SOURCE] if named else [])]
-    found |= {key: [source] for key, source in UNEQUAL.items() if getattr(scene, key)}
+        sources["yield strength"] = [*plastic.SOURCES["thornton"], *([materials.YIELD_SOURCE] if named else [])]
+    sources |= {key: [source] for key, source in UNEQUAL.items() if getattr(scene, key)}
     for key, ingredient in scene.named:
         if keys := ingredient.cited():
-            found[key] = list(keys)
-    found[OF_ENGINE] = [LAMMPS, SCHEMES[scene.scheme or "verlet"]]
-    return found | {OF_REFERENCE: [REFERENCE]}
+            sources[key] = list(keys)
+    sources[OF_ENGINE] = [LAMMPS, SCHEMES[scene.scheme or "verlet"]]
+    return sources | {OF_REFERENCE: [REFERENCE]}

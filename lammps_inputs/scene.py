@@ -166,8 +166,8 @@ class BaseScene(ScenePart):
         if len({(kick.chain, kick.bead) for kick in self.kicks}) < len(self.kicks):
             raise ValueError("kick: one bead is kicked twice; add the velocities")
         if (self.duration is None) == (self.until_bead is None):
-            given = "neither is given" if self.duration is None else "both are given"
-            raise ValueError(f"duration: give either duration or until_bead ({given})")
+            reason = "neither is given" if self.duration is None else "both are given"
+            raise ValueError(f"duration: give either duration or until_bead ({reason})")
         if self.until_bead is not None and self.until_bead > self.beads:
             raise ValueError(f"until_bead: {self.until_bead} is outside the array (beads 1 to {self.beads})")
         if self.timestep is not None and self.accuracy is not None:
@@ -218,7 +218,7 @@ class BaseScene(ScenePart):
 
     @property
     def wanted(self) -> dict[Fact, str]:
-        """What the scene's choices build on, each with the choice; no ingredient may take it away."""
+        """Facts on which the scene's choices depend, each with the key of the choice; no ingredient may remove them."""
         composed = self.scheme not in (None, "verlet")
         chosen = ((Fact.FRONT, "window", self.window is not None), (Fact.REVERSIBLE, "scheme", composed))
         return {fact: key for fact, key, made in chosen if made}
@@ -265,9 +265,10 @@ class BaseScene(ScenePart):
         if self.striker is not None:
             kinds["striker"] = self.striker
         for key, kind in kinds.items():
-            own = [getattr(kind, name) for name in names]
-            if kind.mass is None and any(value is not None for value in own):  # else the density is not the material's
-                radius, density, modulus = (a if b is None else b for a, b in zip(reference, own, strict=True))
+            constants = [getattr(kind, name) for name in names]
+            # with a mass the density is not the material's
+            if kind.mass is None and any(value is not None for value in constants):
+                radius, density, modulus = (a if b is None else b for a, b in zip(reference, constants, strict=True))
                 yield key, (radius, density, modulus)
 
     def _unlikely_solids(self) -> Iterator[str]:
@@ -275,31 +276,31 @@ class BaseScene(ScenePart):
 
     @property
     def unlikely(self) -> list[str]:
-        """What is unlikely, each with the unit or key that was probably meant."""
-        found = list(self._unlikely_solids())
+        """Warnings of unlikely values, each with the unit or key that was probably meant."""
+        warnings = list(self._unlikely_solids())
         if self.material is not None and self.gap > FAR * self.material.radius:
             ratio = self.gap / self.material.radius
             meant = f"{self.gap:g} mm is {1e-3 * self.gap:g} m"
-            found.append(f"gap in m? {self.gap:g} m is {ratio:.3g} times the radius; {meant}")
+            warnings.append(f"gap in m? {self.gap:g} m is {ratio:.3g} times the radius; {meant}")
         if self.chains == 1 and self.part("coupling") is not None:
-            found.append("coupling: a single chain has no springs between chains; `chains: 2` gives it a neighbour")
+            warnings.append("coupling: a single chain has no springs between chains; `chains: 2` gives it a neighbour")
         every, unit = self._cadence()[0], self.scale.time
         if self.material is not None and every > FAR_FRAMES * unit:
-            found.append(
+            warnings.append(
                 f"output.every in s? {every:g} s is {every / unit:.3g} T, the unit of time T being {unit:.4g} s"
             )
         if self.duration is not None and every > self.duration * (1.0 + 1e-9):
-            found.append(
+            warnings.append(
                 f"output.every: {every:g} is longer than the duration of {self.duration:g}; "
                 f"the run lasts {every:g} and records its start and its end only"
             )
         if self.in_units_of_time:
-            found.append(f"duration in s? {self.in_units_of_time}")
-        return found
+            warnings.append(f"duration in s? {self.in_units_of_time}")
+        return warnings
 
     @property
     def in_units_of_time(self) -> str:
-        """What a long duration of a scene in SI units is in T, in case it was meant so; empty where it is not long."""
+        """Long duration of a scene in SI units, in T, which may have been meant; empty where it is not long."""
         unit = self.scale.time
         if self.material is None or self.duration is None or not self.duration > LONG * unit:
             return ""
@@ -342,7 +343,8 @@ class BaseScene(ScenePart):
 
     def _check_contacts(self, ball: Material, system: System) -> None:
         """Refuse what no contact of elastic spheres is, though the dimensionless numbers would be sane."""
-        sound, key = sound_speed(ball.youngs_modulus, ball.density), max(self._speeds(), key=lambda one: one[1])[0]
+        sound = sound_speed(ball.youngs_modulus, ball.density)
+        key, _ = max(self._speeds(), key=lambda excitation: excitation[1])
         meant = next(self._unlikely_solids(), "")
         if self.scale.velocity > sound:
             raise ValueError(
@@ -367,7 +369,7 @@ class BaseScene(ScenePart):
 
     @property
     def scale(self) -> Scale:
-        """What one dimensionless unit is worth in this scene's units."""
+        """Sizes of the dimensionless units in this scene's units."""
         ball, velocity = self.material, self._speed()
         exponent, constant = self.contact_scale
         if ball is None:
@@ -379,8 +381,8 @@ class BaseScene(ScenePart):
     def units(self) -> str:
         """Values of V, T, L and of the coupling's kappa, in one line; V is the largest excitation (MODEL.md)."""
         scale, system = self.scale, self.system
-        excitations = [one for one in self._speeds() if one[1] > 0.0]
-        key, _ = max(excitations, key=lambda one: one[1])
+        excitations = [(key, speed) for key, speed in self._speeds() if speed > 0.0]
+        key, _ = max(excitations, key=lambda excitation: excitation[1])
         largest = "largest " if len(excitations) > 1 else ""
         parts = [f"V = {scale.written(1.0, 'velocity')} ({largest}{_EXCITATIONS.get(key, key)})"]
         parts += [f"{symbol} = {scale.short(1.0, name)}" for symbol, name in (("T", "time"), ("L", "length"))]
@@ -392,10 +394,10 @@ class BaseScene(ScenePart):
     def contact_scale(self) -> tuple[float, float | None]:
         """Exponent and constant of the contacts' force, by which lengths are measured (`Ingredient.contact_scale`)."""
         scales = (ingredient.contact_scale() for ingredient in self.ingredients)
-        return next((found for found in scales if found is not None), (1.5, None))
+        return next((scale for scale in scales if scale is not None), (1.5, None))
 
     def _speed(self) -> float:
-        """V: of the fastest kick, or of a bead that has been given the impulse of a push."""
+        """Velocity V: that of the fastest kick, or of a bead after the impulse of a push."""
         return max((speed for _, speed in self._speeds()), default=0.0)
 
     def _speeds(self) -> Iterator[tuple[str, float]]:
@@ -408,7 +410,7 @@ class BaseScene(ScenePart):
             yield key, ingredient.speed(mass)
 
     def part(self, key: str) -> Any:
-        """What the scene names under a key; None where it names nothing."""
+        """Part of the scene under a key; None where it names none."""
         return getattr(self, key, None)
 
     def key_of(self, ingredient: Ingredient) -> str:
@@ -428,12 +430,12 @@ class BaseScene(ScenePart):
 
     @property
     def ingredients(self) -> tuple[Ingredient, ...]:
-        """What the scene names of all that a scene may be made of."""
+        """Ingredients that the scene names."""
         return tuple(ingredient for _, ingredient in self.named)
 
     @property
     def named(self) -> Iterator[tuple[str, Ingredient]]:
-        """The same, each with its key."""
+        """Every ingredient of the scene, with its key."""
         for key in INGREDIENTS:
             named = getattr(self, key)
             for ingredient in named if isinstance(named, tuple) else () if named is None else (named,):
@@ -488,15 +490,15 @@ class BaseScene(ScenePart):
         links: list[Across] = []
         dampers: list[Across] = []
         for ingredient in self.ingredients:
-            if (found := ingredient.inner(self)) is None:
+            if (inner := ingredient.inner(self)) is None:
                 continue
             first = 0
-            while np.any(masses[first : first + len(found.mass)] * found.mass[: max(0, len(masses) - first)]):
-                first += len(found.mass)
-            masses = np.pad(masses, ((0, max(0, first + len(found.mass) - len(masses))), (0, 0)))
-            masses[first : first + len(found.mass)] += found.mass
-            links += [link.counted_on(self.chains, first) for link in found.links]
-            dampers += [link.counted_on(self.chains, first) for link in found.dampers]
+            while np.any(masses[first : first + len(inner.mass)] * inner.mass[: max(0, len(masses) - first)]):
+                first += len(inner.mass)
+            masses = np.pad(masses, ((0, max(0, first + len(inner.mass) - len(masses))), (0, 0)))
+            masses[first : first + len(inner.mass)] += inner.mass
+            links += [link.counted_on(self.chains, first) for link in inner.links]
+            dampers += [link.counted_on(self.chains, first) for link in inner.dampers]
         return (masses if len(masses) else None), tuple(links), tuple(dampers)
 
     @property
@@ -528,7 +530,7 @@ class BaseScene(ScenePart):
         return timestep_for(accuracy, duration, self.system, self.scheme or "verlet") * self.scale.time
 
     def resolved(self) -> Self:
-        """The same scene with every default written out; resolving twice changes nothing.
+        """Scene with every default written out; resolving twice changes nothing.
 
         The time step is that of the rule; one that keeps an accuracy is found by `workflow.prepare.settings`.
         """
@@ -590,7 +592,7 @@ def _one_or_several(value: Any) -> Any:
 
 
 def _annotation(ingredient: type[Ingredient]) -> Any:
-    """Of an ingredient's key in a scene."""
+    """Type of an ingredient's key in a scene."""
     if not ingredient.several:
         return ingredient | None
     return Annotated[tuple[ingredient, ...] | None, BeforeValidator(_one_or_several)]  # type: ignore[valid-type]
@@ -599,7 +601,7 @@ def _annotation(ingredient: type[Ingredient]) -> Any:
 if TYPE_CHECKING:
 
     class Scene(BaseScene):
-        """Also with the ingredients' keys, which are known when the package is loaded."""
+        """Scene with the ingredients' keys, which are determined when the package is loaded."""
 
         def __init__(self, **parts: Any) -> None: ...
 else:
@@ -615,7 +617,7 @@ else:
 
 
 def _kick_key(scene: BaseScene, number: int) -> str:
-    """What a kick is called, by its place in ``scene.kicks``."""
+    """Key of a kick in messages, by its place in ``scene.kicks``."""
     strikers = len(scene.kicks) - len(scene.kick)
     if number < strikers:
         return "striker"

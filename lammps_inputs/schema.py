@@ -11,35 +11,35 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 
 class _Untitled(GenerateJsonSchema):
-    """Without titles, which would only repeat the keys."""
+    """Generator of schemas without titles, which would only repeat the keys."""
 
     def field_title_should_be_set(self, schema: Any) -> bool:  # noqa: ARG002  the base class has it
-        """Never."""
+        """Whether a field has a title: never."""
         return False
 
 
 def of(model: type[BaseModel], name: str) -> dict[str, Any]:
-    """Schema of what a model reads.
+    """Schema of the files that a model reads.
 
     Args:
-        model: with the keys that a file may have.
-        name: what the file is.
+        model: model with the keys of a file.
+        name: kind of the file, such as ``scene``.
     """
-    found = _written(model.model_json_schema(schema_generator=_Untitled))
-    return {"$schema": DIALECT, **found, "title": f"granchain {name}"}
+    schema = _written(model.model_json_schema(schema_generator=_Untitled))
+    return {"$schema": DIALECT, **schema, "title": f"granchain {name}"}
 
 
 def scene() -> dict[str, Any]:
     """Schema of a scene's file."""
-    found = of(Scene, "scene")
+    schema = of(Scene, "scene")
     for key in SEVERAL:
-        listed = found["properties"][key]
-        found["properties"][key] = {"anyOf": [listed["items"], listed]}
-    return found
+        listed = schema["properties"][key]
+        schema["properties"][key] = {"anyOf": [listed["items"], listed]}
+    return schema
 
 
 def _written(schema: Any) -> Any:
-    """As it stands in a file: null is no value there, and what Python code says about classes is of no use."""
+    """Schema of what stands in a file, where null is no value."""
     if isinstance(schema, list):
         return [_written(part) for part in schema]
     if not isinstance(schema, dict):
@@ -47,9 +47,9 @@ def _written(schema: Any) -> Any:
     result = {key: _written(value) for key, value in schema.items() if not (key == "default" and value is None)}
     options = result.get("anyOf")
     if isinstance(options, list):
-        kept = [option for option in options if option != {"type": "null"}]
-        if len(kept) == 1:
+        values = [option for option in options if option != {"type": "null"}]
+        if len(values) == 1:
             del result["anyOf"]
-            return {**kept[0], **result}
-        result["anyOf"] = kept
+            return {**values[0], **result}
+        result["anyOf"] = values
     return result

@@ -60,7 +60,7 @@ def timestep_command(scheme: SchemeName) -> str:
 
 
 def cycle_lines(scheme: SchemeName) -> list[str]:
-    """One cycle of a composition, after ``run 0``: as many runs as there are lengths in a row.
+    """LAMMPS commands of one cycle of a composition, after ``run 0``: a run for each group of equal steps.
 
     ``run N pre no every 1 ...`` would do the same in one line, but begins with a setup whatever ``pre`` says, and so
     with new neighbours and owners of beads that are no longer where they were.
@@ -71,7 +71,7 @@ def cycle_lines(scheme: SchemeName) -> list[str]:
 
 
 def onward_lines(scheme: SchemeName, goal: str) -> list[str]:
-    """From between two cycles to a step (a LAMMPS variable), without the setup that a run begins with; in a file."""
+    """Run from a cycle's end to a step (a LAMMPS variable), without the setup that a run begins with; in a file."""
     return [
         "label cycle",
         f'if "$(step) >= $(v_{goal}:%.0f)" then "jump SELF whole"',

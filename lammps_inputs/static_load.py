@@ -33,11 +33,12 @@ class LoadError(ValueError):
 
 
 def under_load(system: System, force: NDArray[np.float64]) -> System:
-    """The same system about the static state in which contacts are loaded.
+    """System about the static state in which its contacts are loaded.
 
     Args:
-        system: without load.
-        force: [chain, bead + 1]: in front of the first bead, in every contact, and behind the last bead.
+        system: system without load.
+        force: static force, [chain, bead + 1], in units of m V / T: before the first bead, in every contact, and behind
+            the last bead.
 
     Raises:
         LoadError: the load is too large or too small.
@@ -52,17 +53,17 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
     rest = max(float(np.max(rest_under(cast(Contact, link.law), force[:, 1:-1]))) for link in system.along)
     grid = _grid(system, rest)
     links = tuple(_loaded(link, force, grid) for link in system.links)
-    found = replace(system, links=links)
-    found = replace(found, dampers=tuple(_damped(link, found) for link in system.dampers))
+    loaded = replace(system, links=links)
+    loaded = replace(loaded, dampers=tuple(_damped(link, loaded) for link in system.dampers))
     wanted = force[:, 1:-1]
-    for link in found.along:
+    for link in loaded.along:
         off = np.max(np.abs(laws.load(link.law) - wanted) / np.where(wanted > 0.0, wanted, np.inf))
         if off > FINEST:
             raise LoadError(
                 f"{np.min(wanted[wanted > 0.0]):.3g} times m V / T, the unit of the kick's forces: so small that "
                 "places in LAMMPS do not show how it presses the beads together; a larger load, or none, is needed"
             )
-    return found
+    return loaded
 
 
 def _grid(system: System, rest: float) -> float:
@@ -104,9 +105,9 @@ def hold_lines(system: System) -> list[str]:
     if not physics.loaded(system):
         return []
     load = [float(find(laws.load(link.law))) for link in system.along for find in (np.min, np.max)]
-    said = f"{load[0]:.6g}" if load[0] == load[1] else f"{load[0]:.6g} to {load[1]:.6g}"
+    forces = f"{load[0]:.6g}" if load[0] == load[1] else f"{load[0]:.6g} to {load[1]:.6g}"
     lines = [
-        f"# static load: contact forces at rest {said}; the resultants found at rest are subtracted",
+        f"# static load: contact forces at rest {forces}; the resultants found at rest are subtracted",
         "run 0 post no",
     ]
     if physics.remembering(system):  # fix held stores them (`plastic_lines`): later memories give others at rest
@@ -141,7 +142,7 @@ def stop_lines(system: System) -> list[str]:
 
 
 def go_on_lines(system: System) -> list[str]:
-    """Gives them back."""
+    """Gives the velocities back that `stop_lines` took."""
     if not (physics.loaded(system) and system.dampers):
         return []
     axes = list(enumerate("xyz", 1))

@@ -19,7 +19,7 @@ MAX_VALUES = 30_000
 
 
 def as_tuple(value: Any) -> Any:
-    """What was read, with tuples for lists, which frozen parts of a scene have; anything else as it is."""
+    """Value that was read, with tuples for lists, as frozen parts of a scene have them."""
     return tuple(map(as_tuple, value)) if isinstance(value, list) else value
 
 
@@ -34,14 +34,14 @@ class _Loader(yaml.SafeLoader):
         self.values += 1
         if self.values > MAX_VALUES:
             raise _refusal(f"more than {MAX_VALUES:,} keys and values", event)
-        if getattr(event, "anchor", None) is not None:
+        if isinstance(event, yaml.NodeEvent) and event.anchor is not None:
             raise _refusal("anchors and aliases are not read here; write the value out", event)
-        if getattr(event, "tag", None) is not None:
+        if isinstance(event, yaml.ScalarEvent | yaml.CollectionStartEvent) and event.tag is not None:
             raise _refusal("tags (`!...`) are not read here; write the plain value", event)
         return super().compose_node(parent, index)
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
-        seen = set()
+        keys = set()
         before = None
         for key_node, value_node in node.value:
             key = key_node.value
@@ -54,9 +54,9 @@ class _Loader(yaml.SafeLoader):
             before = value_node
             if key_node.tag != "tag:yaml.org,2002:str" or not key.isprintable():
                 raise _refusal("keys are plain words", key_node)
-            if key in seen:
+            if key in keys:
                 raise _refusal(f"key {key!r} is given twice", key_node)
-            seen.add(key)
+            keys.add(key)
         return super().construct_mapping(node, deep)
 
 
@@ -141,13 +141,13 @@ _ADVICE = {
 
 def _misread(error: yaml.MarkedYAMLError) -> str:
     """The line, what cannot be read, and what to do."""
-    what = ", ".join(part for part in (error.context, error.problem) if part)
-    advice = [advice for part, advice in _ADVICE.items() if part in what][:1]
+    problem = ", ".join(part for part in (error.context, error.problem) if part)
+    advice = [advice for part, advice in _ADVICE.items() if part in problem][:1]
     began, mark = error.context_mark, error.problem_mark
-    if "expected ':'" in what:
+    if "expected ':'" in problem:
         mark = began  # what follows is the next line
     line = "" if mark is None else f"line {mark.line + 1}: "
-    return line + "; ".join([what, *(text.format(line=began.line + 1 if began else "") for text in advice)])
+    return line + "; ".join([problem, *(text.format(line=began.line + 1 if began else "") for text in advice)])
 
 
 def load(path: Path, needed: str = "") -> dict[str, Any]:
@@ -168,7 +168,8 @@ def load(path: Path, needed: str = "") -> dict[str, Any]:
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
+        reason = error.strerror if isinstance(error, OSError) else None
+        raise InputError(f"{path}: cannot be read ({reason or error})") from None
     if len(raw) > MAX_BYTES:
         raise InputError(f"{path}: larger than {MAX_BYTES >> 10} KiB, so hardly a scene")
     try:

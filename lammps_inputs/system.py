@@ -34,7 +34,7 @@ class System:
     mass: float | NDArray[np.float64] = 1.0
     """1 where all beads have the reference bead's, else [chain, bead]."""
     lacks: frozenset[Fact] = frozenset()
-    """What does not hold."""
+    """Facts that do not hold."""
     loads: tuple[Load, ...] = ()
     """Forces on beads from outside, over time."""
     motions: tuple[Motion, ...] = ()
@@ -77,5 +77,5 @@ class System:
         return tuple(link for link in self.links if isinstance(link, Ground))
 
 
-def _same(one: object, other: object) -> bool:
-    return not isinstance(other, np.ndarray) and one == other
+def _same(first: object, second: object) -> bool:
+    return not isinstance(second, np.ndarray) and first == second

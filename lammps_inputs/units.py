@@ -12,42 +12,42 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any, get_origin
 
 REDUCED = "reduced"
 
 
 @dataclass(frozen=True)
 class Unit:
-    """Of a scene's key that holds a number: stands in the key's type, ``Annotated[float, Unit("m/s")]``.
+    """Unit of a scene's key that holds a number; it stands in the key's type, ``Annotated[float, Unit("m/s")]``.
 
     Attributes:
-        si: symbol with a material, or what finds it from the scene's keys, over them those beside that one; empty for
-            counts and shares.
-        always: whether it is the same without a material.
+        si: symbol with a material, or a function that finds it from the scene's keys and those beside that one; empty
+            for counts and shares.
+        always: whether the unit is the same without a material.
     """
 
     si: str | Callable[[Mapping[str, Any]], str]
     always: bool = False
 
     def symbol(self, keys: Mapping[str, Any], *, si: bool) -> str:
-        """As in a table or a plot: ``m/s``, ``reduced``, or nothing.
+        """Symbol of the unit in a table or a plot: ``m/s``, ``reduced``, or nothing.
 
         Args:
             keys: plain data of the scene, over them those of the keys around this one.
             si: whether the scene has a material.
         """
-        found = self.si if isinstance(self.si, str) else self.si(keys)
-        return found if si or self.always or not found else REDUCED
+        name = self.si if isinstance(self.si, str) else self.si(keys)
+        return name if si or self.always or not name else REDUCED
 
 
 @dataclass(frozen=True)
 class Dimension:
-    """Of a law's parameter: stands in its type, ``Annotated[Parameter, Dimension("stiffness", length=-2)]``.
+    """Unit of a law's parameter, in its type: ``Annotated[Parameter, Dimension("stiffness", length=-2)]``.
 
     Attributes:
-        unit: one of `Scale`; ``one`` of a number without unit.
-        over: another, by which that is divided.
+        unit: name of a unit of `Scale`; ``one`` for a number without unit.
+        over: name of the unit by which that is divided.
         length: power of the length, as a factor.
     """
 
@@ -65,14 +65,20 @@ class Dimension:
         return f"1{symbol}" if symbol.startswith("/") else symbol.strip()
 
     def worth(self, scale: "Scale") -> float:
-        """Of one dimensionless unit, in the scene's units."""
-        found = getattr(scale, self.unit) / getattr(scale, self.over)
+        """Size of one dimensionless unit, in the scene's units."""
+        unit = getattr(scale, self.unit) / getattr(scale, self.over)
         length = scale.length ** abs(self.length)
-        return float(found / length if self.length < 0.0 else found * length)
+        return float(unit / length if self.length < 0.0 else unit * length)
+
+
+def dimension_of(hint: Any) -> Dimension | None:
+    """Dimension that the type of a law's parameter declares first (`Annotated`); None where it declares none."""
+    declared = hint.__metadata__[0] if get_origin(hint) is Annotated else None
+    return declared if isinstance(declared, Dimension) else None
 
 
 PURE = Unit("")
-"""Of shares, and of what has the same number in all units."""
+"""Unit of shares, and of numbers that are the same in all units."""
 
 _GREEK = {"Delta": "Δ", "kappa": "κ", "nu": "ν", "omega": "ω", "rho": "ρ", "sigma": "σ"}
 
@@ -135,7 +141,7 @@ ENERGY_INPUT = "energy input"
 
 @dataclass(frozen=True)
 class Scale:
-    """What one dimensionless unit is worth in the scene's units (SI with a material, else reduced units)."""
+    """Sizes of the dimensionless units in the scene's units (SI with a material, else reduced units)."""
 
     mass: float
     length: float
@@ -143,7 +149,7 @@ class Scale:
     si: bool
 
     one = 1.0
-    """Of what has no unit."""
+    """Unit of numbers without unit."""
 
     @property
     def time(self) -> float:
@@ -190,14 +196,14 @@ class Scale:
         """A dimensionless value in the scene's units, with the symbol of SI units: ``0.000656174 s``, or ``60``.
 
         Args:
-            value: dimensionless.
-            quantity: a key of `SI`.
+            value: dimensionless number.
+            quantity: key of `SI`.
             digits: format of the number.
         """
         return f"{self.measured(value, quantity):{digits}}{self.after(quantity)}"
 
     def short(self, value: float, quantity: str) -> str:
-        """As `written`, with a prefix before the symbol of an SI unit, in ASCII: ``656.174 us``."""
+        """A dimensionless value in the scene's units with a prefix of the SI unit, in ASCII: ``656.174 us``."""
         if not self.si:
             return self.written(value, quantity)
         number = self.measured(value, quantity)
@@ -210,7 +216,7 @@ class Scale:
 
 
 DIMENSIONLESS = Scale(1.0, 1.0, 1.0, si=False)
-"""Of numbers in V, T, L and the mass of a bead."""
+"""Scale of numbers in units of V, T, L and the mass of a bead."""
 
 SI = {
     "mass": "kg",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from lammps_inputs.ingredients import unequal
 from lammps_inputs.links import Across, Along, Link, Wall
 from lammps_inputs.numbers import known, text
-from lammps_inputs.units import Dimension, Scale
+from lammps_inputs.units import Dimension, Scale, dimension_of
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -66,8 +66,8 @@ def _of_beads(scene: "BaseScene") -> Iterator[BeadColumn]:
 def _of_link(link: Link, scene: "BaseScene") -> Iterator[BeadColumn]:
     hints = get_type_hints(type(link.law), include_extras=True)
     for parameter, values in zip(type(link.law)._fields, link.law, strict=True):  # type: ignore[attr-defined]
-        dimension = next(iter(getattr(hints[parameter], "__metadata__", ())), None)
-        if np.ndim(values) == 0 or not isinstance(dimension, Dimension):
+        dimension = dimension_of(hints[parameter])
+        if np.ndim(values) == 0 or dimension is None:
             continue
         name, unit = f"{link.name}.{parameter}", _symbol(dimension, scene.scale)
         for place, table in _at_beads(link, values, scene):

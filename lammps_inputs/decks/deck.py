@@ -113,8 +113,8 @@ def render_deck(problem: Problem) -> str:
         )
     if problem.window is not None:
         sections.append(window.setup_lines(problem))
-    whole = problem.window is None
-    run = scheme.run_lines(problem.scheme, "${steps}") if whole else window.travel_lines(problem)
+    all_rows = problem.window is None
+    run = scheme.run_lines(problem.scheme, "${steps}") if all_rows else window.travel_lines(problem)
     sections.append(output_lines(problem, file_names.DUMP))
     sections.append([scheme.timestep_command(problem.scheme), *moved_lines(problem), *run])
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
@@ -138,7 +138,7 @@ def inner_lines(problem: Problem) -> list[str]:
 
 
 def spelling(problem: Problem) -> list[DeckLines]:
-    """What the laws on the links, and the loads, are to LAMMPS, in their order.
+    """LAMMPS commands of the laws on the links, and of the loads, in their order.
 
     Raises:
         ValueError: LAMMPS has no words for one of them.
@@ -196,12 +196,12 @@ def _kind(link: Link) -> str:
 
 def interactions(problem: Problem) -> list[list[str]]:
     """Contacts, and springs where there are any."""
-    said = spelling(problem)
-    found = [list(lines.interactions) for lines in said if lines.interactions and not lines.style]
-    if bonded := [lines for lines in said if lines.style]:
-        found.append(spring.tied(bonded))
-    beside = [lines.beside for lines in said if lines.beside]
-    return found if not beside else [dashpot.overlaid(found[0], beside), *found[1:]]
+    spelled = spelling(problem)
+    groups = [list(lines.interactions) for lines in spelled if lines.interactions and not lines.style]
+    if bonded := [lines for lines in spelled if lines.style]:
+        groups.append(spring.tied(bonded))
+    beside = [lines.beside for lines in spelled if lines.beside]
+    return groups if not beside else [dashpot.overlaid(groups[0], beside), *groups[1:]]
 
 
 def motion_lines(problem: Problem, group: str) -> list[str]:
@@ -210,9 +210,9 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
     lines = [
         f"fix motion {group} nve",
         *static_load.place_lines(system),
-        *(line for found in _of_links(problem) for line in found.motion),
+        *(line for part in _of_links(problem) for line in part.motion),
         *static_load.hold_lines(system),
-        *(line for found in loads.lines(problem.layout) for line in found.motion),
+        *(line for part in loads.lines(problem.layout) for line in part.motion),
     ]
     if _tied(system):
         lines.append("fix line all lineforce 1 0 0     # beads move along their chains only")
@@ -220,8 +220,8 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
 
 
 def moved_lines(problem: Problem) -> list[str]:
-    """What moves beads by the time, with the beads at rest, once LAMMPS has the time step."""
-    return [line for found in spelling(problem) for line in found.moved]
+    """Fixes that move beads by a formula of the time; they need the time step, and the beads at rest."""
+    return [line for part in spelling(problem) for line in part.moved]
 
 
 def output_lines(problem: Problem, dump: str, snapshots: str = file_names.SNAPSHOTS) -> list[str]:
@@ -232,7 +232,7 @@ def output_lines(problem: Problem, dump: str, snapshots: str = file_names.SNAPSH
         listed = " ".join(f"{bead}:{atoms}:{problem.beads}" for bead in problem.recorded)
         recorded, group = "recorded", [f"group recorded {'type 2' if _types(problem) is None else f'id {listed}'}"]
     all_columns = " ".join(columns(replace(problem, recorded=None)))
-    whole = [
+    snapshot_lines = [
         f"dump snapshots all custom $({problem.frames_per_snapshot}*v_every:%.0f) {snapshots} {all_columns}",
         "dump_modify snapshots flush yes time yes",
     ]
@@ -240,7 +240,7 @@ def output_lines(problem: Problem, dump: str, snapshots: str = file_names.SNAPSH
         *group,
         f"dump frames {recorded} custom ${{every}} {dump} {' '.join(columns(problem))}",
         "dump_modify frames flush yes time yes   # each frame is written at once, with its time",
-        *(whole if problem.frames_per_snapshot is not None else []),
+        *(snapshot_lines if problem.frames_per_snapshot is not None else []),
         *_thermo_lines(problem),
         "thermo ${thermo}",
     ]
@@ -249,8 +249,8 @@ def output_lines(problem: Problem, dump: str, snapshots: str = file_names.SNAPSH
 def _thermo_lines(problem: Problem) -> list[str]:
     """Columns of the log: kinetic energy and momentum where a line is written every many steps.
 
-    Not where each substep is a run of its own, which LAMMPS begins and ends with a line; nor where its masses are not
-    those of the beads.
+    Only the step is written where each substep is a separate run, which LAMMPS begins and ends with a line, and where
+    its masses are not those of the beads.
     """
     if problem.scheme == "verlet" and all(lines.heavier is None for lines in spelling(problem)):
         return [
@@ -281,7 +281,7 @@ def _mass_lines(problem: Problem) -> list[str]:
 
 
 def number_fix(problem: Problem) -> list[str]:
-    """What holds numbers of every bead; none where no law has them."""
+    """Fix that holds numbers of every bead; none where no law has them."""
     if _numbers(problem) is None:
         return []
     return ["fix numbers all property/atom " + " ".join(plastic_lines.COLUMNS)]
@@ -356,7 +356,7 @@ def number_lines(problem: Problem) -> list[str]:
         f"variable steps index {problem.steps}",
         f"variable every index {problem.steps_per_frame}   # steps between frames",
         f"variable thermo index {min(max(1, problem.steps // 20), 2**31 - 1)}   # steps between lines of the log",
-        *(line for found in spelling(problem) for line in found.variables),
+        *(line for part in spelling(problem) for line in part.variables),
     ]
 
 
@@ -370,14 +370,14 @@ def kick_lines(problem: Problem) -> list[str]:
 
 def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
     """Both chains of every edge, from 0, and the types of its bonds in the rows that exist; 0 where there is none."""
-    found, before = [], 0
+    bonds, before = [], 0
     for link, lines in zip(_spelled(problem.system), _of_links(problem), strict=True):
         if isinstance(link, Across) and lines.bonds is not None:
             numbered = np.where(lines.bonds > 0, lines.bonds + before, 0)
             before += len(lines.coefficients)
             edges = zip(link.edges, numbered, strict=True)
-            found += [(one, other, types[: problem.rows]) for (one, other), types in edges]
-    return found
+            bonds += [(lower, higher, types[: problem.rows]) for (lower, higher), types in edges]
+    return bonds
 
 
 def _skin(problem: Problem) -> float:
@@ -425,7 +425,7 @@ def render_data(problem: Problem) -> str:
         of_line = kind if by_contact is None else by_contact.of[line]
         sizes: Iterator[str] = itertools.repeat(same_size, beads)
         if not isinstance(mass, float):
-            sizes = (f"{diameter} {text(unit * one)}" for one in mass[line].tolist())
+            sizes = (f"{diameter} {text(unit * bead_mass)}" for bead_mass in mass[line].tolist())
         if not physics.even(system):
             places = [text(x) for x in problem.layout.places[line]]
         rows = enumerate(zip(of_line.tolist(), places, sizes, strict=True))
@@ -440,8 +440,8 @@ def render_data(problem: Problem) -> str:
     if _tied(system):
         out.write("\nBonds\n\n")
         bond = 0
-        for one, other, kind_of in bonds:
-            tied, lower, higher = np.flatnonzero(kind_of), beads * one + 1, beads * other + 1
+        for chain, partner, kind_of in bonds:
+            tied, lower, higher = np.flatnonzero(kind_of), beads * chain + 1, beads * partner + 1
             numbered = enumerate(zip(tied.tolist(), kind_of[tied].tolist(), strict=True), bond + 1)
             out.writelines(f"{number} {t} {lower + i} {higher + i}\n" for number, (i, t) in numbered)
             bond += len(tied)

@@ -121,7 +121,7 @@ class SceneParts(Protocol):
         """Every ingredient that the scene names."""
 
     def part(self, key: str) -> Any:
-        """What the scene names under a key; None where it names nothing."""
+        """Part of the scene under a key; None where it names none."""
 
     def key_of(self, ingredient: "Ingredient") -> str:
         """Key of an ingredient in messages."""
@@ -152,24 +152,24 @@ def ends(unit: Any, first: str, last: str, default: Any = ...) -> dict[str, Any]
     }
 
 
-def refuse_range(key: str, given: tuple[int, int] | None, most: int, *, of: str = "bead", least: int = 0) -> None:
+def refuse_range(key: str, places: tuple[int, int] | None, last: int, *, of: str = "bead", least: int = 0) -> None:
     """Refuse a first and a last place that are not in this order, at least so far apart, and within the chain.
 
     Raises:
         ValueError: naming the key.
     """
-    if given is not None and not given[0] + least <= given[1] <= most:
-        raise ValueError(f"{key}: {given[0]} to {given[1]} given; from a {of} to a later one, within {most}")
+    if places is not None and not places[0] + least <= places[1] <= last:
+        raise ValueError(f"{key}: {places[0]} to {places[1]} given; from a {of} to a later one, within {last}")
 
 
-def refuse_other_count(key: str, given: Any, chains: int, *, what: str = "numbers") -> None:
+def refuse_other_count(key: str, values: Any, chains: int, *, noun: str = "numbers") -> None:
     """Refuse a tuple that does not have one value for each chain.
 
     Raises:
         ValueError: naming the key.
     """
-    if isinstance(given, tuple) and len(given) != chains:
-        raise ValueError(f"{key}: {len(given)} {what} for {chains} chains; one, or one for each")
+    if isinstance(values, tuple) and len(values) != chains:
+        raise ValueError(f"{key}: {len(values)} {noun} for {chains} chains; one, or one for each")
 
 
 def refuse_outside(key: str, place: Any, scene: SceneParts) -> None:
@@ -178,9 +178,9 @@ def refuse_outside(key: str, place: Any, scene: SceneParts) -> None:
     Raises:
         ValueError: naming the key.
     """
-    for name, number, most in (("chain", place.chain, scene.chains), ("bead", place.bead, scene.beads)):
-        if number > most:
-            raise ValueError(f"{key}.{name}: {number} is outside the array ({name}s 1 to {most})")
+    for name, number, last in (("chain", place.chain, scene.chains), ("bead", place.bead, scene.beads)):
+        if number > last:
+            raise ValueError(f"{key}.{name}: {number} is outside the array ({name}s 1 to {last})")
 
 
 def in_rows(values: Any, rows: tuple[int, int] | None, shape: tuple[int, ...]) -> NDArray[np.float64]:
@@ -196,8 +196,9 @@ class Inner(NamedTuple):
 
     Attributes:
         mass: [line, bead], of lines of as many places as a chain has; 0 where there is no atom.
-        links: of lines, which count on from the chains, with chains and each other; 0 where there is no atom.
-        dampers: likewise, with laws of damping.
+        links: links of these lines, which count on from the chains, with chains and each other; their law is 0 where
+            there is no atom.
+        dampers: dashpots of these lines, counted in the same way.
     """
 
     mass: NDArray[np.float64]
@@ -219,7 +220,7 @@ class Ingredient(ScenePart):
 
     @classmethod
     def from_files(cls, value: Any, folder: Path) -> Any:  # noqa: ARG003
-        """What stands in a scene's file, with what it names of other files; those are beside it, in the folder."""
+        """Content of a scene's file with that of the files that it names, which are beside it, in the folder."""
         return value
 
     def refuse(self, scene: SceneParts) -> None:
@@ -250,7 +251,7 @@ class Ingredient(ScenePart):
         Its parameters are in the scene's units, but for those without unit (`lammps_inputs.laws.dimensionless`).
 
         Args:
-            strength: in that of two reference beads, a number or [chain, contact].
+            strength: strength over that of two reference beads, a number or [chain, contact].
         """
         return None
 
@@ -279,19 +280,19 @@ class Ingredient(ScenePart):
         return None
 
     def lacks(self, scene: SceneParts) -> frozenset[Fact]:
-        """What no longer holds in this scene."""
+        """Facts that no longer hold in this scene."""
         return self.takes_away if self.links(scene) else frozenset()
 
     def speed(self, mass: float) -> float:  # noqa: ARG002
-        """Of a bead of this mass that it sets in motion, in the scene's units: a measure of V."""
+        """Speed of a bead of this mass that it sets in motion, in the scene's units: a measure of V."""
         return 0.0
 
     def static(self, scene: SceneParts, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
         """Force at rest, dimensionless: a number, or [chain, bead + 1] from before the first bead to behind the last.
 
         Args:
-            scene: that it is part of.
-            mass: of the beads, dimensionless, a number or [chain, bead].
+            scene: scene that it is part of.
+            mass: dimensionless masses of the beads, a number or [chain, bead].
         """
         return 0.0
 

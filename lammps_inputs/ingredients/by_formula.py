@@ -1,7 +1,7 @@
 """Ingredients whose force may be a formula of the scene's: ``force``, with its parameters as keys beside it."""
 
 import functools
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import (
@@ -52,35 +52,38 @@ class ByFormula(Ingredient):
     model_config = ConfigDict(extra="allow", json_schema_extra=_other_keys_with_force)
     __pydantic_extra__: dict[str, Annotated[float, Field(ge=-1e30, le=1e30)]]
 
+    if TYPE_CHECKING:  # each subclass declares it, in the order of its keys
+        force: str | None
+
     @model_validator(mode="before")
     @classmethod
-    def _known_keys(cls, given: Any) -> Any:
+    def _known_keys(cls, keys: Any) -> Any:
         """Refuse other keys, and missing parameters.
 
         Raises:
             ValidationError: naming each of them.
         """
-        if not isinstance(given, dict):
-            return given
+        if not isinstance(keys, dict):
+            return keys
         fields = {field.alias or name for name, field in cls.model_fields.items()}
-        named = cls.parameters_of(given.get("force"))
-        if named is None and isinstance(given["force"], str):
-            raise _complaint(cls, given["force"], cls._wrong(given["force"]))
+        named = cls.parameters_of(keys.get("force"))
+        if named is None and isinstance(keys["force"], str):
+            raise _complaint(cls, keys["force"], cls._wrong(keys["force"]))
         if named is None:  # no text
-            return {key: value for key, value in given.items() if key in fields}
+            return {key: value for key, value in keys.items() if key in fields}
         wrong: list[Any] = [
             {"type": "extra_forbidden", "loc": (key,), "input": value}
-            for key, value in given.items()
+            for key, value in keys.items()
             if key not in fields and key not in named
         ]
         wrong += [
-            {"type": "missing", "loc": (name,), "input": given}
+            {"type": "missing", "loc": (name,), "input": keys}
             for name in named
-            if name not in given and name not in fields
+            if name not in keys and name not in fields
         ]
         if wrong:
             raise ValidationError.from_exception_data(cls.__name__, wrong)
-        return given
+        return keys
 
     @classmethod
     def parameters_of(cls, force: Any) -> tuple[str, ...] | None:
@@ -93,7 +96,7 @@ class ByFormula(Ingredient):
 
     @classmethod
     def _wrong(cls, force: str) -> str:
-        """What is wrong with a text that is no formula of s; empty if nothing is."""
+        """Reason why a text is no formula of s; empty if it is one."""
         try:
             named = expression.names(force)
         except expression.FormulaError as error:
@@ -105,9 +108,9 @@ class ByFormula(Ingredient):
 
     @model_serializer(mode="wrap")
     def _without_defaults(self, usual: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """With a formula, only what is said beside it."""
+        """Keys of the part; with a formula only those that differ from their defaults."""
         written: dict[str, Any] = usual(self)
-        if getattr(self, "force", None) is None:
+        if self.force is None:
             return written
         fields = type(self).model_fields
         return {key: value for key, value in written.items() if key not in fields or value != fields[key].default}
@@ -115,12 +118,11 @@ class ByFormula(Ingredient):
     @property
     def formula(self) -> Force | None:
         """The force and its parameters, in the scene's units; None where it is no formula."""
-        text = getattr(self, "force", None)
-        if text is None:
+        if self.force is None:
             return None
-        return Force(text, tuple(sorted((self.__pydantic_extra__ or {}).items())))
+        return Force(self.force, tuple(sorted((self.__pydantic_extra__ or {}).items())))
 
-    def refuse_beside(self, own: str, *keys: str) -> None:
+    def refuse_beside(self, part: str, *keys: str) -> None:
         """Refuse keys that say what the formula says.
 
         Raises:
@@ -128,11 +130,11 @@ class ByFormula(Ingredient):
         """
         for key in keys if self.formula is not None else ():
             if getattr(self, key) != type(self).model_fields[key].default:
-                raise ValueError(f"{own}.{key}: {own}.force says the whole force; leave one of them out")
+                raise ValueError(f"{part}.{key}: {part}.force says the whole force; leave one of them out")
 
 
 # --- what a formula is ------------------------------------------------------------------------------------------------
-# found once for each force, as a scene asks for it wherever it needs a unit or a law
+# computed once for each force, for a scene needs it wherever it needs a unit or a law
 
 
 @functools.lru_cache(maxsize=256)
@@ -157,13 +159,13 @@ def kind_of_contact(force: Force, tension: str | None) -> formula_law.FormulaKin
         raise ValueError(f"contact.force: is {rest:.6g} at s = 0, so that beads pull each other at rest; at least 0")
     law = force.law(formula_law.AlongChains)
     slopes = [float(law.stiffness(s, *law)) for s in (small, -small)]
-    way = 1.0 if slopes[0] > 0.0 or slopes[1] > 0.0 else -1.0
+    direction = 1.0 if slopes[0] > 0.0 or slopes[1] > 0.0 else -1.0
     if not any(abs(slope) > 0.0 for slope in slopes):
         raise ValueError("contact.force: is the same at all s near 0; it should grow as beads come closer")
-    if not np.isfinite(slopes[0 if way > 0.0 else 1]):
+    if not np.isfinite(slopes[0 if direction > 0.0 else 1]):
         raise ValueError("contact.force: falls as beads come closer; it should grow, as A*s^1.5 with A > 0")
-    kind = formula_law.FormulaKind(way, cut=rest == 0.0 if tension is None else tension == "cut")
-    if not kind.cut and not np.isfinite(slopes[1 if way > 0.0 else 0]):
+    kind = formula_law.FormulaKind(direction, cut=rest == 0.0 if tension is None else tension == "cut")
+    if not kind.cut and not np.isfinite(slopes[1 if direction > 0.0 else 0]):
         if tension is None:
             raise ValueError(
                 f"contact.force: is {rest:.6g} at s = 0, so that it acts at a distance, and has no real value where "
@@ -188,8 +190,8 @@ def power_of_contact(force: Force, kind: formula_law.FormulaKind) -> tuple[float
         raise ValueError("contact.force: is infinitely stiff at s = 0; powers of s from 1 on are valid")
     exponent = 1.0 + round(float(np.log2(stiffness[1] / stiffness[0])), 6)
     if kind.cut and exponent <= MOST_EXPONENT:
-        a = float(force.at(kind.way))
-        if np.allclose(force.at(kind.way * _SPAN), a * _SPAN**exponent, rtol=_SAME, atol=0.0):
+        a = float(force.at(kind.direction))
+        if np.allclose(force.at(kind.direction * _SPAN), a * _SPAN**exponent, rtol=_SAME, atol=0.0):
             return exponent, a, True
     return exponent, stiffness[0] / (exponent * SMALL ** (exponent - 1.0)), False
 
@@ -219,10 +221,10 @@ def refuse_even(key: str, force: Force) -> None:
     Raises:
         ValueError: naming the key and where that shows.
     """
-    one, other = force.at(_SPAN), force.at(-_SPAN)
+    positive, negative = force.at(_SPAN), force.at(-_SPAN)
     with np.errstate(all="ignore"):
-        same = np.abs(one + other) <= 1e-9 * np.abs(one) + _SAME * np.nanmin(np.abs(one))
-    wrong = np.flatnonzero(~same & (np.isfinite(one) | np.isfinite(other)))
+        same = np.abs(positive + negative) <= 1e-9 * np.abs(positive) + _SAME * np.nanmin(np.abs(positive))
+    wrong = np.flatnonzero(~same & (np.isfinite(positive) | np.isfinite(negative)))
     if len(wrong):
         s = float(_SPAN[wrong[len(wrong) // 2]])
         raise ValueError(
@@ -235,11 +237,11 @@ def refuse_reach(key: str, law: Any, system: System, length: float, *, pressed: 
     """Refuse formulas that are no number, or no spring, at strains that the energy of the system reaches.
 
     Args:
-        key: of the ingredient.
-        law: dimensionless.
-        system: whose energy.
-        length: of a dimensionless unit, in the scene's.
-        pressed: whether it keeps beads apart.
+        key: key of the ingredient.
+        law: dimensionless law.
+        system: system whose energy bounds the strains.
+        length: dimensionless unit of length, in the scene's units.
+        pressed: whether the law keeps beads apart.
 
     Raises:
         ValueError: naming the key and the strain.
@@ -259,7 +261,7 @@ def refuse_reach(key: str, law: Any, system: System, length: float, *, pressed: 
         beyond = side * far * (1.0 + 1e-6)
         if float(law.energy(side * far, *law)) >= 0.99 * energy:
             continue
-        s = law.kind.way * side * far * length
+        s = law.kind.direction * side * far * length
         if not np.isfinite(law.force(beyond, *law)):
             raise ValueError(
                 f"{key}.force: has no real value from s = {s:.3g} on, which the energy of the excitation reaches; "

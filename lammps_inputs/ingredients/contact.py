@@ -76,10 +76,10 @@ class Profile(ScenePart):
             raise ValueError(f"{key}: names nothing; valid: `strength: {self.example}`")
         parts = {("from", "to", "contacts"): (), ("amplitude", "wavenumber"): ("mean", "phase"), ("spread",): ("seed",)}
         for needed, more in parts.items():
-            given = [name for name in (*needed, *more) if getattr(self, name) is not None]
+            named = [name for name in (*needed, *more) if getattr(self, name) is not None]
             missing = [name for name in needed if getattr(self, name) is None]
-            if given and missing:
-                raise ValueError(f"{key}.{missing[0]}: is missing beside {given[0]}")
+            if named and missing:
+                raise ValueError(f"{key}.{missing[0]}: is missing beside {named[0]}")
         base.refuse_range(f"{key}.contacts", self.contacts, contacts, of="contact", least=1)
         mean = 1.0 if self.mean is None else self.mean
         if self.amplitude is not None and not abs(self.amplitude) < mean:
@@ -87,18 +87,18 @@ class Profile(ScenePart):
 
     def of(self, chains: int, contacts: int) -> Floats:
         """Strengths, [chain, contact]; random factors are those of ``numpy.random.default_rng(seed).uniform``."""
-        number, found = np.arange(1, contacts + 1), np.ones((chains, contacts))
+        number, strengths = np.arange(1, contacts + 1), np.ones((chains, contacts))
         if self.contacts is not None:
-            found *= np.interp(number, self.contacts, [getattr(self, end) for end in ("from", "to")])
+            strengths *= np.interp(number, self.contacts, [getattr(self, end) for end in ("from", "to")])
         if self.amplitude is not None:
             assert self.wavenumber is not None
             angle = 2.0 * math.pi * self.wavenumber * number + math.radians(self.phase or 0.0)
-            found *= (1.0 if self.mean is None else self.mean) + self.amplitude * np.cos(angle)
+            strengths *= (1.0 if self.mean is None else self.mean) + self.amplitude * np.cos(angle)
         if self.spread:
-            least, most = 1.0 - self.spread, 1.0 + self.spread
+            least, largest = 1.0 - self.spread, 1.0 + self.spread
             shares = random_shares(1 if self.seed is None else self.seed, chains * contacts)
-            found *= (least + (most - least) * shares).reshape(chains, contacts)
-        return found
+            strengths *= (least + (largest - least) * shares).reshape(chains, contacts)
+        return strengths
 
 
 def _kind_of_values(value: Any) -> str:
@@ -143,7 +143,7 @@ def _refuse_values(key: str, strength: Any, scene: SceneParts) -> None:
         return
     rows = strength if isinstance(strength[0] if strength else None, tuple) else (strength,)
     if len(rows) != 1:
-        base.refuse_other_count(key, rows, scene.chains, what="lists")
+        base.refuse_other_count(key, rows, scene.chains, noun="lists")
     for row in rows:
         if len(row) != contacts:
             raise ValueError(f"{key}: {len(row)} numbers for the {contacts} contacts of {scene.beads} beads")
@@ -185,11 +185,11 @@ class Contact(by_formula.ByFormula):
 
     @model_validator(mode="before")
     @classmethod
-    def _straight(cls, given: Any) -> Any:
+    def _straight(cls, keys: Any) -> Any:
         """The exponent of contacts that yield along straight lines, where none is named."""
-        yields = given.get("yield") if isinstance(given, dict) else None
-        straight = isinstance(yields, dict) and yields.get("law") == "walton-braun" and "force" not in given
-        return {"exponent": 1.0, **given} if straight else given
+        yields = keys.get("yield") if isinstance(keys, dict) else None
+        straight = isinstance(yields, dict) and yields.get("law") == "walton-braun" and "force" not in keys
+        return {"exponent": 1.0, **keys} if straight else keys
 
     @field_validator("exponent")
     @classmethod
@@ -211,17 +211,18 @@ class Contact(by_formula.ByFormula):
         _refuse_values("contact.exponent", self.exponent, scene)
         if self._powers is not None:
             self._refuse_exponents(scene)
-        if self._yields is not None and "exponent" in self.model_fields_set and self.exponent != self._power:
-            raise ValueError(f"contact.exponent: {self._power:g} with the law {self._yields.law}; leave it out")
+        if self.yields is not None and "exponent" in self.model_fields_set and self.exponent != self._power:
+            raise ValueError(f"contact.exponent: {self._power:g} with the law {self.yields.law}; leave it out")
         if scene.material is not None and self._power == HERTZ and self.stiffness is not None:
             raise ValueError("contact.stiffness: the material says how stiff contacts of the exponent 1.5 are")
         if scene.material is not None and self._power != HERTZ and self.stiffness is None:
             raise ValueError(f"contact.stiffness: is missing; the force at an overlap of 1 m, in N/m^{self._power:g}")
 
     @property
-    def _yields(self) -> plastic.Yield | None:
-        found: plastic.Yield | None = getattr(self, "yield")
-        return found
+    def yields(self) -> plastic.Yield | None:
+        """Law of contacts that yield; None where they are elastic."""
+        law: plastic.Yield | None = getattr(self, "yield")
+        return law
 
     @property
     def _powers(self) -> Floats | None:
@@ -231,23 +232,23 @@ class Contact(by_formula.ByFormula):
     @property
     def _power(self) -> float:
         """Exponent of first loading; where contacts have their own, that by which lengths are measured."""
-        if self._yields is None:
+        if self.yields is None:
             return HERTZ if self._powers is not None else float(np.max(self.exponent))
-        return 1.0 if self._yields.linear else HERTZ
+        return 1.0 if self.yields.linear else HERTZ
 
     def _refuse_exponents(self, scene: SceneParts) -> None:
         """Refuse what is said for contacts of one exponent only."""
         keys = ("material", "walls", "gravity", "precompression", "window", "taper")
-        given = [key for key in keys if scene.part(key)]
-        given += ["contact.stiffness"] * (self.stiffness is not None)
+        others = [key for key in keys if scene.part(key)]
+        others += ["contact.stiffness"] * (self.stiffness is not None)
         damping = scene.part("damping")
         if damping is not None and damping.contact:
-            given += ["damping.law"] * (damping.law not in (None, "linear"))
-            given += ["damping.tension"] * (damping.tension == "cut")
-        if given:
+            others += ["damping.law"] * (damping.law not in (None, "linear"))
+            others += ["damping.tension"] * (damping.tension == "cut")
+        if others:
             raise ValueError(
-                f"{given[0]}: is known for contacts of one exponent, and contact.exponent is a list; leave one of them "
-                "out"
+                f"{others[0]}: is known for contacts of one exponent, and contact.exponent is a list; leave one of "
+                "them out"
             )
 
     def _refuse_formula(self, force: Force, scene: SceneParts) -> None:
@@ -283,7 +284,7 @@ class Contact(by_formula.ByFormula):
         for link in system.along:
             if isinstance(link.law, AlongChains):
                 by_formula.refuse_reach("contact", link.law, system, scene.scale.length, pressed=True)
-        if not any(np.any(np.not_equal(one, 1.0)) for one in sizes_and_moduli(scene)):
+        if not any(np.any(np.not_equal(ratios, 1.0)) for ratios in sizes_and_moduli(scene)):
             return
         if self.formula is not None:
             raise ValueError(
@@ -298,7 +299,7 @@ class Contact(by_formula.ByFormula):
             )
 
     def contact_law(self, strength: Parameter) -> Law:
-        """Hertz's law where it is that."""
+        """Law of the contacts; Hertz's where it is that."""
         exponent, _, is_power = self._begins
         if not is_power:
             assert self.formula is not None
@@ -309,8 +310,8 @@ class Contact(by_formula.ByFormula):
         return Hertz(strength) if exponent == HERTZ else Power(strength, exponent)
 
     def cited(self) -> tuple[str, ...]:
-        """Of the profile, of a law that yields, and of exponents that differ."""
-        law: tuple[str, ...] = () if self._yields is None else plastic.SOURCES[self._yields.law]
+        """Publications of the profile, of a law that yields, and of exponents that differ."""
+        law: tuple[str, ...] = () if self.yields is None else plastic.SOURCES[self.yields.law]
         if not self._kind.cut:
             law = ("moleron2014",)
         if self._powers is not None:
@@ -319,28 +320,28 @@ class Contact(by_formula.ByFormula):
 
     @property
     def strength_key(self) -> str:
-        """That of the profile, or of the exponents."""
-        given = {"contact.strength": self.strength, "contact.force": self.force, "contact.exponent": self._powers}
-        return next((key for key, value in given.items() if value is not None), "")
+        """Key of the profile, of the formula, or of exponents that differ."""
+        values = {"contact.strength": self.strength, "contact.force": self.force, "contact.exponent": self._powers}
+        return next((key for key, value in values.items() if value is not None), "")
 
     def strengths(self, scene: SceneParts) -> Parameter:
-        """Those of the profile, at the overlap by which lengths are measured."""
-        found: Parameter = 1.0
+        """Strengths of the profile, at the overlap by which lengths are measured."""
+        factors: Parameter = 1.0
         if self.strength is not None:
             _refuse_values("contact.strength", self.strength, scene)
             shape = (scene.chains, scene.beads - 1)
             if isinstance(self.strength, Profile):
-                found = self.strength.of(*shape)
+                factors = self.strength.of(*shape)
             elif isinstance(self.strength, tuple):
-                found = np.array(np.broadcast_to(self.strength, shape))
+                factors = np.array(np.broadcast_to(self.strength, shape))
             else:
-                found = self.strength
+                factors = self.strength
         if self._powers is not None:
-            found = found * scene.scale.length ** (self._powers - HERTZ)
-        return found
+            factors = factors * scene.scale.length ** (self._powers - HERTZ)
+        return factors
 
     def contact_scale(self) -> tuple[float, float | None]:
-        """By which the contacts have the strength 1: those of a formula as they begin."""
+        """Exponent and constant by which contacts have the strength 1; of a formula those of small overlaps."""
         return self._begins[:2]
 
     @property
@@ -371,8 +372,8 @@ def contacts(gap: float, strength: Parameter = 1.0, law: Law | None = None) -> t
     """Contacts, which begin to touch a clear distance ``gap`` (in units of L) from rest.
 
     Args:
-        gap: the same everywhere.
-        strength: in that of two reference beads, a number or [chain, contact].
-        law: theirs; Hertz's of this strength by default.
+        gap: gap of all contacts.
+        strength: strength over that of two reference beads, a number or [chain, contact].
+        law: law of the contacts; Hertz's of this strength by default.
     """
     return (Along("contacts", law or Hertz(strength), gap=gap),)

@@ -93,15 +93,15 @@ class Coupling(by_formula.ByFormula):
 
     def refuse(self, scene: SceneParts) -> None:
         """Refuse what does not fit the chains, springs that are practically rigid, and rows that differ in a window."""
-        own = bool(self._named) and all(len(edge) == 3 for edge in self._named)
+        by_edge = bool(self._named) and all(len(edge) == 3 for edge in self._named)
         if self.formula is not None:
             self._refuse_formula(self.formula)
-        elif self.stiffness is None and self.cubic is None and not own:
+        elif self.stiffness is None and self.cubic is None and not by_edge:
             raise ValueError("coupling.stiffness: is missing")
-        if self.stiffness is not None and own:
+        if self.stiffness is not None and by_edge:
             raise ValueError("coupling.stiffness: every edge has a stiffness of its own; leave this one out")
         ramp = self.stiffness if isinstance(self.stiffness, Ramp) else None
-        for key, rows, least in (("rows", self.rows, 0), ("stiffness.rows", getattr(ramp, "rows", None), 1)):
+        for key, rows, least in (("rows", self.rows, 0), ("stiffness.rows", None if ramp is None else ramp.rows, 1)):
             refuse_range(f"coupling.{key}", rows, scene.beads, least=least)
         self._refuse_edges(scene.chains)
         edges = self._edges(scene.chains)
@@ -147,20 +147,20 @@ class Coupling(by_formula.ByFormula):
         if self._grid is not None and self._grid[0] * self._grid[1] != chains:
             rows, columns = self._grid
             raise ValueError(f"coupling.topology.lattice: {rows} x {columns} places for {chains} chains")
-        seen = set()
-        for number, (one, other, *_) in enumerate(self._named, 1):
+        pairs = set()
+        for number, (first, second, *_) in enumerate(self._named, 1):
             key = f"coupling.topology.edges[{number}]"
-            if max(one, other) > chains:
-                raise ValueError(f"{key}: {max(one, other)} is outside the array (chains 1 to {chains})")
-            if one == other:
-                raise ValueError(f"{key}: ties chain {one} to itself; name two chains")
-            pair = (min(one, other), max(one, other))
-            if pair in seen:
+            if max(first, second) > chains:
+                raise ValueError(f"{key}: {max(first, second)} is outside the array (chains 1 to {chains})")
+            if first == second:
+                raise ValueError(f"{key}: ties chain {first} to itself; name two chains")
+            pair = (min(first, second), max(first, second))
+            if pair in pairs:
                 raise ValueError(f"{key}: chains {pair[0]} and {pair[1]} are tied twice; add the stiffnesses up")
-            seen.add(pair)
+            pairs.add(pair)
 
     def links(self, scene: SceneParts) -> tuple[Across, ...]:
-        """None where no two chains are tied by any spring."""
+        """Links across the chains; none where no two chains are tied by any spring."""
         edges = self._edges(scene.chains)
         if self.formula is not None and by_formula.multiple_of_strain(self.formula) is None:
             return self._by_formula(self.formula, edges, scene)
@@ -172,14 +172,14 @@ class Coupling(by_formula.ByFormula):
             return ()
         spring, cubic = (values[holds] if isinstance(values, np.ndarray) else values for values in (spring, cubic))
         law: Law = Duffing(spring, cubic) if np.any(cubic) else Linear(spring)
-        kept = tuple((lower, higher) for (lower, higher, _), tied in zip(edges, holds, strict=True) if tied)
-        return (Across("coupling", law, edges=kept, grid=self._grid),)
+        pairs = tuple((lower, higher) for (lower, higher, _), tied in zip(edges, holds, strict=True) if tied)
+        return (Across("coupling", law, edges=pairs, grid=self._grid),)
 
     def _by_formula(self, force: Force, edges: list[Any], scene: SceneParts) -> tuple[Across, ...]:
         if not edges:
             return ()
-        there = 1.0 if self.rows is None else in_rows(1.0, self.rows, (len(edges), scene.beads))
-        law = laws.dimensionless(force.law(AcrossChains, strength=there), scene.scale)
+        strength = 1.0 if self.rows is None else in_rows(1.0, self.rows, (len(edges), scene.beads))
+        law = laws.dimensionless(force.law(AcrossChains, strength=strength), scene.scale)
         return (Across("coupling", law, edges=tuple(edge[:2] for edge in edges), grid=self._grid),)
 
     @property
@@ -195,31 +195,31 @@ class Coupling(by_formula.ByFormula):
         """Pairs of tied chains, counted from 0, the lower number first, in order; and a stiffness of their own."""
         if isinstance(self.topology, Graph) and self._grid is None:
             named = [(edge[0] - 1, edge[1] - 1, edge[2] if len(edge) == 3 else None) for edge in self._named]
-            return sorted((min(one, other), max(one, other), own) for one, other, own in named)
+            return sorted((min(first, second), max(first, second), stiffness) for first, second, stiffness in named)
         if self._grid is not None:
             if self._grid[0] * self._grid[1] != chains:  # refused
                 return []
             places = np.arange(chains).reshape(self._grid)
             neighbours = [(places[:, :-1], places[:, 1:]), (places[:-1], places[1:])]
-            found = [pair for ends in neighbours for pair in zip(*(end.ravel().tolist() for end in ends), strict=True)]
+            pairs = [pair for ends in neighbours for pair in zip(*(end.ravel().tolist() for end in ends), strict=True)]
         else:
-            found = [(chain, chain + 1) for chain in range(chains - 1)]
-            found += [(0, chains - 1)] if self.topology == "ring" and chains > 2 else []
-        return [(lower, higher, None) for lower, higher in sorted(found)]
+            pairs = [(chain, chain + 1) for chain in range(chains - 1)]
+            pairs += [(0, chains - 1)] if self.topology == "ring" and chains > 2 else []
+        return [(lower, higher, None) for lower, higher in sorted(pairs)]
 
     def _stiffness(self, edges: list[tuple[int, int, float | None]], scene: SceneParts) -> float | Floats:
-        """Dimensionless: a number, or [edge, row] where it differs."""
+        """Dimensionless linear stiffness: a number, or [edge, row] where it differs."""
         shared: Any = 0.0 if self.stiffness is None else self.stiffness
         if self.formula is not None:
             shared = by_formula.multiple_of_strain(self.formula) or 0.0
         if isinstance(shared, Ramp):
             values = [getattr(shared, key) for key in ("from", "to")]
             shared = np.interp(np.arange(1, scene.beads + 1), shared.rows, values)
-        own = [shared if stiffness is None else stiffness for _, _, stiffness in edges]
-        return self._table(own if any(edge[2] is not None for edge in edges) else [shared], edges, scene, 1.0)
+        by_edge = [shared if stiffness is None else stiffness for _, _, stiffness in edges]
+        return self._table(by_edge if any(edge[2] is not None for edge in edges) else [shared], edges, scene, 1.0)
 
     def _cubic(self, edges: list[tuple[int, int, float | None]], scene: SceneParts) -> float | Floats:
-        """Likewise."""
+        """Dimensionless cubic stiffness: a number, or [edge, row] where it differs."""
         return self._table([self.cubic or 0.0], edges, scene, 1.0 / scene.scale.length**2)
 
     def _table(self, values: list[Any], edges: list[Any], scene: SceneParts, unit: float) -> float | Floats:

@@ -143,24 +143,24 @@ class Damping(Ingredient):
             raise ValueError("damping.tension: is cut at the force of equal contacts only; leave it out")
 
     def cited(self) -> tuple[str, ...]:
-        """Of the contacts' law."""
+        """Publications of the law of the contacts' dashpots."""
         return () if self.contact is None else SOURCES[self.law or "linear"]
 
     def dampers(self, scene: SceneParts) -> tuple[Link, ...]:
-        """Of contacts, springs and beads."""
-        found: list[Link] = []
+        """Dashpots of contacts, springs and beads."""
+        dampers: list[Link] = []
         loss = self._loss(scene)
         if loss is not None:
-            found.append(Along("contact_damping", loss, gap=scene.gap / scene.scale.length))  # type: ignore[arg-type]
+            dampers.append(Along("contact_damping", loss, gap=scene.gap / scene.scale.length))  # type: ignore[arg-type]
             for wall in _walls(scene):
                 law: Any = self._at_wall(wall, scene)
-                found.append(replace(wall, name=f"{wall.name}_damping", law=law))
+                dampers.append(replace(wall, name=f"{wall.name}_damping", law=law))
         if self.coupling:
             law = laws.dimensionless(Dashpot(self.coupling), scene.scale)
-            found += [replace(link, name="coupling_damping", law=law) for link in _springs(scene)]
+            dampers += [replace(link, name="coupling_damping", law=law) for link in _springs(scene)]
         if self.beads:
-            found.append(Ground("bead_damping", laws.dimensionless(Dashpot(self.beads), scene.scale)))
-        return tuple(found)
+            dampers.append(Ground("bead_damping", laws.dimensionless(Dashpot(self.beads), scene.scale)))
+        return tuple(dampers)
 
     def lacks(self, scene: SceneParts) -> frozenset[Fact]:
         """Energy, and what goes with it; momentum by drag on beads; order 2 by all other dashpots."""
@@ -173,7 +173,7 @@ class Damping(Ingredient):
         return frozenset(taken)
 
     def _loss(self, scene: SceneParts) -> ContactLoss | None:
-        """Dimensionless law of the contacts; None where they lose nothing."""
+        """Dimensionless dashpot law of the contacts; None if they are undamped."""
         if not self.contact or (self.law == "restitution" and self.contact >= 1.0):
             return None
         mass, strength = masses_and_strengths(scene)
@@ -192,7 +192,7 @@ class Damping(Ingredient):
         return ContactDashpot(self.contact / unit, tensile_limit)
 
     def _at_wall(self, wall: Wall, scene: SceneParts) -> WallDashpot:
-        """That of the contacts, of one bead: as much of the speed is lost, or as much of the force is the dashpot's.
+        """Dashpot of a wall: it dissipates the share of the speed, or has the share of the force, that contacts do.
 
         The dashpot of a viscoelastic contact is in proportion to its stiffness (Brilliantov et al. 1996).
         """
@@ -217,5 +217,5 @@ def _walls(scene: SceneParts) -> tuple[Wall, ...]:
 
 
 def _springs(scene: SceneParts) -> tuple[Across, ...]:
-    found = () if scene.coupling is None else scene.coupling.links(scene)  # type: ignore[attr-defined]
-    return tuple(link for link in found if isinstance(link, Across))
+    links = () if scene.coupling is None else scene.coupling.links(scene)  # type: ignore[attr-defined]
+    return tuple(link for link in links if isinstance(link, Across))

@@ -49,8 +49,8 @@ class GroundRamp(ScenePart):
             ValueError: naming the key, what was found and what to do.
         """
         if (self.rows is None) == (self.times is None):
-            given = "neither is given" if self.rows is None else "both are given"
-            raise ValueError(f"{key}: a ramp is along `rows` or over `times` ({given}); valid: `{self.example}`")
+            reason = "neither is given" if self.rows is None else "both are given"
+            raise ValueError(f"{key}: a ramp is along `rows` or over `times` ({reason}); valid: `{self.example}`")
         base.refuse_range(f"{key}.rows", self.rows, beads, least=1)
         if self.times is not None and not self.times[0] < self.times[1]:
             begin, end = self.times
@@ -114,8 +114,8 @@ class Foundation(by_formula.ByFormula):
     _from_list = field_validator("stiffness", "cubic", mode="before")(strict_yaml.as_tuple)
 
     def cited(self) -> tuple[str, ...]:
-        """Also of what depends on time."""
-        ramps = any(one.times is not None for _, one in self._ramps())
+        """Publications of the foundation, and of ramps and modulation in time."""
+        ramps = any(ramp.times is not None for _, ramp in self._ramps())
         parametric = ("landau1976",) if self.modulation is not None else ()
         return (*self.sources, *(("zener1932", "novotny2010") if ramps else ()), *parametric)
 
@@ -125,9 +125,9 @@ class Foundation(by_formula.ByFormula):
             self.refuse_beside("foundation", "stiffness", "cubic", "modulation")
             by_formula.refuse_unrest("foundation", self.formula)
         for key in ("stiffness", "cubic"):
-            given = getattr(self, key)
-            base.refuse_other_count(f"foundation.{key}", given, scene.chains)
-            if isinstance(given, tuple) and len(set(given)) > MOST_GROUPS:
+            values = getattr(self, key)
+            base.refuse_other_count(f"foundation.{key}", values, scene.chains)
+            if isinstance(values, tuple) and len(set(values)) > MOST_GROUPS:
                 raise ValueError(f"foundation.{key}: LAMMPS has {MOST_GROUPS} groups for different values")
         if self.modulation is not None and "stiffness" not in self.model_fields_set:
             raise ValueError("foundation.stiffness: is missing beside modulation")
@@ -138,7 +138,10 @@ class Foundation(by_formula.ByFormula):
         for link in self.links(scene):
             if isinstance(link.law, ToGround):
                 continue
-            largest = {"stiffness": laws.stiffest(link.law, 0.0), "cubic": np.max(getattr(link.law, "cubic", 0.0))}
+            largest = {
+                "stiffness": laws.stiffest(link.law, 0.0),
+                "cubic": np.max(link.law.cubic if isinstance(link.law, Duffing) else 0.0),
+            }
             for key in (key for key, value in largest.items() if value > by_formula.STIFFEST):
                 raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
         base.refuse_range("foundation.rows", self.rows, scene.beads)
@@ -151,12 +154,12 @@ class Foundation(by_formula.ByFormula):
     def _ramps(self) -> Iterator[tuple[str, GroundRamp]]:
         """Ramps, and their keys."""
         several = isinstance(self.stiffness, tuple)
-        for number, one in enumerate(self._of_chains, 1):
-            if isinstance(one, GroundRamp):
-                yield f"foundation.stiffness{f'[{number}]' * several}", one
+        for number, stiffness in enumerate(self._of_chains, 1):
+            if isinstance(stiffness, GroundRamp):
+                yield f"foundation.stiffness{f'[{number}]' * several}", stiffness
 
     def links(self, scene: SceneParts) -> tuple[Ground, ...]:
-        """One spring a bead, linear where it is; cubic ones apart from those that ramp or are modulated."""
+        """Springs of the beads to the ground; cubic ones are separate from those that ramp or are modulated."""
         cubic = self._values(self.cubic, scene)
         named: dict[str, Any]
         k = None if self.formula is None else by_formula.multiple_of_strain(self.formula)
@@ -168,8 +171,8 @@ class Foundation(by_formula.ByFormula):
             stiffness = self._values(self.stiffness if k is None else k, scene)
             named = {"foundation": Duffing(stiffness, cubic) if np.any(cubic) else Linear(stiffness)}
         # the first two parameters of each law, all that Linear and Duffing have, are 0 where there are no springs
-        there = {name: law for name, law in named.items() if any(map(np.any, law[:2]))}
-        return tuple(Ground(name, laws.dimensionless(law, scene.scale)) for name, law in there.items())
+        present = {name: law for name, law in named.items() if any(map(np.any, law[:2]))}
+        return tuple(Ground(name, laws.dimensionless(law, scene.scale)) for name, law in present.items())
 
     def refuse_system(self, scene: SceneParts, system: System) -> None:
         """Refuse formulas where they have no value."""
@@ -178,13 +181,13 @@ class Foundation(by_formula.ByFormula):
                 by_formula.refuse_reach("foundation", link.law, system, scene.scale.length)
 
     def lacks(self, scene: SceneParts) -> frozenset[Fact]:
-        """Also that a scheme may step back in time, where the stiffness depends on it."""
+        """Facts of `takes_away`, and that a scheme may step back in time, where the stiffness depends on time."""
         varies = any(laws.varies(link.law) for link in self.links(scene))
         return super().lacks(scene) | (frozenset({Fact.REVERSIBLE}) if varies else frozenset())
 
     def _in_space_and_time(self, scene: SceneParts) -> Linear | Varying:
         """Linear springs that ramp or are modulated, in the scene's units."""
-        of_chains = np.stack([_start_of_ramp(one, scene.beads) for one in self._of_chains], axis=1)
+        of_chains = np.stack([_start_of_ramp(stiffness, scene.beads) for stiffness in self._of_chains], axis=1)
         table = base.in_rows(of_chains, self.rows, (4, scene.chains, scene.beads))
         spring, rate, begin, end = map(number_or_array, table)
         depth = self.modulation.depth if self.modulation is not None else 0.0
@@ -194,25 +197,25 @@ class Foundation(by_formula.ByFormula):
         phase = math.radians(self.modulation.phase) if self.modulation is not None and depth else 0.0
         return Varying(spring, rate, begin, end, depth, omega, phase)
 
-    def _values(self, given: Any, scene: SceneParts) -> float | NDArray[np.float64]:
+    def _values(self, stiffness: Any, scene: SceneParts) -> float | NDArray[np.float64]:
         """A number, or [chain, bead] where it differs, in the scene's units."""
-        if self.rows is None and (not isinstance(given, tuple) or len(set(given)) == 1):
-            return float(np.max(given))
-        return base.in_rows(np.reshape(given, (-1, 1)), self.rows, (scene.chains, scene.beads))
+        if self.rows is None and (not isinstance(stiffness, tuple) or len(set(stiffness)) == 1):
+            return float(np.max(stiffness))
+        return base.in_rows(np.reshape(stiffness, (-1, 1)), self.rows, (scene.chains, scene.beads))
 
 
 def _start_of_ramp(stiffness: float | GroundRamp, beads: int) -> NDArray[np.float64]:
     """[4, bead]: stiffness at the start, or before a ramp in time, whose rate, begin and end follow."""
-    found = np.zeros((4, beads))
+    table = np.zeros((4, beads))
     if not isinstance(stiffness, GroundRamp):
-        found[0] = stiffness
-        return found
+        table[0] = stiffness
+        return table
     ends = [getattr(stiffness, end) for end in ("from", "to")]
     if stiffness.rows is not None:
-        found[0] = np.interp(np.arange(1, beads + 1), stiffness.rows, ends)
+        table[0] = np.interp(np.arange(1, beads + 1), stiffness.rows, ends)
     elif stiffness.times is not None and ends[0] != ends[1]:
         begin, end = stiffness.times
-        found[:] = np.array([ends[0], (ends[1] - ends[0]) / (end - begin), begin, end])[:, np.newaxis]
+        table[:] = np.array([ends[0], (ends[1] - ends[0]) / (end - begin), begin, end])[:, np.newaxis]
     else:
-        found[0] = ends[0]
-    return found
+        table[0] = ends[0]
+    return table

@@ -38,5 +38,5 @@ class Material(ScenePart):
 
     @model_validator(mode="before")
     @classmethod
-    def _completed(cls, given: Any) -> Any:
-        return materials.completed(given, "name")
+    def _completed(cls, keys: Any) -> Any:
+        return materials.completed(keys, "name")

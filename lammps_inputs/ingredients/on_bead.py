@@ -72,7 +72,7 @@ class Push(OnBead):
 
     @classmethod
     def from_files(cls, value: Any, folder: Path) -> Any:
-        """What stands in a scene's file, with the points of a table that it names.
+        """Content of a scene's file, with the points of a table that it names.
 
         Raises:
             InputError: the table cannot be read; names the file and the line.
@@ -111,22 +111,22 @@ class Push(OnBead):
     @model_validator(mode="after")
     def _of_a_shape_or_a_table(self) -> Self:
         shaped = {"peak": self.peak, "duration": self.duration, "shape": self.shape}
-        given = [key for key, part in shaped.items() if part is not None]
-        if self.table is not None and given:
-            raise ValueError(f"{given[0]}: give either a table or peak, duration and shape (both are given)")
-        if self.table is None and len(given) < len(shaped):
-            missing = next(key for key in shaped if key not in given)
+        named = [key for key, part in shaped.items() if part is not None]
+        if self.table is not None and named:
+            raise ValueError(f"{named[0]}: give either a table or peak, duration and shape (both are given)")
+        if self.table is None and len(named) < len(shaped):
+            missing = next(key for key in shaped if key not in named)
             raise ValueError(f"{missing}: is missing; a push needs peak, duration and shape, or a table")
         if self.peak is not None and abs(self.peak) < 1e-30:
             raise ValueError(f"peak: a push needs a force (at least 1e-30) ({self.peak:g} given)")
         return self
 
     def lacks(self, scene: SceneParts) -> frozenset[Fact]:  # noqa: ARG002
-        """While it lasts, time matters, and the place of the bead."""
+        """Facts that do not hold: the force depends on time, and on the place of the bead."""
         return frozenset({Fact.FRONT, Fact.REVERSIBLE})
 
     def speed(self, mass: float) -> float:
-        """Of a free bead that has been given the impulse of the force's size."""
+        """Speed of a free bead after the impulse of the force's size."""
         return self._law(1.0, 1.0).total / mass
 
     def loads(self, scene: SceneParts) -> tuple[Load, ...]:
@@ -134,7 +134,7 @@ class Push(OnBead):
         return (Load(self.chain, self.bead, self._law(scene.scale.time, scene.scale.force)),)
 
     def _law(self, time: float, force: float) -> TimeLaw:
-        """In these units."""
+        """Law of the force, in these units of time and force."""
         if self.table is not None:
             points: NDArray[np.float64] = np.array(self.table)
             return make_table(points[:, 0] / time, points[:, 1] / force)
@@ -164,8 +164,8 @@ class Drive(OnBead):
     @model_validator(mode="after")
     def _one_of_the_two(self) -> Self:
         if (self.displacement is None) == (self.force is None):
-            given = "neither is given" if self.force is None else "both are given"
-            raise ValueError(f"displacement: give either displacement or force ({given})")
+            reason = "neither is given" if self.force is None else "both are given"
+            raise ValueError(f"displacement: give either displacement or force ({reason})")
         return self
 
     def refuse(self, scene: SceneParts) -> None:
@@ -191,7 +191,7 @@ class Drive(OnBead):
             )
 
     def lacks(self, scene: SceneParts) -> frozenset[Fact]:  # noqa: ARG002
-        """No pulse leads, and time matters; and what moves a bead takes up any momentum."""
+        """Facts that do not hold: no pulse leads, time matters, and what moves a bead takes up any momentum."""
         taken = {Fact.PULSE, Fact.FRONT, Fact.REVERSIBLE}
         return frozenset(taken if self.displacement is None else {*taken, Fact.MOMENTUM})
 
@@ -227,7 +227,7 @@ def _read(path: Path) -> list[list[float]]:
             raw = file.read(MOST_BYTES + 1)
         rows = raw.decode("utf-8-sig").splitlines()
     except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or "it is not a text file"
+        why = (error.strerror if isinstance(error, OSError) else None) or "it is not a text file"
         raise InputError(f"{path}: the table of a push cannot be read: {why}") from None
     if len(raw) > MOST_BYTES:
         raise InputError(f"{path}: the table of a push cannot be read: it is larger than {MOST_BYTES >> 20} MiB")

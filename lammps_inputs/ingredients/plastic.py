@@ -60,13 +60,13 @@ class Yield(ScenePart):
 
 
 def given(scene: SceneParts) -> Yield | None:
-    """What the scene's contacts say."""
+    """Law of contacts that yield by `contact.yield`; None where the scene names none."""
     contact = scene.part("contact")
-    return None if contact is None else getattr(contact, "yield")
+    return None if contact is None else contact.yields
 
 
 def key(scene: SceneParts) -> str:
-    """That makes contacts yield; empty where none does."""
+    """Key that makes contacts yield; empty where none does."""
     if scene.material is not None and scene.material.yield_strength is not None:
         return "material.yield_strength"
     return "contact.yield" if given(scene) is not None else ""
@@ -78,7 +78,7 @@ def refuse(scene: SceneParts) -> None:
     Raises:
         ValueError: naming the key, what was found and what to do.
     """
-    named, own = key(scene), given(scene)
+    named, yields = key(scene), given(scene)
     strengths = {f"kinds.{name}": kind for name, kind in (scene.kinds or {}).items()}
     strengths |= {} if scene.striker is None else {"striker": scene.striker}
     ball = scene.material
@@ -92,16 +92,16 @@ def refuse(scene: SceneParts) -> None:
             )
     if not named:
         return
-    if own is not None:
-        own.refuse()
+    if yields is not None:
+        yields.refuse()
         if named != "contact.yield":
             raise ValueError("contact.yield: material.yield_strength makes the contacts yield; leave one of them out")
     contact = scene.part("contact")
-    if own is None and (scene.contact_scale[0] != 1.5 or getattr(contact, "force", None) is not None):
+    if yields is None and (scene.contact_scale[0] != 1.5 or (contact is not None and contact.force is not None)):
         raise ValueError(f"contact: other contacts than spheres, which alone yield by {named}; leave one of them out")
-    reference = overlap_at_yield(ball) if own is None else own.overlap
+    reference = overlap_at_yield(ball) if yields is None else yields.overlap
     if reference is not None and not reference / scene.scale.length >= SMALLEST:
-        place, meant = ("contact.yield.overlap", "") if own is not None else (named, "; is it in Pa?")
+        place, meant = ("contact.yield.overlap", "") if yields is not None else (named, "; is it in Pa?")
         raise ValueError(
             f"{place}: contacts yield at once, at an overlap of {reference / scene.scale.length:.3g} in dimensionless "
             f"units; at least {SMALLEST:g}{meant}"
@@ -117,7 +117,8 @@ def refuse(scene: SceneParts) -> None:
         raise ValueError("output.beads: frames of all beads hold the memory on which forces depend; leave it out")
     for side in ("left", "right"):
         wall = getattr(scene.part("walls"), side, None)
-        if getattr(wall, "stiffness", None) is not None and not (own is not None and own.linear):
+        stiffness = None if wall is None or isinstance(wall, str) else wall.stiffness
+        if stiffness is not None and not (yields is not None and yields.linear):
             raise ValueError(
                 f"walls.{side}.stiffness: the overlap at which such a wall yields is not known; take bead, flat, rigid "
                 "or {material: ...}"
@@ -128,16 +129,16 @@ def law_of(scene: SceneParts, strength: Parameter, size: Parameter, modulus: Par
     """The dimensionless law of contacts that yield.
 
     Args:
-        scene: one that names them.
-        strength: in that of two reference beads.
+        scene: scene that names them.
+        strength: strength over that of two reference beads.
         size, modulus: radius and plane modulus of two equal beads whose contact it is, in the reference bead's.
-        softer: lower yield strength of the two, likewise.
+        softer: lower yield strength of the two, in the reference bead's.
     """
-    own = given(scene)
-    if own is not None and own.linear:
-        assert own.restitution is not None
-        return WaltonBraun(strength, own.restitution)
-    reference = own.overlap if own is not None else overlap_at_yield(scene.material)
+    yields = given(scene)
+    if yields is not None and yields.linear:
+        assert yields.restitution is not None
+        return WaltonBraun(strength, yields.restitution)
+    reference = yields.overlap if yields is not None else overlap_at_yield(scene.material)
     assert reference is not None
     ratio = np.asarray(softer) / modulus
     onset = reference / scene.scale.length * size * ratio * ratio
@@ -145,7 +146,7 @@ def law_of(scene: SceneParts, strength: Parameter, size: Parameter, modulus: Par
 
 
 def overlap_at_yield(ball: Material | None) -> float | None:
-    """Of two reference beads (m)."""
+    """Overlap at which two reference beads yield (m)."""
     if ball is None or ball.yield_strength is None:
         return None
     modulus = ball.youngs_modulus / (2.0 * (1.0 - ball.poisson_ratio**2))

@@ -24,7 +24,7 @@ from lammps_inputs.units import Label, Unit
 
 
 class _Load(Ingredient):
-    """What presses beads together at rest."""
+    """Ingredient that presses beads together at rest."""
 
     key: ClassVar[str]
     why: ClassVar[dict[Fact, str]] = {Fact.FRONT: "a window lets go of rows from which sound would come back"}
@@ -50,7 +50,7 @@ class _Load(Ingredient):
                 )
 
     def lacks(self, scene: SceneParts) -> frozenset[Fact]:  # noqa: ARG002
-        """There is sound."""
+        """Facts that do not hold where there is sound."""
         return frozenset({Fact.SONIC_VACUUM, Fact.FRONT})
 
 
@@ -66,7 +66,7 @@ class Precompression(_Load):
     """Static force F0 at both ends of every chain."""
 
     def static(self, scene: SceneParts, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
-        """The same everywhere."""
+        """Force at rest, dimensionless: a number for all contacts; masses, [chain, bead], do not matter."""
         return self.force / float(scene.scale.force)
 
 
@@ -87,8 +87,8 @@ class Gravity(_Load):
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
-        found = handler.resolve_ref_schema(handler(core_schema))
-        return {"description": found["description"], **found["properties"]["acceleration"]}
+        schema = handler.resolve_ref_schema(handler(core_schema))
+        return {"description": schema["description"], **schema["properties"]["acceleration"]}
 
     @model_serializer
     def _as_number(self) -> float:
@@ -102,7 +102,7 @@ class Gravity(_Load):
             raise ValueError("gravity: nothing holds the column; give `walls: {right: flat}` or another wall there")
 
     def static(self, scene: SceneParts, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
-        """Weight of the beads before."""
+        """Weight of the beads before each contact, dimensionless, [chain, bead + 1]; masses are [chain, bead]."""
         weight = self.acceleration * scene.scale.time**2 / scene.scale.length * np.asarray(mass)
         force = np.zeros((scene.chains, scene.beads + 1))
         force[:, 1:] = np.cumsum(np.broadcast_to(weight, (scene.chains, scene.beads)), axis=1)

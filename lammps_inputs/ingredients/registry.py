@@ -29,22 +29,22 @@ def _own(module: str) -> dict[str, type[Ingredient]]:
         InputError: it cannot be imported, or has none.
     """
     try:
-        found = importlib.import_module(module).INGREDIENTS
+        ingredients = importlib.import_module(module).INGREDIENTS
     except (Exception, SystemExit) as error:
-        said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        reason = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         raise InputError(
-            f"{OWN_INGREDIENTS}: {module!r} is no module with a dictionary INGREDIENTS on Python's path ({said}); "
+            f"{OWN_INGREDIENTS}: {module!r} is no module with a dictionary INGREDIENTS on Python's path ({reason}); "
             f"valid: `{OWN_INGREDIENTS}=mine,theirs` where mine.py and theirs.py are found by `import`"
         ) from error
-    if not isinstance(found, dict) or not all(
+    if not isinstance(ingredients, dict) or not all(
         isinstance(key, str) and key.isidentifier() and isinstance(kind, type) and issubclass(kind, Ingredient)
-        for key, kind in found.items()
+        for key, kind in ingredients.items()
     ):
         raise InputError(
             f"{OWN_INGREDIENTS}: INGREDIENTS of {module!r} should hold keys of a scene and classes derived from "
             'lammps_inputs.ingredients.Ingredient, such as {"bed": Bed}'
         )
-    return found
+    return ingredients
 
 
 for _module in filter(None, (name.strip() for name in os.environ.get(OWN_INGREDIENTS, "").split(","))):
@@ -52,7 +52,7 @@ for _module in filter(None, (name.strip() for name in os.environ.get(OWN_INGREDI
 
 
 def environment_of_children() -> dict[str, str]:
-    """What a process of Python needs to find the same modules, whatever directory it works in."""
+    """Environment variables by which a process of Python finds the same modules in any working directory."""
     if not os.environ.get(OWN_INGREDIENTS):
         return {}
     return {"PYTHONPATH": os.pathsep.join(str(Path(place).absolute()) for place in sys.path)}

@@ -66,23 +66,24 @@ class Resonators(Ingredient):
         mass, stiffness, damping = self._of_chains(scene)
         if np.any((damping > 0.0) & (mass > 0.0) & (stiffness == 0.0)):
             raise ValueError(f"{part}.stiffness: is 0 beside a damping; give a stiffness, or leave the damping out")
-        there = (mass > 0.0) & (stiffness > 0.0)
-        if np.any(mass[there] < LIGHTEST):
+        present = (mass > 0.0) & (stiffness > 0.0)
+        if np.any(mass[present] < LIGHTEST):
             raise ValueError(
-                f"{part}.mass: {np.min(mass[there]):.3g} of the reference bead's; at least {LIGHTEST:g}, or 0 for none"
+                f"{part}.mass: {np.min(mass[present]):.3g} of the reference bead's; at least {LIGHTEST:g}, or 0 "
+                "for none"
             )
-        if np.any(mass[there] > HEAVIEST):
+        if np.any(mass[present] > HEAVIEST):
             raise ValueError(
-                f"{part}.mass: {np.max(mass[there]):.3g} times the reference bead's; at most {HEAVIEST:g}, where "
+                f"{part}.mass: {np.max(mass[present]):.3g} times the reference bead's; at most {HEAVIEST:g}, where "
                 "the resonator rests (`foundation`)"
             )
-        dragged = float(np.max(damping[there] / mass[there], initial=0.0))
+        dragged = float(np.max(damping[present] / mass[present], initial=0.0))
         if dragged > MOST:
             raise ValueError(
                 f"{part}.damping: {dragged:.3g} times the mass in dimensionless units; at most {MOST:g}, where the "
                 "resonator sticks to its bead"
             )
-        fastest = math.sqrt(float(np.max(stiffness[there] / mass[there], initial=0.0)))
+        fastest = math.sqrt(float(np.max(stiffness[present] / mass[present], initial=0.0)))
         if fastest > FASTEST:
             raise ValueError(
                 f"{part}.stiffness: an angular frequency of {fastest:.3g} in dimensionless units; at most "
@@ -92,14 +93,14 @@ class Resonators(Ingredient):
     def inner(self, scene: SceneParts) -> Inner | None:
         """A line of masses for each chain."""
         mass, stiffness, damping = self._of_chains(scene)
-        there = (mass > 0.0) & (stiffness > 0.0)
-        if not np.any(there):
+        present = (mass > 0.0) & (stiffness > 0.0)
+        if not np.any(present):
             return None
-        table = self._in_rows(np.where(there, mass, 0.0), scene)
+        table = self._in_rows(np.where(present, mass, 0.0), scene)
         edges = tuple((chain, scene.chains + chain) for chain in range(scene.chains))
-        spring = Linear(number_or_array(self._in_rows(np.where(there, stiffness, 0.0), scene)))
-        dashpot: Any = Dashpot(number_or_array(self._in_rows(np.where(there, damping, 0.0), scene)))
-        dampers = (Across("resonator_damping", dashpot, edges=edges),) if np.any(damping[there]) else ()
+        spring = Linear(number_or_array(self._in_rows(np.where(present, stiffness, 0.0), scene)))
+        dashpot: Any = Dashpot(number_or_array(self._in_rows(np.where(present, damping, 0.0), scene)))
+        dampers = (Across("resonator_damping", dashpot, edges=edges),) if np.any(damping[present]) else ()
         name = scene.key_of(self).replace("[", "_").rstrip("]")
         return Inner(table, (Across(name, spring, edges=edges),), dampers)
 
@@ -120,8 +121,8 @@ class Resonators(Ingredient):
         """Dimensionless mass, stiffness and damping, each [chain]."""
         scale = scene.scale
         of = [
-            np.array(np.broadcast_to(given, scene.chains), dtype=np.float64)
-            for given in (self.mass, self.stiffness, self.damping)
+            np.array(np.broadcast_to(values, scene.chains), dtype=np.float64)
+            for values in (self.mass, self.stiffness, self.damping)
         ]
         damping: Floats = np.asarray(laws.dimensionless(Dashpot(of[2]), scale).coefficient)
         return of[0] / scale.mass, of[1] / scale.stiffness, damping

@@ -62,8 +62,8 @@ class BeadKind(ScenePart):
 
     @model_validator(mode="before")
     @classmethod
-    def _completed(cls, given: Any) -> Any:
-        return materials.completed(given, "material")
+    def _completed(cls, keys: Any) -> Any:
+        return materials.completed(keys, "material")
 
     def refuse(self, key: str, material: Material | None) -> None:
         """Refuse what does not go with the scene's units.
@@ -87,8 +87,8 @@ class BeadKind(ScenePart):
             return mass, radius, 1.0 if self.stiffness is None else self.stiffness, 1.0
 
         def of(name: str) -> float:
-            own = getattr(self, name)
-            return float(getattr(material, name) if own is None else own)
+            value = getattr(self, name)
+            return float(getattr(material, name) if value is None else value)
 
         radius = of("radius") / material.radius
         mass = radius * radius * radius * (of("density") / material.density)
@@ -128,7 +128,7 @@ class Disorder(ScenePart):
     """Seed of the random numbers; the same beads on any machine."""
 
     def factors(self, name: str, shape: tuple[int, int]) -> Floats:
-        """Of one of the three, [chain, bead]."""
+        """Random factors on the mass, radius or stiffness of every bead, [chain, bead]."""
         share = random_shares([self.seed, ("mass", "radius", "stiffness").index(name)], shape[0] * shape[1])
         return np.asarray(1.0 + getattr(self, name) * (2.0 * share - 1.0)).reshape(shape)
 
@@ -146,13 +146,13 @@ class Striker(BeadKind):
 
 def _kinds_in_order(value: Any) -> Any:
     rows = value if isinstance(value, list | tuple) else ()
-    one = bool(rows) and all(isinstance(kind, str) for kind in rows)
+    single = bool(rows) and all(isinstance(kind, str) for kind in rows)
     several = bool(rows) and all(
         isinstance(row, list | tuple) and row and all(isinstance(kind, str) for kind in row) for row in rows
     )
-    if not (one or several):
+    if not (single or several):
         raise ValueError("should be a list of kinds, or a list of such lists, one for each chain")
-    return tuple(rows) if one else tuple(tuple(row) for row in rows)
+    return tuple(rows) if single else tuple(tuple(row) for row in rows)
 
 
 def _one_or_several(value: Any) -> Any:
@@ -184,7 +184,7 @@ def masses_and_strengths(scene: SceneParts) -> tuple[float | Floats, float | Flo
     Raises:
         ValueError: naming the key, what was found and what to do.
     """
-    given = {one.strength_key: one.strengths(scene) for one in scene.ingredients if one.strength_key}
+    factors = {part.strength_key: part.strengths(scene) for part in scene.ingredients if part.strength_key}
     mass: float | Floats = 1.0
     strength: float | Floats = 1.0
     if unlike(scene):
@@ -192,15 +192,15 @@ def masses_and_strengths(scene: SceneParts) -> tuple[float | Floats, float | Flo
         mass, *_ = _beads(scene)
         size, modulus = sizes_and_moduli(scene)
         strength = np.asarray(modulus * np.sqrt(size))
-    for factor in given.values():
+    for factor in factors.values():
         strength = strength * factor
     for name, values in (("mass", mass), ("contact strength", strength)):
-        least, most = float(np.min(values)), float(np.max(values))
-        if not (least >= 1.0 / MOST and most <= MOST):
+        least, largest = float(np.min(values)), float(np.max(values))
+        if not (least >= 1.0 / MOST and largest <= MOST):
             keys = [key for key in KEYS if scene.part(key) is not None]
-            key = [*keys, *([] if name == "mass" else given)][-1]
+            key = [*keys, *([] if name == "mass" else factors)][-1]
             raise ValueError(
-                f"{key}: the {name} goes from {least:.3g} to {most:.3g} of the reference bead's; at most a million "
+                f"{key}: the {name} goes from {least:.3g} to {largest:.3g} of the reference bead's; at most a million "
                 "times, or one in a million"
             )
     if scene.window is not None and not (np.all(mass == 1.0) and np.ptp(strength) == 0.0):
@@ -236,26 +236,26 @@ def modulus(scene: SceneParts, bead: int) -> float | Floats:
 
 def yield_strengths(scene: SceneParts) -> float | Floats:
     """Yield strength of the beads, [chain, bead], in the reference bead's; 1 where all are the same."""
-    found = _beads(scene)[3]
-    return 1.0 if np.all(found == 1.0) else found
+    strengths = _beads(scene)[3]
+    return 1.0 if np.all(strengths == 1.0) else strengths
 
 
 def _refuse(scene: SceneParts) -> None:
     kinds = scene.kinds or {}
-    for known_name, kind in kinds.items():
-        kind.refuse(f"kinds.{known_name}", scene.material)
+    for kind_name, kind in kinds.items():
+        kind.refuse(f"kinds.{kind_name}", scene.material)
     if scene.striker is not None:
         scene.striker.refuse("striker", scene.material)
     if kinds and not scene.pattern and not scene.replace:
         raise ValueError("kinds: neither pattern nor replace names any of them")
     if scene.pattern and isinstance(scene.pattern[0], tuple):
-        refuse_other_count("pattern", scene.pattern, scene.chains, what="lists")
+        refuse_other_count("pattern", scene.pattern, scene.chains, noun="lists")
     used = [("pattern", name) for row in _rows(scene) for name in row]
     used += [(_key_of_replacement(scene, number), change.kind) for number, change in enumerate(scene.replace or (), 1)]
     for key, name in used:
         if name not in kinds:
-            known = ", ".join(kinds) or "none"
-            raise ValueError(f"{key}: {name!r} is not among the kinds ({known})")
+            names = ", ".join(kinds) or "none"
+            raise ValueError(f"{key}: {name!r} is not among the kinds ({names})")
     for number, change in enumerate(scene.replace or (), 1):
         refuse_outside(_key_of_replacement(scene, number), change, scene)
     places = [(change.chain, change.bead) for change in scene.replace or ()]
@@ -290,14 +290,14 @@ def moduli(scene: SceneParts) -> Floats:
 def _beads(scene: SceneParts) -> tuple[Floats, Floats, Floats, Floats]:
     """Masses, radii, plane moduli and yield strengths, each [chain, bead]."""
     shape = (scene.chains, scene.beads)
-    found = np.ones((4, *shape))
+    numbers = np.ones((4, *shape))
     relative = {name: kind.relative(scene.material) for name, kind in (scene.kinds or {}).items()}
     for chain, row in enumerate(_rows(scene)):
         for place, name in enumerate(row):
-            found[:, chain, place :: len(row)] = np.array(relative[name])[:, np.newaxis]
+            numbers[:, chain, place :: len(row)] = np.array(relative[name])[:, np.newaxis]
     for change in scene.replace or ():
-        found[:, change.chain - 1, change.bead - 1] = relative[change.kind]
-    mass, radius, modulus, yields = found
+        numbers[:, change.chain - 1, change.bead - 1] = relative[change.kind]
+    mass, radius, modulus, yields = numbers
     if scene.taper:
         # factor by factor: a power may be rounded otherwise on another machine
         size = np.cumprod(np.r_[1.0, np.full(scene.beads - 1, 1.0 - scene.taper)])
@@ -309,5 +309,5 @@ def _beads(scene: SceneParts) -> tuple[Floats, Floats, Floats, Floats]:
         mass *= factor * factor * factor * scene.disorder.factors("mass", shape)
         modulus *= scene.disorder.factors("stiffness", shape)
     if scene.striker is not None:
-        found[:, scene.striker.chain - 1, 0] = scene.striker.relative(scene.material)
+        numbers[:, scene.striker.chain - 1, 0] = scene.striker.relative(scene.material)
     return mass, radius, modulus, yields

@@ -73,7 +73,7 @@ class Walls(Ingredient):
         contact = scene.contact_law(1.0)
         if laws.remembers(contact):
             raise ValueError("walls: are not known of contacts of one's own that have a memory; leave the walls out")
-        own = contact is not None and not hasattr(contact, "exponent")
+        no_power = contact is not None and not hasattr(contact, "exponent")
         for key in ("left", "right"):
             kind = getattr(self, key)
             block = isinstance(kind, Face) and kind.material is not None
@@ -85,7 +85,7 @@ class Walls(Ingredient):
                 raise ValueError(
                     f"walls.{key}.stiffness: {strength:.3g} times that of two beads; from {LEAST:g} to {MOST:g} times"
                 )
-            if kind not in (None, "bead") and own:
+            if kind not in (None, "bead") and no_power:
                 raise ValueError(f"walls.{key}: is known for contacts whose force is a power of the overlap; take bead")
             if (block or kind in ("flat", "rigid")) and (exponent := scene.contact_scale[0]) != HERTZ:
                 raise ValueError(
@@ -94,13 +94,13 @@ class Walls(Ingredient):
                 )
 
     def cited(self) -> tuple[str, ...]:
-        """Also of the blocks' materials."""
+        """Publications of the walls, and of the materials of blocks."""
         blocks = (kind.material for kind in (self.left, self.right) if isinstance(kind, Face))
         return (*self.sources, *dict.fromkeys(materials.CATALOGUE[name].source for name in blocks if name))
 
     def links(self, scene: SceneParts) -> tuple[Wall, ...]:
-        """One for each wall."""
-        found = []
+        """Links of the beads at the ends with each wall."""
+        walls = []
         for key, side, last in (("left", -1.0, 0), ("right", 1.0, -1)):
             kind = getattr(self, key)
             if kind is not None:
@@ -112,31 +112,31 @@ class Walls(Ingredient):
                         "say {stiffness: ...}"
                     )
                 law = _yielding(kind, strength, scene, last) or _law(key, strength, scene)
-                found.append(Wall(f"{key}_wall", law, side, scene.gap / scene.scale.length))
-        return tuple(found)
+                walls.append(Wall(f"{key}_wall", law, side, scene.gap / scene.scale.length))
+        return tuple(walls)
 
 
 def _yielding(kind: Kind, strength: NDArray[np.float64], scene: SceneParts, bead: int) -> Law | None:
-    """That of a wall beside a bead (from 0, or the end) whose contacts yield, as does the bead; None where none do."""
+    """Law of a wall beside a bead (from 0, or the end) whose contacts yield; None where contacts are elastic."""
     if not plastic.key(scene):
         return None
-    radius, own, soft = np.ones((3, scene.chains, scene.beads))
+    radius, plane_modulus, soft = np.ones((3, scene.chains, scene.beads))
     radius[:, bead] = 2.0 if kind != "bead" else 1.0
     if unlike(scene):
         radius[:, bead] *= radii(scene)[:, bead]
-    own[:, bead] = modulus(scene, bead)
+    plane_modulus[:, bead] = modulus(scene, bead)
     if kind == "rigid":
-        own[:, bead] *= 2.0
+        plane_modulus[:, bead] *= 2.0
     elif isinstance(kind, Face) and kind.material is not None:
         block = Bead(material=kind.material).relative(scene.material)[2]
-        own[:, bead] *= 2.0 * block / (block + own[:, bead])
+        plane_modulus[:, bead] *= 2.0 * block / (block + plane_modulus[:, bead])
     strengths = yield_strengths(scene)
     soft[:, bead] = strengths if np.ndim(strengths) == 0 else strengths[:, bead]  # type: ignore[index]
-    return plastic.law_of(scene, strength, radius, own, soft)
+    return plastic.law_of(scene, strength, radius, plane_modulus, soft)
 
 
 def _law(key: str, strength: NDArray[np.float64], scene: SceneParts) -> Law:
-    """That of the contacts, with this strength.
+    """Law of the contacts, with this strength.
 
     Raises:
         ValueError: it does not vanish where the strength is 0.
@@ -152,10 +152,10 @@ def _law(key: str, strength: NDArray[np.float64], scene: SceneParts) -> Law:
 
 
 def _strength(kind: Kind, scene: SceneParts, bead: int) -> float | NDArray[np.float64]:
-    """Dimensionless, of a wall beside a bead (from 0, or the end), for each chain where its beads there differ."""
+    """Dimensionless strength of a wall beside a bead (from 0, or the end), [chain] where the beads there differ."""
     if not isinstance(kind, Face):
         return STRENGTHS[kind] * with_its_like(scene, bead)
     if kind.stiffness is not None:
         return kind.stiffness / float(scene.scale.force / scene.scale.length ** scene.contact_scale[0])
-    block, own = Bead(material=kind.material).relative(scene.material)[2], modulus(scene, bead)
-    return STRENGTHS["rigid"] * block / (block + own) * with_its_like(scene, bead)
+    block, bead_modulus = Bead(material=kind.material).relative(scene.material)[2], modulus(scene, bead)
+    return STRENGTHS["rigid"] * block / (block + bead_modulus) * with_its_like(scene, bead)

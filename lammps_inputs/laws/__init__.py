@@ -38,7 +38,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Protocol, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs.units import Dimension
+from lammps_inputs.units import Dimension, dimension_of
 
 if TYPE_CHECKING:
     from lammps_inputs.units import Scale
@@ -52,22 +52,22 @@ Pure = Annotated[Parameter, Dimension()]
 
 
 class Law(Protocol):
-    """What every law has beside its parameters; it is a tuple of those."""
+    """Functions that every law has beside its parameters; a law is a tuple of those."""
 
     def force(self, *args: Any, **kwargs: Any) -> Any:
-        """See above."""
+        """Force at a strain, of the strain's shape; it drives the link's first bead back and its second forward."""
 
     def energy(self, *args: Any, **kwargs: Any) -> Any:
-        """See above."""
+        """Energy that is stored at a strain, an array of the strain's shape."""
 
     def stiffness(self, *args: Any, **kwargs: Any) -> Any:
-        """See above."""
+        """Slope of the force at a strain."""
 
     def max_strain(self, *args: Any, **kwargs: Any) -> Any:
-        """See above."""
+        """Largest strain at which one link holds an energy; 0 where there is no link."""
 
     def __iter__(self) -> Iterator[Any]:
-        """Over the parameters."""
+        """Iterate over the parameters."""
 
 
 def force(law: Law, strain: Any) -> Any:
@@ -98,8 +98,8 @@ def stiffest(law: Law, total_energy: float) -> float:
 def stiffest_of_each(law: Law, total_energy: float) -> Any:
     """Largest stiffness that an energy can bring each of the links to: a number, or an array where the law differs.
 
-    That of the law's own ``stiffest``, or the largest at strains of some parts of that at which the link alone holds
-    the energy: exact for laws that stiffen or soften all the way.
+    A law's ``stiffest`` gives it; else it is the largest at some fractions of the strain at which the link alone holds
+    the energy, which is exact for laws that stiffen or soften at all strains.
     """
     if hasattr(law, "stiffest"):
         return law.stiffest(total_energy, *law)
@@ -137,7 +137,7 @@ def rest(law: Law) -> Any:
 
 
 def load(law: Law) -> Any:
-    """Force at rest, which `force` leaves out; likewise."""
+    """Force at rest, which `force` leaves out: a number, or an array where it differs; 0 where beads just touch."""
     return getattr(law, "load", 0.0)
 
 
@@ -149,8 +149,13 @@ def whole_force(law: Law, overlap: Any) -> Any:
 
 
 def strength(law: Law) -> Any:
-    """Of a contact's law: its first parameter, 1 for two reference beads."""
+    """Strength of a contact's law, its first parameter: 1 for two reference beads."""
     return next(iter(law))
+
+
+def exponent(law: Law) -> Any:
+    """Exponent of the overlap in the force of a contact: a number, or [chain, contact]; None where it is no power."""
+    return getattr(law, "exponent", None)
 
 
 def dimensionless(law: Any, scale: "Scale") -> Any:
@@ -161,13 +166,14 @@ def dimensionless(law: Any, scale: "Scale") -> Any:
     """
     kind = type(law)
     hints = get_type_hints(kind, include_extras=True)
+    units = []
     for name in kind._fields:
-        if not isinstance(next(iter(getattr(hints[name], "__metadata__", ())), None), Dimension):
+        if (dimension := dimension_of(hints[name])) is None:
             raise TypeError(
                 f"{kind.__name__}.{name}: declares no unit; valid: `{name}: Annotated[Parameter, "
                 f"Dimension('stiffness')]`, or `{name}: Pure` for one without"
             )
-    units = (hints[name].__metadata__[0].worth(scale) for name in kind._fields)
+        units.append(dimension.worth(scale))
     return kind(*(value / unit for value, unit in zip(law, units, strict=True)))
 
 
@@ -182,8 +188,8 @@ def differs(law: Law) -> bool:
 
 
 def for_all(law: Any, shape: tuple[int, int]) -> Any:
-    """A law whose parameters that differ are arrays of a shape, also those that were given for one chain."""
-    return type(law)(*(np.array(np.broadcast_to(one, shape)) if np.ndim(one) > 0 else one for one in law))
+    """Law whose parameters that differ are arrays of a shape; those of a single chain are repeated for every chain."""
+    return type(law)(*(np.array(np.broadcast_to(values, shape)) if np.ndim(values) > 0 else values for values in law))
 
 
 def at(law: Law, *index: Any) -> Any:

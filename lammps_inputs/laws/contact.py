@@ -22,7 +22,7 @@ class Hertz(NamedTuple):
 
     @property
     def exponent(self) -> float:
-        """Of the overlap, in the force."""
+        """Exponent of the overlap in the force."""
         return 1.5
 
     @staticmethod
@@ -44,14 +44,15 @@ class Hertz(NamedTuple):
 
     @staticmethod
     def max_strain(energy: Any, strength: Any) -> Any:
-        """Overlap at which one contact holds the whole energy; 0 where there is none."""
+        """Overlap at which one contact holds all of the energy; 0 where there is no contact."""
         return (2.5 * energy / np.where(np.asarray(strength) > 0.0, strength, np.inf)) ** 0.4
 
     def along(self, _name: str, layout: BeadLayout) -> DeckLines:
         """LAMMPS's Hertz force is ``Kn * sqrt(diameter / 4) * overlap**1.5`` for equal beads.
 
-        Its diameters are equal even where the beads' are not. So they touch exactly, and contacts are distinguished
-        apart by the types of their beads, which takes another pair style: 1.7 times the time of a step.
+        Diameters in LAMMPS are equal even where those of the beads are not, so that beads touch exactly. Contacts
+        that differ are distinguished by the types of their beads, which takes another pair style and 1.7 times
+        the time of a step.
         """
         unit = float(1.0 / np.sqrt(layout.diameter / 4.0))
         if layout.contact_loss is not None or np.ndim(self.strength) > 0:
@@ -69,11 +70,11 @@ def _granular(law: str, unit: float, strength: Parameter, power: str, layout: Be
     """A pair style that has dashpots beside contacts of one law, and distinguishes these by the types of their beads.
 
     Args:
-        law: in LAMMPS's words.
+        law: name of the law in LAMMPS.
         unit: LAMMPS's constant of a contact of strength 1.
         strength: a number, or [chain, contact].
-        power: of the overlap, for the comment.
-        layout: of the beads.
+        power: power of the overlap, for the comment.
+        layout: positions of the beads in LAMMPS.
     """
     if np.ndim(strength) == 0:
         return _of_types(f"{law} {text(unit * float(strength))}", None, power, layout)
@@ -83,10 +84,10 @@ def _granular(law: str, unit: float, strength: Parameter, power: str, layout: Be
 
 
 def _of_types(
-    general: str, own: tuple[AtomTypes, dict[tuple[int, int], str]] | None, power: str, layout: BeadLayout
+    general: str, by_type: tuple[AtomTypes, dict[tuple[int, int], str]] | None, power: str, layout: BeadLayout
 ) -> DeckLines:
     """Contacts in LAMMPS's words, in general and of pairs of types, with the dashpots of the layout."""
-    loss, model, says = "0", "damping velocity", f"{power}{';' if own else ','} no friction, no loss"
+    loss, model, says = "0", "damping velocity", f"{power}{';' if by_type else ','} no friction, no loss"
     variables: tuple[str, ...] = ()
     if layout.contact_loss is not None:
         coefficient, model = layout.contact_loss.granular(layout)
@@ -94,13 +95,16 @@ def _of_types(
         variables = (f"variable contact_damping index {text(coefficient)}   # {model}", *_since(model))
     model = f"{loss} tangential linear_nohistory 0 0 {model}"
     return DeckLines(
-        types=None if own is None else own[0],
+        types=None if by_type is None else by_type[0],
         variables=variables,
         interactions=(
             f"# contacts: force = strength * {says}",
             "pair_style granular",
             f"pair_coeff * * {general} {model}",
-            *(f"pair_coeff {one} {two} {law} {model}" for (one, two), law in ({} if own is None else own[1]).items()),
+            *(
+                f"pair_coeff {first} {second} {law} {model}"
+                for (first, second), law in ({} if by_type is None else by_type[1]).items()
+            ),
         ),
         damped=bool(variables),
     )
@@ -142,7 +146,7 @@ class Power(NamedTuple):
 
     @staticmethod
     def max_strain(energy: Any, strength: Any, exponent: Any) -> Any:
-        """Overlap at which one contact holds the whole energy; 0 where there is none."""
+        """Overlap at which one contact holds all of the energy; 0 where there is no contact."""
         strong = np.where(np.asarray(strength) > 0.0, strength, np.inf)
         return ((exponent + 1.0) * energy / strong) ** (1.0 / (exponent + 1.0))
 
@@ -202,10 +206,10 @@ def faces(link: WallLinks, layout: BeadLayout) -> list[tuple[float, float]]:
 def wall_lines(link: WallLinks, layout: BeadLayout) -> DeckLines:
     """Walls of the ends of the chains, with their dashpots.
 
-    Only the beads that can reach them are asked, for the others cost as much. All have one radius in LAMMPS, so chains
-    whose walls are not equally hard, or equally far along, have walls of their own.
+    The fixes act only on the beads that can reach the walls, for every bead of a group costs time. All beads have the
+    same radius in LAMMPS, so chains whose walls differ in strength or position have separate fixes.
     """
-    name, exponent, loss = link.name, getattr(link.law, "exponent", None), layout.wall_loss(link.side)
+    name, exponent, loss = link.name, laws.exponent(link.law), layout.wall_loss(link.side)
     lost, model = ([0.0] * layout.chains, "damping velocity") if loss is None else loss.granular(layout)
     end = layout.beads if link.side > 0.0 else 1
     walls = [(*face, g) for face, g in zip(faces(link, layout), lost, strict=True)]
@@ -224,18 +228,18 @@ def wall_lines(link: WallLinks, layout: BeadLayout) -> DeckLines:
         )
     lines = []
     for number, wall in enumerate(sorted(set(walls)), 1):
-        own, (hard, face, g) = f"{name}{number}", wall
+        group, (hard, face, g) = f"{name}{number}", wall
         atoms = " ".join(str(chain * layout.beads + end) for chain, other in enumerate(walls) if other == wall)
         coefficient = "0" if loss is None else text(g)
-        lines += [f"group {own} id {atoms}", *_push(own, text(hard), face, coefficient, model, link, layout)]
+        lines += [f"group {group} id {atoms}", *_push(group, text(hard), face, coefficient, model, link, layout)]
     return DeckLines(motion=tuple(lines))
 
 
 def _push(name: str, hard: str, face: float, g: str, model: str, link: Any, layout: BeadLayout) -> list[str]:
-    """Force of a wall on the beads of a group; LAMMPS's own of a flat wall is ``K * sqrt(radius) * overlap**1.5``.
+    """Force of a wall on the beads of a group; LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``.
 
-    Others are forces from outside, for LAMMPS's walls of any potential take ten times as long. Their dashpot is that of
-    a sphere of no stiffness.
+    Other powers are forces by `fix addforce`, for LAMMPS's walls of any potential take ten times as long. Their dashpot
+    is that of a contact whose stiffness is 0.
     """
     right, law, radius = link.side > 0.0, link.law, layout.diameter / 2.0
     planes = f"NULL {text(face)}" if right else f"{text(face)} NULL"
@@ -243,7 +247,7 @@ def _push(name: str, hard: str, face: float, g: str, model: str, link: Any, layo
     def granular(normal: str) -> str:
         return f"wall/gran granular {normal} {g} tangential linear_nohistory 0 0 {model} xplane {planes}"
 
-    if getattr(law, "exponent", None) == 1.5:
+    if laws.exponent(law) == 1.5:
         return [f"fix {name} {name} {granular(f'hertz $({hard}/{text(float(np.sqrt(radius)))}:%.17g)')}"]
     touched = text(face - link.side * radius)
     overlap, closed = (f"(x-{touched})", f"(x>{touched})") if right else (f"({touched}-x)", f"(x<{touched})")

@@ -4,10 +4,10 @@ A law of damping is, like a law of force, a `NamedTuple` of parameters, numbers 
 strain, rate of strain and the parameters:
 
 - ``damping(s, rate, ...)``: what drives the link's first bead back and its second forward; ``damping * rate`` is the
-  power that is lost, never less than 0;
+  power that is dissipated, never less than 0;
 - ``impulse(s, ...)``: integral from no strain to this one of the resistance, the largest ratio of that to the rate:
-  where no tension is cut, that is what a dashpot has given in time, on whatever way the strain came about; nothing at
-  rest, to the last bit;
+  where no tension is cut, that is the impulse of a dashpot over time, whatever the path of the strain; exactly 0 at
+  rest;
 - ``growth(s, ...)``: slope of the resistance, where that does not jump;
 - ``granular(layout)``: of contacts, what LAMMPS's ``pair_style granular`` calls it: coefficient and model.
 
@@ -45,12 +45,12 @@ class Dashpot(NamedTuple):
 
     @staticmethod
     def damping(s: Any, rate: Any, coefficient: Any) -> Any:  # noqa: ARG004
-        """Proportional to the rate."""
+        """Force of the dashpot, proportional to the rate."""
         return coefficient * rate
 
     @staticmethod
     def growth(s: Any, coefficient: Any) -> Any:
-        """None."""
+        """Slope of the resistance, 0: it does not depend on the strain."""
         return 0.0 * coefficient * s
 
     @staticmethod
@@ -104,8 +104,8 @@ class Dashpot(NamedTuple):
             "# dashpots inside the beads: of a bead and its inner atom, a chunk, the sum of both velocities is known"
         ]
         for kind, ((coefficient,), atoms) in enumerate(atoms_by_value(self, (len(link.edges), beads)), 1):
-            name, ids = f"{link.name}{number}_{kind}", [list(map(int, one.split(":"))) for one in atoms.split()]
-            inner = " ".join(f"{first + apart * beads}:{last + apart * beads}" for first, last in ids)
+            name, ranges = f"{link.name}{number}_{kind}", [list(map(int, ids.split(":"))) for ids in atoms.split()]
+            inner = " ".join(f"{first + apart * beads}:{last + apart * beads}" for first, last in ranges)
             lines += [
                 f"group {name} id {atoms} {inner}",
                 f"variable {name}_pair atom id-{apart * beads}*(id>{layout.chains * beads})",
@@ -129,13 +129,13 @@ class ContactDashpot(NamedTuple):
 
     @staticmethod
     def damping(s: Any, rate: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:
-        """Jumps where the beads meet and part."""
+        """Force of the dashpot, which jumps where the beads meet and part."""
         closed = np.maximum(s + rest, 0.0)
         return np.maximum((closed > 0.0) * (coefficient * rate), -tensile_limit * (closed * np.sqrt(closed)))
 
     @staticmethod
     def growth(s: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
-        """None."""
+        """Slope of the resistance, 0: it does not depend on the strain."""
         return 0.0 * coefficient * s
 
     @staticmethod
@@ -144,7 +144,7 @@ class ContactDashpot(NamedTuple):
         return coefficient * np.maximum(s, -rest)
 
     def granular(self, layout: BeadLayout) -> tuple[float, str]:  # noqa: ARG002
-        """LAMMPS's own coefficient."""
+        """Coefficient and model in LAMMPS, which has this dashpot."""
         return float(np.max(self.coefficient)), "damping velocity" + _limit(self.tensile_limit)
 
 
@@ -158,13 +158,13 @@ class Viscoelastic(NamedTuple):
 
     @staticmethod
     def damping(s: Any, rate: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:
-        """Proportional to the contact's radius."""
+        """Force of the dashpot, proportional to the contact's radius and to the rate."""
         root = np.sqrt(np.maximum(s + rest, 0.0))
         return np.maximum(coefficient * root * rate, -tensile_limit * (root * root * root))
 
     @staticmethod
     def growth(s: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
-        """Without end where the beads meet, and so cut there."""
+        """Slope of the resistance, infinite where the beads meet, and so limited to that at an overlap of `LEAST`."""
         return 0.5 * coefficient * (s + rest > 0.0) / np.sqrt(np.maximum(s + rest, LEAST))
 
     @staticmethod
@@ -190,12 +190,12 @@ class Restitution(NamedTuple):
 
     @staticmethod
     def damping(s: Any, rate: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
-        """Proportional to the root of the contact's stiffness."""
+        """Force of the dashpot, proportional to the root of the contact's stiffness and to the rate."""
         return coefficient * np.sqrt(np.sqrt(np.maximum(s + rest, 0.0))) * rate
 
     @staticmethod
     def growth(s: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
-        """Likewise."""
+        """Slope of the resistance, infinite where the beads meet, and so limited to that at an overlap of `LEAST`."""
         return 0.25 * coefficient * (s + rest > 0.0) / np.maximum(s + rest, LEAST) ** 0.75
 
     @staticmethod
@@ -205,7 +205,7 @@ class Restitution(NamedTuple):
         return coefficient * (0.8 * closed * np.sqrt(np.sqrt(closed)) - 0.8 * rest * np.sqrt(np.sqrt(rest)))
 
     def granular(self, layout: BeadLayout) -> tuple[float, str]:  # noqa: ARG002
-        """LAMMPS has masses and strengths itself."""
+        """Restitution and model in LAMMPS, which computes the coefficient from masses and strengths."""
         return self.share, "damping coeff_restitution"
 
 
@@ -213,7 +213,7 @@ ContactLoss = ContactDashpot | Viscoelastic | Restitution
 
 
 def alpha(share: float, exponent: float = 1.5) -> float:
-    """Of a restitution, for a dashpot ``alpha sqrt(reduced mass * strength) s**((p - 1) / 2)``.
+    """Coefficient alpha of the dashpot ``alpha sqrt(reduced mass * strength) s**((p - 1) / 2)`` of a restitution.
 
     Antypov & Elliott, EPL 94 (2011) 50004, eq. 13, for spheres; with ``s**((p + 1) / 2)`` as variable the contact is a
     damped oscillator for any exponent p, and ``sqrt(5)`` there is ``sqrt(2 (p + 1))``.
@@ -238,18 +238,18 @@ def cut(law: Any) -> bool:
 
 
 def lets_go(law: Any, strain: Any, rate: Any) -> Any:
-    """Where a law that cuts tension does so: the dashpot pulls as hard as the contact pushes, and no force is left."""
+    """Whether a law that cuts tension does so: the dashpot pulls as hard as the contact pushes."""
     closed = np.maximum(strain + law.rest, 0.0)
     return resistance(law, strain) * rate < -law.tensile_limit * (closed * np.sqrt(closed))
 
 
 def change(law: Any, strain: Any, rate: Any, acceleration: Any) -> Any:
     """How fast the force of a law of damping changes, but for jumps; where tension is cut, against the contact's."""
-    found = resistance(law, strain) * acceleration + law.growth(strain, *law) * rate**2
+    force_rate = resistance(law, strain) * acceleration + law.growth(strain, *law) * rate**2
     if not cut(law):
-        return found
+        return force_rate
     slope = 1.5 * law.tensile_limit * np.sqrt(np.maximum(strain + law.rest, 0.0))
-    return np.where(lets_go(law, strain, rate), -slope * rate, found)
+    return np.where(lets_go(law, strain, rate), -slope * rate, force_rate)
 
 
 def at_max_strain(law: Any, elastic: laws.Law, energy: float) -> Any:
@@ -290,10 +290,10 @@ def overlaid(contacts: list[str], beside: list[tuple[str, ...]]) -> list[str]:
     for line in contacts:
         word, *rest = line.split(" ")
         if word == "pair_style":
-            own = rest[0]
-            line = " ".join(["pair_style hybrid/overlay", *rest, *(style for style, *_ in beside)])
+            style = rest[0]
+            line = " ".join(["pair_style hybrid/overlay", *rest, *(other for other, *_ in beside)])
         elif word == "pair_coeff":
-            line = " ".join([word, *rest[:2], own, *rest[2:]])
+            line = " ".join([word, *rest[:2], style, *rest[2:]])
         lines.append(line)
     return [*lines, *(line for _, *more in beside for line in more)]
 
@@ -319,7 +319,7 @@ class WallDashpot(NamedTuple):
     def damping(
         s: Any, rate: Any, steady: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any
     ) -> Any:
-        """As of the contacts."""
+        """Force of the dashpot; tension is limited to the pressure of the contact."""
         closed = np.maximum(s + rest, 0.0)
         root = np.sqrt(closed)
         force = ((closed > 0.0) * steady + by_radius * root + by_stiffness * np.sqrt(root)) * rate
@@ -327,7 +327,7 @@ class WallDashpot(NamedTuple):
 
     @staticmethod
     def growth(s: Any, steady: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
-        """Without end where the bead meets the wall, and so cut there."""
+        """Slope of the resistance, infinite where bead and wall meet, so limited to that at an overlap of `LEAST`."""
         overlap = s + rest
         closed = np.maximum(overlap, LEAST)
         root = np.sqrt(closed)
@@ -335,7 +335,7 @@ class WallDashpot(NamedTuple):
 
     @staticmethod
     def impulse(s: Any, steady: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
-        """Nothing at rest, to the last bit."""
+        """Integral of the resistance from rest, exactly 0 at rest."""
         closed = np.maximum(s + rest, 0.0)
         root, low = np.sqrt(closed), np.sqrt(rest)
         return (
@@ -346,7 +346,7 @@ class WallDashpot(NamedTuple):
 
     @property
     def coefficient(self) -> Any:
-        """That of its kind."""
+        """Coefficient of the dashpot's kind; the other two are 0."""
         return self.steady + self.by_radius + self.by_stiffness
 
     def granular(self, layout: BeadLayout) -> tuple[list[float], str]:

@@ -23,17 +23,17 @@ def symbols_of(signs: dict[str, int], sympy: Any) -> dict[str, Any]:
     return {name: sympy.Symbol(name, **kinds[sign]) if sign else sympy.Integer(0) for name, sign in signs.items()}
 
 
-def read(node: ast.AST, known: dict[str, Any], sympy: Any) -> Any:
+def read(node: ast.AST, symbols: dict[str, Any], sympy: Any) -> Any:
     """The expression of a syntax tree that has passed `expression.tree`."""
     if isinstance(node, ast.Constant):
         return sympy.Rational(repr(node.value))
     if isinstance(node, ast.Name):
-        return known[node.id]
+        return symbols[node.id]
     if isinstance(node, ast.UnaryOp):
-        value = read(node.operand, known, sympy)
+        value = read(node.operand, symbols, sympy)
         return -value if isinstance(node.op, ast.USub) else value
     if isinstance(node, ast.BinOp):
-        left, right = read(node.left, known, sympy), read(node.right, known, sympy)
+        left, right = read(node.left, symbols, sympy), read(node.right, symbols, sympy)
         if isinstance(node.op, ast.Pow):
             return left**right
         if isinstance(node.op, ast.Mult):
@@ -44,7 +44,7 @@ def read(node: ast.AST, known: dict[str, Any], sympy: Any) -> Any:
     assert isinstance(node, ast.Call)
     assert isinstance(node.func, ast.Name)
     name = {"abs": "Abs"}.get(node.func.id, node.func.id)
-    return getattr(sympy, name)(read(node.args[0], known, sympy))
+    return getattr(sympy, name)(read(node.args[0], symbols, sympy))
 
 
 def main() -> None:
@@ -52,17 +52,17 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (PATIENCE, PATIENCE))
     import sympy
 
-    asked = json.loads(sys.stdin.read())
+    request = json.loads(sys.stdin.read())
     s, q = sympy.Symbol(STRAIN, real=True), sympy.Symbol(SQUARE, positive=True)
-    known = symbols_of(asked["signs"], sympy) | {STRAIN: s, "pi": sympy.pi}
-    known |= {name: sympy.nsimplify(sympy.Rational(text)) for name, text in asked["exponents"].items()}
-    force = read(ast.parse(asked["force"], mode="eval").body, known, sympy)
+    symbols = symbols_of(request["signs"], sympy) | {STRAIN: s, "pi": sympy.pi}
+    symbols |= {name: sympy.nsimplify(sympy.Rational(text)) for name, text in request["exponents"].items()}
+    force = read(ast.parse(request["force"], mode="eval").body, symbols, sympy)
 
-    def found(**what: Any) -> None:
-        sys.stdout.write(json.dumps({name: str(value) for name, value in what.items()}) + "\n")
+    def answer(**forms: Any) -> None:
+        sys.stdout.write(json.dumps({name: str(form) for name, form in forms.items()}) + "\n")
         sys.stdout.flush()
 
-    found(stiffness=sympy.diff(force, s))
+    answer(stiffness=sympy.diff(force, s))
     energy = sympy.integrate(force, s)
     forms = [sympy.factor(energy)] if energy.is_rational_function(s) else []
     for form in (
@@ -70,9 +70,9 @@ def main() -> None:
         energy,
         energy.replace(sympy.log, lambda x: sympy.log(sympy.Abs(x))),
     ):  # some have logs below 0
-        whole = form - form.subs(s, 0)
-        if not whole.has(sympy.I):
-            found(energy=whole, even=whole.subs(s, sympy.sqrt(q)))
+        integral = form - form.subs(s, 0)
+        if not integral.has(sympy.I):
+            answer(energy=integral, even=integral.subs(s, sympy.sqrt(q)))
 
 
 if __name__ == "__main__":

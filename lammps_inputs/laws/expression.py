@@ -31,10 +31,10 @@ _NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arcsin
 _NUMPY |= {"atanh": "arctanh"}
 
 FUNCTIONS = ("sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "abs")
-"""What a formula may hold; each of one argument."""
+"""Functions that a formula may hold; each of one argument."""
 
 _FOUND = (*FUNCTIONS, "sign", "asinh", "acosh", "atanh")
-"""What sympy may add to them."""
+"""Functions that may stand in what sympy finds."""
 
 _LOGS = {
     "sinh": "((exp({0})-exp(-({0})))/2.0)",
@@ -60,12 +60,13 @@ def tree(text: str, functions: tuple[str, ...] = FUNCTIONS) -> ast.expr:
     """
     if len(text) > LONGEST and functions is FUNCTIONS:
         raise FormulaError(f"{len(text)} characters; at most {LONGEST}")
-    if found := re.search(r"[^\w\s.+\-*/^()]", text, re.ASCII):
-        raise FormulaError(f"holds {found[0]!r}; {_allowed()}")
+    if invalid := re.search(r"[^\w\s.+\-*/^()]", text, re.ASCII):
+        raise FormulaError(f"holds {invalid[0]!r}; {_allowed()}")
     try:
         body = ast.parse(text.strip().replace("^", "**"), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise FormulaError(f"is no formula ({getattr(error, 'msg', None) or 'too deep'}); {_allowed()}") from None
+        reason = error.msg if isinstance(error, SyntaxError) else "too deep"
+        raise FormulaError(f"is no formula ({reason}); {_allowed()}") from None
     _check(body, functions, DEEPEST if functions is FUNCTIONS else 10 * DEEPEST)
     return body
 
@@ -103,8 +104,8 @@ def names(text: str) -> tuple[str, ...]:
     """Names in a formula that are neither functions nor pi, in their order; with the strain."""
     body = tree(text)
     called = {id(node.func) for node in ast.walk(body) if isinstance(node, ast.Call)}
-    found = (node.id for node in ast.walk(body) if isinstance(node, ast.Name) and id(node) not in called)
-    return tuple(sorted(set(found) - {"pi"}))
+    variables = (node.id for node in ast.walk(body) if isinstance(node, ast.Name) and id(node) not in called)
+    return tuple(sorted(set(variables) - {"pi"}))
 
 
 def in_exponents(text: str) -> frozenset[str]:
@@ -115,15 +116,15 @@ def in_exponents(text: str) -> frozenset[str]:
 
 
 def has_root(text: str, name: str) -> bool:
-    """Whether a formula holds a power of a name, itself, that is no whole one."""
+    """Whether a formula holds a power of a name with an exponent that is not an integer, or its logarithm."""
     for node in ast.walk(tree(text, _FOUND)):
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
-            base, whole = node.left, _whole(node.right) is not None
+            base, integer = node.left, _integer(node.right) is not None
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("sqrt", "log"):
-            base, whole = node.args[0], False
+            base, integer = node.args[0], False
         else:
             continue
-        if isinstance(base, ast.Name) and base.id == name and not whole:
+        if isinstance(base, ast.Name) and base.id == name and not integer:
             return True
     return False
 
@@ -151,7 +152,7 @@ def vanishing(text: str) -> tuple[str, ...]:
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
             parts.append(node.right)
         elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
-            exponent = _whole(node.right)
+            exponent = _integer(node.right)
             parts += [node.left] if exponent is None or exponent.startswith("(") else []
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("log", "tan"):
             cosine = ast.Call(ast.Name("cos"), node.args, [])
@@ -164,10 +165,10 @@ class Derived(NamedTuple):
     """A force and what follows from it, as texts in Python's spelling; empty where it is not known.
 
     Attributes:
-        force: of the strain `STRAIN`.
-        stiffness: its slope.
-        energies: forms of its integral from 0.
-        even: the same as formulas of `SQUARE`, the strain squared, if the strain is positive.
+        force: force at the strain `STRAIN`.
+        stiffness: slope of the force.
+        energies: forms of the integral of the force from 0.
+        even: forms of that integral in `SQUARE`, the strain squared, for a positive strain.
     """
 
     force: str
@@ -178,29 +179,29 @@ class Derived(NamedTuple):
 
 @functools.lru_cache(maxsize=256)
 def derived(force: str, signs: tuple[tuple[str, int], ...], exponents: tuple[tuple[str, str], ...]) -> Derived:
-    """What sympy finds for a force in a process of its own.
+    """Stiffness and energies that sympy finds for a force, in a separate process.
 
     Args:
         force: text in Python's spelling that passed `tree`.
-        signs: of its parameters' values.
-        exponents: values of those that stand in exponents.
+        signs: signs of the parameters' values.
+        exponents: values of the parameters that stand in exponents.
     """
-    asked = {"force": force, "signs": dict(signs), "exponents": dict(exponents)}
+    request = {"force": force, "signs": dict(signs), "exponents": dict(exponents)}
     command = [sys.executable, "-P", str(Path(derivation.__file__))]
-    done = subprocess.run(command, input=json.dumps(asked).encode(), capture_output=True, check=False)
+    done = subprocess.run(command, input=json.dumps(request).encode(), capture_output=True, check=False)
     if b"ModuleNotFoundError" in done.stderr:
         raise FormulaError("needs sympy, which is not installed; `pip install sympy`")
-    found: dict[str, list[str]] = {"stiffness": [], "energy": [], "even": []}
+    forms: dict[str, list[str]] = {"stiffness": [], "energy": [], "even": []}
     for line in done.stdout.decode().splitlines():
-        for what, text in json.loads(line).items():
-            found[what] += [form] if (form := _readable(text)) else []
-    stiffness = next(iter(found["stiffness"]), "")
-    energies, even = (tuple(dict.fromkeys(found[what])) for what in ("energy", "even"))
+        for kind, text in json.loads(line).items():
+            forms[kind] += [form] if (form := _readable(text)) else []
+    stiffness = next(iter(forms["stiffness"]), "")
+    energies, even = (tuple(dict.fromkeys(forms[kind])) for kind in ("energy", "even"))
     return Derived(force, stiffness, energies, even)
 
 
 def _readable(text: str) -> str:
-    """What sympy wrote, in our functions; empty where it needs others."""
+    """Text of sympy's in the functions of a formula; empty where it needs others."""
     text = re.sub(r"\bE\b", "exp(1)", text.replace("Abs(", "abs("))
     try:
         tree(text, _FOUND)
@@ -212,30 +213,34 @@ def _readable(text: str) -> str:
 _PYTHON = ("plain", "python")
 
 
-def written(text: str, known: Mapping[str, str], style: str) -> str:
+def written(text: str, replacements: Mapping[str, str], style: str) -> str:
     """A formula with all brackets, and other names or numbers in place of its own.
 
     Args:
-        text: of a formula.
-        known: what stands for each name.
+        text: text of the formula.
+        replacements: text that replaces each name.
         style: ``plain``, ``python`` (with NumPy), ``lepton`` (LAMMPS's potentials), or ``variable`` (those of LAMMPS).
 
     Raises:
-        FormulaError: that has no such function.
+        FormulaError: the style has no such function.
     """
-    return _written(tree(text, _FOUND), known | {"pi": repr(float(np.pi))}, style)  # type: ignore[operator]
+    return _written(tree(text, _FOUND), replacements | {"pi": repr(float(np.pi))}, style)  # type: ignore[operator]
 
 
-def _written(node: ast.AST, known: Mapping[str, str], style: str) -> str:
+def _written(node: ast.AST, replacements: Mapping[str, str], style: str) -> str:
     def inside(part: ast.AST) -> str:
-        return _written(part, known, style)
+        return _written(part, replacements, style)
 
-    if style not in _PYTHON and not isinstance(node, ast.Constant | ast.Name) and (number := _number(node, known)):
+    if (
+        style not in _PYTHON
+        and not isinstance(node, ast.Constant | ast.Name)
+        and (number := _number(node, replacements))
+    ):
         return number
     if isinstance(node, ast.Constant):
         return repr(float(node.value))  # type: ignore[arg-type]
     if isinstance(node, ast.Name):
-        return known[node.id]
+        return replacements[node.id]
     if isinstance(node, ast.UnaryOp):
         sign = "-" if isinstance(node.op, ast.USub) else ""
         return (
@@ -244,9 +249,9 @@ def _written(node: ast.AST, known: Mapping[str, str], style: str) -> str:
     if isinstance(node, ast.BinOp):
         right = node.right
         power = isinstance(node.op, ast.Pow)
-        whole = _whole(right) if power else None
+        integer = _integer(right) if power else None
         sign = "^" if power and style not in _PYTHON else _OPERATORS[type(node.op)]
-        return f"({inside(node.left)}{sign}{inside(right) if whole is None else whole})"
+        return f"({inside(node.left)}{sign}{inside(right) if integer is None else integer})"
     assert isinstance(node, ast.Call)
     assert isinstance(node.func, ast.Name)
     name, argument = node.func.id, inside(node.args[0])
@@ -259,20 +264,20 @@ def _written(node: ast.AST, known: Mapping[str, str], style: str) -> str:
     return _LOGS[name].format(argument) if style == "variable" and name in _LOGS else f"{name}({argument})"
 
 
-def _number(node: ast.AST, known: Mapping[str, str]) -> str:
+def _number(node: ast.AST, replacements: Mapping[str, str]) -> str:
     """The value of what holds no name but those of numbers; empty of all else."""
     called = {id(part.func) for part in ast.walk(node) if isinstance(part, ast.Call)}
     names = {part.id for part in ast.walk(node) if isinstance(part, ast.Name) and id(part) not in called}
     try:
-        values = [float(known[name].strip("()")) for name in sorted(names)]
+        values = [float(replacements[name].strip("()")) for name in sorted(names)]
     except ValueError:
         return ""
     value = float(function(ast.unparse(node), (STRAIN, *sorted(names)))(0.0, *values))
     return f"({value!r})" if value < 0.0 else repr(value)
 
 
-def _whole(node: ast.AST) -> str | None:
-    """A whole number, which stays one: its powers are products; None of all else."""
+def _integer(node: ast.AST) -> str | None:
+    """Text of an integer exponent, which stays an integer, for its powers are products; None of all else."""
     sign = ""
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         node, sign = node.operand, "-"
@@ -283,17 +288,18 @@ def _whole(node: ast.AST) -> str | None:
 
 @functools.lru_cache(maxsize=256)
 def function(text: str, arguments: tuple[str, ...]) -> Callable[..., Floats]:
-    """A formula as a function of arrays; NaN or inf where it has no real value."""
+    """A formula as a function of arrays that broadcast to a common shape; NaN or inf where it has no real value."""
     source = written(text, {name: name for name in arguments}, "python")
     code = compile(f"lambda {', '.join(arguments)}: {source}", "<formula>", "eval")
     raw = eval(code, {"np": np, "__builtins__": {}})  # all of it passed `tree`
 
     def value(*numbers: Any) -> Floats:
+        """Value of the formula, an array of the arguments' common shape."""
         with np.errstate(all="ignore"):
             try:
-                found = raw(*(np.asarray(number, dtype=np.float64)[()] for number in numbers))
+                values = raw(*(np.asarray(number, dtype=np.float64)[()] for number in numbers))
             except (OverflowError, ZeroDivisionError):  # numbers of the formula alone
-                found = np.nan
-            return np.asarray(found + 0.0 * numbers[0], dtype=np.float64)
+                values = np.nan
+            return np.asarray(values + 0.0 * numbers[0], dtype=np.float64)
 
     return value

@@ -28,7 +28,7 @@ _OWN = ("strength", "length", "per_force", "at_rest")
 """Fields before the formula's own parameters, which follow with a prefix."""
 
 FARTHEST, FINE = 1e8, 2000
-"""Largest strain that is looked at, in units of L, and steps of a grid."""
+"""Largest strain that is examined, in units of L, and number of steps of a grid."""
 
 _GEOMETRIC = np.geomspace(1.0 / FARTHEST, FARTHEST, 1281)
 
@@ -44,23 +44,23 @@ _DECADES = np.geomspace(1e-12, 1e6, 181)
 """Strains at which an energy that sympy found is compared with the integral of the force."""
 
 _CLOSE, _ROUNDED = 1e-6, 1e-13
-"""Relative difference that they may have, and that by rounding of the energy's terms."""
+"""Relative difference of energy and integral that is accepted, and the part of it that is rounding of their terms."""
 
 
 class FormulaKind(NamedTuple):
     """How a formula is read.
 
     Attributes:
-        way: 1 where its strain is that of the link, -1 where it counts the other way.
+        direction: 1 where its strain is that of the link, -1 where it counts in the opposite direction.
         cut: whether there is no force at negative strain.
     """
 
-    way: float = 1.0
+    direction: float = 1.0
     cut: bool = False
 
 
 class FormulaLaw:
-    """What is common to the laws of all formulas; each is also a named tuple of `_OWN` and its parameters.
+    """Base of the laws of all formulas; each is also a named tuple of `_OWN` and its parameters.
 
     Attributes:
         derived: texts of the formula and what follows from it.
@@ -80,7 +80,7 @@ class FormulaLaw:
     rest = 0.0
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """As the texts, from which the class is made where it is read."""
+        """Pickle the texts of the formula, from which the class is made again on reading."""
         return _again, (self.base, self.derived, self.kind, tuple(cast(Any, self)))
 
     @property
@@ -89,9 +89,9 @@ class FormulaLaw:
         return self.strength * self.per_force * self.at_rest
 
     def form(self, find: Any) -> str:
-        """What `energy_form` or `even_form` finds for the law's parameters."""
-        found: str = find(type(self), tuple(map(float, tuple(cast(Any, self))[len(_OWN) :])))
-        return found
+        """Form of the energy that `energy_form` or `even_form` finds for the law's parameters; empty if none."""
+        form: str = find(type(self), tuple(map(float, tuple(cast(Any, self))[len(_OWN) :])))
+        return form
 
     # --- functions of the strain and of the parameters ----------------------------------------------------------------
 
@@ -104,14 +104,14 @@ class FormulaLaw:
         value = expression.written(cls.derived.force, names, "python")
         acts = "s > 0.0" if cls.kind.cut else "s != 0.0"
         return (
-            f"def {name}(s, {arguments}):\n    u = {cls.kind.way!r} * length * {strain}\n"
+            f"def {name}(s, {arguments}):\n    u = {cls.kind.direction!r} * length * {strain}\n"
             f"    return strength * per_force * ({value} - at_rest) if {acts} else 0.0\n"
         )
 
     @classmethod
     @np.errstate(all="ignore")
     def force(cls, s: Any, *values: Any) -> Floats:
-        """Above that at rest."""
+        """Force above that at rest, dimensionless, an array of the shape of the strain ``s`` and of the parameters."""
         strength, length, per_force, at_rest, *numbers = values
         u = cls._argument(s, length)
         return np.asarray(strength * per_force * (_value(cls, cls.derived.force)(u, *numbers) - at_rest) * cls._acts(s))
@@ -119,43 +119,46 @@ class FormulaLaw:
     @classmethod
     @np.errstate(all="ignore")
     def energy(cls, s: Any, *values: Any) -> Floats:
-        """Integral of the force from rest: by the formula that sympy found, or by Gauss and Legendre's rule."""
+        """Integral of the force from rest, of the shape of `force`: by sympy's formula, or by Gauss's rule."""
         strength, length, per_force, at_rest, *numbers = values
         u = cls._argument(s, length)
-        own: Any = cls
-        form = energy_form(own, tuple(map(float, numbers)))
-        whole = _integral(cls, u, numbers) if not form else _value(cls, form)(u, *numbers)
-        return np.asarray(strength * (per_force / length) * cls.kind.way * (whole - at_rest * u) * cls._acts(s))
+        form = energy_form(cast(Any, cls), tuple(map(float, numbers)))
+        integral = _integral(cls, u, numbers) if not form else _value(cls, form)(u, *numbers)
+        return np.asarray(
+            strength * (per_force / length) * cls.kind.direction * (integral - at_rest * u) * cls._acts(s)
+        )
 
     @classmethod
     @np.errstate(all="ignore")
     def stiffness(cls, s: Any, *values: Any) -> Floats:
-        """Slope of the force."""
+        """Slope of the force, an array of the shape of the strain ``s`` and of the parameters."""
         strength, length, per_force, _, *numbers = values
         u = cls._argument(s, length)
         slope = _value(cls, cls.derived.stiffness)
-        found = slope(u, *numbers)
+        slopes = slope(u, *numbers)
         # formulas such as s^1.5 / s have none exactly at 0
-        found = np.where(np.isfinite(found) | (u != 0.0), found, slope(cls.kind.way * np.float64(1e-200), *numbers))
+        slopes = np.where(
+            np.isfinite(slopes) | (u != 0.0), slopes, slope(cls.kind.direction * np.float64(1e-200), *numbers)
+        )
         acts = np.asarray(s) > 0.0 if cls.kind.cut else 1.0
-        return np.asarray(strength * (per_force * length) * cls.kind.way * found * acts)
+        return np.asarray(strength * (per_force * length) * cls.kind.direction * slopes * acts)
 
     @classmethod
     @np.errstate(all="ignore")
     def max_strain(cls, energy: Any, *values: Any) -> Floats:
-        """Largest strain on the side where links are pressed, or of both where both are alike."""
+        """Largest strain of pressed links at an energy, an array of the shape of the strengths; see `reach`."""
         return _of_each(lambda law: reach(law, energy, 1.0), cls, values)
 
     @classmethod
     @np.errstate(all="ignore")
     def stiffest(cls, energy: Any, *values: Any) -> Floats:
-        """Largest stiffness within reach of an energy, wherever it is: of laws that soften at rest."""
+        """Largest stiffness at strains within reach of an energy, an array of the shape of the strengths."""
         return _of_each(lambda law: _stiffest(law, energy), cls, values)
 
     @classmethod
     def _argument(cls, s: Any, length: Any) -> Floats:
         s = np.asarray(s, dtype=np.float64)
-        return np.asarray(cls.kind.way * length * (np.maximum(s, 0.0) if cls.kind.cut else s))
+        return np.asarray(cls.kind.direction * length * (np.maximum(s, 0.0) if cls.kind.cut else s))
 
     @classmethod
     def _acts(cls, s: Any) -> Any:
@@ -171,51 +174,51 @@ def _parameters(law: type[FormulaLaw]) -> tuple[str, ...]:
 
 
 def _integral(law: type[FormulaLaw], u: Floats, numbers: Any, panels: int = 1) -> Floats:
-    """Of the force from 0, with nodes that crowd towards 0, where powers begin."""
-    value, whole = _value(law, law.derived.force), np.zeros_like(u)
+    """Integral of the force from 0 to u, with nodes that are denser towards 0, where powers begin."""
+    value, mean = _value(law, law.derived.force), np.zeros_like(u)
     for panel in range(panels):
         for node, weight in zip((panel + 0.5 + 0.5 * _NODES) / panels, 0.5 * _WEIGHTS / panels, strict=True):
-            whole = whole + 2.0 * node * weight * value(u * node * node, *numbers)
-    return np.asarray(whole * u)
+            mean = mean + 2.0 * node * weight * value(u * node * node, *numbers)
+    return np.asarray(mean * u)
 
 
 @functools.lru_cache(maxsize=256)
 def energy_form(law: Any, numbers: tuple[float, ...]) -> str:
-    """The form of the energy that is the integral of the force, as far as that is a number; or none."""
-    ways = (law.kind.way,) if law.kind.cut else (1.0, -1.0)
+    """Form of the energy that agrees with the integral of the force, as far as that is finite; empty if none does."""
+    signs = (law.kind.direction,) if law.kind.cut else (1.0, -1.0)
     forms = sorted(law.derived.energies, key=len)
-    return next((form for form in forms if all(_agrees(law, numbers, form, way) for way in ways)), "")
+    return next((form for form in forms if all(_agrees(law, numbers, form, sign) for sign in signs)), "")
 
 
 @functools.lru_cache(maxsize=256)
 def even_form(law: Any, numbers: tuple[float, ...]) -> str:
-    """The energy as a formula of the strain squared that has a slope at 0; or none."""
+    """Energy as a formula of the strain squared that has a slope at 0; empty if there is none."""
     smooth = (form for form in sorted(law.derived.even, key=len) if not expression.has_root(form, SQUARE))
     return next((form for form in smooth if _agrees(law, numbers, form, 1.0, SQUARE)), "")
 
 
 @np.errstate(all="ignore")
-def _agrees(law: type[FormulaLaw], numbers: tuple[float, ...], form: str, way: float, argument: str = STRAIN) -> bool:
-    """Whether a form is the energy on a side, to rounding of its terms, until the force is no number or has a pole."""
-    u = way * _DECADES
+def _agrees(law: type[FormulaLaw], numbers: tuple[float, ...], form: str, sign: float, argument: str = STRAIN) -> bool:
+    """Whether a form is the energy at strains of a sign, to rounding, up to where the force is not finite."""
+    u = sign * _DECADES
     right, finer = (_integral(law, u, numbers, panels) for panels in (1, 2))
     rounding = _ROUNDED * np.abs(u) * _value(law, expression.size(law.derived.force))(u, *numbers)
-    known = np.isfinite(right) & (np.abs(right - finer) <= 1e-3 * _CLOSE * np.abs(finer) + rounding)
-    known = np.logical_and.accumulate(known)
+    reliable = np.isfinite(right) & (np.abs(right - finer) <= 1e-3 * _CLOSE * np.abs(finer) + rounding)
+    reliable = np.logical_and.accumulate(reliable)
     at = u if argument == STRAIN else u * u
     rounding = rounding + _ROUNDED * _value(law, expression.size(form), argument)(at, *numbers)
     off = np.abs(_value(law, form, argument)(at, *numbers) - right)
-    return bool(known.any() and np.all((off <= _CLOSE * np.abs(right) + rounding)[known]))
+    return bool(reliable.any() and np.all((off <= _CLOSE * np.abs(right) + rounding)[reliable]))
 
 
 # --- how far an energy reaches ----------------------------------------------------------------------------------------
 
 
 def _of_each(find: Callable[[Any], float], law: type[FormulaLaw], values: tuple[Any, ...]) -> Floats:
-    """A number for each strength; 0 where there is no link."""
+    """Number that a function finds for the law of each strength, an array of their shape; 0 where there is no link."""
     different, places = np.unique(np.asarray(values[0], dtype=np.float64), return_inverse=True)
-    found = [find(law(strength, *values[1:])) if strength else 0.0 for strength in different]  # type: ignore[call-arg]
-    return np.asarray(np.array(found)[places].reshape(np.shape(values[0])))
+    numbers = [find(law(strength, *values[1:])) if strength else 0.0 for strength in different]  # type: ignore[call-arg]
+    return np.asarray(np.array(numbers)[places].reshape(np.shape(values[0])))
 
 
 @np.errstate(all="ignore")
@@ -230,10 +233,10 @@ def reach(law: Any, energy: float, side: float) -> float:
         held = law.energy(side * size, *law)
         return np.isfinite(law.force(side * size, *law)) & (held < energy) & (held >= -1e-9 * energy)
 
-    there = within(_GEOMETRIC)
-    beyond = int(np.argmin(there))
+    inside = within(_GEOMETRIC)
+    beyond = int(np.argmin(inside))
     low, high = (_GEOMETRIC[beyond - 1] if beyond else 0.0), _GEOMETRIC[beyond]
-    far = np.inf if there.all() else _bisected(within, low, high)
+    far = np.inf if inside.all() else _bisected(within, low, high)
     grid = _GEOMETRIC if far == np.inf else np.linspace(0.0, far, FINE)
     before, pole = first_pole(law, side, grid)
     return far if pole == np.inf else _bisected(within, before, pole)
@@ -253,9 +256,9 @@ def first_pole(law: Any, side: float, grid: Floats) -> tuple[float, float]:
     At a pole a part of the formula is 0 (`expression.vanishing`), and the force is far larger than around it.
 
     Args:
-        law: dimensionless.
-        side: 1 or -1.
-        grid: sizes of strains, ascending.
+        law: dimensionless law.
+        side: 1 or -1, the sign of the strains.
+        grid: sizes of strains, ascending, [strain], in units of L.
     """
     numbers = [getattr(law, name) for name in _parameters(type(law))]
     poles = [(np.inf, np.inf)]
@@ -263,6 +266,7 @@ def first_pole(law: Any, side: float, grid: Floats) -> tuple[float, float]:
         value = _value(type(law), part)
 
         def size(strain: Any, value: Callable[..., Floats] = value) -> Floats:
+            """Size of the part of the formula at strains, an array of their shape."""
             sizes = np.abs(value(law._argument(side * strain, law.length), *numbers))
             return np.where(np.isnan(sizes), np.inf, sizes)
 
@@ -283,7 +287,7 @@ _BESIDE = 1.0 + 1e-15 * np.arange(-4.0, 5.0)
 """Factors on the strain of a pole."""
 
 _NOTHING = 1e-6
-"""Size that counts as 0, over that one step of a grid away."""
+"""Size that counts as 0, relative to that at the neighbouring points of the grid."""
 
 
 def _least(size: Callable[[Any], Floats], low: float, high: float) -> float:
@@ -296,12 +300,12 @@ def _least(size: Callable[[Any], Floats], low: float, high: float) -> float:
 
 
 def _stiffest(law: Any, energy: float) -> float:
-    found = [abs(float(law.stiffness(0.0, *law)))]
+    slopes = [abs(float(law.stiffness(0.0, *law)))]
     for side in (1.0,) if law.kind.cut else (1.0, -1.0):
         far = reach(law, energy, side)
         grid = np.linspace(0.0, far, FINE) if far < np.inf else _GEOMETRIC
-        found.append(float(np.nanmax(np.abs(law.stiffness(side * grid, *law)))))
-    return max(found)
+        slopes.append(float(np.nanmax(np.abs(law.stiffness(side * grid, *law)))))
+    return max(slopes)
 
 
 # --- LAMMPS -----------------------------------------------------------------------------------------------------------
@@ -329,8 +333,8 @@ class AlongChains(FormulaLaw):
             )
         if not self.kind.cut and not np.isfinite(layout.farthest):
             raise ValueError(f"{name}: the energy separates neighbours for good, farther than LAMMPS looks")
-        u = f"({text(self.kind.way * float(self.length))}*({text(layout.spacing)}-r))"
-        energy = f"{text(self.kind.way * _factor(self))}*({_spelled(self, form, u, 'lepton', name)})"
+        u = f"({text(self.kind.direction * float(self.length))}*({text(layout.spacing)}-r))"
+        energy = f"{text(self.kind.direction * _factor(self))}*({_spelled(self, form, u, 'lepton', name)})"
         if self.kind.cut:
             touching = f"({text(layout.diameter)}-r)"
             energy = energy.replace(f"({text(layout.spacing)}-r)", touching)
@@ -347,7 +351,7 @@ class AlongChains(FormulaLaw):
 
     def wall(self, overlap: str, strength: str) -> str:
         """Force of a wall at an overlap, in LAMMPS's variables."""
-        u = f"({text(self.kind.way * float(self.length))}*{overlap})"
+        u = f"({text(self.kind.direction * float(self.length))}*{overlap})"
         return (
             f"{strength}*{text(float(self.per_force))}*({_spelled(self, self.derived.force, u, 'variable', 'walls')})"
         )
@@ -360,8 +364,8 @@ class ToGround(FormulaLaw):
         """A force on the beads, in LAMMPS's variables."""
         u = f"({text(float(self.length))}*v_{name}strain)"
         value = _spelled(self, self.derived.force, u, "variable", name)
-        own = atoms_by_value([self.strength], (layout.chains, layout.beads))
-        forces = [(f"{text(strength * float(self.per_force))}*({value})", atoms) for (strength,), atoms in own]
+        by_strength = atoms_by_value([self.strength], (layout.chains, layout.beads))
+        forces = [(f"{text(strength * float(self.per_force))}*({value})", atoms) for (strength,), atoms in by_strength]
         return driven_back(name, forces, layout)
 
 
@@ -372,7 +376,7 @@ class AcrossChains(FormulaLaw):
         """Bonds from an energy that is a formula of the strain squared, ``r^2 - d^2`` at the lateral distance d.
 
         Raises:
-            ValueError: it is none that is smooth at rest.
+            ValueError: no formula of the energy is smooth at rest.
         """
         form = self.form(even_form)
         if not form:
@@ -382,7 +386,7 @@ class AcrossChains(FormulaLaw):
             )
         squares, bonds = formula.squares_of_strain(link, layout)
         scale = text(float(self.length) ** 2)
-        energies = (_spelled(self, form, f"({scale}*{one})", "lepton", link.name, SQUARE) for one in squares)
+        energies = (_spelled(self, form, f"({scale}*{square})", "lepton", link.name, SQUARE) for square in squares)
         return DeckLines(
             variables=(SINCE,),
             bonds=np.where(np.asarray(self.strength) != 0.0, bonds, 0),
@@ -406,7 +410,7 @@ def _spelled(law: Any, form: str, strain: str, style: str, name: str, variable: 
         ValueError: LAMMPS has no such function.
     """
     numbers = {field: text(float(getattr(law, field))) for field in _parameters(type(law))}
-    numbers = {own: f"({number})" if number.startswith("-") else number for own, number in numbers.items()}
+    numbers = {field: f"({number})" if number.startswith("-") else number for field, number in numbers.items()}
     try:
         return expression.written(form, numbers | {variable: strain}, style)
     except expression.FormulaError as error:
@@ -457,23 +461,23 @@ class Force(NamedTuple):
 
     @property
     def derived(self) -> Derived:
-        """What follows from it, its parameters with a prefix, so that they are no names of sympy's."""
+        """Texts that follow from the formula; its parameters get a prefix, so that none is a name of sympy's."""
         return _derived(self)
 
     def law(self, base: Any, kind: FormulaKind = FormulaKind(), strength: Parameter = 1.0) -> Any:  # noqa: B008
-        """Its law in the scene's units, for `laws.dimensionless`; counted from the force at s = 0."""
-        found = law_class(base, self.derived, kind)
-        return found(strength, 1.0, 1.0, self.at_rest, *(number for _, number in sorted(self.numbers)))
+        """Law of the formula in the scene's units, for `laws.dimensionless`; its force counts from that at s = 0."""
+        formula_law = law_class(base, self.derived, kind)
+        return formula_law(strength, 1.0, 1.0, self.at_rest, *(number for _, number in sorted(self.numbers)))
 
     @property
     def at_rest(self) -> float:
-        """Force at s = 0, where beads rest; 0 where it is that but for rounding of the formula's terms."""
+        """Force at s = 0, where beads rest; 0 where it is below the rounding of the formula's terms."""
         rest = float(self.at(0.0))
         rounding = _ROUNDED * float(self._value(expression.size(self.text), 0.0))
         return 0.0 if abs(rest) <= rounding < np.inf else rest
 
     def at(self, s: Any) -> Floats:
-        """The force; NaN or inf where it has no real value."""
+        """Force at strains, an array of their shape, in the scene's units; NaN or inf where it has no real value."""
         return self._value(self.text, s)
 
     def _value(self, text: str, s: Any) -> Floats:
@@ -485,10 +489,10 @@ class Force(NamedTuple):
 @functools.lru_cache(maxsize=256)
 def _derived(force: Force) -> Derived:
     numbers = dict(force.numbers)
-    known = {name: f"p_{name}" for name in numbers} | {STRAIN: STRAIN}
+    names = {name: f"p_{name}" for name in numbers} | {STRAIN: STRAIN}
     exponents = expression.in_exponents(force.text)
     return expression.derived(
-        expression.written(force.text, known, "plain"),
+        expression.written(force.text, names, "plain"),
         tuple((f"p_{name}", int(np.sign(number))) for name, number in force.numbers if name not in exponents),
         tuple((f"p_{name}", repr(numbers[name])) for name in sorted(exponents)),
     )

@@ -24,26 +24,26 @@ from lammps_inputs.numbers import text
 Floats = NDArray[np.float64]
 
 MOST_POINTS = 50
-"""Of a table in LAMMPS, which reads the formula again at every step."""
+"""Largest number of points of a table in LAMMPS, which reads the formula again at every step."""
 
 
 class TimeLaw(Protocol):
-    """What every law has beside its parameters; it is a tuple of those."""
+    """Functions that every law in time has beside its parameters; a law is a tuple of those."""
 
     def force(self, *args: Any, **kwargs: Any) -> Any:
-        """See above."""
+        """Force at a time."""
 
     def rate(self, *args: Any, **kwargs: Any) -> Any:
-        """See above."""
+        """Slope of the force over time; after a jump, the slope on its right."""
 
     def impulse(self, *args: Any, **kwargs: Any) -> Any:
-        """See above."""
+        """Integral of the force from the start to a time."""
 
     def travel(self, *args: Any, **kwargs: Any) -> Any:
-        """See above."""
+        """Distance that a free bead of mass 1 has gone at a time: the integral of the impulse."""
 
     def __iter__(self) -> Iterator[Any]:
-        """Over the parameters."""
+        """Iterate over the parameters."""
 
     @property
     def kinks(self) -> tuple[float, ...]:
@@ -54,7 +54,7 @@ class TimeLaw(Protocol):
         """Integral of the force's size; of one that never ends, over half a period."""
 
     def formula(self, name: str) -> str:
-        """See above; from deck variables that begin with the name."""
+        """Integral of the force over a step, as a formula of LAMMPS's variables that begin with the name."""
 
 
 class HalfSine(NamedTuple):
@@ -65,30 +65,30 @@ class HalfSine(NamedTuple):
 
     @staticmethod
     def force(t: Any, peak: Any, duration: Any) -> Any:
-        """See the module."""
+        """Force at a time."""
         return peak * np.sin(math.pi * t / duration) * ((t >= 0.0) & (t < duration))
 
     @staticmethod
     def rate(t: Any, peak: Any, duration: Any) -> Any:
-        """See the module."""
+        """Slope of the force over time; after a jump, the slope on its right."""
         return peak * math.pi / duration * np.cos(math.pi * t / duration) * ((t >= 0.0) & (t < duration))
 
     @staticmethod
     def impulse(t: Any, peak: Any, duration: Any) -> Any:
-        """``2 peak duration / pi`` in the end."""
+        """Integral of the force, ``2 peak duration / pi`` at the end."""
         acting = np.minimum(np.maximum(t, 0.0), duration)
         return peak * duration / math.pi * (1.0 - np.cos(math.pi * acting / duration))
 
     @staticmethod
     def travel(t: Any, peak: Any, duration: Any) -> Any:
-        """See the module."""
+        """Distance that a free bead of mass 1 has gone at a time: the integral of the impulse."""
         acting = np.minimum(np.maximum(t, 0.0), duration)
         wave = duration / math.pi * np.sin(math.pi * acting / duration)
         return peak * duration / math.pi * (acting - wave + 2.0 * np.maximum(t - duration, 0.0))
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """Start and end."""
+        """Times at which the force starts and ends."""
         return 0.0, self.duration
 
     @property
@@ -97,7 +97,7 @@ class HalfSine(NamedTuple):
         return 2.0 * abs(self.peak) * self.duration / math.pi
 
     def formula(self, name: str) -> str:
-        """See the module."""
+        """Integral of the force over a step of LAMMPS, as a formula of its variables."""
         turn = f"PI/v_{name}duration"
         return f"v_{name}peak/({turn})*(cos({turn}*v_{name}from)-cos({turn}*v_{name}to))"
 
@@ -110,28 +110,28 @@ class Rectangular(NamedTuple):
 
     @staticmethod
     def force(t: Any, peak: Any, duration: Any) -> Any:
-        """See the module."""
+        """Force at a time."""
         return peak * ((t >= 0.0) & (t < duration))
 
     @staticmethod
     def rate(t: Any, peak: Any, duration: Any) -> Any:
-        """None, but for the jumps."""
+        """Slope of the force: 0 between its jumps."""
         return 0.0 * peak * t
 
     @staticmethod
     def impulse(t: Any, peak: Any, duration: Any) -> Any:
-        """``peak * duration`` in the end."""
+        """Integral of the force, ``peak * duration`` at the end."""
         return peak * np.minimum(np.maximum(t, 0.0), duration)
 
     @staticmethod
     def travel(t: Any, peak: Any, duration: Any) -> Any:
-        """See the module."""
+        """Distance that a free bead of mass 1 has gone at a time: the integral of the impulse."""
         acting = np.minimum(np.maximum(t, 0.0), duration)
         return peak * (0.5 * acting * acting + duration * np.maximum(t - duration, 0.0))
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """Start and end."""
+        """Times at which the force starts and ends."""
         return 0.0, self.duration
 
     @property
@@ -140,7 +140,7 @@ class Rectangular(NamedTuple):
         return abs(self.peak) * self.duration
 
     def formula(self, name: str) -> str:
-        """See the module."""
+        """Integral of the force over a step of LAMMPS, as a formula of its variables."""
         return f"v_{name}peak*(v_{name}to-v_{name}from)"
 
 
@@ -153,38 +153,38 @@ class Sine(NamedTuple):
 
     @staticmethod
     def force(t: Any, peak: Any, omega: Any, phase: Any) -> Any:
-        """See the module."""
+        """Force at a time."""
         return peak * np.sin(omega * t + phase) * (t >= 0.0)
 
     @staticmethod
     def rate(t: Any, peak: Any, omega: Any, phase: Any) -> Any:
-        """See the module."""
+        """Slope of the force over time; after a jump, the slope on its right."""
         return peak * omega * np.cos(omega * t + phase) * (t >= 0.0)
 
     @staticmethod
     def impulse(t: Any, peak: Any, omega: Any, phase: Any) -> Any:
-        """Oscillates about a mean that is not 0, unless the force begins at its largest."""
+        """Integral of the force, which oscillates about a mean that is not 0 unless the force begins at its largest."""
         return peak / omega * (np.cos(phase) - np.cos(omega * np.maximum(t, 0.0) + phase))
 
     @staticmethod
     def travel(t: Any, peak: Any, omega: Any, phase: Any) -> Any:
-        """Oscillates, and drifts with the mean impulse."""
+        """Integral of the impulse, which oscillates and drifts with the mean impulse."""
         acting = np.maximum(t, 0.0)
         wave = (np.sin(omega * acting + phase) - np.sin(phase)) / omega
         return peak / omega * (acting * np.cos(phase) - wave)
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """The start."""
+        """Start of the force, which never ends."""
         return 0.0, math.inf
 
     @property
     def total(self) -> float:
-        """Of half a period."""
+        """Integral of the force's size over half a period."""
         return 2.0 * abs(self.peak) / self.omega
 
     def formula(self, name: str) -> str:
-        """See the module; a product, for a difference of cosines would lose digits."""
+        """Integral of the force over a step of LAMMPS; a product, for a difference of cosines would lose digits."""
         turn, start, end = f"0.5*v_{name}omega", f"v_{name}from", f"v_{name}to"
         middle = f"sin({turn}*({start}+{end})+v_{name}phase)"
         return f"2*v_{name}peak/v_{name}omega*{middle}*sin({turn}*({end}-{start}))"
@@ -202,20 +202,20 @@ class TabulatedForce(NamedTuple):
 
     @staticmethod
     def force(t: Any, time: Any, value: Any, gained: Any, gone: Any) -> Any:
-        """See the module."""
+        """Force at a time."""
         k = np.minimum(np.maximum(np.searchsorted(time, t, side="right"), 1), time.shape[0] - 1)
         slope = (value[k] - value[k - 1]) / (time[k] - time[k - 1])
         return (value[k - 1] + slope * (t - time[k - 1])) * ((t >= time[0]) & (t < time[-1]))
 
     @staticmethod
     def rate(t: Any, time: Any, value: Any, gained: Any, gone: Any) -> Any:
-        """See the module."""
+        """Slope of the force over time; after a jump, the slope on its right."""
         k = np.minimum(np.maximum(np.searchsorted(time, t, side="right"), 1), time.shape[0] - 1)
         return (value[k] - value[k - 1]) / (time[k] - time[k - 1]) * ((t >= time[0]) & (t < time[-1]))
 
     @staticmethod
     def impulse(t: Any, time: Any, value: Any, gained: Any, gone: Any) -> Any:
-        """See the module."""
+        """Integral of the force from the start to a time."""
         acting = np.minimum(np.maximum(t, time[0]), time[-1])
         k = np.minimum(np.maximum(np.searchsorted(time, acting, side="right"), 1), time.shape[0] - 1)
         slope, s = (value[k] - value[k - 1]) / (time[k] - time[k - 1]), acting - time[k - 1]
@@ -223,7 +223,7 @@ class TabulatedForce(NamedTuple):
 
     @staticmethod
     def travel(t: Any, time: Any, value: Any, gained: Any, gone: Any) -> Any:
-        """See the module."""
+        """Distance that a free bead of mass 1 has gone at a time: the integral of the impulse."""
         acting = np.minimum(np.maximum(t, time[0]), time[-1])
         k = np.minimum(np.maximum(np.searchsorted(time, acting, side="right"), 1), time.shape[0] - 1)
         slope, s = (value[k] - value[k - 1]) / (time[k] - time[k - 1]), acting - time[k - 1]
@@ -232,7 +232,7 @@ class TabulatedForce(NamedTuple):
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """Every point."""
+        """Times of all points."""
         return tuple(self.time.tolist())
 
     @property
@@ -245,12 +245,12 @@ class TabulatedForce(NamedTuple):
         return float(np.sum(mean * width))
 
     def formula(self, name: str) -> str:  # noqa: ARG002  see below
-        """Half of each change of slope, times the square of the time since; at most `MOST_POINTS`.
+        """Integral of the force over a step: half of each change of slope, times the square of the time since.
 
-        In steps, as LAMMPS reads what a variable stands for again at each of its places, ten times slower.
+        Times are written in steps: LAMMPS evaluates a variable again wherever it is named, ten times slower.
 
         Raises:
-            ValueError: more points.
+            ValueError: more points than `MOST_POINTS`.
         """
         if len(self.time) > MOST_POINTS:
             raise ValueError(
@@ -269,12 +269,17 @@ class TabulatedForce(NamedTuple):
             ]
             return f"({'+'.join(terms)})"
 
-        # beyond the last point both are the whole impulse, but for rounding
+        # beyond the last point both are the total impulse, but for rounding
         return f"({until(after)}-{until(before)})*({before}<{text(float(self.time[-1]))})"
 
 
 def make_table(time: Floats, value: Floats) -> TabulatedForce:
-    """Of points in ascending order of time."""
+    """Table from its points, in ascending order of time.
+
+    Args:
+        time: times of the points, [point].
+        value: forces there, [point]; both dimensionless, or both in the scene's units.
+    """
     width, mean = np.diff(time), 0.5 * (value[1:] + value[:-1])
     gained = np.concatenate([[0.0], np.cumsum(mean * width)])
     gone = gained[:-1] * width + (2.0 * value[:-1] + value[1:]) / 6.0 * width * width

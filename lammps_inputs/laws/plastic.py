@@ -53,7 +53,7 @@ class Thornton(NamedTuple):
 
     @staticmethod
     def energy(s: Any, strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:
-        """What unloading gives back, ``2/5 A (d - d_r)^2.5 / z^0.5``, less that at rest and ``load s``."""
+        """Energy that unloading gives back, ``2/5 A (d - d_r)^2.5 / z^0.5``, less that at rest and ``load s``."""
         stored = _stored(rest + s, strength, onset, np.maximum(memory, rest + s))
         return stored - _stored(rest, strength, onset, rest) - load * s
 
@@ -67,9 +67,9 @@ class Thornton(NamedTuple):
 
     @staticmethod
     def max_strain(energy: Any, strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
-        """Strain at which first loading from rest has taken the whole energy; 0 where there is no contact."""
-        there = np.asarray(strength) > 0.0
-        a, y = np.where(there, strength, 1.0), onset
+        """Strain at which first loading from rest has taken all of the energy; 0 where there is no contact."""
+        present = np.asarray(strength) > 0.0
+        a, y = np.where(present, strength, 1.0), onset
         begin = np.maximum(rest, y)
         # until it yields: at most that without load
         elastic = (2.5 * energy / a) ** 0.4
@@ -79,11 +79,11 @@ class Thornton(NamedTuple):
         half = 0.5 * np.maximum(a * np.sqrt(y) * (1.5 * begin - 0.5 * y) - load, 0.0)
         curve = 0.75 * a * np.sqrt(y)
         x = more / (half + np.sqrt(half * half + curve * more))
-        return np.where(there, np.where(more > 0.0, begin - rest + x, np.minimum(begin - rest, elastic)), 0.0)
+        return np.where(present, np.where(more > 0.0, begin - rest + x, np.minimum(begin - rest, elastic)), 0.0)
 
     @staticmethod
     def stiffest(energy: Any, strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:
-        """That of unloading from the largest overlap, ``3/2 A d_m^0.5``."""
+        """Stiffness of unloading from the largest overlap, ``3/2 A d_m^0.5``."""
         return 1.5 * strength * np.sqrt(rest + Thornton.max_strain(energy, strength, onset, memory, rest, load))
 
     @staticmethod
@@ -102,7 +102,7 @@ class Thornton(NamedTuple):
         return np.maximum(memory, onset) - _unloading(np.maximum(memory, onset), onset, memory)[0]
 
     def along(self, name: str, layout: BeadLayout) -> DeckLines:
-        """See `lammps_inputs.laws.plastic_lines`."""
+        """LAMMPS commands of the contacts, see `lammps_inputs.laws.plastic_lines`."""
         return plastic_lines.contacts(self, name, layout)
 
 
@@ -124,7 +124,7 @@ class WaltonBraun(NamedTuple):
 
     @staticmethod
     def energy(s: Any, strength: Any, restitution: Any, memory: Any) -> Any:
-        """What unloading gives back."""
+        """Energy that unloading gives back."""
         square = restitution * restitution
         left = np.maximum(s - (1.0 - square) * np.maximum(np.maximum(memory, s), 0.0), 0.0)
         return 0.5 * strength * left * left / square
@@ -138,12 +138,12 @@ class WaltonBraun(NamedTuple):
 
     @staticmethod
     def max_strain(energy: Any, strength: Any, restitution: Any, memory: Any) -> Any:  # noqa: ARG004
-        """Overlap at which first loading has taken the whole energy; 0 where there is no contact."""
+        """Overlap at which first loading has taken all of the energy; 0 where there is no contact."""
         return np.sqrt(2.0 * energy / np.where(np.asarray(strength) > 0.0, strength, np.inf))
 
     @staticmethod
     def stiffest(energy: Any, strength: Any, restitution: Any, memory: Any) -> Any:  # noqa: ARG004
-        """That of unloading."""
+        """Stiffness of unloading, ``A / e^2``."""
         return strength / (restitution * restitution)
 
     @staticmethod
@@ -166,8 +166,8 @@ def restitution_of(velocity: Any, yield_velocity: Any) -> Any:
     """Restitution of two spheres that meet at a velocity, by Thornton's law; 1 up to that at which they yield.
 
     Args:
-        velocity: with which they approach.
-        yield_velocity: ``(0.8 A d_y^2.5 / m*)^0.5``, with the reduced mass m*.
+        velocity: relative velocity with which they approach.
+        yield_velocity: relative velocity at which they yield, ``(0.8 A d_y^2.5 / m*)^0.5``, with the reduced mass m*.
     """
     q = np.minimum(np.asarray(yield_velocity) / velocity, 1.0)
     square = q * q

@@ -44,7 +44,7 @@ def contacts(law: Any, name: str, layout: BeadLayout) -> DeckLines:
             f"{name}: LAMMPS has walls that yield at one place for all chains only; use the reference engine"
         )
     differ = laws.differs(law) or bool(walls)
-    numbers = [[f"v_{what}"] * 2 for what in ("strength", "onset")]
+    numbers = [["v_strength"] * 2, ["v_onset"] * 2]
     variables: tuple[str, ...] = (
         f"variable strength index {text(float(np.max(law.strength)))}   # force per overlap^1.5",
         f"variable onset index {text(float(np.max(law.onset)))}   # overlap at which contacts yield",
@@ -55,7 +55,7 @@ def contacts(law: Any, name: str, layout: BeadLayout) -> DeckLines:
     for n, a, y in zip((1, 2), *numbers, strict=True):
         lines += _of_pair(n, a, y)
     lines += [
-        "fix memory all store/state 1 " + " ".join(f"v_{what}{n}" for what in _STORED for n in (1, 2)),
+        "fix memory all store/state 1 " + " ".join(f"v_{stored}{n}" for stored in _STORED for n in (1, 2)),
         "variable push atom f_pairs[1]*(v_force2-v_force1)",
         *(_HELD if loaded else ()),
         f"fix contacts all addforce v_{'free' if loaded else 'push'} 0.0 0.0",
@@ -115,11 +115,11 @@ _STORED = ("most", "top", "z", "permanent")
 
 def _of_pair(n: int, strength: str, onset: str) -> list[str]:
     """Variables of the first or the second pairs."""
-    most, top, z, permanent = (f"f_memory[{2 * place + n}]" for place in range(len(_STORED)))
+    largest, top, z, permanent = (f"f_memory[{2 * place + n}]" for place in range(len(_STORED)))
     d = f"v_overlap{n}"
     return [
-        f"variable most{n} atom {most}*({most}>={d})+{d}*({d}>{most})",
-        f"variable top{n} atom {most}*({most}>={onset})+{onset}*({most}<{onset})",
+        f"variable most{n} atom {largest}*({largest}>={d})+{d}*({d}>{largest})",
+        f"variable top{n} atom {largest}*({largest}>={onset})+{onset}*({largest}<{onset})",
         f"variable z{n} atom sqrt({onset}/{top})*(1.5-0.5*{onset}/{top})",
         f"variable permanent{n} atom {top}*(1-{z})",
         f"variable first{n} atom sqrt({onset})*(1.5*{d}-0.5*{onset})",

@@ -33,7 +33,7 @@ class Preloaded(NamedTuple):
 
     @property
     def exponent(self) -> float:
-        """Of the overlap, in the force."""
+        """Exponent of the overlap in the force."""
         return 1.5
 
     @staticmethod
@@ -59,14 +59,14 @@ class Preloaded(NamedTuple):
 
     @staticmethod
     def max_strain(energy: Any, strength: Any, rest: Any, load: Any) -> Any:
-        """Strain at which one contact holds the whole energy; 0 where there is no contact."""
-        there = np.asarray(strength) > 0.0
-        a = np.where(there, strength, 1.0)
-        found = _strain(energy, Preloaded(a, rest, load), (2.5 * energy / a) ** 0.4)
-        return np.where(there, found, 0.0)
+        """Strain at which one contact holds all of the energy; 0 where there is no contact."""
+        present = np.asarray(strength) > 0.0
+        a = np.where(present, strength, 1.0)
+        strain = _strain(energy, Preloaded(a, rest, load), (2.5 * energy / a) ** 0.4)
+        return np.where(present, strain, 0.0)
 
     def along(self, name: str, layout: BeadLayout) -> DeckLines:
-        """The contact itself; the load is what it does at rest, see `lammps_inputs.static_load`."""
+        """LAMMPS commands of the contact itself; `lammps_inputs.static_load` subtracts the load."""
         return Hertz(self.strength).along(name, layout)
 
 
@@ -108,12 +108,12 @@ class PreloadedPower(NamedTuple):
 
     @staticmethod
     def max_strain(energy: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:
-        """Strain at which one contact holds the whole energy."""
+        """Strain at which one contact holds all of the energy."""
         alone = Power.max_strain(energy, strength, exponent)
         return _strain(energy, PreloadedPower(strength, exponent, rest, load), alone)
 
     def along(self, name: str, layout: BeadLayout) -> DeckLines:
-        """As of `Preloaded`."""
+        """LAMMPS commands of the contact itself; `lammps_inputs.static_load` subtracts the load."""
         return Power(self.strength, self.exponent).along(name, layout)
 
 
@@ -130,8 +130,8 @@ Contact = Hertz | Power | Thornton
 
 def rest_under(law: Contact, load: Parameter) -> Parameter:
     """Overlap at which a contact has a force; 0 where there is no contact."""
-    there = np.asarray(law.strength) > 0.0
-    bare = np.where(there, np.asarray(load) / np.where(there, law.strength, 1.0), 0.0)
+    present = np.asarray(law.strength) > 0.0
+    bare = np.where(present, np.asarray(load) / np.where(present, law.strength, 1.0), 0.0)
     if isinstance(law, Thornton):
         beyond = (bare / np.sqrt(law.onset) + 0.5 * law.onset) / 1.5
         return _plain(np.where(bare > law.onset**1.5, beyond, np.cbrt(bare) ** 2))
@@ -142,9 +142,9 @@ def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPo
     """The contact that carries a load at rest, as nearly as places that are multiples of ``grid`` allow.
 
     Args:
-        law: of the contact without load.
-        load: at rest, a number or an array of the law's shape; 0 where there is none.
-        grid: what LAMMPS can distinguish; overlaps at rest are multiples of it, and loads follow from them.
+        law: law of the contact without load.
+        load: force at rest, a number or an array of the law's shape; 0 where there is none.
+        grid: distance that LAMMPS can distinguish; overlaps at rest are multiples of it, and loads follow from them.
     """
     rest = _plain(np.round(rest_under(law, load) / grid) * grid)
     if isinstance(law, Thornton):
@@ -156,7 +156,7 @@ def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPo
 
 
 def pressed(law: Any, factor: float) -> Any:
-    """The same contact or wall under so many times its load."""
+    """Law of a contact or wall under its static load times a factor."""
     rest, load = _power_at(law, law.rest * factor ** (1.0 / law.exponent))
     return law._replace(rest=rest, load=load)
 
@@ -176,9 +176,9 @@ def _strain(energy: Any, law: Preloaded | PreloadedPower, alone: Any) -> Any:
     """Strain at which a contact holds an energy, by Newton's method from above, where the energy is convex.
 
     Args:
-        energy: of one contact.
-        law: of contacts.
-        alone: what it would be without load.
+        energy: energy of one contact.
+        law: law of the contacts.
+        alone: strain at which the contact would hold the energy without load.
     """
     stiff = law.stiffness(0.0, *law)
     linear = np.sqrt(2.0 * energy / np.where(stiff > 0.0, stiff, np.inf)) + np.where(stiff > 0.0, 0.0, alone)

@@ -32,7 +32,7 @@ class Linear(NamedTuple):
 
     @staticmethod
     def force(s: Any, spring: Any) -> Any:
-        """Proportional to the strain."""
+        """Force of the spring, proportional to the strain."""
         return spring * s
 
     @staticmethod
@@ -42,17 +42,17 @@ class Linear(NamedTuple):
 
     @staticmethod
     def stiffness(s: Any, spring: Any) -> Any:
-        """The same at any strain."""
+        """Slope k of the force, independent of the strain."""
         return spring * np.ones_like(s)
 
     @staticmethod
     def max_strain(energy: Any, spring: Any) -> Any:
-        """Strain at which one spring holds the whole energy; 0 where there is none."""
+        """Strain at which one spring holds all of the energy; 0 where there is no spring."""
         # roots apart: the quotient may overflow
         return np.sqrt(2.0 * energy) / np.sqrt(np.where(np.asarray(spring) > 0.0, spring, np.inf))
 
     def ground(self, name: str, layout: BeadLayout) -> DeckLines:
-        """A fix that holds each bead at the place where it finds it, at rest."""
+        """LAMMPS commands that tie each bead to its position at the start (`fix spring/self`)."""
         if not laws.differs(self):
             return DeckLines(
                 variables=(f"variable {name} index {text(float(self.spring))}",),
@@ -78,16 +78,16 @@ class Linear(NamedTuple):
         """
         values, bonds = bonds_by_value(self, (len(link.edges), layout.beads))
         inner = layout.is_inner(link)
-        kind, said = (link.name, f"of the {link.name}") if inner else ("kappa", "between chains")
-        one = len(values) == 1 and (link,) in (layout.system.across, layout.system.inner_links)
-        stiffness = [f"$(v_{kind}/2:%.17g)"] if one else [text(spring / 2.0) for (spring,) in values]
+        kind, place = (link.name, f"of the {link.name}") if inner else ("kappa", "between chains")
+        equal = len(values) == 1 and (link,) in (layout.system.across, layout.system.inner_links)
+        stiffness = [f"$(v_{kind}/2:%.17g)"] if equal else [text(spring / 2.0) for (spring,) in values]
         return DeckLines(
             bonds=bonds,
             style="harmonic",
             coefficients=tuple(f"{k} 0" for k in stiffness),
-            variables=(f"variable {kind} index {text(values[0][0])}",) if one else (),
+            variables=(f"variable {kind} index {text(values[0][0])}",) if equal else (),
             interactions=(
-                f"# springs {said}: with r0 = 0 linear along the chain at any lateral distance",
+                f"# springs {place}: with r0 = 0 linear along the chain at any lateral distance",
                 *whole_contacts(link, inner=inner),
             ),
         )
@@ -137,11 +137,13 @@ def tied(bonded: list[DeckLines]) -> list[str]:
     """Springs between chains; the types of several links are numbered one after the other."""
     styles = list(dict.fromkeys(lines.style for lines in bonded))
     names = [f"{lines.style} " if len(styles) > 1 else "" for lines in bonded]
-    coefficients = [f"{name}{one}" for lines, name in zip(bonded, names, strict=True) for one in lines.coefficients]
+    coefficients = [
+        f"{name}{coefficient}" for lines, name in zip(bonded, names, strict=True) for coefficient in lines.coefficients
+    ]
     return [
         *dict.fromkeys(line for lines in bonded for line in lines.interactions),
         f"bond_style {'hybrid ' * (len(styles) > 1)}{' '.join(styles)}",
-        *(f"bond_coeff {number} {one}" for number, one in enumerate(coefficients, 1)),
+        *(f"bond_coeff {number} {coefficient}" for number, coefficient in enumerate(coefficients, 1)),
     ]
 
 
@@ -155,7 +157,7 @@ class Duffing(NamedTuple):
 
     @staticmethod
     def force(s: Any, spring: Any, cubic: Any) -> Any:
-        """Linear and cubic part."""
+        """Sum of the linear and the cubic part of the force."""
         return spring * s + cubic * (s * s * s)
 
     @staticmethod
@@ -171,15 +173,15 @@ class Duffing(NamedTuple):
 
     @staticmethod
     def max_strain(energy: Any, spring: Any, cubic: Any) -> Any:
-        """Strain at which one spring holds the whole energy; 0 where there is no spring."""
+        """Strain at which one spring holds all of the energy; 0 where there is no spring."""
         # s**2 is the root of c q**2 + 2 k q - 4 energy, in the form that has no difference of like numbers
         root = spring + np.sqrt(spring * spring + 4.0 * cubic * energy)
         return np.sqrt(4.0 * energy) / np.sqrt(np.where(root > 0.0, root, np.inf))
 
     def ground(self, name: str, layout: BeadLayout) -> DeckLines:
         """A force from a formula of the place, for which LAMMPS has no fix of its own."""
-        strain, own = f"v_{name}strain", atoms_by_value(self, (layout.chains, layout.beads))
-        forces = [(f"({text(k)}*{strain}+{text(c)}*{strain}^3)", atoms) for (k, c), atoms in own]
+        strain, values = f"v_{name}strain", atoms_by_value(self, (layout.chains, layout.beads))
+        forces = [(f"({text(k)}*{strain}+{text(c)}*{strain}^3)", atoms) for (k, c), atoms in values]
         return driven_back(name, forces, layout)
 
     def across(self, link: LinksAcross, layout: BeadLayout) -> DeckLines:
@@ -189,8 +191,8 @@ class Duffing(NamedTuple):
         """
         shape = (len(link.edges), layout.beads)
         apart = np.array([[layout.apart(edge)] for edge in link.edges])
-        there = np.broadcast_to((self.spring != 0.0) | (self.cubic != 0.0), shape)
-        values, bonds = bonds_by_value((self.spring, self.cubic, np.where(there, apart, 0.0)), shape)
+        present = np.broadcast_to((self.spring != 0.0) | (self.cubic != 0.0), shape)
+        values, bonds = bonds_by_value((self.spring, self.cubic, np.where(present, apart, 0.0)), shape)
         return DeckLines(
             bonds=bonds,
             style="class2",
@@ -216,7 +218,7 @@ class Instant(NamedTuple):
 
     @staticmethod
     def force(s: Any, spring: Any, slope: Any) -> Any:
-        """Proportional to the strain."""
+        """Force of the spring, proportional to the strain."""
         return spring * s
 
     @staticmethod
@@ -226,17 +228,17 @@ class Instant(NamedTuple):
 
     @staticmethod
     def stiffness(s: Any, spring: Any, slope: Any) -> Any:
-        """The same at any strain."""
+        """Slope k of the force, independent of the strain."""
         return spring * np.ones_like(s)
 
     @staticmethod
     def max_strain(energy: Any, spring: Any, slope: Any) -> Any:
-        """As of `Linear`."""
+        """Strain at which one spring holds the energy; 0 where there is no spring."""
         return Linear.max_strain(energy, spring)
 
     @staticmethod
     def change(s: Any, spring: Any, slope: Any) -> Any:
-        """Of the force, at the same strain."""
+        """Rate of change of the force at a constant strain, ``dk/dt s``."""
         return slope * s
 
 
@@ -246,21 +248,21 @@ class Varying(NamedTuple):
     spring: Annotated[Parameter, Dimension("stiffness")]
     """k0, in units of m / T**2."""
     rate: Annotated[Parameter, Dimension("stiffness", over="time")]
-    """Of the ramp, in units of m / T**3."""
+    """Slope of the ramp, dk/dt, in units of m / T**3."""
     begin: Annotated[Parameter, Dimension("time")]
-    """Of the ramp."""
+    """Start of the ramp, in units of T."""
     end: Annotated[Parameter, Dimension("time")]
-    """Of the ramp."""
+    """End of the ramp, in units of T."""
     depth: Annotated[float, Dimension()]
-    """Of the modulation, at most 1."""
+    """Depth of the modulation, at most 1."""
     omega: Annotated[float, Dimension("one", over="time")]
-    """Angular frequency of the modulation."""
+    """Angular frequency of the modulation, in units of 1 / T."""
     phase: Annotated[float, Dimension()]
-    """In radians."""
+    """Phase of the modulation, in radians."""
 
     @staticmethod
     def force(s: Any, t: Any, *law: Any) -> Any:
-        """Proportional to the strain."""
+        """Force of the spring, proportional to the strain."""
         spring, rate, begin, end, depth, omega, phase = law
         level = spring + rate * (np.minimum(np.maximum(t, begin), end) - begin)
         return level * (1.0 + depth * np.sin(omega * t + phase)) * s
@@ -272,7 +274,7 @@ class Varying(NamedTuple):
 
     @staticmethod
     def stiffness(s: Any, t: Any, *law: Any) -> Any:
-        """The same at any strain."""
+        """Slope k(t) of the force, independent of the strain."""
         return Varying.force(np.ones_like(s), t, *law)
 
     @staticmethod
@@ -286,12 +288,12 @@ class Varying(NamedTuple):
 
     @staticmethod
     def max_strain(energy: Any, *law: Any) -> Any:
-        """At the lowest stiffness."""
+        """Strain at which one spring of the lowest stiffness over time holds the energy."""
         return Linear.max_strain(energy, np.minimum(*_ends_of_ramp(*law[:4])) * (1.0 - np.abs(law[4])))
 
     @staticmethod
     def stiffest(energy: Any, *law: Any) -> Any:
-        """The largest over time."""
+        """Largest stiffness over time."""
         return np.maximum(*_ends_of_ramp(*law[:4])) * (1.0 + np.abs(law[4]))
 
     @property
@@ -302,13 +304,13 @@ class Varying(NamedTuple):
     @property
     def bends(self) -> tuple[float, ...]:
         """Times at which ramps start and end."""
-        both = np.broadcast_arrays(self.rate, self.begin, self.end)
-        return tuple(np.unique([one[both[0] != 0.0] for one in both[1:]]).tolist())
+        rate, begin, end = np.broadcast_arrays(self.rate, self.begin, self.end)
+        return tuple(np.unique([times[rate != 0.0] for times in (begin, end)]).tolist())
 
     def now(self, t: Any) -> Instant:
         """The spring at a time."""
-        one = np.ones(np.broadcast_shapes(np.shape(t), *map(np.shape, self)))
-        return Instant(self.force(one, t, *self), 2.0 * self.power(one, t, *self))
+        unit = np.ones(np.broadcast_shapes(np.shape(t), *map(np.shape, self)))
+        return Instant(self.force(unit, t, *self), 2.0 * self.power(unit, t, *self))
 
     def ground(self, name: str, layout: BeadLayout) -> DeckLines:
         """A variable that is the stiffness at every step: one for all, for each value, or for each profile of rows."""
@@ -383,7 +385,7 @@ _LATEST = 1e12
 
 
 def _formula(law: Varying, spring: str, depth: str, omega: str, phase: str) -> str:
-    """Of the stiffness in LAMMPS."""
+    """Formula of the stiffness over time in LAMMPS."""
     t, level = "step*v_timestep", spring
     if np.any(law.rate):
         rate, begin, end = (float(parameter) for parameter in (law.rate, law.begin, law.end))
@@ -397,5 +399,5 @@ def _formula(law: Varying, spring: str, depth: str, omega: str, phase: str) -> s
 
 
 def _signed(value: float) -> str:
-    """In brackets where it is negative."""
+    """Number as text, in brackets where it is negative."""
     return f"({text(value)})" if value < 0.0 else text(value)

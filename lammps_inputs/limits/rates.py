@@ -1,7 +1,7 @@
 """How fast anything in a system can move: bounds on angular frequencies, rates and speeds; and on time steps.
 
-By Gershgorin's circles, with every contact and spring as stiff as the energy of the system can make it;
-dimensionless.
+The bounds are Gershgorin's circles, with every contact and spring as stiff as the energy of the system can make it;
+all numbers are dimensionless.
 
 Of time steps of LAMMPS there are the bound beyond which they are unstable, and a rule for the error. The rule is the
 first guess of a pilot run (`workflow.prepare`), and the time step where none is made. Errors grow in proportion to
@@ -28,9 +28,9 @@ from lammps_inputs.system import System
 def fastest(system: System) -> float:
     """Angular frequency, at most, of any motion; energy bounds how stiff a contact can get."""
     endless = (load.law.omega for load in system.loads if isinstance(load.law, Sine))
-    own = float(np.sqrt(_contacts(system) + _springs(system)))
+    elastic = float(np.sqrt(_contacts(system) + _springs(system)))
     modulated = (getattr(link.law, "omega", 0.0) for link in system.ground)
-    return max((own, *endless, *modulated, *(motion.omega for motion in system.motions)))
+    return max((elastic, *endless, *modulated, *(motion.omega for motion in system.motions)))
 
 
 def modal_frequency(system: System) -> float:
@@ -48,7 +48,7 @@ def sound_frequency(system: System) -> float:
 def front_speed(system: System) -> float:
     """Beads that a pulse passes in a unit of time, at most.
 
-    As fast as sound at the largest force, if any bead is lighter, or any contact under load or harder, than the
+    It is that of sound at the largest force if any bead is lighter, or any contact under load or harder, than the
     reference's.
     """
     plain = (
@@ -122,14 +122,15 @@ def _at_ends(system: System, links: tuple[Across, ...], values: list[Any]) -> fl
     if not links:
         return 0.0
     total = np.zeros((physics.lines(system), system.beads))
-    found: list[tuple[tuple[int, int], NDArray[np.float64]]] = []
+    edges: list[tuple[tuple[int, int], NDArray[np.float64]]] = []
     for link, value in zip(links, values, strict=True):
-        found += zip(link.edges, np.broadcast_to(value, (len(link.edges), system.beads)), strict=True)
-    for ends, of_edge in found:
+        edges += zip(link.edges, np.broadcast_to(value, (len(link.edges), system.beads)), strict=True)
+    for ends, of_edge in edges:
         total[list(ends)] += of_edge
     total /= physics.mass_of_atoms(system)
     return max(
-        (float(np.max((total[one] + total[other])[of > 0.0], initial=0.0)) for (one, other), of in found), default=0.0
+        (float(np.max((total[first] + total[second])[of > 0.0], initial=0.0)) for (first, second), of in edges),
+        default=0.0,
     )
 
 

@@ -78,25 +78,25 @@ def impossible(radius: float, density: float, youngs_modulus: float) -> str:
 
 
 def unlikely(radius: float, density: float, youngs_modulus: float) -> list[str]:
-    """What is unlikely in a bead, and what it is if another unit was meant; arguments as of `impossible`."""
-    found = []
+    """Unlikely constants of a bead, each with its value if another unit was meant; arguments as of `impossible`."""
+    warnings = []
     if youngs_modulus < GEL:
         why = f"{youngs_modulus:g} Pa is softer than gels ({GEL:g} Pa); {_in_gigapascals(youngs_modulus)}"
-        found.append(f"youngs_modulus in Pa? {why}")
+        warnings.append(f"youngs_modulus in Pa? {why}")
     elif youngs_modulus < STIFF and density > DENSE:
         meant = f"{youngs_modulus:g} MPa is {1e6 * youngs_modulus:g} Pa"
         if 1e9 * youngs_modulus < DIAMOND:
             meant = _in_gigapascals(youngs_modulus)
-        found.append(f"youngs_modulus in Pa? {youngs_modulus:g} Pa is soft for {density:g} kg/m3; {meant}")
+        warnings.append(f"youngs_modulus in Pa? {youngs_modulus:g} Pa is soft for {density:g} kg/m3; {meant}")
     elif youngs_modulus > DIAMOND:
-        found.append(f"youngs_modulus in Pa? {youngs_modulus:g} Pa is stiffer than diamond")
+        warnings.append(f"youngs_modulus in Pa? {youngs_modulus:g} Pa is stiffer than diamond")
     if density < FOAM:
-        found.append(f"density in kg/m3? {density:g} kg/m3 is lighter than foam; {_in_grams(density)}")
+        warnings.append(f"density in kg/m3? {density:g} kg/m3 is lighter than foam; {_in_grams(density)}")
     elif density > OSMIUM:
-        found.append(f"density in kg/m3? {density:g} kg/m3 is more than that of osmium")
+        warnings.append(f"density in kg/m3? {density:g} kg/m3 is more than that of osmium")
     if radius > LARGE:
-        found.append(f"radius in m? {radius:g} m is large for a bead; {radius:g} mm is {1e-3 * radius:g} m")
-    return found
+        warnings.append(f"radius in m? {radius:g} m is large for a bead; {radius:g} mm is {1e-3 * radius:g} m")
+    return warnings
 
 
 def _in_gigapascals(youngs_modulus: float) -> str:
@@ -139,7 +139,7 @@ def peak_pressure(overlap: Any, radius: float, youngs_modulus: float, poisson_ra
 
 
 def overlap_bounds(system: System) -> tuple[float, float]:
-    """What the largest overlap of a run that lasts long enough is not below, and what it never exceeds; dimensionless.
+    """Bounds from below and above on the largest overlap of a run that lasts long enough; dimensionless.
 
     From above: beads that belong together (one chain, or all of them with springs) keep their energy, and what their
     centre of mass carries cannot be stored: ``U(overlap) <= E - P**2 / (2 M)``, where U is the energy of a contact (for

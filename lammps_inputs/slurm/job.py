@@ -79,25 +79,25 @@ def render_array(
     done is passed over. The array refuses to run with another list of cases than it was made for.
 
     Args:
-        options: what every task asks for.
-        cases: of each task its directory, or several, relative, with `/` between their parts.
-        name: of the job.
+        options: options of every task.
+        cases: directory of each task, or several, relative, with `/` between their parts.
+        name: name of the job.
         tasks: numbers of the tasks to do, from 0; all by default.
-        directory: that the files are written to.
+        directory: directory to which the files are written.
 
     Raises:
         InputError: no cases, too many, one twice, or a directory with another name than letters, digits and ``._=,+-``.
     """
     if not 0 < len(cases) <= _MAX_CASES:
         raise InputError(f"an array of {len(cases)} cases; 1 to {_MAX_CASES} are possible")
-    seen = set()
+    listed = set()
     lines = [(line,) if isinstance(line, str) else line for line in cases]
     for case in itertools.chain(*lines):
         if not all(_DIRECTORY.fullmatch(part) for part in case.split("/")):
             raise InputError(f"{case!r}: not a relative directory of letters, digits and `._=,+-`")
-        if case in seen:
+        if case in listed:
             raise InputError(f"{case!r}: is in the list of cases twice")
-        seen.add(case)
+        listed.add(case)
     numbers = range(len(cases)) if tasks is None else sorted(set(tasks))
     if not numbers or numbers[0] < 0 or numbers[-1] >= len(cases):
         raise InputError(f"tasks of an array: numbers from 0 to {len(cases) - 1}, {list(numbers)[:5]} given")

@@ -133,16 +133,16 @@ class JobOptions(BaseModel):
 
 def seconds(time: str) -> int:
     """Seconds of a time that `JobOptions` accepts."""
-    found = _TIME.fullmatch(time)
-    assert found is not None
-    days, hours, minutes, rest = (int(part or 0) for part in found.groups())
+    match = _TIME.fullmatch(time)
+    assert match is not None
+    days, hours, minutes, rest = (int(part or 0) for part in match.groups())
     return ((days * 24 + hours) * 60 + minutes) * 60 + rest
 
 
-def find_site(given: Path | None = None) -> Path | None:
-    """The file with a site's defaults: the one given, else of the environment, else in the user's home, else None."""
-    if given is not None:
-        return given
+def find_site(file: Path | None = None) -> Path | None:
+    """The file with a site's defaults: the argument, else that of the environment, else that in the user's home."""
+    if file is not None:
+        return file
     named = os.environ.get(VARIABLE)
     if named:
         return Path(named)
@@ -154,7 +154,7 @@ def find_site(given: Path | None = None) -> Path | None:
 
 
 def load(path: Path) -> dict[str, Any]:
-    """What a site's file says, checked.
+    """Content of a site's file, checked.
 
     Raises:
         InputError: naming the file, the key, what was given and what would be right.
@@ -168,7 +168,7 @@ def load(path: Path) -> dict[str, Any]:
 
 
 def limits() -> Limits:
-    """Of runs on this machine, by the site's file; nothing is named where there is none.
+    """Limits of runs on this machine from the site's file; the defaults where there is none.
 
     Raises:
         InputError: as `load`.
@@ -178,19 +178,19 @@ def limits() -> Limits:
     return named or Limits()
 
 
-def options(given: dict[str, Any], site: Path | None = None) -> JobOptions:
-    """Options of a job: what was given on the command line, over what the site says, over the defaults.
+def options(named: dict[str, Any], site: Path | None = None) -> JobOptions:
+    """Options of a job: those of the command line over those of the site, over the defaults.
 
     Args:
-        given: by name; only what was given.
-        site: the file of the site's defaults.
+        named: options of the command line by name.
+        site: file of the site's defaults.
 
     Raises:
         InputError: naming the option or the file's key.
     """
     try:
-        JobOptions.model_validate(given)
-        return JobOptions.model_validate({**(load(site) if site is not None else {}), **given})
+        JobOptions.model_validate(named)
+        return JobOptions.model_validate({**(load(site) if site is not None else {}), **named})
     except ValidationError as error:
         first, _, rest = describe(error, JobOptions).partition(":")
         key, bracket, number = first.partition("[")
