@@ -20,11 +20,12 @@ from analysis.trajectory import Floats, Integers, Trajectory, joined
 from lammps_inputs import Problem, System, physics
 
 STEP = 1e-3
-"""Time from one moment to the next, in that between frames."""
+"""Time from one moment to the next, as a share of that between frames."""
 
 NUDGE = 1e-7
-"""Time from a frame to its first moment, in that between frames: what sets in at the frame itself, as contacts of beads
-that touch at the start do, has set in then.
+"""Time from a frame to its first moment, as a share of that between frames.
+
+Forces that set in at the frame itself, such as those of beads that touch at the start, have set in then.
 """
 
 MARGIN = 2.0
@@ -46,7 +47,7 @@ class Pair(NamedTuple):
         block: the frames.
         entry: [instant] positions among all instants.
         frame: [instant] position of the first of its two frames in the block.
-        share: [instant] of the time between the two that has passed.
+        share: [instant] share of the time between the two frames that has passed.
     """
 
     block: Trajectory
@@ -63,7 +64,7 @@ class Instants:
         problem: what was run.
 
     Attributes:
-        share: [instant] of the time between its two frames that has passed.
+        share: [instant] share of the time between its two frames that has passed.
     """
 
     def __init__(self, time: Floats, problem: Problem) -> None:
@@ -98,8 +99,8 @@ def moments(x: Floats, v: Floats, acceleration: Floats, rate: Floats, step: Floa
     """Displacements and velocities now, and one and two steps later, each [moment, ...].
 
     Args:
-        x, v, acceleration, rate: displacement and its first three derivatives, of one shape.
-        step: of that shape, or one that is broadcast to it.
+        x, v, acceleration, rate: displacement and its first three derivatives, of one shape, dimensionless.
+        step: time from one moment to the next in units of T, of that shape or broadcast to it.
     """
     time = np.array([0.0, 1.0, 2.0]).reshape((3,) + (1,) * x.ndim) * step
     return (
@@ -125,6 +126,7 @@ def moments_of_chains(block: Trajectory, frame: Integers, step: Floats, beads: s
     of_atoms = step[:, np.newaxis, np.newaxis]
 
     def acceleration(time: Floats, x: Floats, v: Floats) -> Floats:
+        """Acceleration of all atoms, [entry, line, bead]."""
         return motion.acceleration(system_at(block, frame, time), x, first, time=time, velocity=v)
 
     start = block.time[frame] + nudge
@@ -143,17 +145,19 @@ def system_at(block: Trajectory, frame: Integers, time: Floats) -> System:
 
 def derivatives(energy: Floats, step: Floats) -> Floats:
     """Energy and its first two derivatives, [derivative, ...], from its values at three moments, [moment, ...]."""
-    one, two, three = energy
-    return np.array([one, (4.0 * two - 3.0 * one - three) / (2.0 * step), (three - 2.0 * two + one) / step**2])
+    first, second, third = energy
+    return np.array(
+        [first, (4.0 * second - 3.0 * first - third) / (2.0 * step), (third - 2.0 * second + first) / step**2]
+    )
 
 
 class Interpolated(NamedTuple):
-    """Energies at instants, all of one shape.
+    """Energies at instants, all of one shape, in units of m V**2.
 
     Attributes:
         value: the energies.
         uncertainty: how far they may be off because of the time between frames.
-        rate: how fast they change.
+        rate: how fast they change, per T.
     """
 
     value: Floats
@@ -161,22 +165,22 @@ class Interpolated(NamedTuple):
     rate: Floats
 
 
-def interpolated(known: Floats, share: Floats, spacing: float) -> Interpolated:
+def interpolated(energies: Floats, share: Floats, spacing: float) -> Interpolated:
     """Energies at instants between two frames.
 
     Args:
-        known: energy and its first two derivatives at both frames, [frame, derivative, ...].
-        share: of the time between the frames that has passed by each instant, of the trailing shape.
-        spacing: time between the frames.
+        energies: energy and its first two derivatives at both frames, [frame, derivative, ...].
+        share: share of the time between the frames that has passed by each instant, of the trailing shape.
+        spacing: time between the frames, in units of T.
     """
-    (one, one_rate, one_curvature), (two, two_rate, two_curvature) = known
-    curve, other = (hermite.coefficients((0, 1), known[:, :count], spacing) for count in (3, 2))
+    (first, first_rate, first_curvature), (second, second_rate, second_curvature) = energies
+    curve, other = (hermite.coefficients((0, 1), energies[:, :count], spacing) for count in (3, 2))
     difference = curve.copy()
     difference[: len(other)] -= other
-    sizes = [np.abs(hermite.value(difference, np.full_like(one, s))) for s in np.linspace(0.0, 1.0, SAMPLES)]
-    explained = 0.5 * spacing * (one_rate + two_rate) + spacing**2 / 12.0 * (one_curvature - two_curvature)
+    sizes = [np.abs(hermite.value(difference, np.full_like(first, s))) for s in np.linspace(0.0, 1.0, SAMPLES)]
+    explained = 0.5 * spacing * (first_rate + second_rate) + spacing**2 / 12.0 * (first_curvature - second_curvature)
     return Interpolated(
         hermite.value(curve, share),
-        MARGIN * (np.max(sizes, axis=0) + np.abs(two - one - explained)),
+        MARGIN * (np.max(sizes, axis=0) + np.abs(second - first - explained)),
         hermite.value(hermite.derivative(curve), share) / spacing,
     )

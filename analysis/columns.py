@@ -15,14 +15,14 @@ class Columns:
     """Base of dataclasses whose arrays have their entries along the last axis; other fields hold for all entries."""
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Name -> array."""
+        """Name -> array, [..., entry]."""
         return {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
 
     def __len__(self) -> int:
         return int(next(value.shape[-1] for value in vars(self).values() if isinstance(value, np.ndarray)))
 
     def where(self, chosen: Flags | Integers | slice | list[int]) -> Self:
-        """The entries that a mask, positions or a slice choose."""
+        """The entries that a mask [entry], positions or a slice choose."""
         return replace(self, **{name: column[..., chosen] for name, column in self.arrays().items()})
 
 
@@ -30,6 +30,6 @@ Kind = TypeVar("Kind", bound=Columns)
 
 
 def together(parts: Sequence[Kind]) -> Kind:
-    """The entries of all parts."""
+    """The entries of all parts, one part after the other."""
     names = parts[0].arrays()
     return replace(parts[0], **{n: np.concatenate([getattr(part, n) for part in parts], axis=-1) for n in names})

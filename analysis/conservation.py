@@ -1,7 +1,7 @@
 """How well a run conserves energy and momentum, and its energy budget, from its trajectory.
 
 LAMMPS reports neither for these chains. The budget is the energy input, where it is, and what dashpots dissipated, by
-source: in units of m V**2, from frames of all beads. What was exchanged between frames is in their exchange.
+source: in units of m V**2, from frames of all beads. The energy exchanged between frames is in their ``exchange``.
 """
 
 from collections.abc import Callable
@@ -20,9 +20,9 @@ MOST_INSTANTS = 500
 
 
 def energy_input(block: Trajectory) -> Floats:
-    """[frame] energy input until each: that of the kicks, and the work of pushes, drives and springs that vary.
+    """Energy input until each frame, [frame] in units of m V**2: by kicks, pushes, drives and springs that vary.
 
-    NaN where that work is not known: nobody has counted it in the frames' exchange.
+    NaN where the work of pushes, drives and springs is unknown: the frames have no ``exchange``.
     """
     problem = block.problem
     if not physics.acted_on(problem.system):
@@ -33,7 +33,7 @@ def energy_input(block: Trajectory) -> Floats:
 
 
 def kinetic_energy_at_start(problem: Problem) -> float:
-    """Of the kicked beads, and of those whose motion is given."""
+    """Kinetic energy of the kicked beads and of those of prescribed motion at the start, in units of m V**2."""
     return 0.5 * float(np.sum(problem.system.mass * physics.initial_velocity(problem.system) ** 2))
 
 
@@ -61,7 +61,7 @@ class Account:
     @property
     @derived("energy")
     def missing(self) -> Floats:
-        """Energy input that is nowhere."""
+        """Energy input until then, less the energy stored then and dissipated until then, [instant]."""
         return np.asarray(self.energy_input - sum(self.stored.values()) - sum(self.lost.values()))
 
     @property
@@ -71,27 +71,27 @@ class Account:
     )
     def in_resonators(self) -> float:
         """Energy of the resonators at the last instant over the energy input until then."""
-        known = np.any(self.resonators) and self.energy_input[-1] > 0.0
-        return float(self.resonators[-1] / self.energy_input[-1]) if known else float("nan")
+        defined = np.any(self.resonators) and self.energy_input[-1] > 0.0
+        return float(self.resonators[-1] / self.energy_input[-1]) if defined else float("nan")
 
     def sentence(self, scale: Scale) -> str:
         """Where the energy is at the last instant, largest part first."""
         total = float(self.energy_input[-1])
         parts = {name: float(part[-1]) for name, part in (*self.stored.items(), *self.losses.items())}
         named = sorted(((part, name) for name, part in parts.items() if abs(part) >= _SHOWN * total), reverse=True)
-        said = f"energy input {scale.written(total, 'energy')} until t = {scale.written(self.time[-1], 'time')}"
+        supplied = f"energy input {scale.written(total, 'energy')} until t = {scale.written(self.time[-1], 'time')}"
         if not total > _LITTLE * self.most:  # a drive may have taken back what it gave
-            return f"{said}, at most {scale.written(self.most, 'energy')} before"
-        return f"{said}, of which {', '.join(f'{part / total:.2%} {name}' for part, name in named)}"
+            return f"{supplied}, at most {scale.written(self.most, 'energy')} before"
+        return f"{supplied}, of which {', '.join(f'{part / total:.2%} {name}' for part, name in named)}"
 
     @property
     def stored(self) -> dict[str, Floats]:
-        """Where the energy is."""
+        """Energy of each kind in `STORED`, by name, each [instant]."""
         return {name: getattr(self, name) for name in STORED}
 
     @property
     def losses(self) -> dict[str, Floats]:
-        """What was lost, by names for people: ``lost in contact damping``."""
+        """Energy dissipated until then, each [instant], by names such as ``lost in contact damping``."""
         return {f"lost in {name.replace('_', ' ')}": part for name, part in self.lost.items()}
 
     @property
@@ -118,8 +118,8 @@ class EnergyBudget:
         self._problem = problem
         self._kicked = kinetic_energy_at_start(problem)
         self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
-        self._seen = 0
-        self._found: list[tuple[Floats, ...]] = []
+        self._frames = 0
+        self._samples: list[tuple[Floats, ...]] = []
         self._last: tuple[Floats, ...] = ()
 
     def add(self, block: Trajectory) -> tuple[Floats, Floats]:
@@ -130,17 +130,18 @@ class EnergyBudget:
         energy_input, lost = self._kicked + exchange[:, -1], np.column_stack([exchange[:, :-1], yielded])
 
         def at(frames: slice) -> tuple[Floats, ...]:
+            """Time, energy input, and energies stored and dissipated at some frames, each [frame]."""
             stored = _stored(block.system_at(frames), *(values[frames] for values in block.atoms))
             return block.time[frames], energy_input[frames], *stored.values(), *lost[frames].T
 
-        self._found.append(at(slice(-self._seen % self._stride, None, self._stride)))
+        self._samples.append(at(slice(-self._frames % self._stride, None, self._stride)))
         self._last = at(slice(-1, None))
-        self._seen += block.frames
+        self._frames += block.frames
         return energy_input, np.sum(lost, axis=1)
 
     def result(self) -> Account:
-        """Of the frames so far, some of them and the last."""
-        time, energy_input, *parts = (np.concatenate(part) for part in zip(*self._found, strict=True))
+        """Energy budget of the frames so far, at some of them and at the last."""
+        time, energy_input, *parts = (np.concatenate(part) for part in zip(*self._samples, strict=True))
         if time[-1] < self._last[0][0]:
             time, energy_input, *parts = map(np.append, (time, energy_input, *parts), self._last)
         stored, lost = parts[: len(STORED)], parts[len(STORED) :]
@@ -151,7 +152,7 @@ class EnergyBudget:
 
 
 STORED = ("kinetic", "contacts", "springs", "ground", "walls", "resonators")
-"""Where energy may be."""
+"""Kinds of stored energy: fields of an `Account`."""
 
 
 def _stored(system: System, x: Floats, v: Floats) -> dict[str, Floats]:
@@ -170,9 +171,9 @@ class Conservation:
 
     Attributes:
         energy_drift: relative to the largest energy input; what dashpots have dissipated is added. NaN where
-            not all beads are recorded, as in a window, and where nobody has counted what was exchanged.
+            not all beads are recorded, as in a window, and where the energy exchanged is unknown.
         momentum_drift: relative to the sum of the absolute momenta of kicks and forces from outside, from when these
-            are over; NaN likewise.
+            are over; NaN where not all beads are recorded.
         frames: number of frames seen.
         last_time: time of the last of them, in units of T.
         budget: where the energy is; None where that is not known, and where none is exchanged.
@@ -230,7 +231,7 @@ class Conservation:
         self.momentum_drift = float(np.maximum(self.momentum_drift, change))
 
     def _balanced(self, block: Trajectory, energy: Floats) -> None:
-        """With forces from outside or dashpots: energy is the input until then less what was lost."""
+        """Compare the energy with the input less the dissipated energy, where forces from outside or dashpots act."""
         if block.exchange is None and not physics.exchanges(block.problem.system):
             block = replace(block, exchange=np.zeros((block.frames, len(EXCHANGES))))
         if block.exchange is None and self._counted is not None:
@@ -248,7 +249,7 @@ class Conservation:
             self.energy_drift = self._missing / self._energy_input if self._energy_input else np.inf
 
     def _pushed(self, block: Trajectory, momentum: Floats) -> None:
-        """With forces from outside: momentum is that of the kicks and what they have given."""
+        """Compare the momentum with that of the kicks and the impulse of forces from outside, where these act."""
         problem = block.problem
         system = problem.system
         if not system.holds(Fact.MOMENTUM):
@@ -258,15 +259,15 @@ class Conservation:
         # in the velocity of a bead that is pushed LAMMPS has half a step of the mean of the force
         half = 0.5 * problem.timestep
         over = block.time > max(load.end for load in system.loads) + half * (1.0 + 1e-6)
-        missing = np.abs(momentum - physics.momentum(system) - _given(problem, block.time))
+        missing = np.abs(momentum - physics.momentum(system) - _impulse(problem, block.time))
         if physics.driven(system):
-            halfway = 0.5 * (_given(problem, block.time - half) + _given(problem, block.time + half))
+            halfway = 0.5 * (_impulse(problem, block.time - half) + _impulse(problem, block.time + half))
             missing = np.minimum(missing, np.abs(momentum - physics.momentum(system) - halfway))
             over = block.time > 0.0
         largest = float(np.max(missing[over], initial=0.0))
         self.momentum_drift = float(np.maximum(self.momentum_drift, largest / size))
 
 
-def _given(problem: Problem, time: Floats) -> Floats:
+def _impulse(problem: Problem, time: Floats) -> Floats:
     """Impulse by all forces from outside until a time."""
     return np.asarray(sum(load.impulse(time) for load in problem.system.loads))

@@ -33,12 +33,12 @@ def shown_by_frames(problem: Problem) -> bool:
 
 
 class LargestOverlap:
-    """Collects over the frames of a run, all beads recorded, given block by block.
+    """Collects the largest overlaps in a run that is given block by block, with all beads recorded.
 
     Attributes:
         value: largest overlap so far, in units of L; negative where none has touched, -inf before the first frame.
-        each: the same of every contact, [chain, contact], where beads differ; else None.
-        walls: the same of the contacts with each wall, [chain], in the order of `physics.walls`.
+        each: largest overlap of every contact so far, [chain, contact], where beads differ; else None.
+        walls: largest overlap of the contacts with each wall so far, [chain], in the order of `physics.walls`.
     """
 
     def __init__(self) -> None:
@@ -66,8 +66,8 @@ class LargestOverlap:
             overlaps = motion.overlaps(system, x, moving.start + 1)
             self.value = float(np.maximum(self.value, np.max(overlaps)))
             if self.each is not None:
-                here = self.each[:, moving.start : moving.start + overlaps.shape[-1]]
-                np.maximum(here, np.max(overlaps, axis=0), out=here)
+                of_moving = self.each[:, moving.start : moving.start + overlaps.shape[-1]]
+                np.maximum(of_moving, np.max(overlaps, axis=0), out=of_moving)
 
 
 LEAST_CONTACTS = 10
@@ -119,7 +119,7 @@ class YieldMeter:
         self._last = block.last()
 
     def result(self) -> tuple[Yielded, YieldTable] | None:
-        """Of the frames so far; None where there was none."""
+        """Permanent overlaps at the last frame so far, and their table; None if no frame has memories of contacts."""
         last = self._last
         if last is None or last.memory is None:
             return None
@@ -163,7 +163,7 @@ class PowerLaw:
     """Largest force of contacts as ``factor * contact**exponent``.
 
     Attributes:
-        contact: [contact] numbers of those that it was fitted to, the second half of those that have begun to open.
+        contact: [contact] numbers of the fitted contacts, the second half of those that have begun to open.
         factor: dimensionless force of contact 1.
         exponent: slope of the logarithms.
     """
@@ -177,8 +177,8 @@ def power_law(force: Floats, opened: Flags) -> PowerLaw | None:
     """Law of the forces [contact] of one chain, by least squares of logarithms; None for too few contacts that opened.
 
     Args:
-        force: largest force so far, dimensionless.
-        opened: whether the contact has begun to open.
+        force: [contact] largest force so far, dimensionless.
+        opened: [contact] whether the contact has begun to open.
     """
     count = int(np.argmin(opened)) if not np.all(opened) else len(opened)
     if count < 2 * LEAST_CONTACTS:

@@ -26,10 +26,10 @@ Complexes = NDArray[np.complex128]
 MOST_BRANCHES = 60
 
 MOST_NUMBERS = 10_000_000
-"""Velocities that are held."""
+"""Largest number of velocities that are held in memory."""
 
 FAINTEST = 1e-7
-"""Power over the largest of any that a branch must have at a wavenumber: that of errors of 3e-4 of the velocities."""
+"""Least power of a branch at a wavenumber, over the largest of all: the power of errors of 3e-4 of the velocities."""
 
 NO_SOUND = "no static load, so that the chain transmits no sound (a sonic vacuum)"
 
@@ -45,12 +45,12 @@ found to the root of the rounding error."""
 
 
 class NoDispersionError(Exception):
-    """A system has none that could be drawn; says why."""
+    """A system has no dispersion relation that can be computed; the text says why."""
 
 
 @dataclass(frozen=True)
 class UnitCell:
-    """What repeats along the chains: stiffness at rest and masses of a few rows.
+    """Unit cell that repeats along the chains: stiffness at rest and masses of a few rows.
 
     Attributes:
         mass: [line, bead] of the chains, and of inner atoms after them; 0 where there is none.
@@ -68,12 +68,12 @@ class UnitCell:
         return int(self.mass.shape[1])
 
     def branches(self, wavenumber: Floats) -> Floats:
-        """Angular frequencies, ascending, [wavenumber, branch]; wavenumbers in radians a bead."""
+        """Angular frequencies in 1 / T, ascending, [wavenumber, branch]; wavenumbers in radians a bead."""
         squares = np.linalg.eigvalsh(self._dynamical_matrix(wavenumber))
         return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
 
     def modes(self, wavenumber: Floats) -> tuple[Floats, Complexes]:
-        """Angular frequencies [wavenumber, branch], ascending, and mode shapes [wavenumber, branch, line, bead].
+        """Angular frequencies [wavenumber, branch] in 1 / T, ascending; mode shapes [wavenumber, branch, line, bead].
 
         A shape is that of the velocities over ``exp(i q n)``, n counting the beads, times the root of the masses:
         shapes of one wavenumber are orthonormal. It is 0 where there is no atom.
@@ -102,25 +102,25 @@ class UnitCell:
         return np.asarray(matrix / (root[:, np.newaxis] * root))
 
     def ratio(self, frequency: float) -> float:
-        """Displacement of a bead over that of the one before, of a motion of an angular frequency in a gap.
+        """Displacement of a bead over that of the one before, in motion of an angular frequency in a gap.
 
-        Of a single chain whose beads, with their inner atoms, are the same. NaN within a band.
+        It is defined for a single chain whose beads, with their inner atoms, are the same. NaN within a band.
 
         Raises:
-            NoDispersionError: it is another.
+            NoDispersionError: it is another system.
         """
         if self.along.shape != (1, 1):
             raise NoDispersionError("the ratio from bead to bead is known of a single chain of equal beads")
         stiffness = self.row[0] - frequency**2 * np.diag(self.mass[:, 0])
-        there = np.flatnonzero(self.mass[1:, 0]) + 1
-        own = stiffness[0, 0]
-        if len(there):
-            own -= stiffness[0, there] @ np.linalg.solve(stiffness[np.ix_(there, there)], stiffness[there, 0])
-        half = 1.0 + 0.5 * own / float(self.along[0, 0])
+        inner = np.flatnonzero(self.mass[1:, 0]) + 1
+        effective = stiffness[0, 0]
+        if len(inner):
+            effective -= stiffness[0, inner] @ np.linalg.solve(stiffness[np.ix_(inner, inner)], stiffness[inner, 0])
+        half = 1.0 + 0.5 * effective / float(self.along[0, 0])
         return math.nan if abs(half) < 1.0 else math.copysign(math.exp(-math.acosh(abs(half))), half)
 
     def bands(self) -> Floats:
-        """Lowest and highest angular frequency of every branch, [branch, 2].
+        """Lowest and highest angular frequency of every branch, [branch, 2] in 1 / T.
 
         Branches are numbered by their frequency at each wavenumber. Where two of them cross, the end of the lower band
         is the beginning of the upper one.
@@ -154,7 +154,7 @@ class UnitCell:
 
 
 def cell_of(system: System) -> UnitCell:
-    """The shortest piece that repeats, the first and last rows left out.
+    """The shortest unit cell that repeats along the chains, the first and last rows left out.
 
     Raises:
         NoDispersionError: there is no sound, or nothing repeats.
@@ -172,10 +172,10 @@ def cell_of(system: System) -> UnitCell:
     row = np.zeros((beads, lines, lines))
     for tie in (*system.across, *system.inner_links):
         stiff = np.broadcast_to(laws.stiffness(tie.law, 0.0), (len(tie.edges), beads))
-        for k, (one, other) in enumerate(tie.edges):
-            for here, there in ((one, other), (other, one)):
-                row[:, here, here] += stiff[k]
-                row[:, here, there] -= stiff[k]
+        for k, (first, second) in enumerate(tie.edges):
+            for line, partner in ((first, second), (second, first)):
+                row[:, line, line] += stiff[k]
+                row[:, line, partner] -= stiff[k]
     for spring in physics.ground_springs(system):
         held = np.broadcast_to(laws.stiffness(spring.law, 0.0), (chains, beads))
         row[:, np.arange(chains), np.arange(chains)] += held.T
@@ -196,7 +196,7 @@ NO_POWER = "the branch has no power there, or less than other branches have in i
 
 @result
 class Bands:
-    """Of small waves; or why they are not known."""
+    """Bands of small waves; or the reason why they are unknown."""
 
     why: str | None = declare("reason why there is no map", undefined="there is one")
     beads: int | None = declare("beads of a cell, what repeats along the chains", "beads", WITHOUT_MAP, default=None)
@@ -240,8 +240,8 @@ class Map:
         chain: whose velocity, counted from 1.
         wavenumber: [column] ascending, from -pi to pi, radians a bead; positive along higher bead numbers.
         frequency: [row] angular, in 1 / T.
-        power: [row, column], in that of the largest.
-        cell: what repeats.
+        power: [row, column], relative to the largest.
+        cell: the unit cell.
         folded: [wavenumber] from 0 to the edge of the first zone, at which branches were looked for.
         exact, measured: [wavenumber, branch] angular frequencies there; see `measured_branches`.
     """
@@ -279,7 +279,7 @@ class Map:
         return np.where(np.isfinite(self.measured), self.bin + change, np.nan)
 
     def measured_bands(self) -> Floats:
-        """Lowest and highest measured frequency of every branch, [branch, 2]; NaN where none was measured."""
+        """Lowest and highest measured frequency of every branch, [branch, 2] in 1 / T; NaN where none was measured."""
         low, high = np.fmin.reduce(self.measured, axis=0), np.fmax.reduce(self.measured, axis=0)
         return np.stack([low, high], axis=-1)
 
@@ -342,8 +342,8 @@ def projected_power(cell: UnitCell, velocity: Floats) -> tuple[Floats, Floats, F
     """Power of velocities in the mode shapes of a cell, waves of both directions together.
 
     Args:
-        cell: what repeats from bead 2 on.
-        velocity: [frame, line, bead] of all atoms, tapered to 0 at both ends of frames and beads.
+        cell: the unit cell, which repeats from bead 2 on.
+        velocity: [frame, line, bead] of all atoms in units of V, tapered to 0 at both ends of frames and beads.
 
     Returns:
         Wavenumbers from 0 to the edge of the first zone, radians a bead; exact angular frequencies
@@ -378,9 +378,9 @@ def measured_branches(frequency: Floats, power: Floats, exact: Floats) -> Floats
     than `SIDE` times this power there.
 
     Args:
-        frequency: [line] angular, evenly spaced.
+        frequency: [line] angular in 1 / T, evenly spaced.
         power: [wavenumber, branch, line], see `projected_power`.
-        exact: [wavenumber, branch] angular frequencies.
+        exact: [wavenumber, branch] angular frequencies in 1 / T.
     """
     top = 1 + np.argmax(power[..., 1:-1], axis=-1)
     measured = np.full(exact.shape, np.nan)

@@ -29,10 +29,10 @@ def coefficients(nodes: tuple[int, ...], data: Floats, spacing: float) -> Floats
     Args:
         nodes: frames relative to the one where t = 0.
         data: [node, derivative, ...]: value, first derivative, ... (any trailing shape).
-        spacing: time between frames.
+        spacing: time between frames, in the unit of time of the derivatives.
 
     Returns:
-        [power, ...], ascending.
+        Coefficients, [power, ...], by ascending power.
     """
     count, derivatives = data.shape[:2]
     scaled = data * (spacing ** np.arange(derivatives)).reshape((1, derivatives) + (1,) * (data.ndim - 2))
@@ -47,13 +47,13 @@ def coefficients(nodes: tuple[int, ...], data: Floats, spacing: float) -> Floats
 
 
 def derivative(polynomials: Floats) -> Floats:
-    """Coefficients of the derivative with respect to ``t / spacing``."""
+    """Coefficients, [power, ...], of the derivatives of polynomials [power, ...] with respect to ``t / spacing``."""
     powers = np.arange(1, len(polynomials)).reshape((-1,) + (1,) * (polynomials.ndim - 1))
     return polynomials[1:] * powers
 
 
 def value(polynomials: Floats, s: Floats) -> Floats:
-    """Values at s = t / spacing, of the trailing shape."""
+    """Values of polynomials [power, ...] at s = t / spacing, of the trailing shape."""
     result = np.zeros_like(s)
     for coefficient in polynomials[::-1]:
         result = result * s + coefficient
@@ -61,17 +61,20 @@ def value(polynomials: Floats, s: Floats) -> Floats:
 
 
 def integral(polynomials: Floats, s: Floats) -> Floats:
-    """Integrals over ``t / spacing`` from 0 to s, of the trailing shape."""
+    """Integrals of polynomials [power, ...] over ``t / spacing`` from 0 to s, of the trailing shape."""
     return s * value(polynomials / np.arange(1, len(polynomials) + 1)[:, np.newaxis], s)
 
 
 def falling_zero(polynomials: Floats, low: Floats, high: Floats) -> Floats:
-    """Where each polynomial falls through zero between low and high (positive at low, not so at high), by bisection."""
+    """Place s at which each polynomial [power, ...] falls through zero, by bisection between low and high, each [...].
+
+    Polynomials are positive at low, and not at high.
+    """
     return change(lambda s: value(polynomials, s) > 0.0, np.True_, low, high)
 
 
 def change(state: Callable[[Floats], Flags], before: Flags | np.bool_, low: Floats, high: Floats) -> Floats:
-    """Where a state that is ``before`` at low, and not at high, changes."""
+    """Place at which a state that is ``before`` at low, and not at high, changes, by bisection; all of one shape."""
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         same = state(middle) == before

@@ -90,26 +90,26 @@ class Sound:
     def of(
         cls, problem: Problem, pulse: LoadedWave | None, crests: Iterable[Pulse], bead_length: float | None
     ) -> "Sound":
-        """Of a problem; ``bead_length`` is the distance of neighbouring beads at rest in m, where there is one."""
+        """Sound in the chains of a problem; ``bead_length``: distance of neighbouring beads at rest in m, or None."""
         system = problem.system
         load, rest = (np.asarray(find(system.along[0].law)) for find in (laws.load, laws.rest))
-        found = bands(system)
+        branches = bands(system)
         speed = None if physics.ground_springs(system) else _ends(sound_speed(system))
         return cls(
             load=_ends(load),
             overlap=_ends(rest),
             speed=speed,
             metres=None if bead_length is None or speed is None else speed / problem.scale.time * bead_length,
-            cutoff=rates.modal_frequency(system) if found is None else float(found.max()),
+            cutoff=rates.modal_frequency(system) if branches is None else float(branches.max()),
             crest=max((float(crest.peak_velocity.max()) for crest in crests), default=None),
             pulse=pulse,
         )
 
 
-def bands(problem: System) -> Floats | None:
-    """Lowest and highest angular frequency of every branch of small waves; None where nothing repeats."""
+def bands(system: System) -> Floats | None:
+    """Lowest and highest angular frequency of every branch of small waves, [branch, 2] in 1 / T; None if undefined."""
     try:
-        return cell_of(problem).bands()
+        return cell_of(system).bands()
     except NoDispersionError:
         return None
 
@@ -143,8 +143,10 @@ class LoadedPulse:
         high = np.maximum(strain[:-1], strain[1:]) > self._least
         top = high & (rate[:-1] > 0.0) & (rate[1:] <= 0.0) & np.isnan(self._arrival)
         frame, chain, contact = np.nonzero(top)
-        _, one = np.unique(chain * self._arrival.shape[1] + contact, return_index=True)  # the first of each
-        frame, chain, contact = frame[one], chain[one], contact[one]
+        _, earliest = np.unique(
+            chain * self._arrival.shape[1] + contact, return_index=True
+        )  # first maximum of each contact
+        frame, chain, contact = frame[earliest], chain[earliest], contact[earliest]
         if len(frame) == 0:
             return
         data = np.stack([motion.strain_and_rates(block, at, chain, contact) for at in (frame, frame + 1)])
@@ -154,25 +156,25 @@ class LoadedPulse:
         self._strain[chain, contact] = hermite.value(polynomial, at)
 
     def result(self) -> LoadedWave | None:
-        """Of the frames so far; None where the pulse did not come far enough."""
+        """Leading pulse of the kicked chain in the frames so far; None where it did not come far enough."""
         problem = self._problem
         system = problem.system
-        way = direction_of(problem)
+        direction = direction_of(problem)
         number, bead, _ = physics.largest_excitation(system)
         chain, count = number - 1, problem.beads - 1
         contact = np.arange(count)
-        distance = contact - (bead - 1) if way > 0 else (bead - 2) - contact
-        ahead = count - contact if way > 0 else contact + 1
+        distance = contact - (bead - 1) if direction > 0 else (bead - 2) - contact
+        ahead = count - contact if direction > 0 else contact + 1
         clear = (distance >= 0) & (ahead > CLEAR + FRONT * np.cbrt(distance))
         reached = contact[clear & np.isfinite(self._arrival[chain])]
         if len(reached) < CLEAR:
             return None
         cell = cell_beads(system)
         over = cell * min(-(-OVER // cell), max(1, (len(reached) - 1) // cell))
-        used = reached[-over - 1 :] if way > 0 else reached[: over + 1]
-        first, last = (int(used[0]), int(used[-1])) if way > 0 else (int(used[-1]), int(used[0]))
-        whole = laws.rest(system.along[0].law) + np.where(np.isfinite(self._strain), self._strain, 0.0)
-        force = motion.contact_force(system, whole)
+        used = reached[-over - 1 :] if direction > 0 else reached[: over + 1]
+        first, last = (int(used[0]), int(used[-1])) if direction > 0 else (int(used[-1]), int(used[0]))
+        overlap = laws.rest(system.along[0].law) + np.where(np.isfinite(self._strain), self._strain, 0.0)
+        force = motion.contact_force(system, overlap)
         load = np.broadcast_to(laws.load(system.along[0].law), force.shape)
         if not np.all(load[chain, used] > 0.0):
             return None

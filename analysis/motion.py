@@ -20,7 +20,7 @@ def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
 
 
 def rest_overlap(system: System, chain: Integers, contact: Integers) -> Any:
-    """Overlap at rest of chosen contacts, from 0; those beyond the last are the last."""
+    """Overlap at rest at positions (chain, contact) from 0, of their shape or a number; the last contact beyond it."""
     rest = laws.rest(system.along[0].law)
     return rest[chain, np.clip(contact, 0, system.beads - 2)] if np.ndim(rest) else rest
 
@@ -31,7 +31,7 @@ def _weighed(system: System, values: Floats, first: int) -> Floats:
 
 
 def kinetic_energy(system: System, velocity: Floats, first: int = 1) -> Floats:
-    """Of every bead, [..., chain, bead] from the same."""
+    """Kinetic energy of every bead, [..., chain, bead], at velocities of that shape."""
     return _weighed(system, np.asarray(0.5 * velocity * velocity), first)
 
 
@@ -63,9 +63,9 @@ def inner_energy(system: System, displacement: Floats, velocity: Floats) -> Any:
 
 
 def bead_energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
-    """Energy of each bead in its own chain, [..., chain, bead] from the same.
+    """Energy of each bead in its own chain, [..., chain, bead], at states of that shape.
 
-    Two beads in contact have half of its energy each. What the springs between chains hold is nobody's.
+    Two beads in contact have half of its energy each. The energy of springs between chains is not included.
     """
     total = kinetic_energy(system, velocity, first)
     for link in (*system.along, *system.ground):
@@ -74,7 +74,10 @@ def bead_energy(system: System, displacement: Floats, velocity: Floats, first: i
 
 
 def participation(energy: Floats) -> float:
-    """(sum e)^2 / sum e^2: N where N beads have the same energy and all others none; NaN where none has any."""
+    """Participation number of beads' energies e, [...]: (sum e)^2 / sum e^2.
+
+    It is N where N beads have the same energy and all others none; NaN where none has any.
+    """
     total = float(np.sum(energy))
     return 1.0 / float(np.sum((energy / total) ** 2)) if total > 0.0 else np.nan
 
@@ -85,8 +88,9 @@ def contact_energy(system: System, displacement: Floats, first: int = 1) -> Floa
 
 
 def contact_force(system: System, overlap: Floats, *contact: Integers | slice) -> Floats:
-    """Force of chosen contacts at an overlap, that at rest included; they are [chain, contact] positions of the links,
-    from 0.
+    """Total force of chosen contacts at overlaps, of their shape; the force at rest is included.
+
+    ``contact`` are positions (chain, contact) of the links, from 0.
     """
     return np.asarray(sum(laws.whole_force(laws.at(link.law, *contact), overlap) for link in system.along))
 
@@ -100,8 +104,8 @@ def momentum(system: System, velocity: Floats) -> Floats:
     """Total momentum, [...] from [..., chain, bead]; NaN of beads alone where there are other atoms."""
     total = np.sum(_weighed(system, velocity[..., : system.chains, :], 1), axis=(-2, -1))
     if system.inner_mass is not None:
-        known = velocity.shape[-2] > system.chains
-        inner = np.sum(system.inner_mass * velocity[..., system.chains :, :], axis=(-2, -1)) if known else np.nan
+        complete = velocity.shape[-2] > system.chains
+        inner = np.sum(system.inner_mass * velocity[..., system.chains :, :], axis=(-2, -1)) if complete else np.nan
         total = total + inner
     return np.asarray(total)
 
@@ -114,7 +118,7 @@ def acceleration(
     time: Floats | None = None,
     velocity: Floats | None = None,
 ) -> Floats:
-    """Acceleration of every bead, [..., chain, bead] from the same; every bead must be recorded (eq. 1).
+    """Acceleration of every bead, [..., chain, bead], at states of that shape; every bead must be recorded (eq. 1).
 
     Forces from outside are left out where no times, [...], are given, and those of dashpots without velocities.
     """
@@ -138,8 +142,8 @@ def acceleration(
         result /= physics.mass_of_atoms(system)[:, rows]  # type: ignore[index]
     elif not isinstance(system.mass, float):
         result = result / physics.mass_from(system, first, result)
-    for given in system.motions if time is not None else ():
-        result[..., given.chain - 1, given.bead - first] = given.acceleration(time)
+    for prescribed in system.motions if time is not None else ():
+        result[..., prescribed.chain - 1, prescribed.bead - first] = prescribed.acceleration(time)
     return result
 
 
@@ -150,44 +154,44 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
     """
     problem, (x, v) = block.problem, block.atoms
     system = problem.system
-    here_x, here_v = x[frame, chain, bead], v[frame, chain, bead]
-    acceleration, rate = np.zeros_like(here_x), np.zeros_like(here_x)
+    bead_x, bead_v = x[frame, chain, bead], v[frame, chain, bead]
+    acceleration, rate = np.zeros_like(bead_x), np.zeros_like(bead_x)
 
     row = block.first - 1 + bead
     for side in (-1, 1):
         other = bead + side
-        there = (other >= 0) & (other < x.shape[2])
-        other = np.where(there, other, bead)
+        exists = (other >= 0) & (other < x.shape[2])
+        other = np.where(exists, other, bead)
         for contact in system.along:
             law, place = contact.law, np.clip(np.minimum(row, row + side), 0, problem.beads - 2)
             if laws.differs(law):
                 law = laws.at(law, chain, place)
             if block.memory is not None:
                 law = laws.with_memory(law, block.memory[frame, chain, place + 1])
-            overlap = side * (here_x - x[frame, chain, other]) - contact.gap
-            closing = side * (here_v - v[frame, chain, other])
-            acceleration -= np.where(there, side * laws.force(law, overlap), 0.0)
+            overlap = side * (bead_x - x[frame, chain, other]) - contact.gap
+            closing = side * (bead_v - v[frame, chain, other])
+            acceleration -= np.where(exists, side * laws.force(law, overlap), 0.0)
             law = on_its_branch(law, closing)
-            rate -= np.where(there, side * laws.stiffness(law, overlap) * closing, 0.0)
+            rate -= np.where(exists, side * laws.stiffness(law, overlap) * closing, 0.0)
         for spring in (*system.across, *system.inner_links):
             for edge, partner in partners(spring.edges, x.shape[1], side):
                 law = laws.at(spring.law, edge[chain], row) if laws.differs(spring.law) else spring.law
-                there_x, there_v = x[frame, partner[chain], bead], v[frame, partner[chain], bead]
-                acceleration -= laws.force(law, here_x - there_x)  # none where a chain is its own partner
-                rate -= laws.stiffness(law, here_x - there_x) * (here_v - there_v)
+                other_x, other_v = x[frame, partner[chain], bead], v[frame, partner[chain], bead]
+                acceleration -= laws.force(law, bead_x - other_x)  # none where a chain is its own partner
+                rate -= laws.stiffness(law, bead_x - other_x) * (bead_v - other_v)
     for ground in system.ground:
-        law, strain = laws.at(ground.law, chain, row), ground.strain(here_x)
+        law, strain = laws.at(ground.law, chain, row), ground.strain(bead_x)
         if block.memory is not None:  # of walls
             law = laws.with_memory(law, block.memory[frame, chain, row + (ground.side > 0.0)])
         if laws.varies(law):
             law = law.now(block.time[frame])
             rate -= law.change(strain, *law)
         acceleration -= ground.side * laws.force(law, strain)
-        rate -= laws.stiffness(on_its_branch(law, ground.side * here_v), strain) * here_v
+        rate -= laws.stiffness(on_its_branch(law, ground.side * bead_v), strain) * bead_v
     for load in system.loads:
-        here, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
-        acceleration += np.where(here, load.force(time), 0.0)
-        rate += np.where(here, load.rate(time), 0.0)
+        at_bead, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
+        acceleration += np.where(at_bead, load.force(time), 0.0)
+        rate += np.where(at_bead, load.rate(time), 0.0)
     if system.dampers:
         drag, drag_rate = _drag_and_rate(block)
         acceleration += drag[frame, chain, bead]
@@ -195,25 +199,26 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
     if not isinstance(system.mass, float):
         mass = physics.mass_of(system, chain, row)
         acceleration, rate = acceleration / mass, rate / mass
-    for given in system.motions:
-        here, time = (chain == given.chain - 1) & (row == given.bead - 1), block.time[frame]
-        acceleration = np.where(here, given.acceleration(time), acceleration)
-        rate = np.where(here, given.jerk(time), rate)
+    for prescribed in system.motions:
+        at_bead, time = (chain == prescribed.chain - 1) & (row == prescribed.bead - 1), block.time[frame]
+        acceleration = np.where(at_bead, prescribed.acceleration(time), acceleration)
+        rate = np.where(at_bead, prescribed.jerk(time), rate)
     return acceleration, rate
 
 
 ROUNDING = 1e-9
-"""Overlap, far above what positions round, within which one is the largest so far."""
+"""Difference from the largest overlap so far, far above rounding, within which an overlap counts as the largest."""
 
 
 def on_its_branch(law: Any, closing: Floats | float) -> Any:
-    """A law whose stiffness is that of loading where a contact closes at its largest overlap, else of unloading."""
+    """A law with the stiffness of loading where contacts, [...], close at their largest overlap, else of unloading."""
     return laws.with_memory(law, law.memory - ROUNDING * np.sign(closing)) if laws.remembers(law) else law
 
 
 def strain_and_rates(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:
-    """Strain between chosen beads and the next recorded, and its derivatives, [derivative, entry]; the second one where
-    the frames determine the forces. Indices are as of `acceleration_and_rate`.
+    """Strain between chosen beads and the next recorded, and its derivatives, [derivative, entry].
+
+    The second derivative is there where the frames determine the forces. Indices are those of `acceleration_and_rate`.
     """
     ends = [[values[frame, chain, bead + k] for k in (0, 1)] for values in (block.displacement, block.velocity)]
     if block.forces_known:
@@ -228,9 +233,9 @@ def _drag_and_rate(block: Trajectory) -> tuple[Floats, Floats]:
     drag, rate = np.zeros_like(x), np.zeros_like(x)
     for link in problem.system.dampers:
         lines = slice(None if physics.is_inner(problem.system, link) else problem.chains)
-        seen, moved, sped = (values[:, lines] for values in (x, v, a))
-        link.drive(drag[:, lines], link.damping(seen, moved, block.first))
-        link.drive(rate[:, lines], link.damping_rate(seen, moved, sped, block.first))
+        lines_x, lines_v, lines_a = (values[:, lines] for values in (x, v, a))
+        link.drive(drag[:, lines], link.damping(lines_x, lines_v, block.first))
+        link.drive(rate[:, lines], link.damping_rate(lines_x, lines_v, lines_a, block.first))
     return drag, rate
 
 

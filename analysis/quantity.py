@@ -36,10 +36,10 @@ class QuantityColumn:
     """A number of a quantity as a column of a sweep's table.
 
     Attributes:
-        name: of the column.
+        name: name of the column.
         label: words of an axis that shows it; empty for text.
-        key: in the quantity's value, where that is not one number.
-        symbol: in TeX, on that axis.
+        key: key of the number in the quantity's value, where that is not one number.
+        symbol: symbol in TeX, on that axis.
     """
 
     name: str
@@ -50,7 +50,7 @@ class QuantityColumn:
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a field holds.
+    """Definition of the quantity that a field holds.
 
     Attributes:
         meaning: definition, in a sentence.
@@ -74,7 +74,7 @@ class Quantity:
     head: str = ""
 
     def symbol_of_unit(self, *, si: bool) -> str:
-        """Such as ``m/s`` or ``reduced``; empty where there is no unit."""
+        """Symbol of the unit, such as ``m/s`` or ``reduced``; empty where there is no unit."""
         if self.unit not in SI:
             return self.unit
         return SI[self.unit] if si else REDUCED
@@ -102,8 +102,10 @@ def derived(unit: str = "", undefined: str = "", symbol: str = "", column: str |
     """A property of a result, and the `Quantity` that it holds; the docstring says the meaning."""
 
     def mark(function: Kind) -> Kind:
-        said = " ".join((function.__doc__ or "").split()).removesuffix(".")
-        setattr(function, _DECLARED, Quantity(said[:1].lower() + said[1:], unit, undefined, symbol, column=column))
+        meaning = " ".join((function.__doc__ or "").split()).removesuffix(".")
+        setattr(
+            function, _DECLARED, Quantity(meaning[:1].lower() + meaning[1:], unit, undefined, symbol, column=column)
+        )
         return function
 
     return mark
@@ -117,15 +119,20 @@ def result(kind: type[Kind]) -> type[Kind]:
 
 def _declared(kind: Any) -> dict[str, tuple[Quantity, Any]]:
     types = typing.get_type_hints(kind)
-    found = {one.name: (one.metadata[_DECLARED], types[one.name]) for one in fields(kind) if one.metadata}
+    quantities = {
+        member.name: (member.metadata[_DECLARED], types[member.name]) for member in fields(kind) if member.metadata
+    }
     for base in reversed(kind.__mro__):
         for name, value in vars(base).items():
             if isinstance(value, property) and hasattr(value.fget, _DECLARED):
-                found[name] = getattr(value.fget, _DECLARED), typing.get_type_hints(value.fget)["return"]
-    for name, (one, kind_of_value) in found.items():
-        if one.column is not None:
-            found[name] = replace(one, columns=(QuantityColumn(name, one.column, symbol=one.symbol),)), kind_of_value
-    return found
+                quantities[name] = getattr(value.fget, _DECLARED), typing.get_type_hints(value.fget)["return"]
+    for name, (quantity, kind_of_value) in quantities.items():
+        if quantity.column is not None:
+            quantities[name] = (
+                replace(quantity, columns=(QuantityColumn(name, quantity.column, symbol=quantity.symbol),)),
+                kind_of_value,
+            )
+    return quantities
 
 
 declared: Callable[[Any], dict[str, tuple[Quantity, Any]]] = cache(_declared)
@@ -135,8 +142,8 @@ declared: Callable[[Any], dict[str, tuple[Quantity, Any]]] = cache(_declared)
 def walk(kind: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Quantity]]:
     """Every quantity of a type, with the keys that lead to it; those of results within results follow theirs."""
     if typing.get_args(kind):
-        for one in typing.get_args(kind):
-            yield from walk(one, path)
+        for argument in typing.get_args(kind):
+            yield from walk(argument, path)
     elif isinstance(kind, type) and is_dataclass(kind):
         for name, (quantity, within) in declared(kind).items():
             yield (*path, name), quantity
@@ -151,14 +158,14 @@ def in_units(value: Any, unit: str, scale: Scale) -> Any:
 def plain(value: Any, scale: Scale, unit: str = "") -> Any:
     """A result as data for JSON, in the scene's units; what is undefined is None."""
     if is_dataclass(value):
-        own = declared(type(value))
-        return {name: plain(getattr(value, name), scale, quantity.unit) for name, (quantity, _) in own.items()}
+        quantities = declared(type(value))
+        return {name: plain(getattr(value, name), scale, quantity.unit) for name, (quantity, _) in quantities.items()}
     if isinstance(value, Mapping):
-        return {str(key): plain(one, scale, unit) for key, one in value.items()}
+        return {str(key): plain(entry, scale, unit) for key, entry in value.items()}
     if isinstance(value, np.ndarray):
         return plain(in_units(value, unit, scale).tolist(), scale)
     if isinstance(value, Sequence) and not isinstance(value, str):
-        return [plain(one, scale, unit) for one in value]
+        return [plain(entry, scale, unit) for entry in value]
     if isinstance(value, Enum):
         return value.value
     if isinstance(value, np.generic):
@@ -167,40 +174,43 @@ def plain(value: Any, scale: Scale, unit: str = "") -> Any:
 
 
 def to_csv(columns: Mapping[str, Iterable[Any]]) -> str:
-    """A line a row below the headings; numbers read back exactly, and one that is undefined is empty."""
+    """CSV text of columns, a line for each row; numbers read back exactly, and an undefined number is empty."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(columns)
     values = [column.tolist() if isinstance(column, np.ndarray) else column for column in columns.values()]
     for row in zip(*values, strict=True):
-        writer.writerow(["" if isinstance(one, float) and known(one) is None else one for one in row])
+        writer.writerow(["" if isinstance(entry, float) and known(entry) is None else entry for entry in row])
     return out.getvalue()
 
 
-def table(found: Any, scale: Scale) -> dict[str, Any]:
+def table(record: Any, scale: Scale) -> dict[str, Any]:
     """Heading -> values in the scene's units, of a result whose fields are columns, or columns by name."""
     columns = {}
-    for name, (quantity, _) in declared(type(found)).items():
-        value = getattr(found, name)
+    for name, (quantity, _) in declared(type(record)).items():
+        value = getattr(record, name)
         for heading, column in value.items() if isinstance(value, Mapping) else [(name, value)]:
             columns[scale.heading(heading, quantity.unit)] = in_units(column, quantity.unit, scale)
     return columns
 
 
-def csv_of(found: Any, scale: Scale) -> str:
-    """The same as CSV."""
-    return to_csv(table(found, scale))
+def csv_of(record: Any, scale: Scale) -> str:
+    """CSV text of a result whose fields are columns, or columns by name, in the scene's units."""
+    return to_csv(table(record, scale))
 
 
 def headings(kind: Any, scale: Scale, words: Mapping[str, str] | None = None) -> list[str]:
-    """Of a table, with units in SI: the names of a type's quantities, or words for some of them."""
-    own = declared(kind)
-    return [scale.heading(text, own[name][0].unit) for name, text in (words or {name: name for name in own}).items()]
+    """Headings of a table, with units: the names of a type's quantities, or words for some of them."""
+    quantities = declared(kind)
+    return [
+        scale.heading(text, quantities[name][0].unit)
+        for name, text in (words or {name: name for name in quantities}).items()
+    ]
 
 
-def written(found: Any, name: str, scale: Scale, digits: str) -> str:
+def written(record: Any, name: str, scale: Scale, digits: str) -> str:
     """A number of a result as a cell of a printed table, in the scene's units; ``-`` where it is undefined."""
-    return cell(plain(getattr(found, name), scale, declared(type(found))[name][0].unit), digits)
+    return cell(plain(getattr(record, name), scale, declared(type(record))[name][0].unit), digits)
 
 
 def cell(value: float | str | None, digits: str) -> str:

@@ -18,7 +18,7 @@ BLOCK_BYTES = 1 << 22
 LEAST_FRAMES = 8
 
 EXCHANGES = ("along", "across", "ground", "walls", "energy_input")
-"""Dissipated by the dashpots of each kind of link and of walls; work input of outer forces and given motions."""
+"""Energy dissipated by the dashpots of each kind of link and of walls; work of outer forces and prescribed motions."""
 
 
 def frames_per_block(problem: Problem) -> int:
@@ -56,13 +56,13 @@ class Trajectory:
         displacement: [frame, chain, bead] along the chain, in units of L; 0 at the start.
         velocity: [frame, chain, bead], in units of V.
         first: bead that the last axis begins with; more than 1 in a window that has followed the pulse.
-        exchange: [frame, `EXCHANGES`] energy that was exchanged until each frame, in units of m V**2; None where nobody
-            counted, or nothing is exchanged.
+        exchange: [frame, `EXCHANGES`] energy that was exchanged until each frame, in units of m V**2; None where it was
+            not counted, or nothing is exchanged.
         memory: [frame, chain, bead + 1] largest overlap so far of each contact whose force depends on it: of the wall
             before the first bead, of the contact behind each other bead, of the wall behind the last; None where no
             force does, or a file holds not all beads.
         inner: [frame, 2, line, bead] displacement and velocity of the atoms that are no beads, 0 where there is none;
-            None where nobody recorded them.
+            None where they were not recorded.
     """
 
     problem: Problem
@@ -80,7 +80,7 @@ class Trajectory:
 
     @property
     def beads(self) -> Integers:
-        """Numbers of the beads along the last axis, counted from 1."""
+        """Numbers of the beads along the last axis, [bead] counted from 1."""
         if self.problem.window is None:
             return self.problem.recorded_beads
         return np.arange(self.first, self.first + self.velocity.shape[2])
@@ -105,18 +105,18 @@ class Trajectory:
         return every * max(1, round(float(self.time[1] - self.time[0]) / every))
 
     def measured(self) -> FramesInUnits:
-        """The same in the scene's units."""
+        """Time, displacement and velocity of these frames in the scene's units."""
         scale = self.problem.scale
         return FramesInUnits(self.time * scale.time, self.displacement * scale.length, self.velocity * scale.velocity)
 
     def _each(self, change: Callable[[Floats], Floats]) -> "Trajectory":
-        """The same with all arrays, whose first axis is that of frames, changed."""
-        found = vars(self).items()
-        arrays: dict[str, Any] = {name: change(values) for name, values in found if isinstance(values, np.ndarray)}
+        """Trajectory with all its arrays changed; their first axis is that of frames."""
+        attributes = vars(self).items()
+        arrays: dict[str, Any] = {name: change(values) for name, values in attributes if isinstance(values, np.ndarray)}
         return replace(self, **arrays)
 
     def __getitem__(self, frames: slice) -> "Trajectory":
-        """The same trajectory, some frames of it."""
+        """Some frames of this trajectory."""
         return self._each(lambda values: values[frames])
 
     @property
@@ -130,12 +130,12 @@ class Trajectory:
         return self.problem.forces_known or (self.memory is not None and self.problem.recorded is None)
 
     def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
-        """Displacements and velocities of all atoms, and memories, of each frame."""
+        """Displacements and velocities of all atoms [line, bead], and memories [chain, bead + 1], frame by frame."""
         for frame, (x, v) in enumerate(zip(*self.atoms, strict=True)):
             yield x, v, None if self.memory is None else self.memory[frame]
 
     def system_at(self, frames: slice | int) -> System:
-        """The same of some frames, or of one."""
+        """The system at the times of some frames, or of one, with memories where a force depends on the past."""
         system = physics.at(self.problem.system, self.time[frames])
         return system if self.memory is None else physics.with_memory(system, self.memory[frames])
 
@@ -152,7 +152,7 @@ class Trajectory:
         return self.moving_at(slice(None))
 
     def moving_at(self, frames: slice | Integers) -> slice:
-        """Range of positions of the beads that chosen frames show displaced or moving, and one on either side."""
+        """Range of positions of the beads that frames, [frame], show displaced or moving, and one on either side."""
         moved = np.any(self.velocity[frames], axis=(0, 1)) | np.any(self.displacement[frames], axis=(0, 1))
         places = np.flatnonzero(moved)
         if len(places) == 0:
@@ -160,17 +160,18 @@ class Trajectory:
         return slice(max(0, int(places[0]) - 1), int(places[-1]) + 2)
 
     def on(self, first: int, last: int, *, behind: float = 0.0) -> "Trajectory":
-        """The same frames of other rows: those ahead of a window are at rest, those it has left as is said."""
+        """These frames at beads ``first`` to ``last``: 0 ahead of a window, ``behind`` at beads that it has left."""
         count = self.velocity.shape[2]
         if (first, last) == (self.first, self.first + count - 1):
             return self
-        kept = slice(max(first, self.first) - self.first, max(0, last - self.first + 1))
+        common = slice(max(first, self.first) - self.first, max(0, last - self.first + 1))
         lost = min(max(0, self.first - first), last - first + 1)
         ahead = min(max(0, last - (self.first + count - 1)), last - first + 1)
 
         def moved(values: Floats) -> Floats:
+            """Values, [frame, chain, bead], at the other beads."""
             sides = ((0, 0), (0, 0), (lost, ahead))
-            return np.pad(values[..., kept], sides, constant_values=((0, 0), (0, 0), (behind, 0)))
+            return np.pad(values[..., common], sides, constant_values=((0, 0), (0, 0), (behind, 0)))
 
         return replace(self, displacement=moved(self.displacement), velocity=moved(self.velocity), first=first)
 
@@ -180,10 +181,10 @@ class Trajectory:
         Raises:
             ValueError: the bead was not recorded.
         """
-        found = np.flatnonzero(self.beads == number)
-        if len(found) == 0:
+        positions = np.flatnonzero(self.beads == number)
+        if len(positions) == 0:
             raise ValueError(f"bead {number} was not recorded")
-        return int(found[0])
+        return int(positions[0])
 
 
 def joined(blocks: Iterable[Trajectory]) -> Trajectory:
@@ -203,7 +204,7 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     arrays: dict[str, Any] = dict.fromkeys(("exchange", "memory", "inner"))
     for field in fields(Trajectory):
         values = [getattr(part, field.name) for part in parts]
-        if all(isinstance(one, np.ndarray) for one in values):
+        if all(isinstance(array, np.ndarray) for array in values):
             arrays[field.name] = np.concatenate(values)
     return replace(parts[0], **arrays)
 

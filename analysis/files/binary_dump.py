@@ -38,17 +38,17 @@ def dumps_of(paths: Sequence[Path | str]) -> Iterator["BinaryDump | NoFrameError
     """The dumps of a run that was continued, in order, or why one has no frame; only the last may warn that it is cut.
 
     Raises:
-        InputError: as of `BinaryDump`.
+        InputError: a file is missing, is no binary dump with ids, or is damaged.
     """
     for number, path in enumerate(paths, 1):
         with warnings.catch_warnings():
             if number < len(paths):
                 warnings.simplefilter("ignore", CutDumpWarning)
             try:
-                found: BinaryDump | NoFrameError = BinaryDump(path)
+                dump: BinaryDump | NoFrameError = BinaryDump(path)
             except NoFrameError as error:
-                found = error
-        yield found
+                dump = error
+        yield dump
 
 
 class BinaryDump:
@@ -110,7 +110,7 @@ class BinaryDump:
         Args:
             start: first frame.
             stop: frame before which to stop.
-            step: every how many frames.
+            step: number of frames from one to the next that is read.
             columns: names of the columns to keep; all of them by default.
 
         Returns:
@@ -156,19 +156,19 @@ class BinaryDump:
                 if frames == 0:
                     raise InputError(f"{self.path}: is not a LAMMPS binary dump of style custom: {error}") from None
                 raise self._damaged(frames, str(error), offset) from None
-            known = next(iter(layouts), layout)
-            if (layout.atoms, layout.columns) != (known.atoms, known.columns):
+            first_layout = next(iter(layouts), layout)
+            if (layout.atoms, layout.columns) != (first_layout.atoms, first_layout.columns):
                 raise self._damaged(frames, "another number of atoms or other columns", offset)
             template, fixed = np.frombuffer(raw, np.uint8, layout.header), _fixed(layout)
             batch, before = 1, frames
-            while whole := min(batch, (end - offset) // layout.size):
-                places = range(offset, offset + whole * layout.size, layout.size)
+            while fitting := min(batch, (end - offset) // layout.size):
+                places = range(offset, offset + fitting * layout.size, layout.size)
                 joined = b"".join([_bytes_at(file, place, layout.header) for place in places])
-                if len(joined) < whole * layout.header:
+                if len(joined) < fitting * layout.header:
                     raise InputError(f"{self.path}: changed while it was read")
-                headers = np.frombuffer(joined, np.uint8).reshape(whole, layout.header)
+                headers = np.frombuffer(joined, np.uint8).reshape(fitting, layout.header)
                 alike = (headers[:, fixed] == template[fixed]).all(axis=1)
-                count = whole if alike.all() else int(np.argmin(alike))
+                count = fitting if alike.all() else int(np.argmin(alike))
                 headers = headers[:count]
                 kinds.append(np.full(count, layouts.setdefault(layout, len(layouts))))
                 offsets.append(np.arange(count) * layout.size + offset)
@@ -178,7 +178,7 @@ class BinaryDump:
                     times.append(_field(headers, layout.time_at, "<f8", 1)[:, 0])
                 offset += count * layout.size
                 frames += count
-                if count < whole:
+                if count < fitting:
                     break
                 batch = min(2 * batch, 1 << 14)
             if frames == before:  # it does not fit into what is left of the file
@@ -252,13 +252,13 @@ class BinaryDump:
         together = np.concatenate(pieces, axis=1)
         return together.view("<f8").reshape(len(raw), layout.atoms, len(layout.columns))
 
-    def _order(self, found: Floats, ids: Integers, frames: Integers) -> Integers | None:
-        """Where each atom stands: [atom] if in all frames alike, [frame, atom] if not, None if already in order."""
-        alike = bool((found == found[0]).all())
-        if alike and np.array_equal(found[0], ids):
+    def _order(self, stored_ids: Floats, ids: Integers, frames: Integers) -> Integers | None:
+        """Place of each atom: [atom] if the same in all frames, [frame, atom] if not, None if already in order."""
+        alike = bool((stored_ids == stored_ids[0]).all())
+        if alike and np.array_equal(stored_ids[0], ids):
             return None
-        order = np.argsort(found[:1] if alike else found, axis=1, kind="stable")
-        right = (np.take_along_axis(found[: len(order)], order, axis=1) == ids).all(axis=1)
+        order = np.argsort(stored_ids[:1] if alike else stored_ids, axis=1, kind="stable")
+        right = (np.take_along_axis(stored_ids[: len(order)], order, axis=1) == ids).all(axis=1)
         if not right.all():
             raise self._damaged(int(frames[np.argmin(right)]), "its atoms are not those of the first frame")
         return order[0] if alike else order
@@ -280,7 +280,7 @@ def _field(raw: Bytes, at: int, kind: str, count: int) -> NDArray[Any]:
 
 
 def _fixed(layout: DumpLayout) -> Flags:
-    """Which bytes of the header are the same in all frames of this layout."""
+    """Mask, [byte], of the header's bytes that are the same in all frames of this layout."""
     mask = np.ones(layout.header, dtype=bool)
     mask[STEP_AT : STEP_AT + 8] = False
     mask[BOX_AT : BOX_AT + 48] = False
@@ -295,7 +295,7 @@ class Parts:
     Attributes:
         steps: [frame], time step numbers, ascending where each file's are.
         times: [frame], if LAMMPS wrote them into all the files, else None.
-        box: as of a `BinaryDump`.
+        box: [frame, axis, end]: xlo xhi, ylo yhi, zlo zhi.
         columns: names of the columns but ``id``.
         n_atoms: how many atoms each frame has.
     """
@@ -310,22 +310,22 @@ class Parts:
         Warns:
             CutDumpWarning: the last file ends within a frame, which is left out.
         """
-        found = list(dumps_of(paths))
-        self._dumps = [dump for dump in found if isinstance(dump, BinaryDump)]
-        if not self._dumps and isinstance(found[-1], NoFrameError):
-            raise found[-1]
+        dumps = list(dumps_of(paths))
+        self._dumps = [dump for dump in dumps if isinstance(dump, BinaryDump)]
+        if not self._dumps and isinstance(dumps[-1], NoFrameError):
+            raise dumps[-1]
         first = self._dumps[0]
-        kept, last = [], None
+        new_frames, last = [], None
         for dump in self._dumps:
             if dump.columns != first.columns or not np.array_equal(dump.ids, first.ids):
                 raise InputError(f"{dump.path}: holds other atoms or columns than {first.path}")
-            kept.append(np.arange(dump.n_frames) if last is None else np.flatnonzero(dump.steps > last))
+            new_frames.append(np.arange(dump.n_frames) if last is None else np.flatnonzero(dump.steps > last))
             last = dump.steps[-1] if last is None else max(last, dump.steps[-1])
-        self._file: Integers = np.repeat(np.arange(len(kept)), [len(frames) for frames in kept])
-        self._frame: Integers = np.concatenate(kept)
+        self._file: Integers = np.repeat(np.arange(len(new_frames)), [len(frames) for frames in new_frames])
+        self._frame: Integers = np.concatenate(new_frames)
         self.n_atoms = first.n_atoms
         self.columns = tuple(name for name in first.columns if name != "id")
-        pairs = list(zip(self._dumps, kept, strict=True))
+        pairs = list(zip(self._dumps, new_frames, strict=True))
         self.steps: Integers = np.concatenate([dump.steps[frames] for dump, frames in pairs])
         times = [dump.times[frames] for dump, frames in pairs if dump.times is not None]
         self.times: Floats | None = np.concatenate(times) if len(times) == len(pairs) else None

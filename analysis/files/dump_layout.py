@@ -31,7 +31,7 @@ MAX_NAMES, _MAX_RANKS = 1 << 16, 1 << 22
 
 @dataclass(frozen=True)
 class DumpLayout:
-    """Where things are in a frame; two frames of one layout differ in step, box, time and rows only."""
+    """Places and sizes of the parts of a frame; two frames of one layout differ in step, box, time and rows only."""
 
     atoms: int
     columns: tuple[str, ...]
@@ -60,11 +60,11 @@ def parse(raw: bytes) -> DumpLayout:
         at += struct.calcsize(f"<{fields}")
         return values
 
-    def take_text(limit: int, what: str) -> str:
+    def take_text(limit: int, name: str) -> str:
         nonlocal at
         (length,) = take("i")
         if not 0 <= length <= limit:
-            raise ValueError(f"{length} bytes of {what}")
+            raise ValueError(f"{length} bytes of {name}")
         (text,) = struct.unpack_from(f"<{length}s", raw, at)
         at += length
         return str(text, "ascii", "replace")
@@ -108,10 +108,10 @@ def last_step(path: Path) -> int | None:
     try:
         with path.open("rb") as file:
             layout = parse(file.read(PROBE_BYTES))
-            whole = file.seek(0, 2) // layout.size
-            if whole == 0:
+            frames = file.seek(0, 2) // layout.size
+            if frames == 0:
                 return None
-            file.seek((whole - 1) * layout.size)
+            file.seek((frames - 1) * layout.size)
             head = file.read(STEP_AT + 8)
     except (OSError, ValueError, struct.error):
         return None
@@ -119,14 +119,14 @@ def last_step(path: Path) -> int | None:
 
 
 def header(step: int, time: float, atoms: int, box: Iterable[float], columns: str) -> bytes:
-    """What a frame begins with before the rows of its only chunk.
+    """Bytes of a frame before the rows of its only chunk.
 
     Args:
         step: number of the time step.
-        time: at that step.
-        atoms: how many rows follow.
+        time: time at that step.
+        atoms: number of rows that follow.
         box: xlo xhi ylo yhi zlo zhi.
-        columns: their names with a blank between two; one of them is ``id``.
+        columns: names of the columns with a blank between two; one of them is ``id``.
     """
     names = columns.encode("ascii")
     count = len(names.split())

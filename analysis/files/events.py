@@ -29,7 +29,7 @@ class Collisions:
 
     @property
     def impulse(self) -> Floats:
-        """[collision] momentum handed on, in units of m V; positive."""
+        """[collision] momentum transferred, in units of m V; positive."""
         return self.striker - self.target
 
     def until(self, time: float) -> "Collisions":
@@ -48,7 +48,7 @@ def from_csv(path: Path, scale: Scale) -> Collisions:
         with path.open(encoding="utf-8") as file:
             head = file.readline().strip()
             names = list(declared(Collisions))
-            # tables of before units were named have bare names
+            # older tables have names without units
             if head not in (",".join(headings(Collisions, scale)), ",".join(names)):
                 raise InputError(f"{path}: is not a table of collisions; its columns should be {', '.join(names)}")
             lines = [line for line in file if line.strip()]

@@ -26,7 +26,7 @@ class OtherTimesError(InputError):
 
 
 def rest_positions(problem: Problem) -> Floats:
-    """[chain, recorded bead] where LAMMPS has the beads at the start, to the last bit."""
+    """[chain, recorded bead] x of the beads where LAMMPS has them at the start, to the last bit."""
     return np.asarray(problem.layout.places[:, problem.recorded_beads - 1])
 
 
@@ -37,13 +37,13 @@ def atom_ids(problem: Problem) -> Integers:
 
 
 def rest_of_atoms(problem: Problem) -> Floats:
-    """[atom] the same of all atoms of a frame."""
+    """[atom] x of all atoms of a frame where LAMMPS has them at the start, to the last bit."""
     rest = rest_positions(problem)[np.arange(problem.lines) % problem.chains].ravel()
     return rest if problem.lines == problem.chains else np.asarray(rest[all_ids(problem) - 1])
 
 
 def all_ids(problem: Problem) -> Integers:
-    """Numbers of all atoms of a frame, ascending: of the recorded beads, and of inner atoms where all beads are."""
+    """Numbers of all atoms of a frame, [atom] ascending: the recorded beads, and inner atoms where all beads are."""
     return physics.atom_ids(problem.system) if problem.lines > problem.chains else atom_ids(problem).ravel()
 
 
@@ -64,7 +64,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
     """
     ids = all_ids(problem)
     size = frames_per_block(problem)
-    last, seen = -1, 0
+    last, frames_before = -1, 0
     empty: NoFrameError | None = None
     for dump in dumps_of(paths):
         if isinstance(dump, NoFrameError):
@@ -84,8 +84,8 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
         missing = int(dump.steps[new]) - last - problem.steps_per_frame if last >= 0 and new < dump.n_frames else 0
         if missing > 0:
             raise InputError(f"{path}: continues at step {dump.steps[new]}, but the file before ends at step {last}")
-        first = new + (-seen) % stride
-        seen += dump.n_frames - new
+        first = new + (-frames_before) % stride
+        frames_before += dump.n_frames - new
         for start in range(first, dump.n_frames, size * stride):
             chosen = slice(start, start + size * stride, stride)
             time = dump.steps[chosen] / problem.steps_per_frame * problem.every
@@ -115,8 +115,8 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
 
     Args:
         problem: what was run.
-        time: [frame].
-        values: [frame, column, atom], see `columns`; it is worked in.
+        time: [frame] in units of T.
+        values: [frame, column, atom], see `columns`; the array is changed in place.
 
     Raises:
         ValueError: the molecules are not rows of a window.
@@ -132,11 +132,11 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
     tail = values[:, 0].min(axis=(1, 2)).astype(np.int64)
     for frames in np.split(np.arange(len(time)), np.flatnonzero(np.diff(tail)) + 1):
         row = np.arange(tail[frames[0]], tail[frames[0]] + problem.rows)
-        found = values[frames][..., (row - 1) % problem.rows]
-        if not np.all(found[:, 0] == row):
+        ordered = values[frames][..., (row - 1) % problem.rows]
+        if not np.all(ordered[:, 0] == row):
             raise ValueError(f"frame {frames[0]}: its molecules are not rows of a window")
-        displacement = found[:, 1] - row * problem.layout.spacing
-        yield Trajectory(problem, time[frames], displacement, found[:, 2], first=int(row[0]))
+        displacement = ordered[:, 1] - row * problem.layout.spacing
+        yield Trajectory(problem, time[frames], displacement, ordered[:, 2], first=int(row[0]))
 
 
 def _memory(columns: Floats) -> Floats | None:
@@ -170,9 +170,10 @@ def _check_times(dump: BinaryDump, problem: Problem) -> None:
             )
     apart = np.unique(np.diff(dump.steps))
     if len(apart) and (len(apart) > 1 or apart[0] != problem.steps_per_frame):
-        asked = problem.steps_per_frame
+        expected = problem.steps_per_frame
         raise OtherTimesError(
-            f"{path}: has frames {apart[0]} steps apart, its scene asks for {asked}; was the deck run with -var every?"
+            f"{path}: has frames {apart[0]} steps apart, its scene asks for {expected}; "
+            "was the deck run with -var every?"
         )
 
 
@@ -202,7 +203,7 @@ class Writer:
         Args:
             step: number of the time step.
             displacement: [chain, recorded bead], the lines of inner atoms after the chains (`Trajectory.atoms`).
-            velocity: likewise.
+            velocity: [chain, recorded bead], with the lines of inner atoms.
             memory: [chain, bead + 1], where forces depend on it.
 
         Raises:

@@ -96,8 +96,8 @@ def _from_npz(path: Path) -> dict[str, Floats]:
             warnings.simplefilter("error")  # numpy warns where it would leave out imaginary parts
             with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
                 _refuse_what_unpacks_to_too_much(path, archive.zip)
-                found = {name: archive[name] for name in (*KEYS, *VALUES) if name in archive}
-                return {name: np.asarray(values, dtype=np.float64) for name, values in found.items()}
+                arrays = {name: archive[name] for name in (*KEYS, *VALUES) if name in archive}
+                return {name: np.asarray(values, dtype=np.float64) for name, values in arrays.items()}
     except InputError:
         raise
     except (*damage, Warning) as error:
@@ -105,10 +105,10 @@ def _from_npz(path: Path) -> dict[str, Floats]:
 
 
 def _refuse_what_unpacks_to_too_much(path: Path, archive: zipfile.ZipFile) -> None:
-    """By the sizes in the archive's directory, beyond which nothing of an entry is unpacked."""
-    size, most = sum(entry.file_size for entry in archive.infolist()), min(MAX_BYTES, memory() // 4)
-    if size > most:
-        raise InputError(f"{path}: unpacks to {size / 1e9:.3g} GB; at most {most / 1e9:.3g} GB are read here")
+    """Refuse an archive by the sizes in its directory, beyond which nothing of an entry is unpacked."""
+    size, limit = sum(entry.file_size for entry in archive.infolist()), min(MAX_BYTES, memory() // 4)
+    if size > limit:
+        raise InputError(f"{path}: unpacks to {size / 1e9:.3g} GB; at most {limit / 1e9:.3g} GB are read here")
 
 
 def _from_text(path: Path) -> dict[str, Floats]:
@@ -121,8 +121,8 @@ def _from_text(path: Path) -> dict[str, Floats]:
                 raise InputError(f"{path}: its first line names {name!r} twice")
         return {name: names.index(name) for name in wanted}
 
-    found, data = read_text(path, chosen, "is neither a text table nor an npz")
-    return {name: data[:, k] for k, name in enumerate(found)}
+    places, data = read_text(path, chosen, "is neither a text table nor an npz")
+    return {name: data[:, k] for k, name in enumerate(places)}
 
 
 def read_text(
@@ -136,11 +136,11 @@ def read_text(
     Args:
         path: the file.
         chosen: from the names in the header, what is to be read -> which column it is; may raise.
-        otherwise: what is said of a file that is no text.
+        otherwise: end of the message on a file that is no text.
         convert: a cell to a number, where not every cell is one.
 
     Returns:
-        What was chosen, and the columns [row, choice] in its order.
+        The chosen names with their columns, and the values [row, choice] in that order.
 
     Raises:
         InputError: it is no such text, or holds what is no number.
@@ -221,6 +221,7 @@ def _on_grid(path: Path, columns: dict[str, Floats]) -> TrajectoryTable:
         raise InputError(f"{path}: a time, chain and bead is given twice")
 
     def grid(name: str) -> Floats | None:
+        """Values of a column, [frame, chain, bead]; None without that column."""
         if name not in columns:
             return None
         values = np.full(shape, np.nan)
@@ -241,7 +242,7 @@ _POSITIONS = ("x", "xu")
 
 
 def is_text_dump(path: Path) -> bool:
-    """Whether a file begins as such a dump does."""
+    """Whether a file begins as a text dump of LAMMPS does."""
     try:
         with path.open("rb") as file:
             start = file.read(64)
@@ -269,8 +270,8 @@ def load_dump(path: Path, beads: int, timestep: float) -> TrajectoryTable:
     try:
         with path.open(encoding="utf-8") as file:
             while (read := _frame(file, path)) is not None:
-                step, given, names, rows = read
-                times.append(step * timestep if given is None else given)
+                step, frame_time, names, rows = read
+                times.append(step * timestep if frame_time is None else frame_time)
                 frames.append(rows[np.argsort(rows[:, names.index("id")])])
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
@@ -321,8 +322,8 @@ def _frame(file: TextIO, path: Path) -> tuple[int, float | None, list[str], Floa
             rows = list(islice(file, count))
             if step < 0 or count < 1 or len(rows) < count or not rows[-1].endswith("\n"):
                 return None
-            found = np.loadtxt(rows, ndmin=2, dtype=np.float64)
-            if found.shape[1] != len(names):
-                raise ValueError(f"{len(names)} columns are named, {found.shape[1]} found")
-            return step, time if time is None or math.isfinite(time) else None, names, found
+            values = np.loadtxt(rows, ndmin=2, dtype=np.float64)
+            if values.shape[1] != len(names):
+                raise ValueError(f"{len(names)} columns are named, {values.shape[1]} found")
+            return step, time if time is None or math.isfinite(time) else None, names, values
     return None

@@ -46,14 +46,14 @@ _MICRO = str.maketrans("\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}", "uu")
 
 @dataclass(frozen=True)
 class Channel:
-    """What one trace is of.
+    """Quantity and place of one trace.
 
     Attributes:
         kind: the force on a wall, in a contact or inside a bead; or the velocity or displacement of a bead.
-        chain: counted from 1.
-        bead: of a contact the first one; at a wall 0.
-        right: of a wall, whether it is the one behind the last beads.
-        dynamic: of a force, whether it is what is above that at rest.
+        chain: number of the chain, from 1.
+        bead: number of the bead, from 1; the first bead of a contact; 0 at a wall.
+        right: whether a wall is the one behind the last beads.
+        dynamic: whether a force is without that at rest.
     """
 
     kind: Kind
@@ -64,7 +64,7 @@ class Channel:
 
     @property
     def name(self) -> str:
-        """As a column is called."""
+        """Name of the channel as that of a column."""
         if self.kind in ("velocity", "displacement"):
             return f"{self.kind}_{self.chain}_{self.bead}"
         place = ("right" if self.right else "left") if self.kind == "wall" else str(self.bead)
@@ -72,7 +72,7 @@ class Channel:
 
     @property
     def quantity(self) -> str:
-        """What `lammps_inputs.units.Scale` calls it."""
+        """Name of the quantity's unit in `lammps_inputs.units.Scale`."""
         return {"velocity": "velocity", "displacement": "length"}.get(self.kind, "force")
 
 
@@ -125,7 +125,7 @@ def load(path: Path) -> Traces:
     try:
         if path.stat().st_size > table.MAX_BYTES:
             raise InputError(f"{path}: larger than 4 GiB; write fewer rows")
-        found, data = table.read_text(
+        chosen, data = table.read_text(
             path,
             lambda names: _chosen(path, names),
             "is not a text table",
@@ -133,7 +133,7 @@ def load(path: Path) -> Traces:
         )
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
-    columns = list(found)
+    columns = list(chosen)
     for column, values in zip(columns, data.T, strict=True):
         if np.isinf(values).any() or np.isnan(values).all():
             row = int(np.argmax(~np.isfinite(values)))
@@ -147,7 +147,7 @@ def load(path: Path) -> Traces:
 
 
 class _Column(NamedTuple):
-    """A column that is read: of times where it has no channel; what its unit is worth; as the file heads it."""
+    """A column that is read, of times where it has no channel, with its unit in SI and its heading in the file."""
 
     channel: Channel | None
     worth: float
@@ -156,7 +156,7 @@ class _Column(NamedTuple):
 
 def _chosen(path: Path, names: list[str]) -> dict[_Column, int]:
     """The columns that are read, time first, and where they are."""
-    found: dict[Channel | None, tuple[int, float]] = {}
+    places: dict[Channel | None, tuple[int, float]] = {}
     for place, heading in enumerate(names):
         name, unit = _split(heading)
         channel = None if name == "time" else _channel(name)
@@ -164,28 +164,28 @@ def _chosen(path: Path, names: list[str]) -> dict[_Column, int]:
             if _MEANT.match(name):
                 raise InputError(f"{path}: column {heading!r}: not known, or names no place; such as {WANTED}")
             continue
-        if channel in found:
+        if channel in places:
             raise InputError(f"{path}: column {heading!r}: there is another of the same")
-        known = _UNITS["time" if channel is None else "force" if channel.quantity == "force" else channel.kind]
-        worth = _worth(unit, known)
+        units = _UNITS["time" if channel is None else "force" if channel.quantity == "force" else channel.kind]
+        worth = _worth(unit, units)
         if worth is None:
-            raise InputError(f"{path}: column {heading!r}: the unit {unit!r} is not known; {', '.join(known)}")
-        found[channel] = place, worth
-    if None not in found:
+            raise InputError(f"{path}: column {heading!r}: the unit {unit!r} is not known; {', '.join(units)}")
+        places[channel] = place, worth
+    if None not in places:
         raise InputError(f"{path}: has no column 'time'; columns are such as {WANTED}")
-    if len(found) == 1:
+    if len(places) == 1:
         raise InputError(f"{path}: holds no trace; columns are such as {WANTED}")
-    in_order = sorted(found.items(), key=lambda entry: entry[0] is not None)
+    in_order = sorted(places.items(), key=lambda entry: entry[0] is not None)
     return {_Column(channel, worth, names[place]): place for channel, (place, worth) in in_order}
 
 
-def _worth(unit: str, known: dict[str, float]) -> float | None:
-    """Of a unit in SI, 1 where none is given; None if it is not known. Letters of any case, but M is not milli."""
+def _worth(unit: str, units: dict[str, float]) -> float | None:
+    """Value of a unit in SI, 1 without a unit; None if unknown. Letters of any case, but M is not milli."""
     if unit in ("", "-"):
         return 1.0
     unit = unit.translate(_MICRO)
-    alike = {} if unit.startswith("M") else {name.lower(): worth for name, worth in known.items()}
-    return known.get(unit, alike.get(unit.lower()))
+    alike = {} if unit.startswith("M") else {name.lower(): worth for name, worth in units.items()}
+    return units.get(unit, alike.get(unit.lower()))
 
 
 def _split(heading: str) -> tuple[str, str]:
@@ -200,25 +200,25 @@ def _channel(name: str) -> Channel | None:
         match = pattern.fullmatch(name)
         if match is None:
             continue
-        found = match.groupdict()
-        chain = int(found["chain"] or 1)
-        if "side" in found:
-            right = "right" in (found["side"], found["which"])
-            return Channel("wall", chain, right=right, dynamic=found["above"] is not None)
-        kind: Kind = next(kind for kind in ("contact", "sensor", "velocity", "displacement") if kind == found["kind"])
-        return Channel(kind, chain, int(found["bead"]), dynamic=found.get("above") is not None)
+        parts = match.groupdict()
+        chain = int(parts["chain"] or 1)
+        if "side" in parts:
+            right = "right" in (parts["side"], parts["which"])
+            return Channel("wall", chain, right=right, dynamic=parts["above"] is not None)
+        kind: Kind = next(kind for kind in ("contact", "sensor", "velocity", "displacement") if kind == parts["kind"])
+        return Channel(kind, chain, int(parts["bead"]), dynamic=parts.get("above") is not None)
     return None
 
 
 def _of_beads(path: Path) -> Traces:
-    given = table.load(path)
+    bead_table = table.load(path)
     channels, values = [], []
     kinds: tuple[Kind, ...] = ("velocity", "displacement")
     for kind in kinds:
-        grid = getattr(given, kind)
+        grid = getattr(bead_table, kind)
         if grid is None:
             continue
         for j, k in np.argwhere(np.isfinite(grid).any(axis=0)).tolist():
-            channels.append(Channel(kind, int(given.chains[j]), int(given.beads[k])))
+            channels.append(Channel(kind, int(bead_table.chains[j]), int(bead_table.beads[k])))
             values.append(grid[:, j, k])
-    return Traces(given.time, tuple(channels), np.stack(values, axis=1), units=False)
+    return Traces(bead_table.time, tuple(channels), np.stack(values, axis=1), units=False)

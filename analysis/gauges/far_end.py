@@ -32,15 +32,15 @@ FAINTEST = 1e-9
 that of an overlap of 1e-6 L, far above rounding."""
 
 FAINTEST_ENERGY = 1e-15
-"""The same of the energy: that of an overlap of 1e-6 L."""
+"""Energy in units of m V**2 from which something has arrived: that of an overlap of 1e-6 L."""
 
 LEVEL = 1e-3
 """Relative change within which an energy has stopped rising, as where the last beads fly off a free end."""
 
 
 INSTANT = 1e-4
-"""Time over which the rate of an energy is a central difference: of smooth motions good to 1e-8 of it. Where contacts
-yield, whose memories of an instant before are not known, it is one of an instant ahead, good to 1e-4.
+"""Time step of the central difference that gives the rate of an energy: accurate to 1e-8 of it in smooth motion. Where
+contacts yield, whose memories of an instant before are unknown, a forward difference is accurate to 1e-4.
 """
 
 UNPASSED = "nothing has arrived, or the record ends inside the pulse"
@@ -89,7 +89,7 @@ class FarEnd:
         self._rows = slice(problem.beads - rows, problem.beads) if forward else slice(0, rows)
         self._near = slice(max(self._rows.start - 1, 0), self._rows.stop + 1)
         loads, motions = problem.system.loads, problem.system.motions
-        beads = [load.bead for load in loads] + [given.bead for given in motions]
+        beads = [load.bead for load in loads] + [prescribed.bead for prescribed in motions]
         self._acted_on = any(self._rows.start < bead <= self._rows.stop for bead in beads)
         self._acted_on |= physics.varying(problem.system)
         wall = far_wall(problem.system)
@@ -103,7 +103,7 @@ class FarEnd:
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
             system = block.system
             a = motion.acceleration(system, x, self._near.start + 1, velocity=v)
-            # contacts that yield remember nothing of what is to come, but not what they were before
+            # memories of contacts that yield hold for the instant after a frame, not for the one before
             back = 0.0 if block.memory is not None else INSTANT
             now, after, before = (self._stored(system, x + late * v, v + late * a) for late in (0.0, INSTANT, -back))
             rate = (after - before) / (INSTANT + back)
@@ -119,7 +119,7 @@ class FarEnd:
         return np.asarray(motion.bead_energy(system, x, v, self._rows.start + 1).sum(axis=(1, 2)))
 
     def result(self) -> Transmitted:
-        """Of the frames so far."""
+        """Transmitted quantities of the frames so far."""
         time, energy, rate, supplied = (np.concatenate(part) for part in zip(*self._energy, strict=True))
         delay = transmitted = math.nan
         if not self._acted_on:
@@ -131,26 +131,30 @@ class FarEnd:
         if not self._wall:
             return Transmitted(math.nan, math.nan, delay, transmitted)
         force, strain, memory = zip(*self._force, strict=True)
-        found = (
+        series = (
             time,
             np.concatenate(force),
             np.concatenate(strain, axis=1),
             None if memory[0] is None else np.concatenate(memory),
         )
         chains = np.arange(self.problem.chains)
-        delay, wall_force = _arrived(found, chains, self._wall[0])
-        of_one = float(np.fmax.reduce([_arrived(found, one, self._wall[0])[1] for one in chains[:, None]]))
-        if np.max(found[1]) > of_one:  # that of a chain in which the record ends inside the pulse
-            of_one = math.nan
-        return Transmitted(wall_force, of_one, delay, transmitted)
+        delay, wall_force = _arrived(series, chains, self._wall[0])
+        of_single_chain = float(
+            np.fmax.reduce([_arrived(series, chain, self._wall[0])[1] for chain in chains[:, None]])
+        )
+        if np.max(series[1]) > of_single_chain:  # that of a chain in which the record ends inside the pulse
+            of_single_chain = math.nan
+        return Transmitted(wall_force, of_single_chain, delay, transmitted)
 
 
-def _arrived(found: tuple[Floats, Floats, Floats, Floats | None], chains: Integers, wall: Gauge) -> tuple[float, float]:
-    """When the force of some chains on the wall is largest, and how large; NaN where nothing has arrived.
+def _arrived(
+    series: tuple[Floats, Floats, Floats, Floats | None], chains: Integers, wall: Gauge
+) -> tuple[float, float]:
+    """Time and size of the largest force of some chains on the wall; NaN where nothing has arrived.
 
     Between frames it follows from the strain, as in `analysis.gauges.forces`.
     """
-    time, force, strain, memory = found
+    time, force, strain, memory = series
     total, static = force[:, chains].sum(axis=1), float(wall.static[chains].sum())
     k = int(np.argmax(total))
     if not 0 < k < len(time) - 1 or not np.all(np.isfinite(total[k - 1 : k + 2])):
@@ -160,16 +164,17 @@ def _arrived(found: tuple[Floats, Floats, Floats, Floats | None], chains: Intege
     curve = ContactCurve.between(wall.probes[0], strain[:, near, chains], remembered, chains, spacing)
 
     def value(s: Floats) -> Floats:
+        """Force of the chains together at s, [interval]."""
         return np.asarray(curve(np.repeat(s, len(chains))).reshape(2, -1).sum(axis=1))
 
     at = maximum(value, np.zeros(2), np.ones(2))
-    most = value(at)
-    best = int(np.argmax(most))
-    if not max(most[best], total[k]) - static > FAINTEST * max(1.0, static):
+    largest = value(at)
+    best = int(np.argmax(largest))
+    if not max(largest[best], total[k]) - static > FAINTEST * max(1.0, static):
         return np.nan, np.nan
-    if most[best] < total[k]:
+    if largest[best] < total[k]:
         return float(time[k]), float(total[k])
-    return float(time[k - 1 + best] + at[best] * spacing), float(most[best])
+    return float(time[k - 1 + best] + at[best] * spacing), float(largest[best])
 
 
 def _passed(time: Floats, energy: Floats) -> bool:
@@ -182,7 +187,7 @@ def _passed(time: Floats, energy: Floats) -> bool:
         return False
 
     def reached(level: float) -> float:
-        """When, from the values alone."""
+        """Time at which the energy reaches a level, from the values alone."""
         k = int(np.argmax(energy >= level))
         return crossing(time, energy, k, level) if k else float(time[0])
 
@@ -202,16 +207,17 @@ def _largest(time: Floats, energy: Floats, rate: Floats, total: Floats) -> float
     spacing = float(time[k] - time[k - 1])
     stored = _about(k, energy, rate, spacing)
     nodes = tuple(range(max(-2, -k), min(2, len(time) - 1 - k) + 1))
-    whole = hermite.coefficients(nodes, total[k + nodes[0] : k + nodes[-1] + 1, np.newaxis], spacing)
+    supplied = hermite.coefficients(nodes, total[k + nodes[0] : k + nodes[-1] + 1, np.newaxis], spacing)
 
     def value(s: Floats) -> Floats:
-        return np.asarray(hermite.value(stored, s) / hermite.value(whole, s))
+        """Energy over the total at s, [...]."""
+        return np.asarray(hermite.value(stored, s) / hermite.value(supplied, s))
 
     return float(np.fmax(share[k], value(maximum(value, np.array([-1.0]), np.array([1.0])))[0]))
 
 
 def _reached(time: Floats, energy: Floats, rate: Floats, level: float) -> float:
-    """When an energy first reaches a level that it exceeds later."""
+    """Time at which an energy first reaches a level that it exceeds later."""
     k = int(np.argmax(energy >= level))
     if k == 0:
         return float(time[0])

@@ -114,12 +114,12 @@ class ForceTable:
 
 @dataclass(frozen=True)
 class Readings:
-    """What the gauges read, dimensionless.
+    """Forces that the gauges read, and numbers of them, dimensionless.
 
     Attributes:
-        gauges: which.
+        gauges: the gauges.
         time: [frame], in units of T.
-        force: [frame, chain, gauge] total: the static force is included.
+        force: [frame, chain, gauge] total force in units of m V / T; the static force is included.
         static: [chain, gauge] force at rest; 0 without a static load.
         largest, at: [chain, gauge] largest total force, between frames too, and when; at NaN where the force
             never exceeds the static one by more than the numerical noise.
@@ -149,7 +149,7 @@ class Readings:
     contacts: Integers
 
     def entries(self, reflected: Mapping[str, Sequence[Reflection | None]]) -> list[Reading]:
-        """Gauge by gauge, and chain by chain; ``reflected`` by the wall of each side, chain by chain."""
+        """Readings gauge by gauge, and chain by chain; ``reflected``: side of the wall -> reflection of each chain."""
         uncertain = ("largest", "at", "impulse", "dwell")
         names = (*uncertain, *(f"{name}_error" for name in uncertain), "last")
         columns = {name: getattr(self, name) for name in (*names, *(("static", "dynamic") if self.loaded else ()))}
@@ -160,7 +160,7 @@ class Readings:
                 name=gauge.name,
                 chain=chain + 1,
                 bead=gauge.bead,
-                **unloaded | {name: float(one[chain, place]) for name, one in columns.items()},
+                **unloaded | {name: float(values[chain, place]) for name, values in columns.items()},
                 dwell_ended=bool(self.ended[chain, place]) if np.isfinite(self.at[chain, place]) else None,
                 contacts=int(self.contacts[chain, place]),
                 reflected=reflected[gauge.side][chain] if gauge.kind == "wall" else None,
@@ -196,7 +196,7 @@ class Readings:
 
     @property
     def last(self) -> Floats:
-        """[chain, gauge] force above the static one in the last frame, as a share of the largest; NaN likewise."""
+        """[chain, gauge] force above the static one in the last frame over ``dynamic``; NaN where that is undefined."""
         return np.asarray((self.force[-1] - self.static) / self.dynamic)
 
 
@@ -214,12 +214,13 @@ HIDDEN = 0.002
 """Share of the largest force by which the ends of a panel may be below a maximum in it."""
 
 HALF_AS_FAR = 0.3
-"""Error of a polynomial between frames half as far apart, in that between the others: a quarter, where it falls with
-the square of the time between them, and a margin. With a quarter, 4 of 3000 numbers are off by more, by up to a fifth.
+"""Error of a polynomial between frames half as far apart, over that between the others: a quarter, where it falls with
+the square of the time between them, and a margin. With a quarter, a few of about 1,800 numbers that were counted were
+off by more, by up to a fifth; so their share, about one in a thousand, is known to its order of magnitude only.
 """
 
 _JUST = 1e-9
-"""Of the time between frames: how long after a contact has closed its force is taken."""
+"""Share of the time between frames after which the force of a contact that has closed is taken."""
 
 MOST_ENTRIES = 4000
 """Stretches from frame to frame that are looked at together, which bounds the memory."""
@@ -230,8 +231,8 @@ class _Changes(NamedTuple):
 
     Attributes:
         chain: number of the chain, from 0.
-        time: when.
-        closes: whether it closes.
+        time: time of the change, in units of T.
+        closes: whether the contact closes.
         rate: size of the rate of the strain then, in units of L / T.
     """
 
@@ -484,6 +485,7 @@ class ForceMeter:
         np.add.at(self._impulse[:, place], chain, impulse)
 
         def mean(entry: Integers, s: Floats) -> Floats:
+            """Mean force of the contacts at s in chosen stretches, both [entry]."""
             return np.asarray(sum(curve.of(entry)(s) for curve in curves)) / len(curves)
 
         shut = pressing > CLOSED
@@ -491,6 +493,7 @@ class ForceMeter:
         before, changing = shut[panel, entry], [curve.of(entry) for curve in curves]
 
         def closed(s: Floats) -> Flags:
+            """Whether the changing contacts are closed at s, [entry]."""
             return np.asarray(sum(curve.elastic(s) for curve in changing)) / len(curves) > CLOSED
 
         at = hermite.change(closed, before, border[panel], border[panel + 1])
@@ -522,8 +525,8 @@ class ForceMeter:
         """Refine what is nearly the largest of the values at borders, [border, interval, chain]."""
         value = forces.max(axis=0)
         self._tops[place].append(value)
-        most = np.maximum(value.max(axis=0), self._largest[:, place])
-        interval, chain = np.nonzero(value > most - NEARLY * np.abs(most))
+        largest = np.maximum(value.max(axis=0), self._largest[:, place])
+        interval, chain = np.nonzero(value > largest - NEARLY * np.abs(largest))
         top = np.argmax(forces[:, interval, chain], axis=0)
         low, high = border[np.maximum(top - 1, 0)], border[np.minimum(top + 1, len(border) - 1)]
         entry = interval * forces.shape[2] + chain
@@ -532,11 +535,11 @@ class ForceMeter:
 
 
 def left_out(block: Trajectory, gauge: Gauge) -> Floats:
-    """What polynomials from the frame before to the frame after each one are off by there.
+    """Errors at each frame of polynomials from the frame before to the frame after it.
 
     Args:
         block: evenly spaced frames.
-        gauge: where.
+        gauge: the gauge whose force and strain are taken.
 
     Returns:
         Differences of the strain, the largest of any contact, and of the force from those at the frame, of all frames

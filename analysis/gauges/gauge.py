@@ -29,10 +29,10 @@ class Probe:
     """One contact, at the same place in every chain.
 
     Attributes:
-        behind, ahead: beads whose difference of displacements is its strain, counted from 1; 0 for what is at rest.
+        behind, ahead: beads whose difference of displacements is its strain, counted from 1; 0 for a body at rest.
         force: strain [chain, ...] -> elastic force [chain, ...], that at rest included, never negative; 0 where the
             contact is open.
-        static: [chain] at rest.
+        static: [chain] force at rest.
         loss: strain, its rate -> force of the dashpot; None where there is none.
         slot: place of its memory in those of frames (`analysis.trajectory.Trajectory`); ``force`` takes one.
     """
@@ -62,7 +62,7 @@ class Gauge:
 
     @property
     def static(self) -> Floats:
-        """[chain] at rest; 0 without a static load."""
+        """[chain] force at rest, in units of m V / T; 0 without a static load."""
         return np.asarray(sum(probe.static for probe in self.probes) / len(self.probes))
 
     @property
@@ -72,7 +72,7 @@ class Gauge:
 
     @property
     def side(self) -> str:
-        """Of a wall: ``left`` or ``right``."""
+        """Side of a wall gauge: ``left`` or ``right``."""
         return "left" if self.bead == 1 else "right"
 
 
@@ -80,16 +80,16 @@ def gauges(
     system: System, *, wall: bool = False, contacts: tuple[int, ...] = (), sensors: tuple[int, ...] = ()
 ) -> tuple[Gauge, ...]:
     """Gauges at walls, between beads n and n + 1, and inside beads; from left to right by kind."""
-    found = []
+    chosen = []
     for link in physics.walls(system) if wall else ():
         name, bead = ("right wall", system.beads) if link.side > 0.0 else ("left wall", 1)
-        found.append(Gauge("wall", name, bead, (_at_wall(system, link),)))
-    found += [Gauge("contact", f"contact {bead}", bead, (_between(system, bead),)) for bead in contacts]
-    found += [
+        chosen.append(Gauge("wall", name, bead, (_at_wall(system, link),)))
+    chosen += [Gauge("contact", f"contact {bead}", bead, (_between(system, bead),)) for bead in contacts]
+    chosen += [
         Gauge("sensor", f"sensor {bead}", bead, (_between(system, bead - 1), _between(system, bead)))
         for bead in sensors
     ]
-    return tuple(found)
+    return tuple(chosen)
 
 
 def far_wall(system: System) -> Gauge | None:
@@ -103,6 +103,7 @@ def _at_wall(system: System, link: Wall) -> Probe:
     place = system.beads - 1 if right else 0
 
     def force(strain: Floats, chain: Integers, memory: Any) -> Floats:
+        """Total force on the wall, of the strain's shape [chain, ...]."""
         law = laws.with_memory(laws.at(link.law, chain, place), memory)
         return np.asarray(np.maximum(laws.force(law, strain - link.gap) + laws.load(law), 0.0))
 
@@ -114,10 +115,11 @@ def _at_wall(system: System, link: Wall) -> Probe:
 
 def _between(system: System, bead: int) -> Probe:
     def force(strain: Floats, chain: Integers, memory: Any) -> Floats:
+        """Total force of the contact, of the strain's shape [chain, ...]."""
         contact = np.full(chain.shape, bead - 1)
         overlap = strain - physics.gap(system) + motion.rest_overlap(system, chain, contact)
-        found = (laws.with_memory(laws.at(link.law, chain, contact), memory) for link in system.along)
-        return np.asarray(sum(laws.whole_force(law, overlap) for law in found))
+        contact_laws = (laws.with_memory(laws.at(link.law, chain, contact), memory) for link in system.along)
+        return np.asarray(sum(laws.whole_force(law, overlap) for law in contact_laws))
 
     static = np.broadcast_to(motion.static_force(system, Ellipsis, bead - 1), system.chains)
     loss = _loss(physics.contact_loss(system), bead - 1, physics.gap(system))
@@ -129,9 +131,10 @@ TOUCHING = 1e-12
 
 
 def _loss(damper: Any, place: int, gap: float) -> Callable[[Floats, Floats, Integers], Floats] | None:
-    """The force of a dashpot, if there is one."""
+    """Function that gives the force of a dashpot; None without a dashpot."""
 
     def loss(strain: Floats, rate: Floats, chain: Integers) -> Floats:
+        """Force of the dashpot, of the strain's shape [chain, ...]; 0 where the contact is open."""
         law: Any = laws.at(damper, chain, place)
         closed = strain - gap + law.rest > TOUCHING
         return np.where(closed, dashpot.damping(law, strain - gap, rate), 0.0)
@@ -143,16 +146,16 @@ def _loss(damper: Any, place: int, gap: float) -> Callable[[Floats, Floats, Inte
 
 
 def at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool = True) -> Floats:
-    """What gauges read at the frames of a run, [frame, chain, gauge]; the beads they need must be recorded."""
+    """Forces of gauges at the frames of a run, [frame, chain, gauge] in m V / T; their beads must be recorded."""
     force = np.zeros((block.frames, block.problem.chains, len(gauges)))
     for place, gauge in enumerate(gauges):
         for probe in gauge.probes:
             strain, rate = _strain_and_rate(block, probe)
             chain = np.broadcast_to(np.arange(block.problem.chains), strain.shape)
-            found = probe.force(strain, chain, memory_at_frames(block, probe))
+            reading = probe.force(strain, chain, memory_at_frames(block, probe))
             if dashpots and probe.loss is not None:
-                found = found + probe.loss(strain, rate, chain)
-            force[..., place] += found / len(gauge.probes)
+                reading = reading + probe.loss(strain, rate, chain)
+            force[..., place] += reading / len(gauge.probes)
     return force
 
 
@@ -163,10 +166,10 @@ def memory_at_frames(block: Trajectory, probe: Probe) -> Floats | None:
 
 def strain_at_frames(block: Trajectory, probe: Probe) -> Floats:
     """Strain of a contact and its derivatives, [derivative, frame, chain]; the second where all beads are recorded."""
-    found = _strain_and_rate(block, probe)
+    derivatives = _strain_and_rate(block, probe)
     if block.forces_known:
-        found.append(_acceleration(block, probe.behind) - _acceleration(block, probe.ahead))
-    return np.array(found)
+        derivatives.append(_acceleration(block, probe.behind) - _acceleration(block, probe.ahead))
+    return np.array(derivatives)
 
 
 def _strain_and_rate(block: Trajectory, probe: Probe) -> list[Floats]:
@@ -175,7 +178,7 @@ def _strain_and_rate(block: Trajectory, probe: Probe) -> list[Floats]:
 
 
 def _column(block: Trajectory, values: Floats, bead: int) -> Floats:
-    """[frame, chain] of a bead; 0 for what is at rest."""
+    """Values of a bead, [frame, chain]; 0 for a body at rest."""
     if bead == 0:
         return np.zeros(values.shape[:2])
     return np.asarray(values[:, :, int(np.searchsorted(block.problem.recorded_beads, bead))])
@@ -204,8 +207,8 @@ class ContactCurve:
     Attributes:
         probe: the contact.
         polynomial: its strain, [power, stretch].
-        chain: [stretch] whose.
-        spacing: time from s = 0 to s = 1.
+        chain: [stretch] position of the chain.
+        spacing: time from s = 0 to s = 1, in units of T.
         memory: [frame before or after, stretch], of a contact whose force depends on it.
     """
 
@@ -219,13 +222,13 @@ class ContactCurve:
     def between(
         cls, probe: Probe, strain: Floats, memory: Floats | None, chains: Integers, spacing: float
     ) -> "ContactCurve":
-        """From frame to frame, stretches [interval * chains + chain].
+        """Curves from frame to frame; stretches are [interval * chains + chain].
 
         Args:
             probe: the contact.
-            strain: [derivative, frame, chain].
+            strain: [derivative, frame, chain] in units of L and T.
             memory: [frame, chain]; None where no force depends on it.
-            chains: [chain] whose.
+            chains: [chain] positions of the chains.
             spacing: time between frames.
         """
         ends = np.stack([strain[:, :-1], strain[:, 1:]]).reshape(2, len(strain), -1)
@@ -235,16 +238,16 @@ class ContactCurve:
         return cls(probe, hermite.coefficients((0, 1), ends, spacing), chain, spacing, memory)
 
     def of(self, stretch: Integers) -> "ContactCurve":
-        """In chosen stretches."""
+        """Curves in chosen stretches, [stretch] positions."""
         memory = None if self.memory is None else self.memory[:, stretch]
         return replace(self, polynomial=self.polynomial[:, stretch], chain=self.chain[stretch], memory=memory)
 
     def rate(self, s: Floats) -> Floats:
-        """Rate of the strain at s, a number for each stretch, in units of L / T."""
+        """Rate of the strain at s, both [stretch], in units of L / T."""
         return hermite.value(hermite.derivative(self.polynomial), s) / self.spacing
 
     def elastic(self, s: Floats) -> Floats:
-        """Force at s, a number for each stretch, but for the dashpot's: positive where the contact is closed."""
+        """Elastic force at s, both [stretch], in units of m V / T: positive where the contact is closed."""
         strain, memory = hermite.value(self.polynomial, s), self.memory
         if memory is not None:  # what opens has reached its largest overlap
             rate = hermite.value(hermite.derivative(self.polynomial), s)
@@ -252,16 +255,16 @@ class ContactCurve:
         return self.probe.force(strain, self.chain, memory)
 
     def __call__(self, s: Floats) -> Floats:
-        """Force at s, a number for each stretch."""
+        """Force at s, both [stretch], in units of m V / T."""
         if self.probe.loss is None:
             return self.elastic(s)
         return self.elastic(s) + self.probe.loss(hermite.value(self.polynomial, s), self.rate(s), self.chain)
 
     def integral(self, border: Floats) -> Floats:
-        """Over s from 0 to 1.
+        """Integral of the force over s from 0 to 1, [stretch]; panels have the borders [border].
 
-        In a panel where the contact opens or closes, the force is a power 3/2 from there on, of which no rule makes
-        much: with the square root of the time from there as variable it is smooth.
+        In a panel where the contact opens or closes, the force is a power 3/2 from there on, for which a Gauss rule is
+        inaccurate: with the square root of the time from there as variable it is smooth.
         """
         node, weight = np.polynomial.legendre.leggauss(4)
         node, weight = 0.5 * (node + 1.0), 0.5 * weight
@@ -269,37 +272,39 @@ class ContactCurve:
         total = np.zeros(size)
         closed = np.stack([self.elastic(np.full(size, s)) for s in border]) > TOUCH
         for panel, (low, high) in enumerate(itertools.pairwise(border.tolist())):
-            whole = closed[panel] & closed[panel + 1]
+            closed_throughout = closed[panel] & closed[panel + 1]
             for s, w in zip(node, weight, strict=True):
-                total += np.where(whole, w * (high - low) * self(np.full(size, low + s * (high - low))), 0.0)
+                total += np.where(
+                    closed_throughout, w * (high - low) * self(np.full(size, low + s * (high - low))), 0.0
+                )
         panel_of, entry = np.nonzero(closed[:-1] != closed[1:])
-        one = self.of(entry)
+        changing = self.of(entry)
         low, high, before = border[panel_of], border[panel_of + 1], closed[panel_of, entry]
-        at = hermite.change(lambda s: one.elastic(s) > TOUCH, before, low, high)
+        at = hermite.change(lambda s: changing.elastic(s) > TOUCH, before, low, high)
         width = np.sqrt(np.where(before, at - low, high - at))
-        way = np.where(before, -1.0, 1.0)
+        direction = np.where(before, -1.0, 1.0)
         for s, w in zip(node, weight, strict=True):
             root = width * s
-            np.add.at(total, entry, w * width * 2.0 * root * one(at + way * root * root))
+            np.add.at(total, entry, w * width * 2.0 * root * changing(at + direction * root * root))
         return total
 
 
 def borders(spacing: float) -> Floats:
-    """Borders of panels, from 0 to 1."""
+    """Borders of panels, [border] from 0 to 1, for a time between frames in units of T."""
     return np.linspace(0.0, 1.0, max(1, int(np.ceil(spacing / PANEL * (1.0 - 1e-9)))) + 1)
 
 
 def maximum(value: Callable[[Floats], Floats], low: Floats, high: Floats) -> Floats:
-    """Where something with one maximum between low and high is largest."""
+    """Place of the maximum of a function with one maximum between low and high; all of one shape."""
     for _ in range(2 * hermite.HALVINGS):
-        one, two = low + (high - low) / 3.0, high - (high - low) / 3.0
-        rising = value(one) < value(two)
-        low, high = np.where(rising, one, low), np.where(rising, high, two)
+        lower, upper = low + (high - low) / 3.0, high - (high - low) / 3.0
+        rising = value(lower) < value(upper)
+        low, high = np.where(rising, lower, low), np.where(rising, high, upper)
     return 0.5 * (low + high)
 
 
 def crossing(time: Floats, values: Floats, k: int, level: float) -> float:
-    """When evenly sampled values cross a level between samples k - 1 and k: of a cubic through the four around them."""
+    """Time at which evenly spaced values [sample] cross a level from k - 1 to k, by a cubic through four of them."""
     first = min(max(k - 2, 0), max(len(values) - 4, 0))
     around = values[first : first + 4] - level
     curve = np.polynomial.Polynomial.fit(np.arange(len(around)), around, len(around) - 1, domain=[-1, 1])
@@ -311,9 +316,9 @@ def crossing(time: Floats, values: Floats, k: int, level: float) -> float:
 
 
 def excursion(time: Floats, values: Floats, at: float, level: float) -> tuple[float, float]:
-    """From when to when evenly sampled values exceed a level around a time; infinite where the record has no end of it.
+    """Start and end of the time around ``at`` in which evenly spaced values [sample] exceed a level.
 
-    NaN where none of the samples does.
+    Infinite where the record has no such end; NaN where no sample near ``at`` exceeds the level.
     """
     first = max(int(np.argmin(np.abs(time - at))) - 1, 0)
     k = first + int(np.argmax(values[first : first + 3]))
@@ -329,39 +334,39 @@ def excursion(time: Floats, values: Floats, at: float, level: float) -> tuple[fl
 
 
 def complaint(channel: Channel, problem: Problem) -> str | None:
-    """Why a problem has no such channel; None if it has."""
+    """Reason why a problem has no such channel; None if it has."""
     beads = problem.beads
     if not 1 <= channel.chain <= problem.chains:
         return f"the scene has chains 1 to {problem.chains}"
     if channel.kind == "wall":
         side = "right" if channel.right else "left"
-        there = any(gauge.side == side for gauge in gauges(problem.system, wall=True))
-        return None if there else f"the scene has no {side} wall"
+        exists = any(gauge.side == side for gauge in gauges(problem.system, wall=True))
+        return None if exists else f"the scene has no {side} wall"
     first, last = {"contact": (1, beads - 1), "sensor": (2, beads - 1)}.get(channel.kind, (1, beads))
     return None if first <= channel.bead <= last else f"beads {first} to {last} of the scene have such"
 
 
 def beads_of(channels: tuple[Channel, ...], problem: Problem) -> tuple[int, ...]:
     """Beads whose motion the channels follow from, ascending."""
-    found: set[int] = set()
+    beads: set[int] = set()
     for channel in channels:
         gauge = _gauge(channel, problem)
         probes = () if gauge is None else gauge.probes
-        found |= {bead for probe in probes for bead in (probe.behind, probe.ahead)} - {0} or {channel.bead}
-    return tuple(sorted(found))
+        beads |= {bead for probe in probes for bead in (probe.behind, probe.ahead)} - {0} or {channel.bead}
+    return tuple(sorted(beads))
 
 
 def read(trajectory: Trajectory, channels: tuple[Channel, ...]) -> Floats:
     """Dimensionless values at the frames, [frame, channel]; the beads of `beads_of` must be recorded."""
     problem = trajectory.problem
-    asked = [(_gauge(channel, problem), channel) for channel in channels]
-    distinct = {gauge.name: gauge for gauge, _ in asked if gauge is not None}
+    readers = [(_gauge(channel, problem), channel) for channel in channels]
+    distinct = {gauge.name: gauge for gauge, _ in readers if gauge is not None}
     force = dict(zip(distinct, np.moveaxis(at_frames(trajectory, tuple(distinct.values())), -1, 0), strict=True))
     values = np.empty((trajectory.frames, len(channels)))
-    for column, (gauge, channel) in enumerate(asked):
+    for column, (gauge, channel) in enumerate(readers):
         if gauge is None:
-            of = trajectory.velocity if channel.kind == "velocity" else trajectory.displacement
-            values[:, column] = of[:, channel.chain - 1, trajectory.bead(channel.bead)]
+            motions = trajectory.velocity if channel.kind == "velocity" else trajectory.displacement
+            values[:, column] = motions[:, channel.chain - 1, trajectory.bead(channel.bead)]
         else:
             above = gauge.static[channel.chain - 1] if channel.dynamic else 0.0
             values[:, column] = force[gauge.name][:, channel.chain - 1] - above

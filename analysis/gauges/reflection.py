@@ -26,7 +26,7 @@ BEADS = 10
 """Recorded beads in a row at which either is read."""
 
 CLEARLY = 0.5
-"""Of the fastest that came: what is slower, ahead of it, is a ripple of another chain's pulse, not the one meant."""
+"""Least velocity of an arriving pulse over that of the fastest: slower ones are ripples of another chain's pulse."""
 
 UNCERTAIN = 0.5
 """Share of the decay between the wall and the nearest bead read that counts as uncertainty: a reflected pulse runs
@@ -39,7 +39,7 @@ LARGEST_UNCERTAINTY = 0.05
 
 @result
 class Reflection:
-    """Of the first pulse that meets a wall; beads in the order in which it met them."""
+    """Reflection of the first pulse that meets a wall; beads in the order in which it met them."""
 
     ratio: float = declare("peak velocity of the reflected over that of the incident pulse, extrapolated to the wall")
     uncertainty: float = declare(
@@ -53,7 +53,7 @@ class Reflection:
 def reflections(
     pulses: tuple[Pulse, ...], problem: Problem, *, right: bool, error: float = 0.0
 ) -> list[Reflection | None]:
-    """Of the first pulse that meets a wall, chain by chain; ``error`` is that of peak velocities, in units of V.
+    """Reflection of the first pulse that meets a wall, by chain; ``error``: that of peak velocities, in units of V.
 
     None where no such ratio is defined (under a static load, on a foundation, and between beads that differ no pulse
     keeps its velocity), or it is not known to `LARGEST_UNCERTAINTY`: a pulse or its reflection was not seen at enough
@@ -61,16 +61,19 @@ def reflections(
     """
     system = problem.system
     plain = physics.alike(system) and not physics.loaded(system) and system.holds(Fact.PULSE)
-    found = [
+    by_chain = [
         _of_chain(pulses, problem, chain, right, error) if plain else None for chain in range(1, problem.chains + 1)
     ]
-    return [one if one is not None and one.uncertainty <= LARGEST_UNCERTAINTY else None for one in found]
+    return [
+        reflection if reflection is not None and reflection.uncertainty <= LARGEST_UNCERTAINTY else None
+        for reflection in by_chain
+    ]
 
 
 def _of_chain(pulses: tuple[Pulse, ...], problem: Problem, chain: int, right: bool, error: float) -> Reflection | None:
     towards = 1 if right else -1
-    own = [pulse for pulse in pulses if pulse.chain == chain]
-    close = [pulse for pulse in own if _distance(pulse, problem, right).min() <= NEAR]
+    in_chain = [pulse for pulse in pulses if pulse.chain == chain]
+    close = [pulse for pulse in in_chain if _distance(pulse, problem, right).min() <= NEAR]
     arriving = _clear([pulse for pulse in close if pulse.direction == towards])
     if not arriving:
         return None
@@ -81,7 +84,7 @@ def _of_chain(pulses: tuple[Pulse, ...], problem: Problem, chain: int, right: bo
     if not went:
         return None
     reflected = min(went, key=lambda pulse: pulse.arrival[0])
-    following = [pulse for pulse in own if pulse.direction == towards and pulse.arrival[-1] > after]
+    following = [pulse for pulse in in_chain if pulse.direction == towards and pulse.arrival[-1] > after]
     first = _at_wall(incident, _distance(incident, problem, right), FORMED_INCIDENT)
     distance = np.where(_unmet(reflected, following), _distance(reflected, problem, right), -1)
     second = _at_wall(reflected, distance, FORMED_REFLECTED)
@@ -97,9 +100,9 @@ def _distance(pulse: Pulse, problem: Problem, right: bool) -> Integers:
 
 
 def _clear(pulses: list[Pulse]) -> list[Pulse]:
-    """Those that are not mere ripples beside the fastest."""
-    most = max((pulse.peak_velocity.max() for pulse in pulses), default=0.0)
-    return [pulse for pulse in pulses if pulse.peak_velocity.max() >= CLEARLY * most]
+    """The pulses that are not mere ripples beside the fastest."""
+    fastest = max((pulse.peak_velocity.max() for pulse in pulses), default=0.0)
+    return [pulse for pulse in pulses if pulse.peak_velocity.max() >= CLEARLY * fastest]
 
 
 def _unmet(reflected: Pulse, following: list[Pulse]) -> Flags:
@@ -107,8 +110,8 @@ def _unmet(reflected: Pulse, following: list[Pulse]) -> Flags:
     met = np.zeros(len(reflected), dtype=bool)
     for pulse in following:
         order = np.argsort(pulse.bead)
-        there = np.interp(reflected.bead, pulse.bead[order], pulse.arrival[order], left=np.inf, right=np.inf)
-        met |= there < reflected.arrival
+        passing = np.interp(reflected.bead, pulse.bead[order], pulse.arrival[order], left=np.inf, right=np.inf)
+        met |= passing < reflected.arrival
     return ~met
 
 

@@ -16,7 +16,7 @@ LEAST_FRAMES = 16
 
 @result
 class DriveLine:
-    """Of one bead, at the frequency of a drive."""
+    """Amplitude of one bead at the frequency of a drive."""
 
     frequency: float = declare("frequency of the drive", "cycles", symbol="f")
     amplitude: float = declare(
@@ -30,7 +30,7 @@ class DriveLine:
 
 @result
 class HighestLine:
-    """Of the spectrum of one bead."""
+    """Highest line in the spectrum of one bead."""
 
     chain: int = declare("number of the chain")
     bead: int = declare("number of the bead")
@@ -119,7 +119,7 @@ class VelocitySpectra:
         return SpectralLines(self.after, resolution, beads, first, None if cycles is None else cycles / (2.0 * np.pi))
 
     def table(self) -> SpectrumTable:
-        """A line a frequency, a column a chain and bead."""
+        """Table of the spectra, with a row for each frequency and a column for each chain and bead."""
         amplitude = {
             f"chain {chain + 1} bead {bead}": self.amplitude[:, chain, place]
             for chain in range(self.amplitude.shape[1])
@@ -129,13 +129,13 @@ class VelocitySpectra:
 
 
 def window(count: int) -> Floats:
-    """Hann's, periodic, of sum 1: little leakage from other frequencies (Harris, Proc. IEEE 66, 1978)."""
+    """Hann's window, [frame], periodic, of sum 1: little leakage to other frequencies (Harris, Proc. IEEE 66, 1978)."""
     shape = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
     return np.asarray(shape / shape.sum())
 
 
 def amplitudes(signal: Floats, every: float) -> tuple[Floats, Floats]:
-    """Frequencies [line], and amplitudes [line, ...] of a signal [frame, ...], its mean left out."""
+    """Frequencies [line] and amplitudes [line, ...] of a signal [frame, ...] without its mean; ``every`` in T."""
     from scipy.fft import rfft, rfftfreq
 
     about_mean = signal - signal.mean(axis=0)
@@ -161,7 +161,7 @@ class SpectrumMeter:
 
     Args:
         problem: what was run.
-        beads: of the spectra, counted from 1.
+        beads: numbers of the beads, from 1.
         after: time from which on frames count, in units of T; half of the duration by default.
     """
 
@@ -177,7 +177,7 @@ class SpectrumMeter:
         self._velocity.append(block.velocity[block.time >= self.after * (1.0 - 1e-12)][:, :, self._columns])
 
     def result(self) -> VelocitySpectra | None:
-        """Of the frames so far; None of too few."""
+        """Spectra of the frames so far; None if they are too few."""
         velocity = np.concatenate(self._velocity)
         if len(velocity) < LEAST_FRAMES:
             return None

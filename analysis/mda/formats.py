@@ -35,7 +35,7 @@ from lammps_inputs import InputError, file_names
 from lammps_inputs.units import Scale, sphere_density
 
 ATOM, RESIDUE = "X", "bead"
-"""Names, for formats that demand some; X is no chemical element to other programs."""
+"""Names of atoms and residues, for formats that need some; X is no chemical element to other programs."""
 
 _SECTION = re.compile(r"^(Atoms|Bonds)\b.*\n", re.MULTILINE)
 _RECORDED = re.compile(r"^group recorded (type|id) (.+)$", re.MULTILINE)
@@ -71,7 +71,7 @@ def of_deck(data: str, commands: str) -> Topology:
     """The topology of the texts of a ``data.chains`` and of an ``in.chains``, which says what is recorded.
 
     Raises:
-        ValueError: they are not.
+        ValueError: the text is not that of a ``data.chains``.
     """
     sections = _sections(data)
     number, kind, mass, diameter, y = _atoms(sections.get("Atoms", ()))
@@ -79,23 +79,23 @@ def of_deck(data: str, commands: str) -> Topology:
     rows = int(np.count_nonzero(chain == 0))
     beads = np.array([diameter[np.argmax(chain == line)] == diameter[0] for line in range(chain[-1] + 1)])
     names = [*(f"C{n + 1}" for n in range(np.count_nonzero(beads))), *(f"R{n + 1}" for n in range(np.sum(~beads)))]
-    kept = _recorded(commands, number, kind)
+    recorded = _recorded(commands, number, kind)
     bonds = np.array([line.split() for line in sections.get("Bonds", ())], dtype=np.int64).reshape(-1, 4)
     ends = np.searchsorted(number, bonds[:, 2:])
-    ends = ends[kept[ends].all(axis=1)]
-    place = np.cumsum(kept) - 1
-    count = int(np.count_nonzero(kept))
-    row = (number[kept] - 1) % rows + 1
+    ends = ends[recorded[ends].all(axis=1)]
+    place = np.cumsum(recorded) - 1
+    count = int(np.count_nonzero(recorded))
+    row = (number[recorded] - 1) % rows + 1
     return Topology(
         count,
         count,
         chain[-1] + 1,
         attrs=[
-            attributes.Atomids(number[kept]),
+            attributes.Atomids(number[recorded]),
             attributes.Atomnames(np.full(count, ATOM, dtype=object)),
-            attributes.Atomtypes(kind[kept].astype(str).astype(object)),
-            attributes.Masses(mass[kept]),
-            attributes.Radii(diameter[kept] / 2.0),
+            attributes.Atomtypes(kind[recorded].astype(str).astype(object)),
+            attributes.Masses(mass[recorded]),
+            attributes.Radii(diameter[recorded] / 2.0),
             attributes.Resids(row),
             attributes.Resnums(row.copy()),
             attributes.Resnames(np.full(count, RESIDUE, dtype=object)),
@@ -103,7 +103,7 @@ def of_deck(data: str, commands: str) -> Topology:
             attributes.Bonds([tuple(pair) for pair in place[ends].tolist()]),
         ],
         atom_resindex=np.arange(count),
-        residue_segindex=chain[kept],
+        residue_segindex=chain[recorded],
     )
 
 
@@ -135,13 +135,13 @@ def _atoms(lines: Iterable[str]) -> tuple[Any, ...]:
 
 def _recorded(commands: str, number: Integers, kind: Integers) -> Flags:
     """[atom] whether its frames are written."""
-    found = _RECORDED.search(commands)
-    if found is None:
+    match = _RECORDED.search(commands)
+    if match is None:
         return np.ones(len(number), dtype=bool)
-    if found[1] == "type":
-        return np.asarray(kind == int(found[2]))
-    chosen = (map(int, words.split(":")) for words in found[2].split())
-    return np.isin(number, [one for first, last, stride in chosen for one in range(first, last + 1, stride)])
+    if match[1] == "type":
+        return np.asarray(kind == int(match[2]))
+    chosen = (map(int, words.split(":")) for words in match[2].split())
+    return np.isin(number, [atom for first, last, stride in chosen for atom in range(first, last + 1, stride)])
 
 
 FORMAT = ["BIN", "LAMMPSBIN"]
@@ -163,10 +163,10 @@ def dimensions(box: Floats) -> Any:
 
 
 def lines(box: Floats, n_atoms: int) -> Floats | None:
-    """[atom] y of its chain; None for a box that is not of a ``data.chains``, see
-    `lammps_inputs.decks.deck.render_data`.
+    """[atom] y of the atom's chain; None for a box that is not that of a ``data.chains``.
 
-    There the box ends one chain's distance beside the first and last chain; each chain has as many atoms, in a row.
+    The box of `lammps_inputs.decks.deck.render_data` ends one distance of chains beside the first and last chain; each
+    chain has as many atoms, in a row.
     """
     (y_low, y_high), (z_low, z_high) = box[1:]
     if y_low >= 0.0 or (z_low, z_high) != (y_low, -y_low):
@@ -286,7 +286,7 @@ class BinaryDumpReader(ReaderBase):  # type: ignore[misc]  # MDAnalysis has no t
         return positions
 
     def _row_length(self) -> float | None:
-        """Distance between rows in a window, whose molecules are its rows: where they are at rest. None elsewhere."""
+        """Distance between rows at rest in a window, whose molecules are its rows; None where there is no window."""
         columns = self._dump.columns
         if self._rest is None or "mol" not in columns or self._dump.steps[0] != 0:
             return None

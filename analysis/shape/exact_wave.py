@@ -44,12 +44,12 @@ _NEGLIGIBLE = 1e-15
 _FINER = 4
 """Points of the profiles per point of the iteration."""
 _DERIVATIVES = 4
-"""Of the profiles, the value among them, that are exact at these points; between them are polynomials of degree 7."""
+"""Derivatives of the profiles, from the value on, that are exact at these points; polynomials between have degree 7."""
 
 
 @dataclass(frozen=True)
 class _Profile:
-    """Polynomials, one after the other: [power, piece] in the share of a piece that lies behind."""
+    """Polynomials piece after piece, [power, piece], in the share of a piece that lies behind."""
 
     start: float
     spacing: float
@@ -57,7 +57,7 @@ class _Profile:
 
     @classmethod
     def of(cls, spectrum: Floats, points: int, spacing: float) -> "_Profile":
-        """From the (real) spectrum of an even function: over all but half a piece at either end of its period."""
+        """Profile of an even function by its real spectrum [wavenumber], half a piece short at the ends of a period."""
         turn = 2j * np.pi * np.fft.rfftfreq(points, spacing)[: len(spectrum)]
         data = np.array([_FINER * np.fft.irfft(spectrum * turn**k, points) for k in range(_DERIVATIVES)])
         data = np.fft.fftshift(data, axes=-1)[:, 1:]
@@ -65,15 +65,15 @@ class _Profile:
         return cls((1 - points // 2) * spacing, spacing, hermite.coefficients((0, 1), pieces, spacing))
 
     def __call__(self, xi: ArrayLike) -> Floats:
-        """Values; beyond the ends those at the ends."""
+        """Values at xi (any shape); beyond the ends those at the ends."""
         piece, share = self._place(xi)
         return hermite.value(self.polynomials[:, piece], share).reshape(np.shape(xi))
 
     def integral(self, xi: ArrayLike) -> Floats:
-        """Integrals from the start on."""
+        """Integrals from the start to xi, of the shape of xi."""
         piece, share = self._place(xi)
-        whole = np.cumsum(hermite.integral(self.polynomials, np.ones(self.polynomials.shape[1])))
-        before = np.where(piece > 0, whole[piece - 1], 0.0)
+        until_end = np.cumsum(hermite.integral(self.polynomials, np.ones(self.polynomials.shape[1])))
+        before = np.where(piece > 0, until_end[piece - 1], 0.0)
         return self.spacing * (before + hermite.integral(self.polynomials[:, piece], share)).reshape(np.shape(xi))
 
     def _place(self, xi: ArrayLike) -> tuple[Integers, Floats]:
@@ -103,7 +103,7 @@ class SolitaryWave:
     momentum: float
     energy: float
     kinetic_share: float
-    """Of the energy, averaged over the passage of one bead; (n + 1) / (n + 3) by the virial theorem."""
+    """Kinetic share of the energy, averaged over the passage of one bead; (n + 1) / (n + 3) by the virial theorem."""
     shift: float
     """Displacement that the wave leaves behind."""
     width: float
@@ -124,23 +124,23 @@ class SolitaryWave:
         return np.asarray((self._velocity.integral(np.inf) - self._velocity.integral(xi)) / self.speed)
 
     def speed_at(self, peak_velocity: ArrayLike) -> Floats:
-        """Beads per unit time at a peak velocity."""
+        """Speed in beads / T at a peak velocity (any shape, in V)."""
         return self.speed * np.asarray(peak_velocity) ** ((self.exponent - 1.0) / (self.exponent + 1.0))
 
     def peak_overlap_at(self, peak_velocity: ArrayLike) -> Floats:
-        """Largest overlap at a peak velocity."""
+        """Largest overlap in L at a peak velocity (any shape, in V)."""
         return self.peak_overlap * np.asarray(peak_velocity) ** (2.0 / (self.exponent + 1.0))
 
     def shift_at(self, peak_velocity: ArrayLike) -> Floats:
-        """Displacement by a wave of this peak velocity."""
+        """Displacement in L that a wave of a peak velocity (any shape, in V) leaves behind."""
         return self.shift * np.asarray(peak_velocity) ** (2.0 / (self.exponent + 1.0))
 
     def momentum_at(self, peak_velocity: ArrayLike) -> Floats:
-        """Momentum at a peak velocity."""
+        """Momentum in m V at a peak velocity (any shape, in V)."""
         return self.momentum * np.asarray(peak_velocity)
 
     def energy_at(self, peak_velocity: ArrayLike) -> Floats:
-        """Energy at a peak velocity."""
+        """Energy in m V**2 at a peak velocity (any shape, in V)."""
         return self.energy * np.asarray(peak_velocity) ** 2
 
 
@@ -220,7 +220,7 @@ def _solved(exponent: float) -> SolitaryWave:
 
 
 def _half(velocity: _Profile) -> float:
-    """Where a velocity that falls from 1 at 0 is a half."""
+    """Distance from the peak, in beads, at which a velocity of 1 there has fallen to a half."""
     xi = velocity.start + velocity.spacing * np.arange(velocity.polynomials.shape[1])
     last = np.flatnonzero(velocity.polynomials[0] >= 0.5)[-1:]
     falls = velocity.polynomials[:, last] - 0.5 * (np.arange(2 * _DERIVATIVES) == 0)[:, np.newaxis]
@@ -236,7 +236,7 @@ class LongWave:
     speed: float
     peak_overlap: float
     width: float
-    """From end to end, beads: pi / (n - 1) * sqrt(n (n + 1) / 6), for Hertz 5 pi / sqrt(10)."""
+    """Width from end to end, beads: pi / (n - 1) * sqrt(n (n + 1) / 6), for Hertz 5 pi / sqrt(10)."""
 
     def velocity(self, xi: ArrayLike) -> Floats:
         """Velocity at a distance xi (any shape, beads) from the peak: ``cos(pi xi / width)**(2 / (n - 1))``."""
@@ -244,7 +244,7 @@ class LongWave:
         return np.asarray(np.cos(np.pi * phase) ** (2.0 / (self.exponent - 1.0)), dtype=np.float64)
 
     def overlap(self, xi: ArrayLike) -> Floats:
-        """Overlap, here the strain times the spacing, at a distance xi: for Hertz ``peak_overlap * cos**4``."""
+        """Overlap (strain times spacing) at a distance xi (any shape, beads): for Hertz ``peak_overlap * cos**4``."""
         return self.peak_overlap * self.velocity(xi)
 
 

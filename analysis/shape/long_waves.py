@@ -35,8 +35,10 @@ _ABOVE = np.logspace(-4.0, 13.0, 2000)
 def speed_over_sound(ratio: Floats | float, exponent: float = 1.5) -> Floats:
     """Speed of the solitary wave over that of sound (Nesterenko 2001, eq. 1.113; Daraio et al. 2006, eq. 3).
 
-    ``sqrt{(4/15) (3 + 2 f^(5/3) - 5 f^(2/3))} / (f^(2/3) - 1)`` for spheres; 1 for a ratio of 1. Of contacts of any
-    exponent p likewise ``sqrt{2 / (p (p + 1)) (p + f^(1 + 1/p) - (p + 1) f^(1/p))} / (f^(1/p) - 1)``.
+    It has the shape of ``ratio``, the largest total force of a contact over that at rest.
+
+    ``sqrt{(4/15) (3 + 2 f^(5/3) - 5 f^(2/3))} / (f^(2/3) - 1)`` for spheres; 1 for a ratio of 1. For contacts of any
+    exponent p: ``sqrt{2 / (p (p + 1)) (p + f^(1 + 1/p) - (p + 1) f^(1/p))} / (f^(1/p) - 1)``.
     """
     return _amplitude(ratio, exponent) / np.maximum(_strain(ratio, exponent) - 1.0, 1e-300)
 
@@ -46,21 +48,21 @@ def _strain(ratio: Floats | float, exponent: float) -> Floats:
 
 
 def _amplitude(ratio: Floats | float, exponent: float) -> Floats:
-    """Peak velocity of the same wave over ``c0 d0``, with the overlap d0 at rest."""
+    """Peak velocity of the solitary wave over ``c0 d0``, with the overlap d0 at rest, of the shape of ``ratio``."""
     strain, p = _strain(ratio, exponent), exponent
-    whole = 2.0 / (p * (p + 1.0)) * (p + ratio * strain - (p + 1.0) * strain)
-    return np.sqrt(np.maximum(whole, 0.0))
+    squared = 2.0 / (p * (p + 1.0)) * (p + ratio * strain - (p + 1.0) * strain)
+    return np.sqrt(np.maximum(squared, 0.0))
 
 
 @functools.cache
 def _table(exponent: float) -> tuple[Floats, Floats]:
-    """Logarithm of amplitudes, and speeds."""
+    """Logarithms of amplitudes, and speeds over that of sound, each [ratio]."""
     with np.errstate(divide="ignore"):
         return np.log(_amplitude(1.0 + _ABOVE, exponent)), speed_over_sound(1.0 + _ABOVE, exponent)
 
 
 def repeats(columns: Floats) -> int | None:
-    """After how many beads all rows of an array [what, bead] repeat; None where they do not, or are too short."""
+    """Number of beads after which an array [quantity, bead] repeats; None where it does not, or is too short."""
     for period in range(1, min(LONGEST_CELL, columns.shape[1] // 3) + 1):
         if np.all(_alike(columns, period)):
             return period
@@ -73,7 +75,7 @@ def _alike(columns: Floats, period: int) -> Floats:
 
 
 def cell_beads(system: System) -> int:
-    """After how many beads masses and contacts repeat, loads aside; 1 where they do not."""
+    """Number of beads after which masses and contacts repeat, loads aside; 1 where they do not."""
     if physics.one_kind(system) and system.inner_mass is None:
         return 1
     shape = system.chains, system.beads - 1
@@ -98,7 +100,12 @@ def sound_speed(system: System) -> Floats:
 
 
 class LoadedSpeed:
-    """Speed of pulses of an amplitude in a loaded chain by the long-wave theory, [chain, bead] as at the place."""
+    """Speed of pulses of an amplitude in a loaded chain by the long-wave theory.
+
+    Attributes:
+        sound: [chain, bead] speed of sound, in beads / T.
+        rest: [chain, bead] mean overlap at rest, in units of L.
+    """
 
     def __init__(self, system: System) -> None:
         rest = np.broadcast_to(sum(laws.rest(link.law) for link in system.along), (system.chains, system.beads - 1))
@@ -107,7 +114,7 @@ class LoadedSpeed:
         self._table = _table(physics.exponent(system) or 1.5)
 
     def at(self, chain: int, bead: Integers, peak_velocity: Floats) -> Floats:
-        """In beads / T, within some per cent; chain and beads count from 1."""
+        """Speed in beads / T, to some per cent, at beads and peak velocities in V, all [passage]; numbers from 1."""
         place = bead - 1
         sound, rest = self.sound[chain - 1, place], self.rest[chain - 1, place]
         with np.errstate(divide="ignore"):
@@ -137,13 +144,13 @@ def _smooth(values: Floats, near: int) -> Floats:
 
 
 def _at_beads(contacts: Floats) -> Floats:
-    """Of contacts on either side of a bead, their mean."""
+    """Mean over the contacts on either side of each bead, [..., bead] from [..., contact]."""
     padded = np.concatenate([contacts[..., :1], contacts, contacts[..., -1:]], axis=-1)
     return np.asarray(0.5 * (padded[..., 1:] + padded[..., :-1]))
 
 
 def period_of(system: System) -> int:
-    """Beads of a cell: after how many masses and contacts repeat, but for single beads; 1 where they do not."""
+    """Number of beads after which masses and contacts repeat, but for single beads; 1 where they do not."""
     columns = np.concatenate([_columns(system, chain) for chain in range(system.chains)])
     for period in range(1, min(LONGEST_CELL, system.beads // 3) + 1):
         if np.mean(np.all(_alike(columns, period), axis=0)) > MOSTLY:
@@ -152,7 +159,7 @@ def period_of(system: System) -> int:
 
 
 def length_of(system: System) -> float:
-    """How much longer pulses are, in beads, than in a chain of equal ones.
+    """Length of pulses, in beads, over that in a chain of equal beads.
 
     The length of a solitary wave follows from the dispersion of long waves, ``omega**2 = c**2 q**2 (1 - beta q**2)``,
     as the root of beta, which is 1/12 for equal beads and springs; here with springs as strong as the contacts.
@@ -192,7 +199,7 @@ def repeats_between(system: System, chain: int, first: int, last: int, period: i
 
 
 def _columns(system: System, chain: int) -> Floats:
-    """Of a chain, [what, bead]: the mass of each bead, and what its contact with the next is by; the last has none."""
+    """Mass of each bead of a chain but the last, and parameters of its contact with the next, [quantity, bead]."""
     contacts = [
         np.broadcast_to(parameter, (system.chains, system.beads - 1))[chain]
         for link in system.along

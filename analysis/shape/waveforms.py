@@ -18,21 +18,21 @@ from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem, laws, physics
 
 REACH = 4.0
-"""Half the watched stretch, in beads of travel; the exact wave has fallen to 1e-10 of its peak there."""
+"""Half the recorded distance, in beads of travel; the exact wave has fallen to 1e-10 of its peak there."""
 
 COMPARED = 3.0
-"""Half the stretch on which the shape is compared; the exact wave has fallen to 1e-5."""
+"""Half the distance over which the shape is compared, in beads; the exact wave has fallen to 1e-5 there."""
 
 LARGER = 0.01
 """Part by which a velocity near a peak may exceed it, by the time between frames, where no larger pulse overlaps."""
 
 SAMPLES = 128
-"""Largest number of frames kept of a passage."""
+"""Largest number of frames that are held for a passage."""
 
 
 @dataclass(frozen=True)
 class Passages(Columns):
-    """What is to be watched: one entry per passage of a pulse at a recorded bead.
+    """Passages that are watched: one entry per passage of a pulse at a recorded bead.
 
     Attributes:
         chain, bead: counted from 1.
@@ -50,7 +50,7 @@ class Passages(Columns):
 
 @dataclass(frozen=True)
 class Shape(Columns):
-    """What the waveforms of passages say, one entry per passage; NaN where the run does not show it whole, but energy.
+    """Quantities of the waveforms of passages, one entry per passage; NaN, but for energy, if not recorded completely.
 
     Attributes:
         width: full width at half maximum of the velocity, in beads: its duration times the local speed; NaN where that
@@ -61,7 +61,6 @@ class Shape(Columns):
             only some beads are recorded, from the kinetic energy as in the exact wave (9/5 of it for spheres), and NaN
             where beads differ.
         energy_error: uncertainty of the energy by the time between frames; NaN where only some beads are recorded.
-        residual: largest difference from the exact wave of the same peak velocity, in units of that.
         residual: largest difference from the exact wave of the same peak velocity, in units of that; NaN where a
             larger pulse overlaps.
     """
@@ -87,11 +86,11 @@ class Waveforms:
 
     Args:
         problem: what was run.
-        passages: what is watched.
-        weighed: [passage] of which the energy is wanted, too; of all by default.
+        passages: the passages that are watched.
+        weighed: [passage] whether the energy is measured, too; all by default.
 
     Attributes:
-        passages: what is watched.
+        passages: the passages that are watched.
         time: [passage, sample], in units of T; regularly spaced, also where there is no frame.
         velocity: [passage, sample] along the pulse's direction, in units of V; NaN where there is no frame.
     """
@@ -118,7 +117,7 @@ class Waveforms:
         self._energy = np.full((2, 3, len(passages)), np.nan)
         """Energy and its first two derivatives at the frames before and after a passage."""
         self._column = np.searchsorted(problem.recorded_beads, passages.bead)
-        self._seen = 0
+        self._frames = 0
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
@@ -126,15 +125,17 @@ class Waveforms:
         if block.forces_known and not physics.remembering(self.problem.system):
             for pair in self._instants.within(block):
                 self._measure_energy(pair)
-        start, end = self._seen, self._seen + block.frames
-        self._seen = end
+        start, end = self._frames, self._frames + block.frames
+        self._frames = end
         passing = np.flatnonzero((self._first < end) & (self._last >= start))
         if len(passing) == 0:
             return
         row, sample = np.nonzero((self._frame[passing] >= start) & (self._frame[passing] < end))
         row = passing[row]
-        here = (self._column[row] >= block.first - 1) & (self._column[row] < block.first - 1 + block.velocity.shape[2])
-        row, sample = row[here], sample[here]
+        inside = (self._column[row] >= block.first - 1) & (
+            self._column[row] < block.first - 1 + block.velocity.shape[2]
+        )
+        row, sample = row[inside], sample[inside]
         frame, chain = self._frame[row, sample] - start, self.passages.chain[row] - 1
         bead = self._column[row] - (block.first - 1)
         self.velocity[row, sample] = self.passages.direction[row] * block.velocity[frame, chain, bead]
@@ -158,17 +159,17 @@ class Waveforms:
         problem, beads = self.problem, block.velocity.shape[2]
         system = problem.system
         place = (self.passages.bead[row] - block.first)[:, np.newaxis] + np.arange(-self._reach, self._reach + 1)
-        there, near = (place >= 0) & (place < beads), np.clip(place, 0, beads - 1)
+        exists, near = (place >= 0) & (place < beads), np.clip(place, 0, beads - 1)
         chain = np.broadcast_to((self.passages.chain[row] - 1)[:, np.newaxis], near.shape)
         at, bead = np.broadcast_to(frame[:, np.newaxis], near.shape), block.first - 1 + near
         x, v = (values[at, chain, near] for values in (block.displacement, block.velocity))
         acceleration, rate = motion.acceleration_and_rate(block, at, chain, near)
         x, v = moments(x, v, acceleration, rate, step[:, np.newaxis])
-        kinetic = np.where(there, 0.5 * physics.mass_of(system, chain, bead) * v * v, 0.0)
+        kinetic = np.where(exists, 0.5 * physics.mass_of(system, chain, bead) * v * v, 0.0)
         overlap = x[..., :-1] - x[..., 1:] - physics.gap(system)
         contact = chain[:, :-1], np.minimum(bead[:, :-1], problem.beads - 2)
         energy = sum(laws.energy(laws.at(link.law, *contact), overlap) for link in system.along)
-        stored = np.where(there[:, :-1] & there[:, 1:], energy, 0.0)
+        stored = np.where(exists[:, :-1] & exists[:, 1:], energy, 0.0)
         left_out = (place[:, 0] < 0) & (block.first > 1)  # by a window
         return np.where(left_out, np.nan, kinetic.sum(axis=-1) + stored.sum(axis=-1))
 
@@ -178,14 +179,14 @@ class Waveforms:
         The time between frames also leaves the arrival uncertain, by that time itself where a bead flies freely. NaN
         where not all beads are recorded, or the uncertainty exceeds `LARGEST_UNCERTAINTY` of the energy.
         """
-        found = interpolated(self._energy, self._instants.share, self.problem.every)
+        at_arrival = interpolated(self._energy, self._instants.share, self.problem.every)
         late = self.passages.arrival_error
-        error = found.uncertainty + np.where(np.isfinite(late), late, self.problem.every) * np.abs(found.rate)
-        stated = error <= LARGEST_UNCERTAINTY * found.value
-        return np.where(stated, found.value, np.nan), np.where(stated, error, np.nan)
+        error = at_arrival.uncertainty + np.where(np.isfinite(late), late, self.problem.every) * np.abs(at_arrival.rate)
+        stated = error <= LARGEST_UNCERTAINTY * at_arrival.value
+        return np.where(stated, at_arrival.value, np.nan), np.where(stated, error, np.nan)
 
     def shape(self) -> Shape:
-        """What the waveforms say."""
+        """Quantities of the waveforms, entry by entry of the passages."""
         passages, exact = self.passages, wave_of(self.problem.system)
         # beads may peak at one time or in reverse order, which is no speed of a wave
         forward = np.where(np.isfinite(passages.speed) & (passages.speed > 0.0), passages.speed, np.nan)
@@ -193,10 +194,11 @@ class Waveforms:
         late = self.time - passages.arrival[:, np.newaxis]
         watched = self._frame >= 0
         weight = self._weights(late, watched)
-        whole = ~np.any(watched & np.isnan(self.velocity), axis=1)
-        sign = np.where(whole, 1.0, np.nan)
+        complete = ~np.any(watched & np.isnan(self.velocity), axis=1)
+        sign = np.where(complete, 1.0, np.nan)
 
         def travelled(values: Floats) -> Floats:
+            """Integral of values [passage, sample] over the distance that the pulse travels, [passage]."""
             return np.asarray(np.sum(np.where(watched, values, 0.0) * weight, axis=1) * forward * sign)
 
         mass = np.reshape(physics.mass_of(self.problem.system, passages.chain - 1, passages.bead - 1), (-1, 1))
@@ -240,7 +242,7 @@ class Waveforms:
         return self._half_time(above, self.time - self.passages.arrival[:, np.newaxis]) + backwards
 
     def _half_time(self, above: Floats, time: Floats) -> Floats:
-        """When a row first falls through zero after time 0, by a polynomial through the six samples around; or NaN."""
+        """Time when values first fall through zero after time 0, [passage], by polynomials of six samples; else NaN."""
         nodes = (0, 1, 2, 3, 4, 5)
         row, size = np.arange(len(above)), above.shape[1]
         fallen = (time > 0.0) & (above <= 0.0)
@@ -252,5 +254,5 @@ class Waveforms:
         step = time[row, start + 1] - time[row, start]
         low = np.maximum((first - 1 - start).astype(float), -time[row, start] / step)
         at = hermite.falling_zero(hermite.coefficients(nodes, data, 1.0), low, (first - start).astype(float))
-        found = np.any(fallen, axis=1) & np.all(np.isfinite(data[:, 0]), axis=0)
-        return np.where(found, time[row, start] + at * step, np.nan)
+        falls = np.any(fallen, axis=1) & np.all(np.isfinite(data[:, 0]), axis=0)
+        return np.where(falls, time[row, start] + at * step, np.nan)

@@ -1,6 +1,6 @@
 """From maxima between frames to pulses tracked through the beads, and how well each is found.
 
-The bottom is `peaks`, which finds passages at single beads, and `peak_bounds`, which says where between frames;
-`pulses` links them, `leading_waves` keeps the first, and `succession` finds where another one becomes the first. What
-the chains make of the pulse is in `analysis.sharing`.
+`peaks` finds passages at single beads, and `peak_bounds` their times between frames, with uncertainties. `pulses` links
+passages, `leading_waves` has the first of each bead, and `succession` finds where another pulse becomes the first. How
+chains share a pulse is in `analysis.sharing`.
 """

@@ -64,12 +64,12 @@ class Waves(Columns):
         return f"<leading pulses of {chains} chains at {beads} beads: {', '.join(self.arrays())}>"
 
     def measured(self, scale: Scale) -> "Waves":
-        """The same in the units of a scene."""
+        """Waves in the units of a scene."""
         columns = dict(zip(declared(Waves), table(self, scale).values(), strict=False))
         return replace(self, **columns, time=self.time * scale.time)
 
     def array(self) -> NDArray[np.void]:
-        """A structured array of these columns."""
+        """Structured array, [wave], of these columns, dimensionless."""
         columns = self.arrays()
         made = np.zeros(len(self), dtype=[(name, column.dtype) for name, column in columns.items()])
         for name, column in columns.items():
@@ -78,7 +78,7 @@ class Waves(Columns):
 
     @property
     def ends(self) -> Integers:
-        """Positions of entries after which another pulse of the same chain stands; entries are sorted by bead."""
+        """Positions, [end], of entries after which another pulse of the chain leads; entries are sorted by bead."""
         return np.flatnonzero((np.diff(self.chain) == 0) & (np.diff(self.pulse) != 0))
 
     def at(self, bead: int) -> "Waves":
@@ -93,14 +93,14 @@ class Waves(Columns):
 Arrival = Literal["maximum", "impulse"]
 
 ARRIVALS: tuple[Arrival, ...] = ("maximum", "impulse")
-"""What an arrival may be: when the bead is fastest; or the centre in time of the impulse that made it so.
+"""Definitions of an arrival: the time at which the bead is fastest, or the centre in time of the impulse until then.
 
 The first is not defined where beads fly freely at their largest velocity, as between the contacts of chains with gaps.
 """
 
 
 def usual_arrival(problem: Problem) -> Arrival:
-    """The maximum, where it is sharp: in chains that touch."""
+    """Definition of an arrival by default: the maximum where it is sharp, in chains that touch; else the impulse."""
     return "impulse" if physics.gap(problem.system) > 0.0 else "maximum"
 
 
@@ -112,18 +112,18 @@ def leading_waves(
     Args:
         peaks: maxima of a run.
         problem: what was run.
-        arrival: what an arrival is; by default `usual_arrival`.
-        succession: where one pulse ends and another leads; by default as the maxima show.
+        arrival: definition of an arrival; by default `usual_arrival`.
+        succession: ends of leading pulses after which another one leads; by default those that the maxima show.
     """
     passages = beyond_kicks(peaks, problem)
-    found = passages.first()
+    first = passages.first()
     at_maximum = (arrival or usual_arrival(problem)) == "maximum"
-    time, error = (found.time, found.time_error) if at_maximum else (found.centre, found.centre_error)
+    time, error = (first.time, first.time_error) if at_maximum else (first.centre, first.centre_error)
     defined = np.where(np.isfinite(error), time, np.nan)
-    number = numbers(found, changes(passages, problem) if succession is None else succession)
-    waves = with_speeds(found.chain, found.bead, defined, found.velocity, number, direction=found.direction)
-    speed = np.where(_begins_within(found, problem), np.nan, waves.speed)
-    return replace(waves, speed=speed, time=found.time, arrival_error=error, peak_velocity_error=found.velocity_error)
+    number = numbers(first, changes(passages, problem) if succession is None else succession)
+    waves = with_speeds(first.chain, first.bead, defined, first.velocity, number, direction=first.direction)
+    speed = np.where(_begins_within(first, problem), np.nan, waves.speed)
+    return replace(waves, speed=speed, time=first.time, arrival_error=error, peak_velocity_error=first.velocity_error)
 
 
 def _begins_within(first: Peaks, problem: Problem) -> Flags:
@@ -163,7 +163,7 @@ def with_speeds(
 
 
 def mirrored_waves(waves: Waves, problem: Problem) -> Waves:
-    """The same waves as numbered in the mirror; twice is the waves themselves."""
+    """Waves with beads numbered in the mirror; mirrored twice, the waves themselves."""
     bead = mirrored_bead(problem, waves.bead)
     return replace(waves, bead=bead).where(np.lexsort((bead, waves.chain)))
 
@@ -174,12 +174,12 @@ def opposed(problem: Problem) -> bool:
 
 
 def leading_finder(problem: Problem) -> PeakFinder:
-    """What finds the maxima that `leading_passages` chooses from."""
+    """Finder of the maxima that `leading_passages` chooses from."""
     return PeakFinder(first_only=not opposed(problem))
 
 
 def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
-    """Those of a run's maxima that may be the leading pulse's: all, or with kicks both ways a few."""
+    """Maxima of a run that may be the leading pulse's: all, or a few with kicks in both directions."""
     passages = of_pulses(peaks, track_pulses(peaks, problem)) if opposed(problem) else peaks
     return beyond_kicks(passages, problem)
 
@@ -189,12 +189,12 @@ def beyond_kicks(peaks: Peaks, problem: Problem) -> Peaks:
 
     Behind it others pass: those that walls reflect, and what runs back from the kick under a static load.
     """
-    way = peaks.direction
+    direction = peaks.direction
     first = min(
-        (way * bead for _, bead, velocity in physics.excitations(problem.system) if velocity * way > 0.0),
+        (direction * bead for _, bead, velocity in physics.excitations(problem.system) if velocity * direction > 0.0),
         default=-problem.beads,
     )
-    return peaks.where(way * peaks.bead >= first)
+    return peaks.where(direction * peaks.bead >= first)
 
 
 def of_pulses(peaks: Peaks, pulses: tuple[Pulse, ...]) -> Peaks:

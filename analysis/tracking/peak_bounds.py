@@ -34,19 +34,21 @@ NEAREST = 1e-4
 """Distance, in frames, of a beginning from the frame that sees it; nearer ones are taken to be there."""
 
 DOUBT = (0.7, 1.0, 1.4)
-"""Of the distance of a beginning, which follows from the overlap and its rate at the frame that sees it."""
+"""Factors on the distance of a beginning, which follows from the overlap and its rate at the frame that sees it."""
 
 MARGIN = 1.1
-"""For the samples of which tables are made, and a rate that is taken to be steady."""
+"""Factor on errors, for the finite number of samples in tables and for a rate that is taken to be constant."""
 
 
 def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -> Floats:
-    """How far a bead's velocity between a frame and the next may be off, and its slope a frame, [0 or 1, bead].
+    """Bounds on the errors of beads' velocities between a frame and the next, and of their slopes, [0 or 1, bead].
+
+    Errors are those by forces that no polynomial follows, in units of V; slopes are per frame.
 
     Args:
         block: frames.
-        start: the first frame of each.
-        chain, bead: positions of the beads in the block, all of which are recorded.
+        start: [bead] position of the first of the two frames.
+        chain, bead: [bead] positions of the beads in the block, all of which are recorded.
     """
     problem, place = block.problem, block.first - 1 + bead
     system = problem.system
@@ -54,12 +56,13 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
     x, v = (values[at, chain, bead] for values in (block.displacement, block.velocity))
     off = np.zeros((2, len(start)))
 
-    def acceleration(one: Integers) -> Floats:
-        return motion.acceleration_and_rate(block, at, chain, one)[0]
+    def acceleration(position: Integers) -> Floats:
+        """Acceleration of beads at positions [bead], [frame, bead]."""
+        return motion.acceleration_and_rate(block, at, chain, position)[0]
 
     for side in (-1, 1):
-        there = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
-        other, contact = np.where(there, bead + side, bead), np.minimum(place, place + side)
+        has_contact = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
+        other, contact = np.where(has_contact, bead + side, bead), np.minimum(place, place + side)
         overlap = side * (x - block.displacement[at, chain, other]) - physics.gap(system)
         overlap += motion.rest_overlap(system, chain, contact)
         closing = side * (v - block.velocity[at, chain, other])
@@ -67,20 +70,20 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         forces = partial(_of_contacts, problem, chain, contact)
         law = laws.at(system.along[0].law, chain, contact)
         memory = None if block.memory is None else block.memory[at, chain, contact + 1]
-        off += np.where(there, _pressing(law, forces, memory, overlap, closing, block.spacing), 0.0)
+        off += np.where(has_contact, _pressing(law, forces, memory, overlap, closing, block.spacing), 0.0)
         if loss := _cutting(physics.contact_loss(system), chain, contact):
             states = np.stack([overlap, closing, side * (acceleration(bead) - acceleration(other))])
-            off += np.where(there, _cut(law, loss, states, block.spacing), 0.0)
+            off += np.where(has_contact, _cut(law, loss, states, block.spacing), 0.0)
     for wall in physics.walls(system):
         law = laws.at(wall.law, chain, place)
-        there = place == (problem.beads - 1 if wall.side > 0.0 else 0)
+        has_contact = place == (problem.beads - 1 if wall.side > 0.0 else 0)
         overlap, closing = wall.strain(x) + laws.rest(law), wall.rate(v)
         forces = partial(_of_wall, law, physics.wall_loss(system, wall.side), chain, place)
         memory = None if block.memory is None else block.memory[at, chain, place + (wall.side > 0.0)]
-        off += np.where(there, _pressing(law, forces, memory, overlap, closing, block.spacing), 0.0)
+        off += np.where(has_contact, _pressing(law, forces, memory, overlap, closing, block.spacing), 0.0)
         if loss := _cutting(physics.wall_loss(system, wall.side), chain, place):
             states = np.stack([overlap, closing, wall.rate(acceleration(bead))])
-            off += np.where(there, _cut(law, loss, states, block.spacing), 0.0)
+            off += np.where(has_contact, _cut(law, loss, states, block.spacing), 0.0)
     for ground in physics.ground_springs(system):
         if laws.varies(ground.law):
             off += _bent(laws.at(ground.law, chain, place), np.abs(x).max(axis=0), block.time[at])
@@ -88,7 +91,7 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
 
 
 def _pressing(law: Any, forces: Callable[[Floats, Floats], Forces], memory: Floats | None, *states: Any) -> Floats:
-    """The same of contacts that open and close; with memories at both frames, of such as yield."""
+    """Errors as in `kinks` by contacts that open or close; given memories at both frames, by contacts that yield."""
     return _by(forces, *states) if memory is None else _of_memory(laws.with_memory(law, memory), *states)
 
 
@@ -98,7 +101,7 @@ def _cutting(loss: Any, *index: Any) -> Any:
 
 
 def _bent(law: Any, strain: Floats, time: Floats) -> Floats:
-    """The same where the stiffness of springs begins or ceases to change; of each bead, times of both frames."""
+    """Errors as in `kinks` by springs whose stiffness begins or ceases to change; ``time`` is [frame, bead]."""
     spacing = time[1] - time[0]
     begins, jumps = [], []
     for bend in law.bends:
@@ -115,24 +118,24 @@ def _bent(law: Any, strain: Floats, time: Floats) -> Floats:
 
 
 def _by(forces: Callable[[Floats, Floats], Forces], overlap: Floats, closing: Floats, spacing: float) -> Floats:
-    """The same of what pushes beads with these overlaps, and their rates, at both frames, [frame, bead]."""
+    """Errors as in `kinks` by forces on beads with these overlaps, and their rates, at both frames, [frame, bead]."""
     pressed, rate = overlap > 0.0, np.abs(closing)
     between = pressed[0] != pressed[1]
     # what has just closed before the first frame, and what will soon open after the second
     near = pressed & (between | (np.array([[1.0], [-1.0]]) * closing > 0.0)) & (rate > 0.0)
     away = np.where(near, overlap / np.where(near, rate * spacing, 1.0), np.inf).min(axis=0)
-    most: Floats = rate.max(axis=0)
-    found = (force * unfollowed(power, away, between) for power, force in forces(most * spacing, most))
-    return np.asarray(spacing * sum(found))
+    fastest: Floats = rate.max(axis=0)
+    errors = (force * unfollowed(power, away, between) for power, force in forces(fastest * spacing, fastest))
+    return np.asarray(spacing * sum(errors))
 
 
 def _cut(elastic: Any, loss: Any, states: Floats, spacing: float) -> Floats:
-    """The same where the tension of dashpots is cut between the frames, or no longer: the force ends in a kink.
+    """Errors as in `kinks` where tensile dashpot forces begin or cease to be cut between frames, with a kink.
 
     Args:
         elastic, loss: laws of the contacts, at each bead.
         states: overlap, and its first and second derivative, [derivative, frame, bead].
-        spacing: of the frames.
+        spacing: time between the frames, in units of T.
     """
     overlap, rate, quickening = states
     strain = overlap - laws.rest(elastic)
@@ -146,26 +149,27 @@ def _cut(elastic: Any, loss: Any, states: Floats, spacing: float) -> Floats:
 
 
 def _of_memory(law: Any, overlap: Floats, closing: Floats, spacing: float) -> Floats:
-    """The same of contacts that yield: they open at the permanent overlap, and where unloading begins or first loading
-    goes on their stiffness jumps. The law has the memories at both frames.
+    """Errors as in `kinks` by contacts that yield; the law has the memories at both frames.
+
+    They open at the permanent overlap, and their stiffness jumps where unloading begins or first loading continues.
     """
     permanent, memory = law.permanent(*law), law.memory
-    found = _by(partial(_of_unloading, laws.with_memory(law, memory[1])), overlap - permanent, closing, spacing)
+    errors = _by(partial(_of_unloading, laws.with_memory(law, memory[1])), overlap - permanent, closing, spacing)
     loads = (closing > 0.0) & (overlap >= memory - motion.ROUNDING)
     ends, goes_on = loads[0] & ~loads[1], loads[1] & ~loads[0]
     law = laws.with_memory(law, np.where(ends, memory[1], memory[0]))
-    up, down = (laws.stiffness(motion.on_its_branch(law, way), law.memory - laws.rest(law)) for way in (1.0, -1.0))
-    jump, most, turn = np.abs(up - down), np.abs(closing).max(axis=0), np.abs(closing[0] - closing[1])
+    up, down = (laws.stiffness(motion.on_its_branch(law, sign), law.memory - laws.rest(law)) for sign in (1.0, -1.0))
+    jump, fastest, turn = np.abs(up - down), np.abs(closing).max(axis=0), np.abs(closing[0] - closing[1])
     with np.errstate(divide="ignore", invalid="ignore"):
         since_top = np.nan_to_num(np.abs(closing[1]) / turn)
-        since_memory = np.nan_to_num((overlap[1] - memory[0]) / (most * spacing))
+        since_memory = np.nan_to_num((overlap[1] - memory[0]) / (fastest * spacing))
     jumped = 0.5 * jump * turn * spacing * unfollowed(2.0, np.where(ends, since_top, np.inf), ends)
-    jumped += jump * most * spacing * unfollowed(1.0, np.where(goes_on, since_memory, np.inf), goes_on)
-    return np.asarray(found + spacing * jumped)
+    jumped += jump * fastest * spacing * unfollowed(1.0, np.where(goes_on, since_memory, np.inf), goes_on)
+    return np.asarray(errors + spacing * jumped)
 
 
 def _of_unloading(law: Any, overlap: Floats, _rate: Floats) -> Forces:
-    """The same of contacts that have yielded, by their overlap beyond the permanent one."""
+    """Exponent in time and force of contacts that have yielded, as `_of_contacts`; overlap beyond the permanent one."""
     begins = law.permanent(*law)
     small, large = (np.max(laws.whole_force(law, begins + much)) for much in (1e-6, 2e-6))
     if small > 0.0:  # else of walls that none of these beads meets
@@ -173,7 +177,7 @@ def _of_unloading(law: Any, overlap: Floats, _rate: Floats) -> Forces:
 
 
 def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: Floats, rate: Floats) -> Forces:
-    """As which power of time the forces of contacts begin, and what they are a frame later."""
+    """Exponent in time with which each force of contacts begins, and the force at this overlap and rate, [bead]."""
     system = problem.system
     yield physics.exponent(system) or 1.5, motion.contact_force(system, overlap, chain, contact)
     loss: Any = physics.contact_loss(system)
@@ -182,7 +186,7 @@ def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: 
 
 
 def _of_wall(law: Any, loss: Any, chain: Integers, bead: Integers, overlap: Floats, rate: Floats) -> Forces:
-    """The same of a wall's."""
+    """Exponent in time with which each force of a wall begins, and the force at this overlap and rate, [bead]."""
     power = getattr(law, "exponent", None)
     yield power or 1.5, laws.whole_force(law, overlap) if power is None else law.strength * overlap**power
     if loss is not None:
@@ -190,34 +194,34 @@ def _of_wall(law: Any, loss: Any, chain: Integers, bead: Integers, overlap: Floa
 
 
 def _of_dashpot(law: Any, overlap: Floats, rate: Floats) -> tuple[float, Floats]:
-    one, two = (float(np.max(dashpot.resistance(law, np.float64(much)))) for much in (1.0, 2.0))
-    power = float(np.log2(two / one)) if one > 0.0 else 0.0
+    single, double = (float(np.max(dashpot.resistance(law, np.float64(much)))) for much in (1.0, 2.0))
+    power = float(np.log2(double / single)) if single > 0.0 else 0.0
     return power, dashpot.resistance(law, overlap) * rate
 
 
 def unfollowed(power: float, away: Floats, between: Flags) -> Floats:
     """Errors of velocity, and of its slope, by a force that is ``time**power`` after it begins, [0 or 1, ...].
 
-    In frames; the largest of what is as likely by `DOUBT`.
+    Times are in frames. The errors are the largest over the factors of `DOUBT`.
 
     Args:
-        power: 0 for a force that jumps.
-        away: distance of the beginning from the frame that sees it; inf: nothing begins.
-        between: whether that is between the two frames, else before both.
+        power: exponent of time; 0 for a force that jumps.
+        away: [...] distance of the beginning from the frame that sees it; inf where no force begins.
+        between: [...] whether the beginning is between the two frames, else before both.
     """
-    found = np.zeros((2, *np.shape(away)))
+    worst = np.zeros((2, *np.shape(away)))
     for factor in DOUBT:
         distance = np.clip(factor * away, NEAREST, None)
         begin = np.where(between, 1.0 - np.minimum(distance, 1.0), -distance)
         grid, *errors = _table(power)
         for k, error in enumerate(errors):
-            found[k] = np.fmax(found[k], np.interp(begin, grid, error, left=0.0))
-    return MARGIN * found
+            worst[k] = np.fmax(worst[k], np.interp(begin, grid, error, left=0.0))
+    return MARGIN * worst
 
 
 @lru_cache
 def _table(power: float) -> tuple[Floats, Floats, Floats]:
-    """Where forces begin, in frames, and the errors."""
+    """Beginnings of forces, in frames, and the errors of velocity and slope by them, each [beginning]."""
     near = np.geomspace(NEAREST, 0.5, 60)
     begin = np.concatenate([-np.geomspace(FARTHEST, NEAREST, 100), near, 1.0 - near[::-1]])
 
@@ -281,7 +285,7 @@ class Brackets(Columns):
     high: Floats
     overlap: Floats
     displacement: Floats
-    """At the origin."""
+    """Displacement at the origin, [maximum] in units of L."""
     velocity: Floats
     """[power, maximum] in s = (time - origin) / spacing."""
     doubt: Floats
@@ -290,23 +294,28 @@ class Brackets(Columns):
     """How far ``velocity`` and its slope may be off by forces that no polynomial follows, [0 or 1, maximum]."""
     beside: Floats
     """How far the velocity on the other side of the largest frame may exceed that frame's by such forces, [maximum]."""
-    whole: Flags
+    forces_known: Flags
     """Whether frames determine the forces on all beads."""
 
 
 def no_maxima() -> Brackets:
-    """To which others are added."""
-    number, one, polynomial = np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros((_POWERS, 0))
-    two, mask = np.zeros((2, 0)), np.zeros(0, dtype=bool)
-    return Brackets(number, number, one, one, one, one, one, one, polynomial, polynomial, two, one, mask)
+    """Brackets of no maximum, to which others are added."""
+    integers, values, polynomial = np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros((_POWERS, 0))
+    pairs, mask = np.zeros((2, 0)), np.zeros(0, dtype=bool)
+    return Brackets(
+        integers, integers, values, values, values, values, values, values, polynomial, polynomial, pairs, values, mask
+    )
 
 
-def bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Integers, way: int) -> Brackets:
-    """Maxima whose largest frames are given. One at frame 0 stays there but of a bead that is pushed or moved."""
+def bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Integers, direction: int) -> Brackets:
+    """Brackets of maxima at beads and largest frames, [maximum] positions in a block.
+
+    A maximum at frame 0 stays there unless the bead is pushed or driven.
+    """
     spacing = block.spacing
     by_equations = block.forces_known
     if by_equations:
-        rising = way * motion.acceleration_and_rate(block, frame, chain, bead)[0] > 0.0
+        rising = direction * motion.acceleration_and_rate(block, frame, chain, bead)[0] > 0.0
         start = np.maximum(np.where(rising, frame, frame - 1), 0)
         nodes: tuple[int, ...] = (0, 1)
         low, high = np.zeros(len(frame)), np.ones(len(frame))
@@ -315,12 +324,15 @@ def bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Integer
         start = np.clip(frame - 1, 0, block.frames - len(nodes))
         low = np.maximum(frame - start - 1.0, 0.0)
         high = low + 2.0
-    data = way * np.array([_states(block, start + node, chain, bead, by_equations=by_equations) for node in nodes])
+    data = direction * np.array(
+        [_states(block, start + node, chain, bead, by_equations=by_equations) for node in nodes]
+    )
 
     fastest = max(rates.fastest(block.problem.system), rates.drag(block.problem.system))
     quick = spacing * max(1.0, fastest / FREQUENCY) if by_equations else spacing
 
     def fit(states: Floats) -> tuple[Floats, Floats]:
+        """Polynomials [power, maximum] of states [node, derivative, maximum], see `_polynomials`."""
         return _polynomials(nodes, states[:, : data.shape[1]], spacing, quick, by_equations=by_equations)
 
     velocity, other = fit(data)
@@ -328,15 +340,15 @@ def bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Integer
     beside = np.zeros(len(frame))
     if by_equations:
         kink += kinks(block, start, chain, bead)
-        beside += _beside(block, frame, np.where(start == frame, frame - 1, frame), chain, bead, way)
+        beside += _beside(block, frame, np.where(start == frame, frame - 1, frame), chain, bead, direction)
     outside: tuple[Load | Motion, ...] = (*block.problem.system.loads, *block.problem.system.motions)
     for load in outside:
-        here = (chain == load.chain - 1) & (block.beads[bead] == load.bead)
-        acted_on |= here
-        if isinstance(load, Load) and np.any(here):
-            times = block.time[start[here]] + spacing * np.array(nodes)[:, None]
-            kink[:, here] += _pushed(load, times, fit, low[here], high[here]) / physics.mass_of(
-                block.problem.system, chain[here], block.beads[bead[here]] - 1
+        loaded = (chain == load.chain - 1) & (block.beads[bead] == load.bead)
+        acted_on |= loaded
+        if isinstance(load, Load) and np.any(loaded):
+            times = block.time[start[loaded]] + spacing * np.array(nodes)[:, None]
+            kink[:, loaded] += _pushed(load, times, fit, low[loaded], high[loaded]) / physics.mass_of(
+                block.problem.system, chain[loaded], block.beads[bead[loaded]] - 1
             )
     return Brackets(
         chain=chain + 1,
@@ -351,25 +363,27 @@ def bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Integer
         doubt=_share_of_doubt(block.problem, spacing, quick, by_equations=by_equations) * (other - velocity),
         kink=kink,
         beside=beside,
-        whole=np.full(len(frame), block.forces_known),
+        forces_known=np.full(len(frame), block.forces_known),
     )
 
 
-def _beside(block: Trajectory, frame: Integers, start: Integers, chain: Integers, bead: Integers, way: int) -> Floats:
+def _beside(
+    block: Trajectory, frame: Integers, start: Integers, chain: Integers, bead: Integers, direction: int
+) -> Floats:
     """`Brackets.beside`, from the largest frame and the first of the two frames on its other side."""
-    found = np.zeros(len(frame))
-    there = np.flatnonzero(start >= 0)
-    if len(there):
-        found[there] = kinks(block, start[there], chain[there], bead[there])[0]
-    near = np.flatnonzero(found)
+    excess = np.zeros(len(frame))
+    existing = np.flatnonzero(start >= 0)
+    if len(existing):
+        excess[existing] = kinks(block, start[existing], chain[existing], bead[existing])[0]
+    near = np.flatnonzero(excess)
     if len(near) == 0:
-        return found
+        return excess
     frame, start, chain, bead = frame[near], start[near], chain[near], bead[near]
-    data = way * np.array([_states(block, at, chain, bead, by_equations=True) for at in (start, start + 1)])
+    data = direction * np.array([_states(block, at, chain, bead, by_equations=True) for at in (start, start + 1)])
     curve, _ = _polynomials((0, 1), data, block.spacing, block.spacing, by_equations=True)
     along = [hermite.value(curve, np.full(len(near), s)) for s in np.linspace(0.0, 1.0, _SAMPLES)]
-    found[near] += np.max(along, axis=0) - way * block.velocity[frame, chain, bead]
-    return found
+    excess[near] += np.max(along, axis=0) - direction * block.velocity[frame, chain, bead]
+    return excess
 
 
 def _states(
@@ -383,7 +397,7 @@ def _states(
 def _pushed(
     load: Load, times: Floats, fit: Callable[[Floats], tuple[Floats, Floats]], low: Floats, high: Floats
 ) -> Floats:
-    """How far a fit is off to what a force alone gives a bead of mass 1, as `Brackets.kink`.
+    """Errors of a fit to the motion of a bead of mass 1 by a force alone, as `Brackets.kink`.
 
     Times are [node, maximum].
     """
@@ -407,9 +421,9 @@ def _polynomials(
     Args:
         nodes: frames.
         data: [node, derivative of the displacement, maximum].
-        spacing: time between frames.
-        quick: the same in the time scale of the system's fastest motion, see `FREQUENCY`.
-        by_equations: whether acceleration and its rate are there.
+        spacing: time between frames, in units of T.
+        quick: time between frames in the time scale of the system's fastest motion, see `FREQUENCY`.
+        by_equations: whether acceleration and its rate are among the data.
     """
     by_velocity = hermite.coefficients(nodes, data[:, 1:], spacing)
     by_both = hermite.derivative(hermite.coefficients(nodes, data, spacing)) / spacing
@@ -447,25 +461,25 @@ def _padded(polynomials: Floats) -> Floats:
     return np.concatenate([polynomials, np.zeros((missing, *polynomials.shape[1:]))])
 
 
-def largest(polynomials: Floats, found: Brackets) -> Floats:
-    """Largest size of a polynomial in each bracket, by some samples."""
+def largest(polynomials: Floats, brackets: Brackets) -> Floats:
+    """Largest size of polynomials [power, maximum] in their brackets, [maximum], by some samples."""
     shares = np.linspace(0.0, 1.0, _SAMPLES)
-    sizes = [np.abs(hermite.value(polynomials, found.low + c * (found.high - found.low))) for c in shares]
+    sizes = [np.abs(hermite.value(polynomials, brackets.low + c * (brackets.high - brackets.low))) for c in shares]
     return np.asarray(np.max(sizes, axis=0))
 
 
-def highest(found: Brackets) -> Floats:
-    """Where in its bracket each maximum lies, in s = (time - origin) / spacing."""
-    at = hermite.falling_zero(hermite.derivative(found.velocity), found.low, found.high)
+def highest(brackets: Brackets) -> Floats:
+    """Place of each maximum in its bracket, [maximum], in s = (time - origin) / spacing."""
+    at = hermite.falling_zero(hermite.derivative(brackets.velocity), brackets.low, brackets.high)
     # between frames far apart there may be several; none that is lower than a frame is the maximum
-    frames = found.low, np.minimum(found.low + 1.0, found.high)
-    one, other = (hermite.value(found.velocity, frame) for frame in frames)
-    lower = hermite.value(found.velocity, at) < np.maximum(one, other) - FLOOR
-    return np.where(lower, np.where(one >= other, *frames), at)
+    frames = brackets.low, np.minimum(brackets.low + 1.0, brackets.high)
+    at_low, at_next = (hermite.value(brackets.velocity, frame) for frame in frames)
+    lower = hermite.value(brackets.velocity, at) < np.maximum(at_low, at_next) - FLOOR
+    return np.where(lower, np.where(at_low >= at_next, *frames), at)
 
 
 def on_a_grid(every: Floats | float, peak_velocity: Floats | float, *, all_recorded: bool = True) -> tuple[Any, Any]:
-    """Bounds on the errors of arrival (T) and peak velocity (V) of an exact wave, found on a grid of times.
+    """Bounds on the errors of arrival (T) and peak velocity (V) of an exact wave in frames ``every`` T, all [...].
 
     Measured for peak velocities from 0.05 to 1 and times between frames up to 1. They fall as ``every**5`` or faster:
     in arrival at 0.1, 4e-8; at 1, 4e-3.

@@ -1,7 +1,7 @@
 """Every passage of a compressive pulse at a bead: a maximum over time of its velocity, found between the frames.
 
-`peak_bounds` says where between the frames, and its uncertainty. Reads a run block by block, so its memory does not
-grow with the number of frames; nothing depends on where the blocks begin.
+`peak_bounds` has the place between the frames, and its uncertainty. A run is read block by block, so memory does not
+grow with the number of frames; no number depends on where the blocks begin.
 """
 
 from collections.abc import Iterable
@@ -71,12 +71,12 @@ wave has 0.66). Such a velocity reaches a level and stays: the time of its maxim
 
 
 def sharp(peaks: Peaks) -> Flags:
-    """Which passages have a defined time: all but those of beads that fly freely, as far as that is known."""
+    """Mask, [maximum], of passages of defined time: all but those of beads that fly freely, as far as that is known."""
     return ~(peaks.overlap < FREE * peaks.velocity**0.8)
 
 
 def in_mirror(peaks: Peaks, problem: Problem) -> Peaks:
-    """The same maxima as numbered in the mirror, where they run the other way; twice is the maxima themselves."""
+    """Maxima with beads and direction as in the mirror; mirrored twice, the maxima themselves."""
     bead = mirrored_bead(problem, peaks.bead)
     order = np.lexsort((peaks.time, bead, peaks.chain))
     return replace(peaks, bead=bead, direction=-peaks.direction).where(order)
@@ -104,7 +104,7 @@ class PeakFinder:
     ) -> None:
         self._threshold = threshold
         self._direction = direction
-        self._found = [no_maxima()]
+        self._brackets = [no_maxima()]
         self._carried: Trajectory | None = None
         self._started = False
         self._first_only = first_only
@@ -132,15 +132,15 @@ class PeakFinder:
         if not self._started:
             self._start(self._carried)
         self._search(self._carried, self._carried.frames - 1, low=self._carried.frames - 2)
-        return _refined(self._found, self._way(self._carried))
+        return _refined(self._brackets, self._way(self._carried))
 
     def forget(self) -> None:
         """Forget what was found but not where the frames ended, so that only what follows is found."""
-        self._found = [no_maxima()]
+        self._brackets = [no_maxima()]
 
     def take_over(self, later: "PeakFinder") -> None:
-        """Continue from another one, given the same frames last, which dropped what it had found, and found more."""
-        self._found += later._found
+        """Add the maxima that another finder has found since its `forget`, and continue after its frames."""
+        self._brackets += later._brackets
         self._carried = later._carried
 
     def _way(self, block: Trajectory) -> int:
@@ -177,7 +177,7 @@ class PeakFinder:
             self._passed.flat[place[first]] = True
         if len(frame) == 0:
             return
-        self._found.append(bracketed(block, frame, chain, bead, self._way(block)))
+        self._brackets.append(bracketed(block, frame, chain, bead, self._way(block)))
 
 
 def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD, *, direction: int | None = None) -> Peaks:
@@ -186,40 +186,42 @@ def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD, *, di
 
 
 def _refined(parts: list[Brackets], direction: int) -> Peaks:
-    found = together(parts)
-    at, slope = highest(found), hermite.derivative(found.velocity)
-    time, velocity = found.origin + at * found.spacing, hermite.value(found.velocity, at)
-    way = found.displacement + found.spacing * hermite.integral(found.velocity, at)
-    doubt = largest(found.doubt, found) + found.kink[0]
+    brackets = together(parts)
+    at, slope = highest(brackets), hermite.derivative(brackets.velocity)
+    time, velocity = brackets.origin + at * brackets.spacing, hermite.value(brackets.velocity, at)
+    displacement = brackets.displacement + brackets.spacing * hermite.integral(brackets.velocity, at)
+    doubt = largest(brackets.doubt, brackets) + brackets.kink[0]
     curvature = -hermite.value(hermite.derivative(slope), at)
     with np.errstate(divide="ignore", invalid="ignore"):
-        slope_error = largest(hermite.derivative(found.doubt), found) + found.kink[1]
-        time_error = slope_error / curvature * found.spacing
+        slope_error = largest(hermite.derivative(brackets.doubt), brackets) + brackets.kink[1]
+        time_error = slope_error / curvature * brackets.spacing
     exact_time, exact_velocity = np.where(
-        found.whole, on_a_grid(found.spacing, velocity), on_a_grid(found.spacing, velocity, all_recorded=False)
+        brackets.forces_known,
+        on_a_grid(brackets.spacing, velocity),
+        on_a_grid(brackets.spacing, velocity, all_recorded=False),
     )
     doubt, time_error = doubt + exact_velocity, time_error + exact_time
-    at_start = found.low == found.high
+    at_start = brackets.low == brackets.high
     # the maximum may be on the other side of the largest frame, where the velocity may exceed what was found
-    frames = np.maximum(*(hermite.value(found.velocity, end) for end in (found.low, found.high)))
-    more = np.where(found.beside > 0.0, np.maximum(found.beside + frames - velocity, 0.0), 0.0)
+    frames = np.maximum(*(hermite.value(brackets.velocity, end) for end in (brackets.low, brackets.high)))
+    more = np.where(brackets.beside > 0.0, np.maximum(brackets.beside + frames - velocity, 0.0), 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         time_error = time_error + np.where(
-            more > 0.0, np.sqrt(2.0 * more / np.maximum(curvature, 0.0)) * found.spacing, 0.0
+            more > 0.0, np.sqrt(2.0 * more / np.maximum(curvature, 0.0)) * brackets.spacing, 0.0
         )
     doubt = np.maximum(doubt, more)
     time_error = np.where(at_start, 0.0, np.where(time_error >= 0.0, time_error, np.inf))
     peaks = Peaks(
-        chain=found.chain,
-        bead=found.bead,
+        chain=brackets.chain,
+        bead=brackets.bead,
         time=time,
         velocity=velocity,
-        overlap=found.overlap,
-        centre=time - way / velocity,
+        overlap=brackets.overlap,
+        centre=time - displacement / velocity,
         time_error=time_error,
         velocity_error=np.where(at_start, 0.0, doubt),
-        centre_error=np.where(at_start, 0.0, (found.spacing + np.abs(way / velocity)) * doubt / velocity),
+        centre_error=np.where(at_start, 0.0, (brackets.spacing + np.abs(displacement / velocity)) * doubt / velocity),
         direction=direction,
     )
     peaks = replace(peaks, time_error=np.where(sharp(peaks) | at_start, time_error, np.inf))
-    return peaks.where(np.lexsort((time, found.bead, found.chain)))
+    return peaks.where(np.lexsort((time, brackets.bead, brackets.chain)))

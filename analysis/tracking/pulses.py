@@ -83,7 +83,7 @@ class Pulse(Columns):
     peak_velocity_error: Floats
 
     def recent(self, at: int) -> Integers:
-        """Positions of the passages of the last `CONSTANT_OVER` beads up to one, and that itself."""
+        """Positions, [passage], of the passages at the last `CONSTANT_OVER` beads up to one, that one included."""
         return np.flatnonzero(np.abs(self.bead[: at + 1] - self.bead[at]) <= CONSTANT_OVER)
 
     def variation(self, at: int) -> float:
@@ -116,22 +116,22 @@ def track_pulses(peaks: Peaks, problem: Problem, *, smallest: float = SMALLEST) 
     passages = peaks.where(
         (peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed) & np.isin(peaks.bead, recorded)
     )
-    found = []
+    pulses = []
     for chain in np.unique(passages.chain):
-        own = passages.where(passages.chain == chain)
-        for track in _linked(own, recorded, partial(speed_at, int(chain))):
-            if len(track) >= least and np.max(own.velocity[track]) >= smallest:
-                one = own.where(track)
-                bead = one.bead if direction > 0 else mirrored_bead(problem, one.bead)
-                speed, errors = local_speed(one.bead, one.time), (one.time_error, one.velocity_error)
-                found.append(Pulse(int(chain), direction, bead, one.time, one.velocity, speed, *errors))
-    return tuple(sorted(found, key=lambda pulse: (pulse.chain, pulse.arrival[0])))
+        in_chain = passages.where(passages.chain == chain)
+        for track in _linked(in_chain, recorded, partial(speed_at, int(chain))):
+            if len(track) >= least and np.max(in_chain.velocity[track]) >= smallest:
+                tracked = in_chain.where(track)
+                bead = tracked.bead if direction > 0 else mirrored_bead(problem, tracked.bead)
+                speed, errors = local_speed(tracked.bead, tracked.time), (tracked.time_error, tracked.velocity_error)
+                pulses.append(Pulse(int(chain), direction, bead, tracked.time, tracked.velocity, speed, *errors))
+    return tuple(sorted(pulses, key=lambda pulse: (pulse.chain, pulse.arrival[0])))
 
 
 def speed_of_pulses(problem: Problem) -> Callable[[int, Integers, Floats], Floats]:
-    """Speed, in beads / T, of a pulse as a function of chain, beads (counted from 1) and peak velocities (in V).
+    """Speed, [...] in beads / T, of a pulse as a function of chain, beads [...] from 1 and peak velocities [...] in V.
 
-    That of the exact wave; on a static load that of the long-wave theory.
+    It is that of the exact wave; on a static load that of the long-wave theory.
     """
     if physics.loaded(problem.system):
         return LoadedSpeed(problem.system).at
@@ -148,10 +148,11 @@ def ahead_of_sound(pulse: Pulse, loaded: LoadedSpeed) -> bool:
     """
     half = slice(len(pulse) // 2 - 1 if len(pulse) > 3 else 0, None)
     bead, arrival = pulse.bead[half], pulse.arrival[half]
-    way = np.abs(np.diff(bead))
+    distance = np.abs(np.diff(bead))
 
     def takes(speed: Floats) -> float:
-        return float(np.sum(2.0 * way / (speed[1:] + speed[:-1])))
+        """Time over the distance at speeds at its beads, [passage]."""
+        return float(np.sum(2.0 * distance / (speed[1:] + speed[:-1])))
 
     sound = takes(loaded.sound[pulse.chain - 1, bead - 1])
     expected = sound / takes(loaded.at(pulse.chain, bead, pulse.peak_velocity[half])) - 1.0
@@ -161,17 +162,17 @@ def ahead_of_sound(pulse: Pulse, loaded: LoadedSpeed) -> bool:
 
 
 def of_one_kind(problem: Problem) -> Flags:
-    """Which rows, [bead], can be compared: those of the masses that most rows have, the heavier ones of equally many.
+    """Rows, [bead], that can be compared: those of the masses that most rows have, the heavier ones of equally many.
 
-    All, if hardly two rows are of the same masses, as in tapered and disordered chains.
+    All rows, if hardly two rows are of the same masses, as in tapered and disordered chains.
     """
     if isinstance(problem.system.mass, float):
         return np.ones(problem.beads, dtype=bool)
     kinds, which, count = np.unique(problem.system.mass, axis=1, return_inverse=True, return_counts=True)
     if count.max() < max(2.0, 0.1 * problem.beads):
         return np.ones(problem.beads, dtype=bool)
-    most = np.flatnonzero(count >= count.max() - 1)
-    heaviest = most[np.argmax(kinds[:, most].sum(axis=0))]
+    frequent = np.flatnonzero(count >= count.max() - 1)
+    heaviest = frequent[np.argmax(kinds[:, frequent].sum(axis=0))]
     return np.asarray(which.reshape(-1) == heaviest)
 
 
@@ -213,18 +214,22 @@ def _linked(peaks: Peaks, recorded: Integers, speed_at: Callable[[Integers, Floa
             last = np.array([track.passages[-1] for track in open_tracks])
             usual_delay = np.array([[track.usual_delay] for track in open_tracks])
             bound = np.array([[track.bound] for track in open_tracks])
-            here = np.arange(start, end)
-            amplitude = np.sqrt(peaks.velocity[last][:, np.newaxis] * peaks.velocity[here])
-            way = (recorded[number] - peaks.bead[last])[:, np.newaxis]
-            delay = (peaks.time[here] - peaks.time[last][:, np.newaxis]) * speed_at(peaks.bead[here], amplitude) / way
-            ratio = peaks.velocity[here] / peaks.velocity[last][:, np.newaxis]
+            candidates = np.arange(start, end)
+            amplitude = np.sqrt(peaks.velocity[last][:, np.newaxis] * peaks.velocity[candidates])
+            distance = (recorded[number] - peaks.bead[last])[:, np.newaxis]
+            delay = (
+                (peaks.time[candidates] - peaks.time[last][:, np.newaxis])
+                * speed_at(peaks.bead[candidates], amplitude)
+                / distance
+            )
+            ratio = peaks.velocity[candidates] / peaks.velocity[last][:, np.newaxis]
             ratio = np.minimum(ratio, 1.0 / ratio)
             cost = (delay - usual_delay) ** 2 + 0.1 * np.log(ratio) ** 2
             far = (np.abs(delay - usual_delay) > bound) | (delay < EARLIEST) | (delay > LATEST)
             cost[far | (ratio < FAINTEST)] = np.inf
             for row, column in _cheapest_pairs(cost):
                 track = open_tracks[row]
-                track.passages.append(int(here[column]))
+                track.passages.append(int(candidates[column]))
                 track.usual_delay = float(delay[row, column])
                 track.bound = UNSTEADIEST
                 taken.add(column)
@@ -271,35 +276,35 @@ class Train(Columns):
     @property
     @derived()
     def ratio(self) -> Floats:
-        """Peak velocity of each over that of the first."""
+        """Peak velocity of each pulse over that of the first, [pulse]."""
         return np.asarray(self.peak_velocity / self.peak_velocity[0])
 
     @property
     @derived("time")
     def spacing(self) -> Floats:
-        """Time from each to the next."""
+        """Time from each pulse to the next, [pulse - 1]."""
         return np.diff(self.arrival)
 
 
 def train_of(
     pulses: Iterable[Pulse], chain: int, direction: int, bead: int, exact: SolitaryWave | None = None
 ) -> Train:
-    """Those pulses of a chain, running one way, that were seen at a bead.
+    """Pulses of a chain in one direction that were found at a bead.
 
     Of those that are nearer to each other than the exact wave passes at half its height, as light and heavy beads see
     one and the same, the highest counts.
     """
-    found: list[tuple[float, float, float]] = []
+    at_bead: list[tuple[float, float, float]] = []
     for pulse in pulses:
         at: Integers = np.flatnonzero(pulse.bead == bead)
         if (pulse.chain, pulse.direction) == (chain, direction) and len(at):
             arrival, peak = float(pulse.arrival[at[0]]), float(pulse.peak_velocity[at[0]])
-            found.append((arrival, peak, pulse.variation(int(at[0]))))
+            at_bead.append((arrival, peak, pulse.variation(int(at[0]))))
     exact = exact or solitary_wave()
     apart: list[tuple[float, float, float]] = []
-    for pulse_at in sorted(found):
+    for pulse_at in sorted(at_bead):
         if apart and pulse_at[0] - apart[-1][0] < float(exact.width / exact.speed_at(pulse_at[1])):
-            apart[-1] = max(apart[-1], pulse_at, key=lambda one: one[1])
+            apart[-1] = max(apart[-1], pulse_at, key=lambda passage: passage[1])
         else:
             apart.append(pulse_at)
     return Train(chain, bead, *np.array(apart).reshape(-1, 3).T)

@@ -86,13 +86,13 @@ def _in_chain(peaks: Peaks, speed_at: Callable[[Integers, Floats], Floats]) -> l
     end = np.append(first[1:], len(peaks))
 
     def delay(before: Integers | int, after: Integers | int) -> Floats:
-        """Time from maximum to maximum over that which a pulse of this amplitude takes."""
+        """Time from maximum to maximum, [pair], over that which a pulse of this amplitude takes."""
         amplitude = np.sqrt(peaks.velocity[before] * peaks.velocity[after])
         beads = peaks.bead[after] - peaks.bead[before]
         return np.asarray((peaks.time[after] - peaks.time[before]) * speed_at(peaks.bead[after], amplitude) / beads)
 
     def difference(before: Integers | int, after: Integers | int) -> Floats:
-        """Logarithm of the ratio of the amplitudes, without sign."""
+        """Size of the logarithm of the ratio of two amplitudes, [pair]."""
         return np.abs(np.log(peaks.velocity[before] / peaks.velocity[after]))
 
     delays = delay(first[:-1], first[1:])

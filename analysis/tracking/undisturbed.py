@@ -26,28 +26,28 @@ to 1e-10 there."""
 
 
 def returns(waves: Waves, problem: Problem, direction: int) -> Floats:
-    """When what leading waves did to the end that they run to may be back at a bead, in units of T, [chain, bead].
+    """Time at which a reflection of leading waves at the end that they run to may reach a bead, [chain, bead] in T.
 
     Infinite where none has reached that end. Chains that are tied to each other count as one.
 
     Args:
         waves: leading waves of all chains.
         problem: what was run.
-        direction: in which they run.
+        direction: 1 if they run towards higher bead numbers, else -1.
     """
     back = np.full((problem.chains, problem.beads), np.inf)
     numbers = np.arange(1, problem.beads + 1)
     for group in physics.groups(problem.system):
-        own = waves.where(np.isin(waves.chain - 1, sorted(group)) & np.isfinite(waves.time))
-        way = own.bead if direction > 0 else mirrored_bead(problem, own.bead)
-        bead, place = np.unique(way, return_inverse=True)
+        of_group = waves.where(np.isin(waves.chain - 1, sorted(group)) & np.isfinite(waves.time))
+        along = of_group.bead if direction > 0 else mirrored_bead(problem, of_group.bead)
+        bead, place = np.unique(along, return_inverse=True)
         first = np.full(len(bead), np.inf)
-        np.minimum.at(first, place, own.time)
+        np.minimum.at(first, place, of_group.time)
         if len(bead) == 0 or (bead[-1] < problem.beads and problem.recorded is None):
             continue
         end = first[-1]
         if bead[-1] < problem.beads:
-            at_last = own.where((way == bead[-1]) & (own.time == end))
+            at_last = of_group.where((along == bead[-1]) & (of_group.time == end))
             end += (problem.beads - bead[-1]) / at_last.speed[0]
         passed = 2.0 * end - np.interp(numbers, bead, first)
         back[sorted(group)] = passed if direction > 0 else passed[::-1]
@@ -55,7 +55,7 @@ def returns(waves: Waves, problem: Problem, direction: int) -> Floats:
 
 
 def clear_of_ends(pulse: Pulse, problem: Problem, back: Floats) -> Flags:
-    """[passage] whether neither end of the chain has disturbed a pulse; ``back`` is what `returns` says."""
+    """[passage] whether neither end of the chain has disturbed a pulse; ``back``: see `returns`."""
     inside = (pulse.bead > CLEAR) & (pulse.bead <= problem.beads - CLEAR)
     return np.asarray(inside & (pulse.arrival < back[pulse.chain - 1, pulse.bead - 1]))
 
@@ -63,13 +63,14 @@ def clear_of_ends(pulse: Pulse, problem: Problem, back: Floats) -> Flags:
 def clear_of_others(
     chain: int, bead: Integers, time: Floats, pulses: Iterable[Pulse], every: float, apart: float = APART
 ) -> Flags:
-    """[passage] whether all other pulses of a chain, of either direction, were so many beads away.
+    """[passage] whether all other pulses of a chain, of either direction, were ``apart`` beads away.
 
     Args:
-        chain, bead, time: of the passages; NaN is near none.
-        pulses: all that were found; one that passes the same bead at the same time is the same.
-        every: time between frames.
-        apart: beads.
+        chain: number of the chain.
+        bead, time: [passage] of the passages; a time that is NaN is near no pulse.
+        pulses: all pulses; one that passes the same bead at the same time is the same.
+        every: time between frames, in units of T.
+        apart: least distance of another pulse, in beads.
     """
     clear = np.ones(len(bead), dtype=bool)
     for other in pulses:
@@ -77,8 +78,8 @@ def clear_of_others(
             order = np.argsort(other.arrival, kind="stable")
             place = np.interp(time, other.arrival[order], other.bead[order], left=np.nan, right=np.nan)
             order = np.argsort(other.bead, kind="stable")
-            here = order[np.minimum(np.searchsorted(other.bead[order], bead), len(other) - 1)]
-            same = (other.bead[here] == bead) & (np.abs(other.arrival[here] - time) < 0.5 * every)
+            nearest = order[np.minimum(np.searchsorted(other.bead[order], bead), len(other) - 1)]
+            same = (other.bead[nearest] == bead) & (np.abs(other.arrival[nearest] - time) < 0.5 * every)
             clear &= same | ~(np.abs(place - bead) < apart)
     return clear
 
@@ -89,25 +90,25 @@ def once_each(pulses: tuple[Pulse, ...], exact: SolitaryWave) -> tuple[Pulse, ..
     Two are the same where most of the passages of one are nearer in time to the other's, at the same bead, than the
     exact wave takes to pass at half its height; the one seen at more beads stays.
     """
-    kept: list[Pulse] = []
+    distinct: list[Pulse] = []
     for pulse in sorted(pulses, key=len, reverse=True):
         near = exact.width / exact.speed_at(pulse.peak_velocity)
-        if not any(_same(pulse, other, near) for other in kept):
-            kept.append(pulse)
-    return tuple(pulse for pulse in pulses if any(pulse is one for one in kept))
+        if not any(_same(pulse, other, near) for other in distinct):
+            distinct.append(pulse)
+    return tuple(pulse for pulse in pulses if any(pulse is other for other in distinct))
 
 
 def _same(pulse: Pulse, other: Pulse, near: Floats) -> bool:
     if (pulse.chain, pulse.direction) != (other.chain, other.direction):
         return False
-    _, here, there = np.intersect1d(pulse.bead, other.bead, return_indices=True)
-    apart = np.abs(pulse.arrival[here] - other.arrival[there])
-    return bool(2 * np.count_nonzero(apart < near[here]) > len(pulse))
+    _, place, other_place = np.intersect1d(pulse.bead, other.bead, return_indices=True)
+    apart = np.abs(pulse.arrival[place] - other.arrival[other_place])
+    return bool(2 * np.count_nonzero(apart < near[place]) > len(pulse))
 
 
 @result
 class Residual:
-    """What the window has left."""
+    """Residual motion of the beads that the window has left."""
 
     rows: int | None = declare("rows of the window", "rows")
     residual_velocity: float = declare(
@@ -123,14 +124,14 @@ class Residual:
     @property
     @derived()
     def sentence(self) -> str:
-        """Whether anything could have caught up, in words."""
+        """Whether residual motion could have caught up with a leading wave, in words."""
         if self.bead == 0:
             return "window: no residual motion behind it"
-        found = f"window: residual velocity of the beads behind it {self.residual_velocity:.2g} V or less"
+        residual = f"window: residual velocity of the beads behind it {self.residual_velocity:.2g} V or less"
         if self.residual_velocity < self.slowest_wave:
-            return f"{found}, every leading wave at {self.slowest_wave:.2g} V or more: nothing catches up"
+            return f"{residual}, every leading wave at {self.slowest_wave:.2g} V or more: nothing catches up"
         return (
-            f"{found}, a leading wave at {self.slowest_wave:.2g} V only: what was left might catch up; take a wider "
+            f"{residual}, a leading wave at {self.slowest_wave:.2g} V only: what was left might catch up; take a wider "
             "window"
         )
 
@@ -153,7 +154,7 @@ class BehindWindow:
         self._before = block
 
     def result(self, waves: Waves) -> Residual:
-        """Of the frames so far, against the leading waves."""
+        """Residual motion in the frames so far, with the amplitude of the lowest leading wave."""
         window = self._before.problem.window if self._before is not None else None
-        own = waves.peak_velocity[waves.bead > window // 2] if window is not None else waves.peak_velocity[:0]
-        return Residual(window, self._velocity, self._bead, float(own.min()) if len(own) else math.nan)
+        amplitude = waves.peak_velocity[waves.bead > window // 2] if window is not None else waves.peak_velocity[:0]
+        return Residual(window, self._velocity, self._bead, float(amplitude.min()) if len(amplitude) else math.nan)
