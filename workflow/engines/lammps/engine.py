@@ -109,7 +109,7 @@ def run(
         )
         last, stopped = _followed(process, progress)
         errors.seek(0)
-        said = complaint(errors)
+        reason = complaint(errors)
     if last.get("end") == "done":
         return LammpsOutcome("done", last["step"], last["seconds"], last["lammps"])
     if last.get("end") == "failed" and last.get("disk"):
@@ -118,7 +118,7 @@ def run(
         return LammpsOutcome("stopped", int(last.get("step", 0)), last.get("seconds", 0.0), last.get("lammps", 0))
     if last.get("end") == "failed":
         raise RunError(last["reason"])
-    raise EndedError(f"LAMMPS {how_it_ended(process.returncode)} after step {last.get('step', 0)}. {said}")
+    raise EndedError(f"LAMMPS {how_it_ended(process.returncode)} after step {last.get('step', 0)}. {reason}")
 
 
 def _followed(process: "subprocess.Popen[str]", progress: Progress | None) -> tuple[dict[str, Any], bool]:

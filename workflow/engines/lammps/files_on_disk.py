@@ -39,10 +39,10 @@ class FramesOnDisk:
         frames = step // self._every - self._first + 1
         if frames < 1:
             return True
-        found = self._path.stat().st_size
+        size = self._path.stat().st_size
         if self._size == 0:
-            self._size = found // frames
-        return self._size > self._least and found == self._size * frames
+            self._size = size // frames
+        return self._size > self._least and size == self._size * frames
 
 
 EVERY = 30.0
@@ -151,10 +151,10 @@ def step_of(path: Path) -> int | None:
         with path.open("rb") as file:
             head = file.read(512)
             file.seek(-len(_MAGIC), os.SEEK_END)
-            whole = file.read() == _MAGIC
+            complete = file.read() == _MAGIC
     except OSError:
         return None
-    if not (whole and head.startswith(_MAGIC)):
+    if not (complete and head.startswith(_MAGIC)):
         return None
     try:
         return _step_in(head)

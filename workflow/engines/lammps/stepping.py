@@ -73,10 +73,10 @@ class Travel:
         """
         problem = self._problem
         x = self._gathered("x")[..., 0]
-        own = self._lmp.numpy.extract_atom("v")[:, 2]
-        own[:] = word
+        lateral = self._lmp.numpy.extract_atom("v")[:, 2]
+        lateral[:] = word
         v = self._gathered("v")
-        own[:] = 0.0
+        lateral[:] = 0.0
         self.heard, v = float(v[:, :, 2].max()), v[..., 0]
         row = np.arange(self.first, self.first + problem.rows)
         if self.first > 1:
@@ -94,11 +94,11 @@ class Travel:
         if system.inner_mass is None or np.all(system.inner_mass > 0.0):
             return np.ctypeslib.as_array(self._lmp.gather_atoms(name, 1, 3)).reshape(shape)
         ids = physics.atom_ids(system)
-        found = np.zeros((shape[0] * shape[1], 3))
+        values = np.zeros((shape[0] * shape[1], 3))
         wanted = (ctypes.c_int * len(ids))(*ids.tolist())
         some = self._lmp.gather_atoms_subset(name, 1, 3, len(ids), wanted)
-        found[ids - 1] = np.ctypeslib.as_array(some).reshape(-1, 3)
-        return found.reshape(shape)
+        values[ids - 1] = np.ctypeslib.as_array(some).reshape(-1, 3)
+        return values.reshape(shape)
 
     def _run(self, steps: int) -> None:
         if self._problem.scheme == "verlet":

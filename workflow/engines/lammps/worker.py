@@ -80,8 +80,8 @@ def _problem_in(path: Path) -> Problem:
     """The problem that was handed over in a file."""
     if os.environ.get("GRANCHAIN_INGREDIENTS"):  # modules with laws of a user's own import this, which imports them
         importlib.import_module("lammps_inputs.ingredients")
-    found: Problem = pickle.loads(path.read_bytes())
-    return found
+    problem: Problem = pickle.loads(path.read_bytes())
+    return problem
 
 
 def instance(part: int) -> Any:
@@ -114,7 +114,7 @@ def segments(lmp: Any, problem: Problem, tell: Callable[[Line], None] | None, *,
     leads = tell is not None
     largest = max(1, SEGMENT_BEAD_STEPS // (problem.chains * problem.rows))
     # a restart falls between two cycles of the scheme, and where the window may follow
-    whole = window.stride(problem)
+    stride = window.stride(problem)
     begun = done = int(lmp.extract_global("ntimestep"))
     frames = Path(continuation.dump_part(part))
     travel = Travel(lmp, problem)
@@ -122,7 +122,7 @@ def segments(lmp: Any, problem: Problem, tell: Callable[[Line], None] | None, *,
     on_disk = FramesOnDisk(frames, problem, begun)
     computing, size = 0.0, min(FIRST_SEGMENT, largest)
     while done < problem.steps:
-        goal = min(done + max(1, size // whole) * whole - done % whole, problem.steps)
+        goal = min(done + max(1, size // stride) * stride - done % stride, problem.steps)
         started = time.perf_counter()
         travel.advance(goal - done)
         computing += time.perf_counter() - started
@@ -209,8 +209,8 @@ def fault(
     energy = float(motion.energy(system, displacement, velocity, first)) + elsewhere
     change = energy / physics.energy(system) - 1.0
     if change > ENERGY_TOLERANCE and (system.loads or system.dampers or physics.remembering(system)):
-        most = "the largest possible work of the pushes" if system.loads else "the energy input"
-        return f"the energy is {100.0 * change:.3g}% above {most}; {_remedy(problem)}"
+        bound = "the largest possible work of the pushes" if system.loads else "the energy input"
+        return f"the energy is {100.0 * change:.3g}% above {bound}; {_remedy(problem)}"
     if system.holds(Fact.ENERGY) and not system.loads and abs(change) > ENERGY_TOLERANCE:
         return f"the energy has changed by {100.0 * change:.3g}%; {_remedy(problem)}"
     return None

@@ -6,7 +6,7 @@ from workflow.compiled import inner
 
 @inner
 def displaced(x: Floats, first: int, last: int) -> bool:
-    """Whether any bead from one place in memory to before another has left its own."""
+    """Whether any displacement x[k] of beads [place], from place ``first`` to before ``last``, is not 0."""
     for k in range(first, last):  # noqa: SIM110  compiled
         if x[k] != 0.0:
             return True

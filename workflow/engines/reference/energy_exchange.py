@@ -66,10 +66,10 @@ class _Follower:
             self._over = max(load.end for load in system.loads)
 
     def along(self, block: Trajectory) -> Floats:
-        """Ledger of frames of which the first was the last one before, or the start."""
+        """Exchange [frame, entry] of frames of which the first was the last one before, or the start."""
         problem, state = self._problem, self._state
         chains, moving = problem.chains, block.moving
-        found = np.repeat(self._until, block.frames, axis=0)
+        exchange = np.repeat(self._until, block.frames, axis=0)
         (x, _), w = block.atoms, _velocity_of_state(block)
         pushed = np.array(sorted({load.bead for load in problem.system.loads}), dtype=np.int64)
         end_x, end_v = np.zeros((1, chains, len(pushed))), np.zeros((1, chains, len(pushed)))
@@ -79,15 +79,15 @@ class _Follower:
                 memory = None if block.memory is None else block.memory[frame - 1]
                 state.restart(x[frame - 1], w[frame - 1], moving.start + 1, min(moving.stop, problem.beads), memory)
                 number = round(float(block.time[frame - 1]) / problem.every) * self._steps
-                frames = FrameArrays(end_x, end_v, found[frame : frame + 1], end_memory)
+                frames = FrameArrays(end_x, end_v, exchange[frame : frame + 1], end_memory)
                 state.advance(BLANES_MOAN, problem.every / self._steps, number, self._steps, pushed, frames)
                 self._more += self._on_the_way(block, frame, block.velocity[frame][:, pushed - 1] - end_v[0], pushed)
-                found[frame, -1] += self._more
+                exchange[frame, -1] += self._more
             else:
-                found[frame] = found[frame - 1]
-        self._until = found[-1:].copy()
-        found[:, -1] += engine.brought_up(problem, block.time)
-        return found
+                exchange[frame] = exchange[frame - 1]
+        self._until = exchange[-1:].copy()
+        exchange[:, -1] += engine.brought_up(problem, block.time)
+        return exchange
 
     def _on_the_way(self, block: Trajectory, frame: int, apart: Floats, pushed: NDArray[np.int64]) -> float:
         """What loads do on the way to a frame as beads come off that of the reference, to that velocity at its end."""
@@ -106,11 +106,11 @@ def _velocity_of_state(block: Trajectory) -> Floats:
     x, v = block.atoms
     if not system.dampers or any(dashpot.cut(link.law) for link in system.dampers):
         return v
-    given = np.zeros_like(v)
+    impulses = np.zeros_like(v)
     for damper in system.dampers:
-        seen = x if physics.is_inner(system, damper) else block.displacement
-        damper.drive(given[..., : seen.shape[-2], :], damper.given(seen))
-    given /= physics.mass_of_atoms(system)
+        positions = x if physics.is_inner(system, damper) else block.displacement
+        damper.drive(impulses[..., : positions.shape[-2], :], damper.given(positions))
+    impulses /= physics.mass_of_atoms(system)
     for motion in system.motions:
-        given[..., motion.chain - 1, motion.bead - 1] = 0.0
-    return np.asarray(v - given)
+        impulses[..., motion.chain - 1, motion.bead - 1] = 0.0
+    return np.asarray(v - impulses)

@@ -97,6 +97,7 @@ def blocks(
     past = state.memory[np.newaxis].copy()
 
     def block(time: Floats, x: Floats, v: Floats, exchange: Floats, memory: Floats) -> Trajectory:
+        """Frames from times [frame], motion [frame, line, bead], and exchange [frame, entry]."""
         first = 1 if problem.window is None else int(recorded[0])
         return of_atoms(problem, time, x, v, first, exchange if counts else None, memory if past.size else None)
 
@@ -118,11 +119,16 @@ def blocks(
 
 
 def brought_up(problem: Problem, time: Floats) -> Floats:
-    """Kinetic energy of beads whose motion is given, over that at the start."""
+    """Kinetic energy [frame] of beads whose motion is given, less that at the start, in units of m V**2.
+
+    Args:
+        problem: whose motions.
+        time: [frame], in units of T.
+    """
     total = np.zeros_like(time)
-    for given in problem.system.motions:
-        mass = physics.mass_of(problem.system, given.chain - 1, given.bead - 1)
-        total += 0.5 * mass * (given.velocity(time) ** 2 - given.velocity(0.0) ** 2)
+    for motion in problem.system.motions:
+        mass = physics.mass_of(problem.system, motion.chain - 1, motion.bead - 1)
+        total += 0.5 * mass * (motion.velocity(time) ** 2 - motion.velocity(0.0) ** 2)
     return total
 
 
@@ -183,7 +189,16 @@ class IntegratorState:
     def advance(
         self, scheme: Scheme, h: float, first_step: int, steps: int, recorded: NDArray[np.int64], frames: FrameArrays
     ) -> None:
-        """Fill frames of the recorded beads, so many steps each, after ``first_step`` earlier ones."""
+        """Fill frames of the recorded beads, so many steps each, after ``first_step`` earlier ones.
+
+        Args:
+            scheme: how steps are taken.
+            h: time step, in units of T.
+            first_step: steps before these frames.
+            steps: steps from frame to frame.
+            recorded: numbers of the beads to record, [bead].
+            frames: filled, [frame, line, bead].
+        """
         stepping = make_steps(scheme, h)
         self.program.advance(self.compiled, self.parameters, stepping, first_step, steps, recorded, frames)
 

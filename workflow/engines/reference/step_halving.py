@@ -128,12 +128,12 @@ def compared_rows(problem: Problem) -> int | None:
     if problem.window is None:
         return None
     before_last = problem.beads - 1
-    found = engine.passages(
+    waves = engine.passages(
         replace(problem, window=None),
         window=engine.WIDER * problem.window,
         until_bead=before_last,
     )
-    arrival = float(np.min(found.at(before_last).arrival, initial=problem.duration))
+    arrival = float(np.min(waves.at(before_last).arrival, initial=problem.duration))
     # what it lacks would have to come from behind the tail
     return (
         problem.beads
