@@ -21,16 +21,20 @@ class ReferenceFrames:
 
     def is_of(self, problem: Problem) -> bool:
         """Whether these are the frames of a problem: the same beads at the same times."""
-        own = self.frames[0].problem
-        same = (own.frames, own.recorded, own.window) == (problem.frames, problem.recorded, problem.window)
-        return same and math.isclose(own.every, problem.every, rel_tol=1e-9)
+        recorded = self.frames[0].problem
+        same = (recorded.frames, recorded.recorded, recorded.window) == (
+            problem.frames,
+            problem.recorded,
+            problem.window,
+        )
+        return same and math.isclose(recorded.every, problem.every, rel_tol=1e-9)
 
     def blocks(self) -> Iterator["Trajectory"]:
-        """As `StepHalving.blocks`."""
+        """Consecutive blocks of the frames, as `StepHalving.blocks` yields them."""
         return iter(self.frames)
 
     def of(self, problem: Problem) -> "ReferenceFrames":
-        """The same frames, of a problem with another time step."""
+        """The frames as those of a problem that differs in its time step alone."""
         return replace(self, frames=tuple(replace(block, problem=problem) for block in self.frames))
 
 
@@ -70,7 +74,7 @@ class ChosenStep:
     reference: ReferenceFrames | None = field(default=None, repr=False, compare=False)
 
     def plain(self) -> dict[str, Any]:
-        """For ``run.json``."""
+        """Plain data of the choice, for ``run.json``."""
         return {part.name: getattr(self, part.name) for part in fields(self) if part.name != "reference"}
 
     def sentence(self, problem: Problem) -> str:
