@@ -91,25 +91,25 @@ class Pool:
             while True:
                 while len(busy) < self.processes and (following := next(waiting, None)) is not None:
                     key, task = following
-                    process = self._given(task)
+                    process = self._started(task)
                     busy[process] = key
                     selector.register(process.output, selectors.EVENT_READ, process)
                 if not busy:
                     return
                 for ready, _ in selector.select():
                     process = ready.data
-                    for said in process.heard():
-                        if "hint" in said:
-                            self._hint(said["hint"])
+                    for message in process.heard():
+                        if "hint" in message:
+                            self._hint(message["hint"])
                             continue
                         selector.unregister(process.output)
                         if process.alive():
                             self._idle.append(process)
                         else:
                             self._discard(process)
-                        yield busy.pop(process), TaskResult(said.get("value"), said.get("failed", ""))
+                        yield busy.pop(process), TaskResult(message.get("value"), message.get("failed", ""))
 
-    def _given(self, task: Task) -> "_Process":
+    def _started(self, task: Task) -> "_Process":
         """A process that has begun a task."""
         while self._idle:
             process = self._idle.pop()
@@ -166,22 +166,22 @@ class _Process:
         more = os.read(self.output.fileno(), 1 << 16)
         *lines, self._begun = (self._begun + more).split(b"\n")
         try:
-            found = [json.loads(line) for line in lines]
+            messages = [json.loads(line) for line in lines]
         except ValueError:
-            found = [None]
-        if not more or not all(isinstance(each, dict) for each in found):
+            messages = [None]
+        if not more or not all(isinstance(each, dict) for each in messages):
             return [self._ended()]
-        if any(each.get("last") for each in found):
+        if any(each.get("last") for each in messages):
             self.hang_up()
-        return found
+        return messages
 
     def _ended(self) -> dict[str, Any]:
         """The answer of a process that gives none."""
         self.hang_up()
         how = how_it_ended(self._process.wait())
         self._errors.seek(self._said)
-        said = complaint(self._errors.read(100_000).splitlines())
-        return {"failed": f"the process that computed it {how}. {said}".strip()}
+        reason = complaint(self._errors.read(100_000).splitlines())
+        return {"failed": f"the process that computed it {how}. {reason}".strip()}
 
     def alive(self) -> bool:
         """Whether it can take another task."""
