@@ -88,14 +88,14 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
 
 
 def _resume(arguments: argparse.Namespace) -> CommandResult:
-    given = {
+    refused = {
         "SCENE": arguments.scene,
         "-o": arguments.output,
         "--engine": arguments.engine,
         "--overwrite": arguments.overwrite or None,
         "--force": arguments.force or None,
     }
-    for name, value in given.items():
+    for name, value in refused.items():
         if value is not None:
             raise InputError(f"--resume: continues with the settings of the run; leave out {name}")
     directory = begun(arguments.resume)
@@ -172,10 +172,10 @@ def _checked(check: Check, problem: Problem) -> str:
     if check.where is not None and check.where.time is not None:
         time = problem.scale.written(check.where.time, "time", ".5g")
         where = f" ({check.where.words}, t = {time})"
-    found = [f"velocities {check.velocity:.1e} V{where}"]
-    found += [f"peaks {check.amplitude:.1e} V"] if math.isfinite(check.amplitude) else []
+    errors = [f"velocities {check.velocity:.1e} V{where}"]
+    errors += [f"peaks {check.amplitude:.1e} V"] if math.isfinite(check.amplitude) else []
     uncertainty = f"{check.reference.velocity:.1e} V"
     if math.isfinite(check.arrival):
-        found.append(f"arrivals {check.arrival:.1e} T")
+        errors.append(f"arrivals {check.arrival:.1e} T")
         uncertainty += f", {check.reference.arrival:.1e} T"
-    return f"error{near}: {', '.join(found)}; uncertainty of the reference {uncertainty}"
+    return f"error{near}: {', '.join(errors)}; uncertainty of the reference {uncertainty}"
