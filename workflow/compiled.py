@@ -55,7 +55,7 @@ def compiled(function: F, **options: Any) -> F:
 
 
 def inner(function: F) -> F:
-    """The same for a function that compiled ones alone call: what Python needs to call it takes long to compile."""
+    """The function compiled for calls by compiled ones alone: what Python needs to call it takes long to compile."""
     return compiled(function, no_cpython_wrapper=True)
 
 
@@ -64,9 +64,9 @@ _IEEE: Any = {"error_model": "numpy", "forceinline": True}
 
 
 def inlined(function: F) -> F:
-    """The same for scalar functions, such as those of laws, in loops that are to become vector instructions.
+    """A scalar function, such as one of a law, compiled for loops that are to become vector instructions.
 
-    With IEEE arithmetic: a test of each divisor would prevent those.
+    Arithmetic is IEEE's: a test of each divisor would prevent such instructions.
     """
     options: Any = {**_IEEE, "no_cpython_wrapper": True}
     return cast(F, numba.njit(**options)(function))
@@ -81,7 +81,7 @@ def ieee(function: F) -> F:
 
 
 def ieee_inner(function: F) -> F:
-    """The same for a function that compiled ones alone call."""
+    """The function with IEEE arithmetic, compiled for calls by compiled ones alone."""
     return compiled(function, no_cpython_wrapper=True, **_IEEE)
 
 
@@ -96,9 +96,9 @@ def module(text: str) -> ModuleType:
             spec = spec_from_file_location(name, _written(place / f"{name}.py", text))
     assert spec is not None
     assert spec.loader is not None
-    found = sys.modules[name] = module_from_spec(spec)
-    spec.loader.exec_module(found)
-    return found
+    loaded = sys.modules[name] = module_from_spec(spec)
+    spec.loader.exec_module(loaded)
+    return loaded
 
 
 def _written(path: Path, text: str) -> Path:
@@ -124,7 +124,7 @@ class _Text(InspectLoader):
 
 def digest(functions: Iterable[Any]) -> str:
     """Hash of the modules of functions, and of what these take from others: functions, modules and numbers."""
-    found: dict[str, bytes] = {}
+    contents: dict[str, bytes] = {}
     waiting, done = list(functions), set()
     while waiting:
         value = waiting.pop()
@@ -135,14 +135,14 @@ def digest(functions: Iterable[Any]) -> str:
         name = value.__name__ if isinstance(value, ModuleType) else value.__module__
         file = getattr(sys.modules.get(name), "__file__", None)
         if file is not None:
-            found[name] = Path(file).read_bytes()
+            contents[name] = Path(file).read_bytes()
         if isinstance(value, FunctionType):
             taken = {other: value.__globals__.get(other) for other in value.__code__.co_names}
-            found |= {
+            contents |= {
                 f"{name}.{other}": repr(it).encode() for other, it in taken.items() if isinstance(it, int | float)
             }
             waiting += taken.values()
-    return fingerprint(sorted(found.items()))
+    return fingerprint(sorted(contents.items()))
 
 
 class _Hint(event.Listener):
@@ -223,8 +223,8 @@ def cache_directory() -> Path | None:
 
 def _ours(folder: Path) -> bool:
     """Whether nobody else can put a file there: what is found is run."""
-    found = folder.lstat()
-    return found.st_uid == os.getuid() and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    state = folder.lstat()
+    return state.st_uid == os.getuid() and not state.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
 def fingerprint(sources: Iterable[tuple[str, bytes]]) -> str:
@@ -241,8 +241,8 @@ def sources() -> list[tuple[str, bytes]]:
     """All that is ever compiled: laws, engines, and the modules of a user's own ingredients."""
     root = Path(__file__).parents[1]
     files = [file for folder in _SOURCES for file in sorted((root / folder).rglob("*.py"))]
-    own = {inspect.getsourcefile(ingredient) for ingredient in INGREDIENTS.values()}
-    files += sorted(Path(file) for file in own if file and root not in Path(file).parents)
+    ingredient_files = {inspect.getsourcefile(ingredient) for ingredient in INGREDIENTS.values()}
+    files += sorted(Path(file) for file in ingredient_files if file and root not in Path(file).parents)
     return [
         (file.relative_to(root).as_posix() if root in file.parents else file.name, file.read_bytes()) for file in files
     ]

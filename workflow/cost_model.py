@@ -85,10 +85,10 @@ def least_beads(problem: Problem) -> int:
     return math.ceil(EFFICIENCY / (1.0 - EFFICIENCY) * MESSAGES / bead_seconds(problem))
 
 
-def advised(problem: Problem, most: int) -> int:
-    """Number of ranks that are worth while, at most ``most``."""
+def advised(problem: Problem, most_ranks: int) -> int:
+    """Number of ranks that are worth while, at most ``most_ranks``."""
     beads = problem.chains * problem.rows
-    return max(1, min(most, beads // least_beads(problem), problem.rows // LEAST_ROWS))
+    return max(1, min(most_ranks, beads // least_beads(problem), problem.rows // LEAST_ROWS))
 
 
 def cost(problem: Problem, ranks: int) -> Cost:
@@ -150,23 +150,23 @@ def job_options(arguments: argparse.Namespace) -> site.JobOptions | None:
     Raises:
         InputError: an option cannot be used, or is given without ``--slurm``.
     """
-    known = (*site.JobOptions.model_fields, "site")
-    given: dict[str, Any] = {
-        name: value for name, value in vars(arguments).items() if name in known and value is not None
+    names = (*site.JobOptions.model_fields, "site")
+    requested: dict[str, Any] = {
+        name: value for name, value in vars(arguments).items() if name in names and value is not None
     }
     if not arguments.slurm:
-        if given:
-            name = next(iter(given))
+        if requested:
+            name = next(iter(requested))
             raise InputError(f"--{site.OPTIONS.get(name, name.replace('_', '-'))}: is for a job; add --slurm")
         return None
-    given.pop("site", None)
-    return site.options(given, site.find_site(arguments.site))
+    requested.pop("site", None)
+    return site.options(requested, site.find_site(arguments.site))
 
 
 def with_ranks(options: site.JobOptions, problem: Problem) -> site.JobOptions:
-    """The same options with a number of ranks advised where none was asked for."""
+    """Options of a job with the advised number of ranks where they name none."""
     if options.ranks_per_node is not None:
         return options
-    most = options.cores_per_node or RANKS_OF_A_NODE
-    count = max(1, advised(problem, most * options.nodes) // options.nodes)
+    cores = options.cores_per_node or RANKS_OF_A_NODE
+    count = max(1, advised(problem, cores * options.nodes) // options.nodes)
     return options.model_copy(update={"ranks_per_node": count})

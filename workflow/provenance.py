@@ -51,10 +51,10 @@ def commit() -> str:
         return ""
     command = ["git", "-C", str(HOME), "describe", "--always", "--dirty", "--exclude=*"]
     try:
-        found = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
+        completed = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
     except (OSError, subprocess.SubprocessError):
         return ""
-    return f" (commit {found.stdout.strip()})"
+    return f" (commit {completed.stdout.strip()})"
 
 
 @functools.cache

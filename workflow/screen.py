@@ -154,8 +154,8 @@ def count_bar(name: str) -> Iterator[Callable[..., None]]:
         task = bar.add_task(name, total=None, count="")
 
         def show(done: int, total: int, failed: int | str = 0) -> None:
-            said = f"{failed} failed" if isinstance(failed, int) and failed else failed or ""
-            label = f"{name}, {said}" if said else name
+            remark = f"{failed} failed" if isinstance(failed, int) and failed else failed or ""
+            label = f"{name}, {remark}" if remark else name
             bar.update(task, completed=done, total=total, count=f"{done}/{total}", description=label)
 
         yield show
