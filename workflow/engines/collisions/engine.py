@@ -33,11 +33,11 @@ class Heap(NamedTuple):
     """Times of all members, and their order."""
 
     time: Floats
-    """[member]"""
+    """time of each member, [member]"""
     member: Ints
-    """[place]; place 0 has the earliest time, and place k is not later than places 2k+1 and 2k+2"""
+    """member at each place, [place]; place 0 has the earliest time, and place k is not later than 2k+1 and 2k+2"""
     place: Ints
-    """[member]"""
+    """place of each member, [member]"""
 
 
 def make_heap(members: int) -> Heap:
@@ -80,7 +80,7 @@ class Rows(NamedTuple):
     v: Floats
     """velocity [row, chain]"""
     time: Floats
-    """[row]"""
+    """time of the last collision, [row]"""
 
 
 class CollisionState(NamedTuple):
@@ -88,9 +88,9 @@ class CollisionState(NamedTuple):
 
     rows: Rows
     queue: Heap
-    """of pairs"""
+    """queue of the pairs"""
     chain: Ints
-    """[pair]: the chain that meets at the pair's time in the queue, or -1 to look again"""
+    """chain that meets at the pair's time in the queue, or -1 to search again, [pair]"""
     near: Floats
     """work [x and v, row of the pair, chain]"""
     relative: Floats
@@ -255,7 +255,7 @@ class CollisionRun:
 
     @property
     def impulse(self) -> Floats:
-        """[collision] momentum handed on (> 0)."""
+        """Momentum transferred in each collision, [collision], in units of m V; above 0."""
         return self.striker - self.target
 
 
@@ -293,7 +293,7 @@ def run(problem: Problem, *, max_events: int | None = None) -> CollisionRun:
 
 
 def sample(run: CollisionRun, times: Floats) -> Trajectory:
-    """The recorded beads at any times [frame], in any order, from the exact motion.
+    """The recorded beads at any times [frame], in units of T and in any order, from the exact motion.
 
     At the instant of a collision the velocities are those after it.
 
@@ -344,7 +344,7 @@ def _replay(
     recorded: Ints,
     outputs: tuple[Floats, Floats],
 ) -> int:
-    """Fill in the frames at ascending times, with the arithmetic of the loop over events itself.
+    """Fill displacement and velocity, [frame, chain, bead], at ascending times, with the arithmetic of the event loop.
 
     Rows are as the collisions before ``event`` left them, and are carried on; returns the first collision after.
     """

@@ -23,7 +23,7 @@ class FramesOnDisk:
 
     Args:
         path: the file.
-        problem: whose frames.
+        problem: the problem that the frames are of.
         begun: step that the file begins with; a frame falls on it, or is the next one after it.
     """
 
@@ -75,7 +75,7 @@ class Restarts:
         self._last, self._cost = time.monotonic(), 0.0
 
     def due(self) -> bool:
-        """Whether it is time, by the clock of this rank."""
+        """Whether a restart is due, by the clock of this rank."""
         return time.monotonic() - self._last > max(self._every, self._cost / SHARE)
 
     def write(self) -> None:

@@ -20,7 +20,7 @@ class Travel:
     Attributes:
         first: row that the state begins with, counted from 1; more than 1 once a window has moved.
         energy_behind: energy of the rows that the window has left, in units of m V**2.
-        heard: what the first rank said with the last state.
+        heard: message of the first rank with the last state.
     """
 
     def __init__(self, lmp: Any, problem: Problem) -> None:
@@ -66,7 +66,7 @@ class Travel:
             self.first += left
 
     def state(self, word: float = 0.0) -> tuple[Floats, Floats]:
-        """Displacement and velocity of the rows that exist, [line, row], the same on every rank.
+        """Displacement and velocity of the rows that exist, [line, row], in units of L and V, equal on every rank.
 
         Lines are the chains and those of inner atoms after them. The first rank may say a word to all: it travels as
         the lateral velocity of its beads, which is zero otherwise.
@@ -88,7 +88,7 @@ class Travel:
         return x - (places if len(x) == len(places) else places[np.arange(len(x)) % len(places)]), v
 
     def _gathered(self, name: str) -> Floats:
-        """[line, row, axis] of all atoms; as at rest where there is none."""
+        """A property of all atoms, [line, row, axis]; 0 where there is no atom."""
         system = self._problem.system
         shape = (physics.lines(system), self._problem.rows, 3)
         if system.inner_mass is None or np.all(system.inner_mass > 0.0):

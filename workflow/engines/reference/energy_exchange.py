@@ -21,15 +21,15 @@ class Accountant:
     """Gives blocks of frames, from the first of a run on, their exchange.
 
     Args:
-        problem: of the run.
-        steps_per_frame: of the reference, an even number; by default as many as `engine.default_steps_per_frame` says.
-            With those of a run by the reference the exchange is the run's own.
+        problem: the run's problem.
+        steps_per_frame: steps of the reference from frame to frame, an even number; by default as many as
+            `engine.default_steps_per_frame` says. With those of a run by the reference the exchange is the run's own.
     """
 
     problem: Problem
     steps_per_frame: int | None = None
     uncertainty: float = field(init=False, default=0.0)
-    """How much half as many steps change the energy that is left, at most, in units of m V**2."""
+    """Largest change of the remaining energy by half as many steps, in units of m V**2."""
 
     def __post_init__(self) -> None:
         self._followers: list[_Follower] = []
@@ -90,7 +90,7 @@ class _Follower:
         return exchange
 
     def _on_the_way(self, block: Trajectory, frame: int, apart: Floats, pushed: NDArray[np.int64]) -> float:
-        """What loads do on the way to a frame as beads come off that of the reference, to that velocity at its end."""
+        """Work of loads, in m V**2, by the velocity ``apart`` [chain, place] that beads have beyond the reference's."""
         before, after = block.time[frame - 1], block.time[frame]
         return sum(
             0.5 * float(load.impulse(after) - load.impulse(before)) * float(apart[load.chain - 1, place])
@@ -100,7 +100,7 @@ class _Follower:
 
 
 def _velocity_of_state(block: Trajectory) -> Floats:
-    """What the kernel has as velocities: without what dashpots have given, where no tension is cut (`dashpots`)."""
+    """Velocities of the kernel, [frame, line, bead]: less impulses of dashpots over masses where no tension is cut."""
     problem = block.problem
     system = problem.system
     x, v = block.atoms

@@ -41,7 +41,7 @@ def load() -> None:
 
 
 def two_beads() -> Problem:
-    """The least there is to compute."""
+    """The smallest problem, whose run compiles or loads the kernel."""
     return Problem(
         name="two-beads",
         system=System(chains=1, beads=2, kicks=((1, 1, 1.0),), links=coupled_chains(1, 0.0)),
@@ -172,7 +172,7 @@ class IntegratorState:
 
     @property
     def memory(self) -> Floats:
-        """[chain, bead + 1], see `analysis.trajectory.Trajectory`; empty where there is none."""
+        """Memory of contacts, [chain, bead + 1], see `analysis.trajectory.Trajectory`; empty where there is none."""
         past = self.compiled.memory[0]
         if not past.size:
             return np.zeros((0, 0))
@@ -204,7 +204,7 @@ class IntegratorState:
 
 
 def make_steps(scheme: Scheme, h: float) -> Steps:
-    """A scheme and its step as programs take them."""
+    """A scheme and its step h, in units of T, as programs take them."""
     return Steps(np.array(scheme.kicks), np.array(scheme.drifts), h)
 
 
@@ -213,9 +213,9 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
 
     Args:
         problem: what is integrated.
-        window: rows at most.
+        window: largest number of rows that are integrated.
         as_lammps: whether forces from outside, and those against velocities, act as LAMMPS has them.
-        step: of LAMMPS.
+        step: LAMMPS's time step, in units of T.
 
     Raises:
         ValueError: a window too narrow for the rows that are kicked and a pulse ahead of them.

@@ -50,7 +50,7 @@ class KernelState(NamedTuple):
     """
     chains: int
     room: tuple[Floats, ...]
-    """For the solution with dashpots."""
+    """Scratch arrays for the solution with dashpots, [place] each."""
     lost: Floats
     """[4, place]: energy that dashpots along, across, to the ground and of walls have taken from every bead; below 0
     of one that is dragged along."""
@@ -96,7 +96,7 @@ def make_state(x: Floats, v: Floats, span: Integers, terms: Terms, memory: Float
     Args:
         x, v, span: see `KernelState`.
         terms: of the system.
-        memory: at the start, likewise.
+        memory: memory at the start, [bead + 2, chain].
     """
     scratch = len(_ROOM[terms.dashpots].split(", ")) if terms.dampers else 0
     room = tuple(np.zeros(x.size) for _ in range(scratch))
@@ -217,7 +217,7 @@ class _Writer:
         return _filled(section, **switches, **names, **places).strip("\n").split("\n")
 
     def _parts_of_a_step(self) -> dict[str, str | list[str]]:
-        """Places of the functions that take steps."""
+        """Texts for the places of the functions that take steps."""
         kind, as_lammps = self._terms.dashpots, self._terms.as_lammps
         press = self._lines(template.PRESS, contact=self._contact_force())
         kick = self._kick("v", "factor")
@@ -316,7 +316,7 @@ class _Writer:
         return f"{later[0]} - {now[0]}", f"{later[1]} - {now[1]} - {now[0]} * duration"
 
     def _loads_in_drifts(self) -> list[str]:
-        """What loads do to beads in a drift; in one loop, in which what is computed twice is found to be the same."""
+        """Loops over the effects of loads on beads in a drift; the compiler merges what a loop computes twice."""
         loops = []
         for term, by_mass, counts in self._acting_in_drifts():
             impulse, gone = self._impulse_and_way(term)
@@ -339,7 +339,7 @@ class _Writer:
         return [*sections, self._filled(template.LOAD, loads=at)] if at else []
 
     def _kicks_by_means(self) -> list[str]:
-        """What the means of loads over a step around a time give beads; at the start over half a step."""
+        """Loops that add the means of loads over a step around a time to velocities; at the start over half a step."""
         loops = []
         for term in self._terms.loads:
             after, before = (self._call(term, "impulse", f"time {sign} 0.5 * h") for sign in "+-")
@@ -348,13 +348,13 @@ class _Writer:
         return loops
 
     def _held_motions(self) -> list[str]:
-        """Work of beads whose motion is given against forces of positions in a kick."""
+        """Loops over the work of beads whose motion is given against forces of positions in a kick."""
         _, others = self._other_forces()
         work = f"work[0] -= factor * (push[k] - push[k + {self._terms.row}]{others}) * v[k]"
         return [line for term in self._terms.motions for line in _over(term, work, everywhere=True)]
 
     def _work_of_springs(self) -> list[str]:
-        """Work of springs to the ground that vary, in a kick: time is advanced in drifts, as positions are."""
+        """Loops over the work of varying springs to the ground in a kick: time advances in drifts, as positions do."""
         lines = []
         for term in self._terms.ground:
             if term.time:
@@ -363,7 +363,7 @@ class _Writer:
         return lines
 
     def _held_by_dashpots(self) -> list[str]:
-        """What dashpots take from beads whose motion is given, and so from what moves them."""
+        """Loops over what dashpots take from beads whose motion is given, and so from what moves them."""
         held = "held = lost[0, k] + lost[1, k] + lost[2, k] + lost[3, k] + held"
         lines = ["held = 0.0"]
         for term in self._terms.motions[::-1]:
@@ -408,7 +408,7 @@ class _Writer:
         return lines
 
     def _counts_in_drifts(self) -> dict[str, list[str]]:
-        """Work of loads, and what dashpots have taken, from impulses at the start, in the middle and at the end."""
+        """Loops over work of loads and dissipation by dashpots, from impulses at start, middle and end of a drift."""
         counted, taken = [], []
         for term in self._terms.loads:
             at = [self._call(term, "impulse", f"time{later}") for later in ("", " + 0.5 * duration", " + duration")]
@@ -449,7 +449,7 @@ def _filled(text: str, **places: str | list[str] | bool) -> str:
 
 
 def _over(term: Term, *lines: str, everywhere: bool = False, backwards: bool = False) -> list[str]:
-    """A loop over the places of laws in time: lines for each, by default of those in the rows that can move."""
+    """A loop that runs lines at the places of laws in time, by default at those in the rows that can move."""
     count = f"{term.over}.shape[0]"
     order = f"{count} - 1, -1, -1" if backwards else count
     begin = [f"for n in range({order}):", f"    k = {term.over}[n]"]
@@ -459,6 +459,6 @@ def _over(term: Term, *lines: str, everywhere: bool = False, backwards: bool = F
 
 
 def _counted(kind: int, *lines: str) -> list[str]:
-    """A loop that counts what dashpots of a kind have taken, of all of which the first kind has the rest."""
+    """A loop that counts what dashpots of a kind have taken, and takes it from the first kind, which has the rest."""
     taken = [f"lost[{kind}, k] += taken", "lost[0, k] -= taken"]
     return ["for k in range(low, high):", *(f"    {line}" for line in (*lines, *taken))]

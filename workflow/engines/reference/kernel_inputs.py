@@ -174,7 +174,7 @@ class _Parameters:
         self._lines = physics.lines(system)
 
     def add(self, label: str, value: Any) -> str:
-        """The name of a parameter."""
+        """Add a parameter; its name in programs."""
         self.names.append(f"{label}_{len(self.names)}")
         self.values.append(value)
         return self.names[-1]
@@ -264,7 +264,7 @@ def make_memory(system: System) -> Floats:
 
 
 def _one_number(law: Any) -> tuple[str, ...]:
-    """Parameters that are one number for all links, and stay it where there is none."""
+    """Parameters of a law that are one number for all links, also for lines without links."""
     return getattr(law, "one_number", ())
 
 
