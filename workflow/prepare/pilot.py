@@ -30,7 +30,7 @@ SPACING = 0.4
 """Time between the frames that are compared, in units of T: waves are found between them to 1e-5."""
 
 FEW = 100
-"""As many frames are all compared: an error can grow much from one to the next."""
+"""Number of frames up to which all are compared: an error can grow much from one to the next."""
 
 
 def stride(problem: Problem, spacing: float = SPACING) -> int:
@@ -51,7 +51,7 @@ def stride(problem: Problem, spacing: float = SPACING) -> int:
 
 
 TABLES = {"verlet": VERLET, "suzuki4": SUZUKI4}
-"""By the name of the scheme in LAMMPS."""
+"""Scheme of the reference by the name of LAMMPS's."""
 
 UNCERTAINTY_PART = 0.25
 """Part of the requested accuracy that the uncertainty of the reference may have."""
@@ -68,7 +68,7 @@ RUNS = 1.5
 """Work of the reference at two steps over that at the shorter one."""
 
 _LEAST_ORDER = 2.5
-"""Of every scheme of higher order than 2, at small steps, for contacts open and close."""
+"""Least order of convergence of schemes of order above 2, at small steps, as contacts open and close."""
 
 
 CHAOS = (
@@ -78,7 +78,7 @@ CHAOS = (
 
 
 KEPT_BYTES = 1 << 27
-"""Of frames of the reference that are kept in memory, for the next trial and for the check of the run."""
+"""Largest size of frames of the reference that stay in memory for the next trial and the check of the run."""
 
 
 class UnreachableError(Exception):
@@ -146,7 +146,7 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> ChosenStep |
 
 
 def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
-    """Forces on beads with so many steps a frame: of the pilot run, and of the reference at two steps."""
+    """Number of forces on beads, by steps a frame of the pilot run and of the reference, which runs at two steps."""
     forces = verlet_steps + RUNS * BLANES_MOAN.forces_per_step * reference_steps
     return problem.chains * _rows_by_time(problem) / problem.every * forces
 
@@ -239,7 +239,7 @@ MOST_WORK = 3e9
 """Forces on beads that one measurement may take, some five seconds; each that fails leaves the next half as many."""
 
 _LONG = 1e9
-"""Such work is announced."""
+"""Work from which on a measurement is announced."""
 
 _MARGIN = 2.0
 """Error that is reckoned with, over what is carried over. Over a shorter problem's in proportion to time, the true one
@@ -247,7 +247,7 @@ was 0.5 to 1.5 (2.5 with a gap); over that at a larger step, by the order, 0.97 
 """
 
 _STEADY = 4.0
-"""Growth of the reference's own uncertainty over that in proportion to time, up to which it counts as the same."""
+"""Growth of the reference's uncertainty, over that in proportion to time, that still counts as proportional."""
 
 _COARSEST = 1e-3
 """Largest error from which a smaller one is extrapolated by the order."""

@@ -7,7 +7,7 @@ from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.prepare.step_choice import ChosenStep
 
 _DECK_BYTES = 250
-"""Of memory, a bead that exists, to write a deck; measured."""
+"""Memory in bytes to write a deck, for each bead that exists; measured."""
 
 
 def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float, purpose: str = "the deck") -> None:

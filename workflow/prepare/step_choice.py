@@ -44,11 +44,11 @@ class ChosenStep:
 
     Attributes:
         accuracy: largest error of any recorded velocity, in units of V: of the scene, or the default.
-        timestep: chosen.
-        steps_per_frame: the same.
-        reference_timestep: of a reference whose uncertainty is a fraction of the accuracy.
+        timestep: chosen time step, in units of T.
+        steps_per_frame: chosen steps from frame to frame.
+        reference_timestep: time step of a reference whose uncertainty is a fraction of the accuracy.
         expected_error: what the error is expected to be, in units of V.
-        measured_error: of the pilot run: the same, or a larger one from which it was carried over.
+        measured_error: error in the pilot run: the expected one, or a larger one from which that was carried over.
         measured: share of the run's time over which that was measured; 0 where the rule gave the step.
         limited: whether a longer step would have done, but for ``output.every``, the energy or the stability bound.
         seconds: what the choice cost, the compiler apart.
@@ -56,7 +56,7 @@ class ChosenStep:
         unreached: why no step keeps the default accuracy, where none does.
         rule_timestep: step for the accuracy by the rule (`lammps_inputs.limits.rates.timestep_for`); NaN
             while a pilot run tries steps.
-        reference: the pilot run's, for the check of the run; not recorded.
+        reference: frames of the pilot run's reference, for the check of the run; not recorded.
     """
 
     accuracy: float
