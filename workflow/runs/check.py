@@ -25,10 +25,10 @@ UNCERTAINTY_PART = 1.0 / 3.0
 _MOST_DOUBLINGS = 4
 
 CLOSED = 1e-9
-"""Of the energy input: largest deviation of the budget of a run by the reference."""
+"""Largest deviation of the energy budget of a run by the reference, over the energy input."""
 
 _MOST_STEPS = 256
-"""In place of one usual step, for that."""
+"""Largest number of steps in place of a usual one, to close the budget."""
 
 
 def references_of(problem: Problem, settings: ChosenStep | None) -> Iterator[StepHalving]:
@@ -82,12 +82,12 @@ def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
 
 
 LITTLE = 100_000
-"""As many recorded states of beads are all compared, which takes some hundredths of a second."""
+"""Number of recorded states of beads up to which all are compared; that takes some hundredths of a second."""
 
 
 @dataclass(frozen=True)
 class Check:
-    """What a run's error was found to be, dimensionless.
+    """Measured error of a run, dimensionless.
 
     Attributes:
         velocity: largest error of any velocity, of beads and resonators, in snapshots and the frames that are compared:

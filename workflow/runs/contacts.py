@@ -46,7 +46,7 @@ class LargestContactForce:
         return not (self.measured and self.overlap >= solids.FLATTENED)
 
     def lines(self) -> list[str]:
-        """What there is to say, and a warning where Hertz's law ends."""
+        """Lines with overlap, force and pressure, and a warning where Hertz's law ends."""
         verb = "reach" if self.measured else "are at most"
         lines = [
             f"contacts: overlaps {verb} {self.overlap:.2g} of the radius ({self.radius:g} m), "
@@ -69,7 +69,7 @@ class LargestContactForce:
 
 
 def at_most(scene: Scene) -> LargestContactForce | None:
-    """What energy and momentum allow, before anything runs; None without a material, or without contacts of spheres."""
+    """The largest contact force that energy and momentum allow; None without a material or contacts of spheres."""
     system = scene.problem().system
     law = system.along[0].law
     if not _of_spheres(scene, law):
@@ -86,7 +86,7 @@ def at_most(scene: Scene) -> LargestContactForce | None:
 
 
 def of_overlap(scene: Scene, largest: LargestOverlap) -> LargestContactForce | None:
-    """What was found in the frames, or the bound where they do not show it; None without a material."""
+    """The largest contact force by the frames, or `at_most` where they do not show it; None without a material."""
     if not shown_by_frames(scene.problem()):
         return at_most(scene)
     beads = np.maximum(largest.value if largest.each is None else largest.each, 0.0)

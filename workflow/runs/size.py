@@ -17,11 +17,11 @@ from workflow import cost_model as model
 from workflow.runs.engines import LAMMPS, Engine
 
 MOST = Limits(gigabytes=20.0, hours=24.0)
-"""Where neither the scene nor the site's file names other limits."""
+"""Limits where neither the scene nor the site's file names any."""
 
 
 LARGE_BYTES, LARGE_SECONDS = 1e9, 10.0
-"""From which on a run prints its size before it begins."""
+"""Size (bytes) and time (s) above which a run prints them before it begins."""
 
 _UNITS = {"gigabytes": "GB of frames", "hours": "h"}
 
@@ -31,10 +31,10 @@ class Size:
     """Size of a run.
 
     Attributes:
-        steps: of LAMMPS; None for other engines, which choose their own.
-        frames: with that at the start.
-        bytes: of all frames and snapshots.
-        seconds: estimated; None where there is no estimate.
+        steps: steps of LAMMPS; None for other engines, which choose their own.
+        frames: number of frames, that at the start included.
+        bytes: size of all frames and snapshots, in bytes.
+        seconds: estimated time, in s; None where there is no estimate.
         rough: whether the steps are those of a rule, as before a pilot run.
     """
 
@@ -50,7 +50,7 @@ class Size:
         return self.bytes > LARGE_BYTES or (self.seconds or 0.0) > LARGE_SECONDS
 
     def sentence(self) -> str:
-        """All of it in one line."""
+        """Steps, frames, size and time in one line."""
         number = "" if self.steps is None else f"about {self.steps:.2g}" if self.rough else f"{self.steps:,}"
         steps = f"{number} steps, " if number else ""
         time = "" if self.seconds is None else f", estimated time {time_text(self.seconds)}"

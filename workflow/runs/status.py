@@ -63,7 +63,7 @@ class Queue:
 
 
 def slurm_queue() -> Queue | None:
-    """What Slurm says; None where there is none to ask."""
+    """Slurm's queue; None where there is no Slurm."""
     cluster = _said("scontrol", "show", "config")
     jobs = _said("squeue", "-h", "-r", "-o", _FORMAT)
     if cluster is None or jobs is None:
@@ -130,7 +130,7 @@ class Status:
         directory: as it was given.
         state: one of `MEANING`.
         step: the last one; None where unknown.
-        steps: how far it is to go; likewise.
+        steps: number of steps of the run; None where unknown.
         why: the reason, and what to do next.
     """
 
@@ -175,7 +175,7 @@ def status(directory: Path, queue: Queue | None = None) -> Status:
 
     Args:
         directory: any path.
-        queue: what Slurm says; None where there is none to ask.
+        queue: Slurm's queue; None where there is no Slurm.
     """
     try:
         return _status(directory, queue)
@@ -205,7 +205,7 @@ def _status(directory: Path, queue: Queue | None) -> Status:
 
 
 def _of_run(directory: Path, job: Job) -> Status:
-    """A local run, by its account, which a kill leaves as it was while it ran."""
+    """State of a local run by its account, which a kill leaves as it was while it ran."""
     steps = job.steps or _steps(directory)
     if job.outcome == "done":
         return Status(directory, "done", steps if job.steps_done is None else job.steps_done, steps)
@@ -227,14 +227,14 @@ def onwards(directory: Path, job: Job) -> str:
 
 
 def _of_study(directory: Path, study: StudyRecord) -> Status:
-    """What another command than ``run`` has made, by its account."""
+    """State of a directory that another command than ``run`` made, by its account."""
     state: State = "done" if study.done else "running" if _locked(directory) else "incomplete"
     advice = study.result if study.done else study.resume
     return Status(directory, state, why=f"of `granchain {study.command}`; {advice}")
 
 
 def _of_files(directory: Path) -> Status:
-    """A deck that was run by hand, or not at all; the job of a study that was not submitted."""
+    """State of a deck that was run by hand or not at all, or of a study's job that was not submitted."""
     steps, step = _steps(directory), _last_step(directory)
     if not (directory / file_names.DECK).is_file():
         if (directory / file_names.SCENE).is_file():
@@ -342,7 +342,7 @@ def _last_step(directory: Path) -> int | None:
 
 
 def _latest(*steps: int | None) -> int | None:
-    """The largest of those that are known."""
+    """The largest step; None where none is known."""
     return max((step for step in steps if step is not None), default=None)
 
 
@@ -369,5 +369,5 @@ def _fresh(directory: Path, *account: Path) -> bool:
 
 
 def _clean(reason: Any) -> str:
-    """One line that does nothing to a terminal."""
+    """A reason as one line without control characters."""
     return "".join(sign if sign.isprintable() else " " for sign in str(reason)[:300]).strip()
