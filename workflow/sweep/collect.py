@@ -148,12 +148,12 @@ class SweepTable:
         )
 
     def unsettled(self, name: str) -> Flags:
-        """[case] whether chains have not come to share equally, where a column is one of equipartition."""
+        """Whether chains have not come to share equally, [case], where a column is one of equipartition."""
         shares = name in QUANTITIES and QUANTITIES[name].path[0] == "equipartition"
         return np.array([shares and row["state"] in UNSETTLED for row in self.rows], dtype=bool)
 
     def passed(self, name: str) -> Floats | None:
-        """Frequencies at which small waves pass, [band, 2], if a field is one and all cases have the same."""
+        """Frequencies at which small waves pass, [band, 2], in the field's unit; None where cases differ."""
         if name.rpartition(".")[2] != "frequency":
             return None
         by_case = [np.array(self.bands.get(row["case"], []), dtype=np.float64) for row in self.rows]

@@ -201,7 +201,7 @@ def _declared_label(path: Path) -> Label | None:
 
 
 def _field(path: Path) -> FieldInfo | None:
-    """What a path ends at; of a part that may be written as a number alone, that number."""
+    """Field at the end of a path; of a part that may be written as a number alone, the field of that number."""
     model: type[BaseModel] | None = Scene
     last = None
     for key, _ in path:

@@ -60,10 +60,10 @@ def validated(kind: type[Kind], data: Any, where: str, wanted: str = "") -> Kind
     """A part of a file from plain data.
 
     Args:
-        kind: of the part.
-        data: what was given.
-        where: it was given, up to the key.
-        wanted: of a whole file, what it should be: a sweep or a design.
+        kind: class of the part.
+        data: plain data of the part.
+        where: file and keys above the part's, for messages.
+        wanted: kind of the file, a sweep or a design, where the part is all of it.
 
     Raises:
         InputError: naming the key, what was given and what would be right.
@@ -81,7 +81,7 @@ class SpacedValues(SweepPart):
     first: Annotated[Any, PlainValidator(number), Field(alias="from")]
     last: Annotated[Any, PlainValidator(number), Field(alias="to")]
     count: Annotated[int, Field(ge=2, le=MAX_CASES)] | None = None
-    """Left out between whole numbers, all of them."""
+    """Number of values; None for all whole numbers between the ends."""
     spacing: Literal["linear", "log"] = "linear"
     digits: Annotated[int, Field(ge=1, le=15)] = 15
     """Significant digits that the values between the ends are rounded to."""
@@ -262,7 +262,7 @@ def scene_in(entry: Any, path: Path, key: str = "scene") -> dict[str, Any]:
 # --- cases ------------------------------------------------------------------------------------------------------------
 
 LONGEST_NAME = 150
-"""Characters; file systems take 255, and figures and temporary files add to it."""
+"""Largest length in characters; file systems take 255, and names of figures and temporary files are longer."""
 
 _LONGEST_VALUE = 40
 _FEW_DIGITS, _EXACT, _LARGEST = 6, 17, 10**300

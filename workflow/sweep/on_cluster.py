@@ -28,10 +28,10 @@ USUAL_LIMIT = 1001
 
 @dataclass(frozen=True)
 class WrittenSweep:
-    """What was written.
+    """Numbers of what was written for a cluster.
 
     Attributes:
-        cases: all that the sweep names.
+        cases: cases that the sweep names.
         tasks: how many of them the array will do.
         under_way: how many wait in the queue or run.
         ranks: MPI ranks of each.

@@ -44,7 +44,7 @@ from workflow.workers.pool import Pool, Task, TaskResult
 
 @dataclass(frozen=True)
 class Asked:
-    """What a case was asked to be.
+    """Request of a case.
 
     Attributes:
         swept: field -> value.
@@ -71,7 +71,7 @@ def read_json(path: Path) -> dict[str, Any]:
 
 
 def asked(path: Path) -> Asked | None:
-    """What the case in a directory was asked to be; None if it is no case's directory."""
+    """Request of the case in a directory; None if it is no case's directory."""
     data = job.account(path).request or {}
     swept, scene, engine = data.get("swept"), data.get("scene"), data.get("engine")
     if isinstance(swept, dict) and isinstance(scene, dict) and isinstance(engine, str):
@@ -190,9 +190,9 @@ class Swept:
     """How a sweep ended.
 
     Attributes:
-        cases: all that it names.
-        before: how many were done before.
-        done: how many are done.
+        cases: number of cases that it names.
+        before: number of cases that were done before.
+        done: number of cases that are done.
         failed: name and reason of each that failed.
         interrupted: whether it was stopped before its end.
         others: cases in the directory with values that the sweep no longer names; they stay.
@@ -326,7 +326,7 @@ def _refuse_of_another_sweep(definition: Sweep, directory: Path, case: SweepCase
 
 
 def request(definition: Sweep, case: SweepCase, scene: Scene) -> Asked:
-    """What a case is asked to be."""
+    """Request of a case of a sweep, whose scene this is."""
     return Asked(case.values, scene.plain(), definition.engine)
 
 
