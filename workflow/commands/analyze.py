@@ -23,10 +23,10 @@ from workflow.verdicts.findings.finding import MOST_CHAINS
 from workflow.verdicts.pulse_table import pulse_table
 
 FEW = 4
-"""Chains up to which each has its own line."""
+"""Largest number of chains of which each has a line."""
 
 MOST_PULSES = 6
-"""Of a train, that are printed."""
+"""Largest number of pulses of a train that are printed."""
 
 SMALLEST = 1e-6
 """Least uncertainty of an amplitude that is printed, in V: time steps leave as much."""
@@ -47,7 +47,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The directory and what to draw."""
+    """Add the directory and what to draw."""
     parser.add_argument("directory", metavar="DIR", type=Path, help="a run directory, also from a cluster")
     parser.add_argument("--beads", metavar="N,N,...", help="beads whose velocity over time is drawn")
     parser.add_argument(
@@ -159,7 +159,7 @@ def _input(analysis: Analysis) -> str:
 
 
 def _print_accuracy(analysis: Analysis) -> None:
-    """What arrivals are, if not the maxima; and the uncertainty of the table, if more than `DOCUMENTED`."""
+    """Print what arrivals are, if not maxima, and the uncertainty of the table, if more than `DOCUMENTED`."""
     problem, waves = analysis.problem, analysis.waves
     scale, clear = problem.scale, problem.beads - CLEAR
     if analysis.survey.arrival == "impulse":
@@ -184,7 +184,7 @@ def _print_accuracy(analysis: Analysis) -> None:
 
 
 def _print_pulses(survey: Survey) -> None:
-    """The verdict on several chains, the decay law where it was fitted, what the leading waves and other pulses are."""
+    """Print the verdict on several chains, the fitted decay law, and what the leading waves and other pulses are."""
     if survey.problem.chains > 1:
         print(survey.verdict.sentence)
     if not survey.problem.system.holds(Fact.PULSE):
@@ -211,7 +211,7 @@ def _print_pulses(survey: Survey) -> None:
 
 
 def _print_amplitude(survey: Survey) -> None:
-    """What the leading waves settle at, or why they do not and between what they vary; the energy in them."""
+    """Print the asymptotic amplitude, or why there is none and the range of amplitudes, and the waves' energy."""
     shared, system, scale = survey.shared.followed, survey.problem.system, survey.problem.scale
     if shared.span is None:
         return
@@ -235,7 +235,7 @@ def _print_amplitude(survey: Survey) -> None:
 
 
 def _print_leading(survey: Survey) -> None:
-    """What the leading wave of each chain is where it came farthest; one line where there are many, all solitary."""
+    """Print what the leading wave of each chain is at its farthest bead; one line where many are all solitary."""
     farthest: dict[int, tuple[int, Character]] = {}
     for pulse, character in zip(survey.pulses, survey.characters, strict=True):
         distance = survey.direction * int(pulse.bead[-1])
@@ -259,7 +259,7 @@ def _print_leading(survey: Survey) -> None:
 
 
 def _print_train(survey: Survey) -> None:
-    """The pulses that followed each other in the kicked chain, if more than one did."""
+    """Print the pulses that followed each other in the kicked chain, if more than one did."""
     pulses = train(survey)
     if (
         pulses is None or len(pulses) < 2 or np.any(np.diff(pulses.peak_velocity) > 0.0)

@@ -29,7 +29,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The scene, where to, and how."""
+    """Add the scene, the directory, and how to run."""
     parser.add_argument("scene", metavar="SCENE", nargs="?", help="a YAML file, or the name of an installed scene")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="run directory to make")
     parser.add_argument("--resume", metavar="DIR", type=Path, help="resume an interrupted run; without SCENE")
@@ -166,7 +166,7 @@ def _seconds(text: str) -> float:
 
 
 def _checked(check: Check, problem: Problem) -> str:
-    """The run's error in one line, in the dimensionless units that it does not depend on the scene for."""
+    """The run's error in one line, in units of V and T, in which errors of scenes are comparable."""
     near = " in the front half of the window" if problem.window is not None else ""
     where = ""
     if check.where is not None and check.where.time is not None:

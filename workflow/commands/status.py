@@ -20,7 +20,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The directories."""
+    """Add the directories."""
     parser.add_argument(
         "directories", metavar="DIR", type=Path, nargs="+", help="run directories, or one with a list of cases"
     )

@@ -28,7 +28,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What to validate, and against what."""
+    """Add what to validate, and against what."""
     parser.add_argument("what", metavar="DIR|SCENE", help="a run directory, or a scene to run first (needs -o)")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="run directory to make for a scene")
     parser.add_argument(
