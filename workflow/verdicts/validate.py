@@ -1,4 +1,4 @@
-"""Is a run right? Compared with an accurate reference, quantity by quantity."""
+"""Compare a run with an accurate reference, quantity by quantity."""
 
 import math
 import warnings
@@ -68,13 +68,13 @@ class RunDifference:
 
 @dataclass(frozen=True)
 class Validation:
-    """What a comparison found.
+    """Result of a comparison.
 
     Attributes:
         problem: what was run.
         against: what it was compared with.
         deviations: per quantity of `analysis.compare.difference.QUANTITIES`; those that cannot be had are missing.
-        tolerances: what was let pass.
+        tolerances: largest error let pass, by quantity.
         frames: number of frames that the run has, as far as the scene asks for them.
         compared: number of instants at which the two were compared.
         causes: what seems to be wrong, in words; empty if nothing does.

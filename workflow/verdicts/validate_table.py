@@ -1,4 +1,4 @@
-"""Is a run right? Compared with a user's own trajectory in a file, quantity by quantity, or with measured traces."""
+"""Compare a run with a user's own trajectory in a file, quantity by quantity, or with measured traces."""
 
 from collections.abc import Iterator
 from dataclasses import replace
