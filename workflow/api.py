@@ -94,7 +94,7 @@ class Run(running.CompletedRun):
         check: its error against the reference; None if that was not asked for, or another engine than LAMMPS ran.
         trajectory: all frames in units of V, T and L: ``time`` [frame], ``displacement`` and ``velocity``
             [frame, chain, bead], float64.
-        si: the same in the scene's units, SI or reduced.
+        si: all frames in the scene's units, SI or reduced.
     """
 
     def view(self) -> Page:
@@ -248,7 +248,7 @@ def collect(directory: Path | str, at_beads: Sequence[str] = ()) -> SweepTable:
     """Gather the cases of a sweep into one table, those that failed with the reason.
 
     Args:
-        directory: of the sweep.
+        directory: directory of the sweep.
         at_beads: further columns, of the leading wave at chosen beads, such as ``peak_velocity@100``.
 
     Raises:

@@ -72,7 +72,7 @@ class _Grouped(argparse.RawDescriptionHelpFormatter):
 
 
 class _Version(argparse.Action):
-    """Say the versions of everything that numbers depend on."""
+    """Prints the versions of everything that numbers depend on."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
         from importlib.metadata import version
@@ -83,7 +83,7 @@ class _Version(argparse.Action):
 
 
 def command() -> int:
-    """The program: `main`, whatever its standard streams are."""
+    """Run the program as `main` does, also where standard streams are closed or full; its exit code."""
     while True:  # no file that is opened later is taken for one of them
         number = os.open(os.devnull, os.O_RDWR)
         if number > 2:
@@ -101,7 +101,7 @@ def command() -> int:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code; its own also where standard output takes less than it prints."""
+    """Run one command and return its exit code, also where standard output does not take all that it prints."""
     words = list(sys.argv[1:] if argv is None else argv)
     words[:1] = [ALIASES.get(word, word) for word in words[:1]]
     output: Any = OutputStream(sys.stdout, "standard output", needed=True)
@@ -150,7 +150,7 @@ def _ended_as_by_ctrl_c() -> Iterator[None]:
 
 
 def _execute(arguments: argparse.Namespace) -> int:
-    """Run a command, as loud as it was asked to be."""
+    """Run a command with the output that its options request; its exit code."""
     wants_json, quiet = arguments.json, arguments.quiet
     with contextlib.ExitStack() as stack:
         if wants_json or quiet:
@@ -165,7 +165,8 @@ def _execute(arguments: argparse.Namespace) -> int:
 
 
 def parser(names: Sequence[str]) -> argparse.ArgumentParser:
-    """The parser with the arguments of these commands; of none it has all by name, for some take long to import."""
+    """The parser with the arguments of these commands; without names it has all commands without arguments."""
+    # only these are imported, which takes long
     commands = [name for name in names if name in COMMANDS]
     top_level = _Parser(prog="granchain", description=None if commands else _listed(), formatter_class=_Grouped)
     top_level.add_argument("--version", action=_Version, nargs=0, help="print versions and exit")
@@ -187,7 +188,7 @@ def parser(names: Sequence[str]) -> argparse.ArgumentParser:
 
 
 def _listed() -> str:
-    """All commands by job."""
+    """Description that lists all commands by job."""
     lines = ["Shock pulses in weakly coupled, uncompressed granular chains.", ""]
     lines += [f"Start with {', '.join(FIRST)}. `granchain COMMAND --help` lists options and examples."]
     for job, names in GROUPS.items():
@@ -205,7 +206,7 @@ def module_of(name: str) -> Any:
 
 
 def _source(name: str) -> Path:
-    """File of a command, found without importing it."""
+    """File of a command, located without importing it."""
     study = plugins.declared("studies").get(name)
     if study is None:
         return _HERE / "commands" / f"{name}.py"
@@ -216,7 +217,7 @@ def _source(name: str) -> Path:
 
 
 def _fill(subparser: argparse.ArgumentParser, module: Any) -> None:
-    """Arguments and examples of a command, and those that all have."""
+    """Add the arguments and examples of a command, and the arguments that all have."""
     module.add_arguments(subparser)
     subparser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     if getattr(module, "DRAWS", False):

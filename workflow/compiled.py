@@ -43,7 +43,7 @@ _SOURCES = (
 
 
 def compiled(function: F, **options: Any) -> F:
-    """The function as machine code, kept on disk where there is a place for it; options are numba's."""
+    """The function as machine code, kept in the cache directory where there is one; options are numba's."""
     place = cache_directory()
     before = _config.CACHE_DIR
     try:
@@ -87,7 +87,7 @@ def ieee_inner(function: F) -> F:
 
 @functools.cache
 def module(text: str) -> ModuleType:
-    """A module of a text: that of a file in the cache directory, or of none where there is no place for one."""
+    """A module made from a text, which is kept as a file in the cache directory where there is one."""
     name = f"{_WRITTEN}{hashlib.sha256(text.encode()).hexdigest()[:16]}"
     place = cache_directory()
     spec = spec_from_loader(name, _Text(text))
@@ -102,7 +102,7 @@ def module(text: str) -> ModuleType:
 
 
 def _written(path: Path, text: str) -> Path:
-    """A file with a text, which appears at once; of one time, for numba takes code of a file of another for stale."""
+    """Write a file at once, with a fixed time: numba takes the code of a file with another time for stale."""
     if not path.is_file() or path.read_text(encoding="utf-8") != text:
         with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, delete=False) as file:
             file.write(text)
@@ -146,13 +146,13 @@ def digest(functions: Iterable[Any]) -> str:
 
 
 class _Hint(event.Listener):
-    """Says once for each engine that it is compiled, not merely found compiled."""
+    """Prints a hint once for each engine that is compiled rather than loaded from the cache."""
 
     def __init__(self) -> None:
         self._said: set[str] = set()
 
     def on_start(self, event: Any) -> None:
-        """Say which engine, and how often that will happen."""
+        """Print which engine is compiled, and how often that happens."""
         module = str(event.data["dispatcher"].py_func.__module__)
         name = next((name for folder, name in _ENGINES.items() if module.startswith(folder)), None)
         if name is None or name in self._said:
@@ -162,11 +162,11 @@ class _Hint(event.Listener):
         screen.hint(f"compiling {name}; takes a few seconds, {often}")
 
     def on_end(self, event: Any) -> None:
-        """Say nothing."""
+        """Print nothing."""
 
 
 class _NoCollection(event.Listener):
-    """Holds the garbage collector, as a compilation makes a million objects, none of which is garbage.
+    """Pauses the garbage collector during a compilation, which makes a million objects, none of them garbage.
 
     Searching them takes a sixth of its time. A compilation may be part of another; numba lets no other thread compile.
     """
@@ -176,21 +176,21 @@ class _NoCollection(event.Listener):
         self._collects = False
 
     def on_start(self, event: Any) -> None:  # noqa: ARG002
-        """Hold it."""
+        """Pause the collector."""
         if self._under_way == 0:
             self._collects = gc.isenabled()
             gc.disable()
         self._under_way += 1
 
     def on_end(self, event: Any) -> None:  # noqa: ARG002
-        """Leave it as it was."""
+        """Start the collector again if it was running."""
         self._under_way -= 1
         if self._under_way == 0 and self._collects:
             gc.enable()
 
 
 _WRITTEN = "granchain_program_"
-"""What names of modules of texts begin with."""
+"""Start of the names of modules that are made from texts."""
 
 _ENGINES = {_WRITTEN: "the reference", "workflow.engines.collisions": "the engine of rigid beads"}
 
@@ -222,7 +222,7 @@ def cache_directory() -> Path | None:
 
 
 def _ours(folder: Path) -> bool:
-    """Whether nobody else can put a file there: what is found is run."""
+    """Whether nobody else can put a file into a folder, as its files are executed."""
     state = folder.lstat()
     return state.st_uid == os.getuid() and not state.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 

@@ -1,4 +1,4 @@
-"""Failures that are nobody's typing mistake."""
+"""Errors of runs that are no bad input, and how a process ended, in words."""
 
 import signal
 from collections.abc import Iterable

@@ -24,7 +24,7 @@ def foot(cited: Iterable[str], note: str = "") -> str:
 
     Args:
         cited: keys of the bibliography, in the order of their numbers on the page; none twice.
-        note: what else is to be said of where the numbers come from.
+        note: a further line on the origin of the numbers.
     """
     listed = "".join(
         f'<li id="r{number}">{html.escape(references.text(key))}.</li>' for number, key in enumerate(cited, 1)
