@@ -3,9 +3,9 @@
 import sys
 from pathlib import Path
 
-here, ours = Path.cwd(), Path(__file__).parents[1]
-if here != ours:
-    sys.path[:] = [entry for entry in sys.path if Path(entry) != here]
+working_directory, root = Path.cwd(), Path(__file__).parents[1]
+if working_directory != root:
+    sys.path[:] = [entry for entry in sys.path if Path(entry) != working_directory]
 
 from workflow.cli import command  # noqa: E402  what lies in the current directory must not be imported
 

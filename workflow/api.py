@@ -94,7 +94,7 @@ class Run(running.CompletedRun):
         check: its error against the reference; None if that was not asked for, or another engine than LAMMPS ran.
         trajectory: all frames in units of V, T and L: ``time`` [frame], ``displacement`` and ``velocity``
             [frame, chain, bead], float64.
-        si: the same in the scene's units, SI or reduced.
+        si: all frames in the scene's units, SI or reduced.
     """
 
     def view(self) -> Page:
@@ -144,12 +144,12 @@ def run(
     """
     if not isinstance(ranks, int):
         raise InputError(f"ranks: {ranks!r} given; a whole number, 1 or more")
-    given, what = load(scene), engine_called(engine)
-    running.refuse(given, _path(directory), engine=engine, ranks=ranks, overwrite=overwrite)
-    whole, settings = settle(given, source="scene", own_step=what.own_step)
-    with progress_bar(whole.name, whole.problem()) as progress:
+    loaded, chosen = load(scene), engine_called(engine)
+    running.refuse(loaded, _path(directory), engine=engine, ranks=ranks, overwrite=overwrite)
+    settled, settings = settle(loaded, source="scene", own_step=chosen.own_step)
+    with progress_bar(settled.name, settled.problem()) as progress:
         done = running.run(
-            whole,
+            settled,
             _path(directory),
             engine=engine,
             ranks=ranks,
@@ -217,12 +217,12 @@ def universe(run: AnyRun) -> Any:
 
 
 def sweep(
-    what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None, check: bool = True
+    definition: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None, check: bool = True
 ) -> SweepTable:
     """Run a scene for lists or ranges of its fields, on all cores, and gather the cases; runs what is missing.
 
     Args:
-        what: a sweep file, or its content as a mapping.
+        definition: a sweep file, or its content as a mapping.
         directory: new, or resumed.
         jobs: cases at a time; as many as there are cores by default.
         check: whether to measure the errors against the reference.
@@ -233,7 +233,11 @@ def sweep(
     """
     from workflow.sweep.run_sweep import sweep as carry_out
 
-    read = file.from_plain(dict(what), Path("sweep")) if isinstance(what, Mapping) else file.load(Path(what))
+    read = (
+        file.from_plain(dict(definition), Path("sweep"))
+        if isinstance(definition, Mapping)
+        else file.load(Path(definition))
+    )
     end = carry_out(read, _path(directory), processes=jobs, check=check)
     if end.interrupted:
         raise RunError("interrupted: completed cases remain; the same call runs the rest")
@@ -244,7 +248,7 @@ def collect(directory: Path | str, at_beads: Sequence[str] = ()) -> SweepTable:
     """Gather the cases of a sweep into one table, those that failed with the reason.
 
     Args:
-        directory: of the sweep.
+        directory: directory of the sweep.
         at_beads: further columns, of the leading wave at chosen beads, such as ``peak_velocity@100``.
 
     Raises:
@@ -317,11 +321,13 @@ def fit(
     )
 
 
-def design(what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None) -> "DesignResult":
+def design(
+    definition: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None
+) -> "DesignResult":
     """Find the scene that minimises or maximises a quantity within bounds, on all cores; resumes an interrupted call.
 
     Args:
-        what: a design file, or its content as a mapping.
+        definition: a design file, or its content as a mapping.
         directory: new, or resumed.
         jobs: designs at a time; as many as there are cores by default.
 
@@ -332,7 +338,11 @@ def design(what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs:
     from workflow.studies.design import file as designs
     from workflow.studies.design import study
 
-    wanted = designs.from_plain(dict(what), Path("design")) if isinstance(what, Mapping) else designs.load(Path(what))
+    wanted = (
+        designs.from_plain(dict(definition), Path("design"))
+        if isinstance(definition, Mapping)
+        else designs.load(Path(definition))
+    )
     return study.carry_out(wanted, _path(directory), jobs)
 
 
@@ -348,7 +358,7 @@ def gallery(directory: Path | str, names: Sequence[str] = ()) -> "Sections":
         return study.gallery(_path(directory), [names] if isinstance(names, str) else names, progress=progress)
 
 
-def view(what: AnyRun) -> Page:
+def view(run_or_sweep: AnyRun) -> Page:
     """Write the page of a run or a sweep.
 
     Raises:
@@ -357,9 +367,9 @@ def view(what: AnyRun) -> Page:
     need_bokeh()
     from workflow.view import write
 
-    if isinstance(what, running.CompletedRun):
-        what = what.directory
-    path = what.path if isinstance(what, RunDirectory) else _path(what)
+    if isinstance(run_or_sweep, running.CompletedRun):
+        run_or_sweep = run_or_sweep.directory
+    path = run_or_sweep.path if isinstance(run_or_sweep, RunDirectory) else _path(run_or_sweep)
     return Page(write.write(path))
 
 
@@ -369,12 +379,12 @@ def _directory(run: AnyRun) -> RunDirectory:
     return run if isinstance(run, RunDirectory) else RunDirectory(_path(run))
 
 
-def _path(given: object) -> Path:
+def _path(path: object) -> Path:
     """A directory as the user gave it.
 
     Raises:
         InputError: it is no path.
     """
-    if not isinstance(given, str | os.PathLike):
-        raise InputError(f"directory: {given!r} given; a path such as 'out'")
-    return Path(given)
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"directory: {path!r} given; a path such as 'out'")
+    return Path(path)

@@ -27,7 +27,7 @@ try:
 except (ImportError, SyntaxError):
     from importlib.metadata import distributions
 
-    others = {found.name for found in distributions()} & {"workflow", "analysis"}
+    others = {distribution.name for distribution in distributions()} & {"workflow", "analysis"}
     if not others:
         raise
     names = " ".join(sorted(others))
@@ -64,7 +64,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 class _Grouped(argparse.RawDescriptionHelpFormatter):
-    """Without argparse's own list of commands."""
+    """Help without argparse's list of commands, which `_listed` replaces."""
 
     def add_argument(self, action: argparse.Action) -> None:
         if not isinstance(action, argparse._SubParsersAction):
@@ -72,7 +72,7 @@ class _Grouped(argparse.RawDescriptionHelpFormatter):
 
 
 class _Version(argparse.Action):
-    """Say the versions of everything that numbers depend on."""
+    """Prints the versions of everything that numbers depend on."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
         from importlib.metadata import version
@@ -83,7 +83,7 @@ class _Version(argparse.Action):
 
 
 def command() -> int:
-    """The program: `main`, whatever its standard streams are."""
+    """Run the program as `main` does, also where standard streams are closed or full; its exit code."""
     while True:  # no file that is opened later is taken for one of them
         number = os.open(os.devnull, os.O_RDWR)
         if number > 2:
@@ -101,7 +101,7 @@ def command() -> int:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code; its own also where standard output takes less than it prints."""
+    """Run one command and return its exit code, also where standard output does not take all that it prints."""
     words = list(sys.argv[1:] if argv is None else argv)
     words[:1] = [ALIASES.get(word, word) for word in words[:1]]
     output: Any = OutputStream(sys.stdout, "standard output", needed=True)
@@ -150,44 +150,45 @@ def _ended_as_by_ctrl_c() -> Iterator[None]:
 
 
 def _execute(arguments: argparse.Namespace) -> int:
-    """Run a command, as loud as it was asked to be."""
-    asked, quiet = getattr(arguments, "json", False), arguments.quiet
+    """Run a command with the output that its options request; its exit code."""
+    wants_json, quiet = arguments.json, arguments.quiet
     with contextlib.ExitStack() as stack:
-        if asked or quiet:
+        if wants_json or quiet:
             stack.enter_context(contextlib.redirect_stdout(io.StringIO()))
         stack.enter_context(screen.without_bars() if quiet else screen.with_hints())
         if "formats" in arguments:
             stack.enter_context(formats.written_as(arguments.formats, arguments.width))
         answer = arguments.execute(arguments)
-    if asked:
+    if wants_json:
         print(as_json(answer.data))
     return answer.code if isinstance(answer, CommandResult) else int(answer)
 
 
 def parser(names: Sequence[str]) -> argparse.ArgumentParser:
-    """The parser with the arguments of these commands; of none it has all by name, for some take long to import."""
-    known = [name for name in names if name in COMMANDS]
-    whole = _Parser(prog="granchain", description=None if known else _listed(), formatter_class=_Grouped)
-    whole.add_argument("--version", action=_Version, nargs=0, help="print versions and exit")
-    subparsers = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    """The parser with the arguments of these commands; without names it has all commands without arguments."""
+    # only these are imported, which takes long
+    commands = [name for name in names if name in COMMANDS]
+    top_level = _Parser(prog="granchain", description=None if commands else _listed(), formatter_class=_Grouped)
+    top_level.add_argument("--version", action=_Version, nargs=0, help="print versions and exit")
+    subparsers = top_level.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name in names:
         if name not in COMMANDS and not name.startswith("-"):
             from lammps_inputs import library  # what a scene may be takes a while to load
 
             hint = library.suggestion(name[:200], COMMANDS)
             raise InputError(f"{name[:60]!r} is no command{hint}; `granchain --help` lists all")
-    for name in known or COMMANDS:
+    for name in commands or COMMANDS:
         summary = _summary(name)
-        one = subparsers.add_parser(
+        subparser = subparsers.add_parser(
             name, help=summary, description=summary, formatter_class=argparse.RawDescriptionHelpFormatter
         )
-        if name in known:
-            _fill(one, module_of(name))
-    return whole
+        if name in commands:
+            _fill(subparser, module_of(name))
+    return top_level
 
 
 def _listed() -> str:
-    """All commands by job."""
+    """Description that lists all commands by job."""
     lines = ["Shock pulses in weakly coupled, uncompressed granular chains.", ""]
     lines += [f"Start with {', '.join(FIRST)}. `granchain COMMAND --help` lists options and examples."]
     for job, names in GROUPS.items():
@@ -205,7 +206,7 @@ def module_of(name: str) -> Any:
 
 
 def _source(name: str) -> Path:
-    """File of a command, found without importing it."""
+    """File of a command, located without importing it."""
     study = plugins.declared("studies").get(name)
     if study is None:
         return _HERE / "commands" / f"{name}.py"
@@ -215,19 +216,19 @@ def _source(name: str) -> Path:
     return Path(specification.origin)
 
 
-def _fill(one: argparse.ArgumentParser, module: Any) -> None:
-    """Arguments and examples of a command, and those that all have."""
-    module.add_arguments(one)
-    one.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+def _fill(subparser: argparse.ArgumentParser, module: Any) -> None:
+    """Add the arguments and examples of a command, and the arguments that all have."""
+    module.add_arguments(subparser)
+    subparser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     if getattr(module, "DRAWS", False):
-        one.add_argument(
+        subparser.add_argument(
             "--formats",
             metavar="NAME,...",
             type=formats.from_words,
             default=formats.asked(),
             help=f"what figures are written as, of {', '.join(formats.KNOWN)} (default {','.join(formats.asked())})",
         )
-        one.add_argument(
+        subparser.add_argument(
             "--width",
             metavar="INCHES",
             type=formats.width_from_words,
@@ -235,9 +236,9 @@ def _fill(one: argparse.ArgumentParser, module: Any) -> None:
         )
     answers = getattr(module, "ANSWERS", None)
     if answers:
-        one.add_argument("--json", action="store_true", help=f"print one JSON value and nothing else: {answers}")
-    one.epilog = _examples(module.EXAMPLES)
-    one.set_defaults(execute=module.execute)
+        subparser.add_argument("--json", action="store_true", help=f"print one JSON value and nothing else: {answers}")
+    subparser.epilog = _examples(module.EXAMPLES)
+    subparser.set_defaults(execute=module.execute, json=False)
 
 
 def _examples(lines: Iterable[str]) -> str:

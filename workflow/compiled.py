@@ -43,7 +43,7 @@ _SOURCES = (
 
 
 def compiled(function: F, **options: Any) -> F:
-    """The function as machine code, kept on disk where there is a place for it; options are numba's."""
+    """The function as machine code, kept in the cache directory where there is one; options are numba's."""
     place = cache_directory()
     before = _config.CACHE_DIR
     try:
@@ -55,7 +55,7 @@ def compiled(function: F, **options: Any) -> F:
 
 
 def inner(function: F) -> F:
-    """The same for a function that compiled ones alone call: what Python needs to call it takes long to compile."""
+    """The function compiled for calls by compiled ones alone: what Python needs to call it takes long to compile."""
     return compiled(function, no_cpython_wrapper=True)
 
 
@@ -64,9 +64,9 @@ _IEEE: Any = {"error_model": "numpy", "forceinline": True}
 
 
 def inlined(function: F) -> F:
-    """The same for scalar functions, such as those of laws, in loops that are to become vector instructions.
+    """A scalar function, such as one of a law, compiled for loops that are to become vector instructions.
 
-    With IEEE arithmetic: a test of each divisor would prevent those.
+    Arithmetic is IEEE's: a test of each divisor would prevent such instructions.
     """
     options: Any = {**_IEEE, "no_cpython_wrapper": True}
     return cast(F, numba.njit(**options)(function))
@@ -81,13 +81,13 @@ def ieee(function: F) -> F:
 
 
 def ieee_inner(function: F) -> F:
-    """The same for a function that compiled ones alone call."""
+    """The function with IEEE arithmetic, compiled for calls by compiled ones alone."""
     return compiled(function, no_cpython_wrapper=True, **_IEEE)
 
 
 @functools.cache
 def module(text: str) -> ModuleType:
-    """A module of a text: that of a file in the cache directory, or of none where there is no place for one."""
+    """A module made from a text, which is kept as a file in the cache directory where there is one."""
     name = f"{_WRITTEN}{hashlib.sha256(text.encode()).hexdigest()[:16]}"
     place = cache_directory()
     spec = spec_from_loader(name, _Text(text))
@@ -96,13 +96,13 @@ def module(text: str) -> ModuleType:
             spec = spec_from_file_location(name, _written(place / f"{name}.py", text))
     assert spec is not None
     assert spec.loader is not None
-    found = sys.modules[name] = module_from_spec(spec)
-    spec.loader.exec_module(found)
-    return found
+    loaded = sys.modules[name] = module_from_spec(spec)
+    spec.loader.exec_module(loaded)
+    return loaded
 
 
 def _written(path: Path, text: str) -> Path:
-    """A file with a text, which appears at once; of one time, for numba takes code of a file of another for stale."""
+    """Write a file at once, with a fixed time: numba takes the code of a file with another time for stale."""
     if not path.is_file() or path.read_text(encoding="utf-8") != text:
         with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, delete=False) as file:
             file.write(text)
@@ -124,7 +124,7 @@ class _Text(InspectLoader):
 
 def digest(functions: Iterable[Any]) -> str:
     """Hash of the modules of functions, and of what these take from others: functions, modules and numbers."""
-    found: dict[str, bytes] = {}
+    contents: dict[str, bytes] = {}
     waiting, done = list(functions), set()
     while waiting:
         value = waiting.pop()
@@ -135,24 +135,24 @@ def digest(functions: Iterable[Any]) -> str:
         name = value.__name__ if isinstance(value, ModuleType) else value.__module__
         file = getattr(sys.modules.get(name), "__file__", None)
         if file is not None:
-            found[name] = Path(file).read_bytes()
+            contents[name] = Path(file).read_bytes()
         if isinstance(value, FunctionType):
             taken = {other: value.__globals__.get(other) for other in value.__code__.co_names}
-            found |= {
+            contents |= {
                 f"{name}.{other}": repr(it).encode() for other, it in taken.items() if isinstance(it, int | float)
             }
             waiting += taken.values()
-    return fingerprint(sorted(found.items()))
+    return fingerprint(sorted(contents.items()))
 
 
 class _Hint(event.Listener):
-    """Says once for each engine that it is compiled, not merely found compiled."""
+    """Prints a hint once for each engine that is compiled rather than loaded from the cache."""
 
     def __init__(self) -> None:
         self._said: set[str] = set()
 
     def on_start(self, event: Any) -> None:
-        """Say which engine, and how often that will happen."""
+        """Print which engine is compiled, and how often that happens."""
         module = str(event.data["dispatcher"].py_func.__module__)
         name = next((name for folder, name in _ENGINES.items() if module.startswith(folder)), None)
         if name is None or name in self._said:
@@ -162,11 +162,11 @@ class _Hint(event.Listener):
         screen.hint(f"compiling {name}; takes a few seconds, {often}")
 
     def on_end(self, event: Any) -> None:
-        """Say nothing."""
+        """Print nothing."""
 
 
 class _NoCollection(event.Listener):
-    """Holds the garbage collector, as a compilation makes a million objects, none of which is garbage.
+    """Pauses the garbage collector during a compilation, which makes a million objects, none of them garbage.
 
     Searching them takes a sixth of its time. A compilation may be part of another; numba lets no other thread compile.
     """
@@ -176,21 +176,21 @@ class _NoCollection(event.Listener):
         self._collects = False
 
     def on_start(self, event: Any) -> None:  # noqa: ARG002
-        """Hold it."""
+        """Pause the collector."""
         if self._under_way == 0:
             self._collects = gc.isenabled()
             gc.disable()
         self._under_way += 1
 
     def on_end(self, event: Any) -> None:  # noqa: ARG002
-        """Leave it as it was."""
+        """Start the collector again if it was running."""
         self._under_way -= 1
         if self._under_way == 0 and self._collects:
             gc.enable()
 
 
 _WRITTEN = "granchain_program_"
-"""What names of modules of texts begin with."""
+"""Start of the names of modules that are made from texts."""
 
 _ENGINES = {_WRITTEN: "the reference", "workflow.engines.collisions": "the engine of rigid beads"}
 
@@ -222,9 +222,9 @@ def cache_directory() -> Path | None:
 
 
 def _ours(folder: Path) -> bool:
-    """Whether nobody else can put a file there: what is found is run."""
-    found = folder.lstat()
-    return found.st_uid == os.getuid() and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    """Whether nobody else can put a file into a folder, as its files are executed."""
+    state = folder.lstat()
+    return state.st_uid == os.getuid() and not state.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
 def fingerprint(sources: Iterable[tuple[str, bytes]]) -> str:
@@ -241,8 +241,8 @@ def sources() -> list[tuple[str, bytes]]:
     """All that is ever compiled: laws, engines, and the modules of a user's own ingredients."""
     root = Path(__file__).parents[1]
     files = [file for folder in _SOURCES for file in sorted((root / folder).rglob("*.py"))]
-    own = {inspect.getsourcefile(ingredient) for ingredient in INGREDIENTS.values()}
-    files += sorted(Path(file) for file in own if file and root not in Path(file).parents)
+    ingredient_files = {inspect.getsourcefile(ingredient) for ingredient in INGREDIENTS.values()}
+    files += sorted(Path(file) for file in ingredient_files if file and root not in Path(file).parents)
     return [
         (file.relative_to(root).as_posix() if root in file.parents else file.name, file.read_bytes()) for file in files
     ]

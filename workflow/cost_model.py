@@ -22,16 +22,16 @@ from lammps_inputs.slurm import site
 from lammps_inputs.slurm.step_time import MESSAGES, bead_seconds, frame_seconds, step_seconds
 
 MEMORY = 1000
-"""Bytes a bead, at the start, when it is largest: of a single chain; 600 to 700 of coupled ones."""
+"""Memory in bytes a bead of a single chain at the start, when it is largest; 600 to 700 for coupled chains."""
 
 PROCESS = 40_000_000
-"""Bytes a rank without any bead."""
+"""Memory in bytes of a rank without beads."""
 
 LONE_RESTART, COUPLED_RESTART = 144, 190
-"""Bytes a bead in a restart."""
+"""Size in bytes a bead of a restart, of a single chain and of coupled chains."""
 
 HEADER = 154
-"""Bytes of the header of a frame."""
+"""Size in bytes of the header of a frame."""
 
 REFERENCE_FORCE = 1e-9
 """Seconds of the reference integrator for the forces on a bead; measured: 0.7e-9 to 3e-9."""
@@ -43,22 +43,22 @@ LEAST_ROWS = 20
 """Rows of a rank below which those that it shares with its neighbours are no longer few beside its own."""
 
 RANKS_OF_A_NODE = 32
-"""Where a site does not say how many cores its nodes have."""
+"""Number of ranks on a node where the site's file does not state its cores."""
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What a run takes.
+    """Estimated cost of a run.
 
     Attributes:
         ranks: MPI ranks.
-        beads: of all chains, as far as they exist.
-        step: seconds for a time step, without frames.
-        seconds: for the whole run, with its frames.
-        memory: bytes, of all ranks together.
-        frame: bytes of a frame.
-        frames: bytes of all frames.
-        restart: bytes of a restart.
+        beads: number of beads of all chains, as far as they exist.
+        step: time of a time step without frames, in s.
+        seconds: time of the run with its frames, in s.
+        memory: memory of all ranks together, in bytes.
+        frame: size of a frame, in bytes.
+        frames: size of all frames, in bytes.
+        restart: size of a restart, in bytes.
     """
 
     ranks: int
@@ -71,7 +71,7 @@ class Cost:
     restart: float
 
     def sentence(self) -> str:
-        """All of it in one line."""
+        """All costs in one line."""
         ranks = f"{self.ranks} rank{'s' * (self.ranks > 1)} of {math.ceil(self.beads / self.ranks)} beads"
         return (
             f"{ranks}: about {time_text(self.seconds)} ({time_text(self.step)} a step), "
@@ -85,14 +85,14 @@ def least_beads(problem: Problem) -> int:
     return math.ceil(EFFICIENCY / (1.0 - EFFICIENCY) * MESSAGES / bead_seconds(problem))
 
 
-def advised(problem: Problem, most: int) -> int:
-    """Number of ranks that are worth while, at most ``most``."""
+def advised(problem: Problem, most_ranks: int) -> int:
+    """Number of ranks that are worth while, at most ``most_ranks``."""
     beads = problem.chains * problem.rows
-    return max(1, min(most, beads // least_beads(problem), problem.rows // LEAST_ROWS))
+    return max(1, min(most_ranks, beads // least_beads(problem), problem.rows // LEAST_ROWS))
 
 
 def cost(problem: Problem, ranks: int) -> Cost:
-    """What a run takes on some ranks, by the model."""
+    """Cost of a run on a number of ranks, by the model."""
     beads = problem.chains * problem.rows
     columns = 3 if problem.window is None else 4
     frame = HEADER + 8.0 * columns * problem.chains * problem.rows_a_frame
@@ -115,7 +115,7 @@ def cost(problem: Problem, ranks: int) -> Cost:
 
 
 def too_many(problem: Problem, ranks: int) -> str:
-    """That one rank would be faster by the model, in one line; empty if it would not."""
+    """A line that says that one rank would be faster by the model; empty if it would not."""
     alone = cost(problem, 1)
     if alone.step >= cost(problem, ranks).step:
         return ""
@@ -126,7 +126,7 @@ def too_many(problem: Problem, ranks: int) -> str:
 
 
 def add_job_arguments(parser: argparse.ArgumentParser) -> "argparse._ArgumentGroup":
-    """What a job asks of a cluster; the group that they are in."""
+    """Add what a job requests of a cluster; the group that the options are in."""
     group = parser.add_argument_group(
         "Slurm", f"defaults: --site FILE, else ${site.VARIABLE}, else ~/{site.DEFAULT_FILE}"
     )
@@ -145,28 +145,28 @@ def add_job_arguments(parser: argparse.ArgumentParser) -> "argparse._ArgumentGro
 
 
 def job_options(arguments: argparse.Namespace) -> site.JobOptions | None:
-    """What the arguments of `add_job_arguments` ask for, over the site's defaults; None without ``--slurm``.
+    """Options of a job by the arguments of `add_job_arguments`, else by the site's file; None without ``--slurm``.
 
     Raises:
         InputError: an option cannot be used, or is given without ``--slurm``.
     """
-    known = (*site.JobOptions.model_fields, "site")
-    given: dict[str, Any] = {
-        name: value for name, value in vars(arguments).items() if name in known and value is not None
+    names = (*site.JobOptions.model_fields, "site")
+    requested: dict[str, Any] = {
+        name: value for name, value in vars(arguments).items() if name in names and value is not None
     }
     if not arguments.slurm:
-        if given:
-            name = next(iter(given))
+        if requested:
+            name = next(iter(requested))
             raise InputError(f"--{site.OPTIONS.get(name, name.replace('_', '-'))}: is for a job; add --slurm")
         return None
-    given.pop("site", None)
-    return site.options(given, site.find_site(arguments.site))
+    requested.pop("site", None)
+    return site.options(requested, site.find_site(arguments.site))
 
 
 def with_ranks(options: site.JobOptions, problem: Problem) -> site.JobOptions:
-    """The same options with a number of ranks advised where none was asked for."""
+    """Options of a job with the advised number of ranks where they name none."""
     if options.ranks_per_node is not None:
         return options
-    most = options.cores_per_node or RANKS_OF_A_NODE
-    count = max(1, advised(problem, most * options.nodes) // options.nodes)
+    cores = options.cores_per_node or RANKS_OF_A_NODE
+    count = max(1, advised(problem, cores * options.nodes) // options.nodes)
     return options.model_copy(update={"ranks_per_node": count})

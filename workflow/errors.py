@@ -1,4 +1,4 @@
-"""Failures that are nobody's typing mistake."""
+"""Errors of runs that are no bad input, and how a process ended, in words."""
 
 import signal
 from collections.abc import Iterable
@@ -23,5 +23,5 @@ def how_it_ended(code: int) -> str:
 
 def complaint(lines: Iterable[str]) -> str:
     """What a process printed before it died, in one line: its first, of a traceback the last."""
-    said = [line.strip() for line in lines if line.strip()]
-    return "" if not said else said[-1] if said[0].startswith("Traceback") else said[0]
+    printed = [line.strip() for line in lines if line.strip()]
+    return "" if not printed else printed[-1] if printed[0].startswith("Traceback") else printed[0]

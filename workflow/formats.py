@@ -51,10 +51,10 @@ def in_any_format(*names: str) -> tuple[str, ...]:
 
 def from_words(text: str) -> tuple[str, ...]:
     """Formats that ``--formats`` names."""
-    found = tuple(dict.fromkeys(word.strip().lower() for word in text.split(",")))
-    if not set(found) <= set(KNOWN):
+    names = tuple(dict.fromkeys(word.strip().lower() for word in text.split(",")))
+    if not set(names) <= set(KNOWN):
         raise argparse.ArgumentTypeError(f"{text!r} given; of {', '.join(KNOWN)}, with commas between")
-    return found
+    return names
 
 
 def width_from_words(text: str) -> float:

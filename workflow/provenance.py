@@ -24,7 +24,7 @@ def foot(cited: Iterable[str], note: str = "") -> str:
 
     Args:
         cited: keys of the bibliography, in the order of their numbers on the page; none twice.
-        note: what else is to be said of where the numbers come from.
+        note: a further line on the origin of the numbers.
     """
     listed = "".join(
         f'<li id="r{number}">{html.escape(references.text(key))}.</li>' for number, key in enumerate(cited, 1)
@@ -51,10 +51,10 @@ def commit() -> str:
         return ""
     command = ["git", "-C", str(HOME), "describe", "--always", "--dirty", "--exclude=*"]
     try:
-        found = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
+        completed = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
     except (OSError, subprocess.SubprocessError):
         return ""
-    return f" (commit {found.stdout.strip()})"
+    return f" (commit {completed.stdout.strip()})"
 
 
 @functools.cache

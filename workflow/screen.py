@@ -26,7 +26,7 @@ class OutputStream:
 
     Args:
         stream: where text goes; None if it is closed.
-        name: of it.
+        name: its name, for messages.
         needed: whether to raise where text cannot be written; else the first failure is kept in ``failure``, for what a
             command computes is more than what it prints.
     """
@@ -42,7 +42,7 @@ class OutputStream:
         return len(text)
 
     def flush(self) -> None:
-        """Write what was kept in memory."""
+        """Write what is still in memory."""
         if self._stream is not None:
             self._tried("flush")
 
@@ -64,7 +64,7 @@ class OutputStream:
 
 
 class CommandResult(NamedTuple):
-    """What a command found, for scripts."""
+    """Exit code of a command, and its results for scripts."""
 
     code: int
     data: Any
@@ -108,12 +108,12 @@ _tell: ContextVar[Callable[[str], None]] = ContextVar("tell", default=_print_whe
 
 
 def with_hints(tell: Callable[[str], None] = _print_hint) -> AbstractContextManager[None]:
-    """Let something else take hints meanwhile; by default they are given also where standard error is no terminal."""
+    """Pass hints to a function within a block; by default they are printed also where standard error is no terminal."""
     return meanwhile(_tell, tell)
 
 
 def hint(text: str) -> None:
-    """Say to whoever waits what takes long, in one line on standard error; where progress is shown, and in commands."""
+    """Print what takes long, in one line on standard error, where progress is shown and in commands."""
     if _bars.get():
         _tell.get()(text)
 
@@ -154,8 +154,8 @@ def count_bar(name: str) -> Iterator[Callable[..., None]]:
         task = bar.add_task(name, total=None, count="")
 
         def show(done: int, total: int, failed: int | str = 0) -> None:
-            said = f"{failed} failed" if isinstance(failed, int) and failed else failed or ""
-            label = f"{name}, {said}" if said else name
+            remark = f"{failed} failed" if isinstance(failed, int) and failed else failed or ""
+            label = f"{name}, {remark}" if remark else name
             bar.update(task, completed=done, total=total, count=f"{done}/{total}", description=label)
 
         yield show

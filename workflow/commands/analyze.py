@@ -23,10 +23,10 @@ from workflow.verdicts.findings.finding import MOST_CHAINS
 from workflow.verdicts.pulse_table import pulse_table
 
 FEW = 4
-"""Chains up to which each has its own line."""
+"""Largest number of chains of which each has a line."""
 
 MOST_PULSES = 6
-"""Of a train, that are printed."""
+"""Largest number of pulses of a train that are printed."""
 
 SMALLEST = 1e-6
 """Least uncertainty of an amplitude that is printed, in V: time steps leave as much."""
@@ -47,7 +47,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The directory and what to draw."""
+    """Add the directory and what to draw."""
     parser.add_argument("directory", metavar="DIR", type=Path, help="a run directory, also from a cluster")
     parser.add_argument("--beads", metavar="N,N,...", help="beads whose velocity over time is drawn")
     parser.add_argument(
@@ -61,15 +61,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print a short table; write waves.csv, analysis.json and figures."""
-    found = analyse(
+    analysis = analyse(
         RunDirectory(arguments.directory),
         beads=_beads(arguments.beads),
         figures=not arguments.no_figures,
         arrival=arguments.arrival,
     )
-    print(f"{found.problem.name}: {RunDirectory(arguments.directory).scene.units}")
-    _print(found)
-    names = [*found.tables, REPORT, *(path.name for path in found.figures)]
+    print(f"{analysis.problem.name}: {RunDirectory(arguments.directory).scene.units}")
+    _print(analysis)
+    names = [*analysis.tables, REPORT, *(path.name for path in analysis.figures)]
     print(f"{one_line(arguments.directory)}: {', '.join(names)}")
     return CommandResult(0, json.loads((arguments.directory / REPORT).read_text(encoding="utf-8")))
 
@@ -83,35 +83,35 @@ def _beads(text: str | None) -> tuple[int, ...] | None:
         raise InputError(f"--beads: {text!r} given; bead numbers with commas between, such as 10,55,90") from None
 
 
-def _print(found: Analysis) -> None:
-    problem, seen = found.problem, found.conservation
-    if not found.complete:
+def _print(analysis: Analysis) -> None:
+    problem, conservation = analysis.problem, analysis.conservation
+    if not analysis.complete:
         print(
-            f"incomplete: {seen.frames} of {problem.frames + 1} frames, to t = "
-            f"{problem.scale.written(seen.last_time, 'time')}; the existing frames were analysed"
+            f"incomplete: {conservation.frames} of {problem.frames + 1} frames, to t = "
+            f"{problem.scale.written(conservation.last_time, 'time')}; the existing frames were analysed"
         )
-    if found.altered:
+    if analysis.altered:
         print("frame checksum mismatch with run.json: a file was damaged or modified")
-    _print_doubt(found)
+    _print_doubt(analysis)
     if problem.system.holds(Fact.PULSE):
-        if (table := pulse_table(found.survey)) is not None:
+        if (table := pulse_table(analysis.survey)) is not None:
             print_table(*table)
-        _print_changes(found.survey)
-        _print_accuracy(found)
-    _print_pulses(found.survey)
-    for finding in found.findings.values():
-        for said in finding.said():
-            if isinstance(said, str):
-                print(said)
+        _print_changes(analysis.survey)
+        _print_accuracy(analysis)
+    _print_pulses(analysis.survey)
+    for finding in analysis.findings.values():
+        for lines in finding.said():
+            if isinstance(lines, str):
+                print(lines)
             else:
-                print_table(*said)
-    _print_drifts(found)
+                print_table(*lines)
+    _print_drifts(analysis)
 
 
-def _print_changes(found: Survey) -> None:
+def _print_changes(survey: Survey) -> None:
     """Print of each chain where leading pulses end and why, the first of them with its peak velocity."""
-    for chain in range(1, found.problem.chains + 1):
-        changes = [change for change in found.succession if change.chain == chain]
+    for chain in range(1, survey.problem.chains + 1):
+        changes = [change for change in survey.succession if change.chain == chain]
         if not changes:
             continue
         first, others = changes[0], [str(change.last) for change in changes[1:]]
@@ -128,41 +128,41 @@ def _print_changes(found: Survey) -> None:
         )
 
 
-def _print_drifts(found: Analysis) -> None:
+def _print_drifts(analysis: Analysis) -> None:
     """Print the drift of the energy, unless its budget has been printed, and of the momentum."""
-    exchanges = physics.exchanges(found.problem.system)
-    shown = [f"{name} {drift:.1e}" for name, drift in _drifts(found).items() if name != "energy" or not exchanges]
+    exchanges = physics.exchanges(analysis.problem.system)
+    shown = [f"{name} {drift:.1e}" for name, drift in _drifts(analysis).items() if name != "energy" or not exchanges]
     if shown:
-        print(f"drift: {', '.join(shown)} of {_input(found)}")
+        print(f"drift: {', '.join(shown)} of {_input(analysis)}")
 
 
-def _print_doubt(found: Analysis) -> None:
+def _print_doubt(analysis: Analysis) -> None:
     """Print why the frames cannot be right where energy or momentum is not conserved."""
-    drifts = _drifts(found)
+    drifts = _drifts(analysis)
     if max(drifts.values(), default=0.0) > ENERGY_TOLERANCE:
         name = max(drifts, key=lambda name: drifts[name])
-        changes = f"the {name} changes by {drifts[name]:.2g} of {_input(found)}"
+        changes = f"the {name} changes by {drifts[name]:.2g} of {_input(analysis)}"
         cause = "these are not frames of this scene, or the time step is too large (see `granchain validate`)"
-        print(found.failure or f"{changes}: {cause}")
+        print(analysis.failure or f"{changes}: {cause}")
 
 
-def _drifts(found: Analysis) -> dict[str, float]:
+def _drifts(analysis: Analysis) -> dict[str, float]:
     """Relative drifts of energy and momentum, by name, as far as they are known."""
-    seen = found.conservation
-    drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
+    conservation = analysis.conservation
+    drifts = {"energy": conservation.energy_drift, "momentum": conservation.momentum_drift}
     return {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
 
 
-def _input(found: Analysis) -> str:
+def _input(analysis: Analysis) -> str:
     """What drifts are relative to, in words."""
-    return "the input" if physics.exchanges(found.problem.system) else "the kick's"
+    return "the input" if physics.exchanges(analysis.problem.system) else "the kick's"
 
 
-def _print_accuracy(found: Analysis) -> None:
-    """What arrivals are, if not the maxima; and the uncertainty of the table, if more than `DOCUMENTED`."""
-    problem, waves = found.problem, found.waves
+def _print_accuracy(analysis: Analysis) -> None:
+    """Print what arrivals are, if not maxima, and the uncertainty of the table, if more than `DOCUMENTED`."""
+    problem, waves = analysis.problem, analysis.waves
     scale, clear = problem.scale, problem.beads - CLEAR
-    if found.survey.arrival == "impulse":
+    if analysis.survey.arrival == "impulse":
         print("arrival: centre of the impulse until the bead is fastest")
     elif free := int(np.count_nonzero(np.isnan(waves.arrival[along_the_way(problem, waves.bead) <= clear]))):
         where = f"{free} beads that fly" if free > 1 else "a bead that flies"
@@ -183,39 +183,39 @@ def _print_accuracy(found: Analysis) -> None:
         print(f"frames are more than {far} apart: small pulses may be missed between them")
 
 
-def _print_pulses(found: Survey) -> None:
-    """The verdict on several chains, the decay law where it was fitted, what the leading waves and other pulses are."""
-    if found.problem.chains > 1:
-        print(found.verdict.sentence)
-    if not found.problem.system.holds(Fact.PULSE):
-        if found.problem.chains == 1:
-            print(physics.why_no_pulse(found.problem.system))
+def _print_pulses(survey: Survey) -> None:
+    """Print the verdict on several chains, the fitted decay law, and what the leading waves and other pulses are."""
+    if survey.problem.chains > 1:
+        print(survey.verdict.sentence)
+    if not survey.problem.system.holds(Fact.PULSE):
+        if survey.problem.chains == 1:
+            print(physics.why_no_pulse(survey.problem.system))
         return
-    _print_amplitude(found)
-    if (decay := found.decay) is not None:
+    _print_amplitude(survey)
+    if (decay := survey.decay) is not None:
         expected = f", theory {decay.n_star_expected:.1f}" if math.isfinite(decay.n_star_expected) else ""
         print(
             f"decay as (1 - n / n*)**2.5 over beads {decay.first} to {decay.last}: n* = {decay.n_star:.1f} "
             f"+- {decay.n_star_error:.1g}{expected}"
         )
-    _print_train(found)
-    _print_leading(found)
-    others = [pulse for pulse in found.pulses if not found.leads(pulse)]
+    _print_train(survey)
+    _print_leading(survey)
+    others = [pulse for pulse in survey.pulses if not survey.leads(pulse)]
     if others:
         strongest = max(pulse.peak_velocity.max() for pulse in others)
         many = f"{len(others)} other pulses" if len(others) > 1 else "one other pulse"
         print(f"{many}, with peak velocities up to {strongest:.3f} V (analysis.json has all)")
-    if found.crests:
-        largest = max(crest.peak_velocity.max() for crest in found.crests)
+    if survey.crests:
+        largest = max(crest.peak_velocity.max() for crest in survey.crests)
         print(f"sound waves, with peak velocities up to {largest:.3f} V")
 
 
-def _print_amplitude(found: Survey) -> None:
-    """What the leading waves settle at, or why they do not and between what they vary; the energy in them."""
-    shared, system, scale = found.shared.followed, found.problem.system, found.problem.scale
+def _print_amplitude(survey: Survey) -> None:
+    """Print the asymptotic amplitude, or why there is none and the range of amplitudes, and the waves' energy."""
+    shared, system, scale = survey.shared.followed, survey.problem.system, survey.problem.scale
     if shared.span is None:
         return
-    energy = np.sum(found.energies.wave[-1]) if len(found.energies.wave) else math.nan
+    energy = np.sum(survey.energies.wave[-1]) if len(survey.energies.wave) else math.nan
     share = f"; leading waves have {energy:.1%} of the energy input" if math.isfinite(energy) else ""
     final, worth = shared.final, f"V = {scale.written(1.0, 'velocity')}"
     if final is None:
@@ -234,13 +234,13 @@ def _print_amplitude(found: Survey) -> None:
     print(f"asymptotic amplitude {final.value:.5f} +- {max(final.uncertainty, SMALLEST):.1g} V, {far}{share}")
 
 
-def _print_leading(found: Survey) -> None:
-    """What the leading wave of each chain is where it came farthest; one line where there are many, all solitary."""
+def _print_leading(survey: Survey) -> None:
+    """Print what the leading wave of each chain is at its farthest bead; one line where many are all solitary."""
     farthest: dict[int, tuple[int, Character]] = {}
-    for pulse, character in zip(found.pulses, found.characters, strict=True):
-        way = found.direction * int(pulse.bead[-1])
-        if found.leads(pulse) and way >= farthest.get(pulse.chain, (way, character))[0]:
-            farthest[pulse.chain] = way, character
+    for pulse, character in zip(survey.pulses, survey.characters, strict=True):
+        distance = survey.direction * int(pulse.bead[-1])
+        if survey.leads(pulse) and distance >= farthest.get(pulse.chain, (distance, character))[0]:
+            farthest[pulse.chain] = distance, character
     leading = {chain: character for chain, (_, character) in sorted(farthest.items())}
     exact = all(character.solitary and math.isfinite(character.residual) for character in leading.values())
     if exact and len(leading) > FEW:
@@ -258,21 +258,23 @@ def _print_leading(found: Survey) -> None:
             print(f"chain {chain}: {_words(character)}")
 
 
-def _print_train(found: Survey) -> None:
-    """The pulses that followed each other in the kicked chain, if more than one did."""
-    seen = train(found)
-    if seen is None or len(seen) < 2 or np.any(np.diff(seen.peak_velocity) > 0.0):  # the faster ones are the higher
+def _print_train(survey: Survey) -> None:
+    """Print the pulses that followed each other in the kicked chain, if more than one did."""
+    pulses = train(survey)
+    if (
+        pulses is None or len(pulses) < 2 or np.any(np.diff(pulses.peak_velocity) > 0.0)
+    ):  # the faster ones are the higher
         return
-    scale = found.problem.scale
-    pairs = zip(seen.peak_velocity[:MOST_PULSES], seen.uncertainty, strict=False)
+    scale = survey.problem.scale
+    pairs = zip(pulses.peak_velocity[:MOST_PULSES], pulses.uncertainty, strict=False)
     each = ", ".join(
         f"{peak:.4f}" + (f" +- {max(varies, SMALLEST):.1g}" if math.isfinite(varies) else "") for peak, varies in pairs
     )
-    apart = ", ".join(f"{spacing * scale.time:.4g}" for spacing in seen.spacing[: MOST_PULSES - 1])
-    more = ", ..." if len(seen) > MOST_PULSES else ""
+    apart = ", ".join(f"{spacing * scale.time:.4g}" for spacing in pulses.spacing[: MOST_PULSES - 1])
+    more = ", ..." if len(pulses) > MOST_PULSES else ""
     unit = scale.symbol("time") if scale.si else "T"
-    place = f"bead {seen.bead} of chain {seen.chain}"
-    print(f"train of {len(seen)} pulses at {place}: {each}{more} V; intervals {apart}{more} {unit}")
+    place = f"bead {pulses.bead} of chain {pulses.chain}"
+    print(f"train of {len(pulses)} pulses at {place}: {each}{more} V; intervals {apart}{more} {unit}")
 
 
 def _words(character: Character) -> str:

@@ -11,13 +11,13 @@ EXAMPLES = ("cite two-chains", "cite my.yaml --bibtex > references.bib")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The scene, and in which form."""
+    """Add the scene and the form of the output."""
     parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
     parser.add_argument("--bibtex", action="store_true", help="print BibTeX entries only")
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
-    """Software, engine, laws and schemes, each with its source."""
+    """Print software, engine, laws and schemes, each with its source."""
     cited = references.of_scene(library.find(arguments.scene))
     if arguments.bibtex:
         wanted = dict.fromkeys(key for keys in cited.values() for key in keys)

@@ -30,7 +30,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The directory, the file, and what to plot."""
+    """Add the directory, the file, and what to plot."""
     parser.add_argument("directory", metavar="DIR", type=Path, help="of a sweep, also one that came from a cluster")
     parser.add_argument("-o", "--output", metavar="FILE", type=Path, help=f"the table (default DIR/{TABLE})")
     parser.add_argument("--plot", metavar="QUANTITY", help=f"draw one of the table's columns: {_numbers()}")
@@ -143,7 +143,7 @@ def _condition(words: str) -> tuple[str, Any]:
 
 
 def _refuse(output: Path, start: bytes) -> None:
-    """Refuse formats that there is no library for, and files that are not a table of ours, which begins so."""
+    """Refuse names that do not end in .csv, and existing files that do not start as a table of ours does."""
     if output.suffix != ".csv":
         raise InputError(f"-o: {output}: the table is CSV, so FILE ends in .csv")
     if not output.parent.is_dir():

@@ -21,7 +21,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The scene and where to."""
+    """Add the scene, the directory and the options of a job."""
     parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="directory to make")
     parser.add_argument("--overwrite", action="store_true", help="replace an earlier run's files in DIR")

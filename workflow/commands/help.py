@@ -20,7 +20,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The word or phrase."""
+    """Add the word or phrase."""
     parser.add_argument(
         "words",
         metavar="scene|KEY|COMMAND|QUANTITY|TERM",

@@ -14,13 +14,13 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Where to, and from what."""
+    """Add the file to write and the scene to copy."""
     parser.add_argument("file", metavar="FILE.yaml", type=Path, help="the scene to write; must not exist")
     parser.add_argument("--from", dest="source", metavar="SCENE", help="an installed scene to copy, with its comments")
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Write the file, under a name that nothing has."""
+    """Write the scene to a file that does not exist yet."""
     file = arguments.file
     if file.suffix not in (".yaml", ".yml"):
         raise InputError(f"new: {file}: scenes are files that end in .yaml")

@@ -29,7 +29,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The scene, where to, and how."""
+    """Add the scene, the directory, and how to run."""
     parser.add_argument("scene", metavar="SCENE", nargs="?", help="a YAML file, or the name of an installed scene")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="run directory to make")
     parser.add_argument("--resume", metavar="DIR", type=Path, help="resume an interrupted run; without SCENE")
@@ -88,14 +88,14 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
 
 
 def _resume(arguments: argparse.Namespace) -> CommandResult:
-    given = {
+    refused = {
         "SCENE": arguments.scene,
         "-o": arguments.output,
         "--engine": arguments.engine,
         "--overwrite": arguments.overwrite or None,
         "--force": arguments.force or None,
     }
-    for name, value in given.items():
+    for name, value in refused.items():
         if value is not None:
             raise InputError(f"--resume: continues with the settings of the run; leave out {name}")
     directory = begun(arguments.resume)
@@ -166,16 +166,16 @@ def _seconds(text: str) -> float:
 
 
 def _checked(check: Check, problem: Problem) -> str:
-    """The run's error in one line, in the dimensionless units that it does not depend on the scene for."""
+    """The run's error in one line, in units of V and T, in which errors of scenes are comparable."""
     near = " in the front half of the window" if problem.window is not None else ""
     where = ""
     if check.where is not None and check.where.time is not None:
         time = problem.scale.written(check.where.time, "time", ".5g")
         where = f" ({check.where.words}, t = {time})"
-    found = [f"velocities {check.velocity:.1e} V{where}"]
-    found += [f"peaks {check.amplitude:.1e} V"] if math.isfinite(check.amplitude) else []
+    errors = [f"velocities {check.velocity:.1e} V{where}"]
+    errors += [f"peaks {check.amplitude:.1e} V"] if math.isfinite(check.amplitude) else []
     uncertainty = f"{check.reference.velocity:.1e} V"
     if math.isfinite(check.arrival):
-        found.append(f"arrivals {check.arrival:.1e} T")
+        errors.append(f"arrivals {check.arrival:.1e} T")
         uncertainty += f", {check.reference.arrival:.1e} T"
-    return f"error{near}: {', '.join(found)}; uncertainty of the reference {uncertainty}"
+    return f"error{near}: {', '.join(errors)}; uncertainty of the reference {uncertainty}"

@@ -13,11 +13,11 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """No arguments."""
+    """Add nothing: the command has no arguments."""
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:  # noqa: ARG001
-    """Print a name and a line for each."""
+    """Print the name and a line of description of each scene."""
     scenes = installed_scenes.descriptions()
     width = max(map(len, scenes))
     for name, description in scenes.items():

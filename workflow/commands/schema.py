@@ -12,7 +12,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The kind of file."""
+    """Add the kind of file."""
     names = tuple(plugins.declared("schemas"))
     parser.add_argument("of", choices=names, nargs="?", default="scene", help="default scene")
 

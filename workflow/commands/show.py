@@ -16,7 +16,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The scene."""
+    """Add the scene."""
     parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
     parser.add_argument(
         "--values",

@@ -20,7 +20,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The directories."""
+    """Add the directories."""
     parser.add_argument(
         "directories", metavar="DIR", type=Path, nargs="+", help="run directories, or one with a list of cases"
     )
@@ -36,13 +36,15 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     for path in arguments.directories:
         if not os.path.lexists(path):
             raise InputError(f"{one_line(path)}: no such directory")
-    found = statuses(arguments.directories, slurm_queue())
-    for one in found:
-        print(line(one))
-    if len(found) > 1:
-        counts = Counter(one.state for one in found)
-        print(f"{len(found)} directories: {', '.join(f'{count} {state}' for state, count in counts.items())}")
-    return CommandResult(int(any(one.state in ("failed", "none") for one in found)), [one.plain() for one in found])
+    states = statuses(arguments.directories, slurm_queue())
+    for status in states:
+        print(line(status))
+    if len(states) > 1:
+        counts = Counter(status.state for status in states)
+        print(f"{len(states)} directories: {', '.join(f'{count} {state}' for state, count in counts.items())}")
+    return CommandResult(
+        int(any(status.state in ("failed", "none") for status in states)), [status.plain() for status in states]
+    )
 
 
 def line(status: Status) -> str:

@@ -20,7 +20,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The sweep, where to, and how."""
+    """Add the sweep, the directory, and how to run."""
     parser.add_argument("sweep", metavar="SWEEP.yaml", type=Path, help="a scene, and what to vary in it")
     add_output(parser)
     parser.add_argument("--jobs", metavar="N", type=int, default=cores(), help="cases at a time (default all cores)")
@@ -37,13 +37,13 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     if not 1 <= arguments.jobs <= 1024:
         raise InputError(f"--jobs: {arguments.jobs} given; 1 to 1024")
     options = job_options(arguments)
-    what = file.load(arguments.sweep)
-    return _run(what, arguments) if options is None else _write(what, arguments.output, options)
+    definition = file.load(arguments.sweep)
+    return _run(definition, arguments) if options is None else _write(definition, arguments.output, options)
 
 
-def _run(what: file.Sweep, arguments: argparse.Namespace) -> CommandResult:
+def _run(definition: file.Sweep, arguments: argparse.Namespace) -> CommandResult:
     end = run_sweep.sweep(
-        what,
+        definition,
         arguments.output,
         processes=arguments.jobs,
         check=not arguments.no_check,
@@ -67,10 +67,10 @@ def _run(what: file.Sweep, arguments: argparse.Namespace) -> CommandResult:
     return CommandResult(1 if end.failed else 0, data)
 
 
-def _write(what: file.Sweep, output: Path, options: JobOptions) -> CommandResult:
+def _write(definition: file.Sweep, output: Path, options: JobOptions) -> CommandResult:
     from workflow.sweep import on_cluster  # takes half a second to import
 
-    written = on_cluster.write_array(what, output, options)
+    written = on_cluster.write_array(definition, output, options)
     under_way = f", {written.under_way} in the queue or running" if written.under_way else ""
     print(f"{output}: {written.tasks} of {written.cases} cases to do{under_way}")
     if written.tasks:

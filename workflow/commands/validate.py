@@ -28,7 +28,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What to validate, and against what."""
+    """Add what to validate, and against what."""
     parser.add_argument("what", metavar="DIR|SCENE", help="a run directory, or a scene to run first (needs -o)")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="run directory to make for a scene")
     parser.add_argument(
@@ -59,15 +59,15 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     against = None if arguments.against is None else run_or_file(arguments.against)
     directory = _directory(arguments, against)
     if against is None:
-        found = validation.validate(directory, tolerances)
+        comparison = validation.validate(directory, tolerances)
     else:
         dimensionless = arguments.units == "dimensionless"
-        found = validate_against(directory, against, dimensionless=dimensionless, tolerances=tolerances)
-    print(f"{found.problem.name}: {directory.scene.units}")
-    _print(found)
+        comparison = validate_against(directory, against, dimensionless=dimensionless, tolerances=tolerances)
+    print(f"{comparison.problem.name}: {directory.scene.units}")
+    _print(comparison)
     print(f"{one_line(directory.path)}: {', '.join((validation.REPORT, *figure_files(validation.FIGURE)))}")
     data = json.loads((directory.path / validation.REPORT).read_text(encoding="utf-8"))
-    return CommandResult(0 if found.passed else 1, data)
+    return CommandResult(0 if comparison.passed else 1, data)
 
 
 def _directory(arguments: argparse.Namespace, against: RunDirectory | Path | None) -> RunDirectory:
@@ -88,9 +88,9 @@ def _directory(arguments: argparse.Namespace, against: RunDirectory | Path | Non
         return running.run(scene, arguments.output, settings=settings, check=False, progress=progress).directory
 
 
-def _tolerances(given: list[str]) -> dict[str, float]:
+def _tolerances(texts: list[str]) -> dict[str, float]:
     result = {}
-    for text in given:
+    for text in texts:
         name, _, value = text.partition("=")
         if name not in validation.TOLERANCES:
             raise InputError(f"--tolerance: {name!r} given; one of {', '.join(validation.TOLERANCES)}")
@@ -103,55 +103,58 @@ def _tolerances(given: list[str]) -> dict[str, float]:
     return result
 
 
-def _print(found: validation.Validation) -> None:
-    runs, against = found.runs, one_line(found.against)
+def _print(comparison: validation.Validation) -> None:
+    runs, against = comparison.runs, one_line(comparison.against)
     if runs is None:
-        _print_quantities(found)
+        _print_quantities(comparison)
     elif runs.identical:
-        print(f"bitwise the same as {against} ({found.compared} frames, sha256 {runs.sha256[0][:12]}...)")
+        print(f"bitwise the same as {against} ({comparison.compared} frames, sha256 {runs.sha256[0][:12]}...)")
     else:
-        since = "" if runs.since is None else f", from t = {found.problem.scale.written(runs.since, 'time', '.5g')} on"
+        since = (
+            "" if runs.since is None else f", from t = {comparison.problem.scale.written(runs.since, 'time', '.5g')} on"
+        )
         print(f"not bitwise the same as {against}{since}")
-        _print_quantities(found)
-        _print_chains(found, runs.chains)
+        _print_quantities(comparison)
+        _print_chains(comparison, runs.chains)
     if runs is not None and runs.changes:
         rows = [[name, *map(one_line, values)] for name, values in runs.changes.items()]
         print_table("settings and versions that differ", ["", "this run", against], rows)
-    if not found.complete:
-        print(f"incomplete: {found.frames} of {found.problem.frames + 1} frames")
-    for remark in found.remarks:
+    if not comparison.complete:
+        print(f"incomplete: {comparison.frames} of {comparison.problem.frames + 1} frames")
+    for remark in comparison.remarks:
         print(f"note: {remark}")
-    for cause in found.causes:
+    for cause in comparison.causes:
         print(f"likely cause: {cause}")
-    print("passed" if found.passed else "NOT passed")
+    print("passed" if comparison.passed else "NOT passed")
 
 
-def _print_quantities(found: validation.Validation) -> None:
-    rows, scale = [], found.problem.scale
-    for name, deviation in found.deviations.items():
+def _print_quantities(comparison: validation.Validation) -> None:
+    rows, scale = [], comparison.problem.scale
+    for name, deviation in comparison.deviations.items():
         where = ""
         if deviation.where is not None:
             where = deviation.where.words
             if deviation.where.time is not None:
                 where += f", t = {scale.written(deviation.where.time, 'time', '.5g')}"
         rms = f"{deviation.rms:.1e}" if np.isfinite(deviation.rms) else ""
-        tolerance = found.tolerances[name]
+        tolerance = comparison.tolerances[name]
         limit = f"{tolerance:.1e}" if np.isfinite(tolerance) else "none"
-        rows.append([name, f"{deviation.largest:.2e}", rms, limit, found.verdict(name), where])
+        rows.append([name, f"{deviation.largest:.2e}", rms, limit, comparison.verdict(name), where])
     print_table(
-        f"{found.problem.name} against {found.against} at {found.compared} instants; errors in V, T and L",
+        f"{comparison.problem.name} against {comparison.against} at {comparison.compared} instants; "
+        "errors in V, T and L",
         ["quantity", "largest", "rms", "tolerance", "", "largest at"],
         rows,
     )
-    if found.uncertainty is not None:
-        uncertainty = found.uncertainty
+    if comparison.uncertainty is not None:
+        uncertainty = comparison.uncertainty
         print(f"uncertainty of the reference: {uncertainty.velocity:.1e} V, {uncertainty.arrival:.1e} T")
-    if found.interpolation is not None:
-        x, v = found.interpolation
+    if comparison.interpolation is not None:
+        x, v = comparison.interpolation
         print(f"interpolating between frames adds at most {x:.1e} to displacements, {v:.1e} to velocities")
     firsts = [
         (deviation.first.time, name, deviation.first)
-        for name, deviation in found.deviations.items()
+        for name, deviation in comparison.deviations.items()
         if deviation.first is not None and deviation.first.time is not None
     ]
     if firsts:
@@ -159,7 +162,7 @@ def _print_quantities(found: validation.Validation) -> None:
         print(f"first deviation: {name} of {place.words}, at t = {scale.written(time, 'time')}")
 
 
-def _print_chains(found: validation.Validation, chains: Sequence[ChainDifference]) -> None:
+def _print_chains(comparison: validation.Validation, chains: Sequence[ChainDifference]) -> None:
     """Impulses and energy of each chain, where one of two runs has rigid beads."""
     rows = []
     for difference in chains:
@@ -168,7 +171,7 @@ def _print_chains(found: validation.Validation, chains: Sequence[ChainDifference
         until = "none" if difference.agrees_until is None else str(difference.agrees_until)
         rows.append([str(difference.chain), impulse, impulse_rms, until, share, share_rms])
     if rows:
-        within = f"within {found.tolerances['impulse']:.0%} to bead"
+        within = f"within {comparison.tolerances['impulse']:.0%} to bead"
         print_table(
             "differences of first impulses, over the row's largest, and of shares of energy",
             ["chain", "first impulse: largest", "rms", within, "share of energy: largest", "rms"],

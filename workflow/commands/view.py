@@ -16,7 +16,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The directory."""
+    """Add the directory."""
     parser.add_argument("directory", metavar="DIR", type=Path, help="of a run (also a cut one) or a sweep")
     parser.add_argument("--no-open", action="store_true", help="write the page only")
 

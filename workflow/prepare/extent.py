@@ -31,7 +31,7 @@ _WINDOW = 512
 
 
 def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
-    """The same scene with its duration written out.
+    """A scene with its duration written out.
 
     ``until_bead: n`` ends shortly after the first pulse in every chain that moves has passed bead n: its velocity there
     has risen above 1e-3 of V and fallen to less than half of its largest value. The last bead flies off with what it
@@ -94,10 +94,10 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
 def _not_ended(scene: Scene, limit: float, wall: str | None) -> InputError:
     """Says that a bead is not passed in time, or that the pulse at a wall has not ended."""
     until = f"in every chain by t = {scene.scale.written(limit / scene.scale.time, 'time', '.4g')}"
-    what = f"bead {scene.until_bead} is not passed {until} (weakly coupled pulses decay)"
+    message = f"bead {scene.until_bead} is not passed {until} (weakly coupled pulses decay)"
     if wall is not None:
-        what = f"the pulse at the {wall}, whose force is read, has not ended {until}"
-    return InputError(f"until_bead: {what}; give a duration")
+        message = f"the pulse at the {wall}, whose force is read, has not ended {until}"
+    return InputError(f"until_bead: {message}; give a duration")
 
 
 def _trial(scene: Scene, duration: float, cadence: float, beads: tuple[int, ...]) -> Scene:
@@ -124,7 +124,7 @@ _AROUND_KICKS = 32
 
 
 def with_window(scene: Scene) -> Scene:
-    """The same scene with the rows of its window written out.
+    """A scene with the rows of its window written out.
 
     ``window: auto`` takes the least number of rows, doubled from 64 on, at which the leading pulse is the same as with
     twice as many; where slower pulses trail and come into play again, that is many. No more than 1024 are tried: the
@@ -137,22 +137,22 @@ def with_window(scene: Scene) -> Scene:
     while window.behind(rows) < max(kicked) - min(kicked) + _AROUND_KICKS:
         rows *= 2
     problem = scene.model_copy(update={"window": rows, "accuracy": None}).problem()
-    found = _leading(problem, rows)
+    waves = _leading(problem, rows)
     while 2 * rows < min(problem.beads, WIDEST + 1):
         wider = _leading(problem, 2 * rows)
-        if _difference(found, wider) <= SAME:
+        if _difference(waves, wider) <= SAME:
             break
-        rows, found = 2 * rows, wider
+        rows, waves = 2 * rows, wider
     return scene.model_copy(update={"window": rows})
 
 
 def _leading(problem: Problem, rows: int) -> Waves:
-    whole = replace(problem, window=None)
-    return engine.passages(whole, window=window.behind(rows))
+    unwindowed = replace(problem, window=None)
+    return engine.passages(unwindowed, window=window.behind(rows))
 
 
 def _difference(first: Waves, second: Waves) -> float:
-    """Of the peaks that both have; a bead that only one has reached differs by its peak."""
+    """Largest difference of the peaks, in units of V; a bead that only one wave has reached differs by its peak."""
     a, b = (
         {(c, n): v for c, n, v in zip(w.chain.tolist(), w.bead.tolist(), w.peak_velocity.tolist(), strict=True)}
         for w in (first, second)

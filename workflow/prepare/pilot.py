@@ -30,7 +30,7 @@ SPACING = 0.4
 """Time between the frames that are compared, in units of T: waves are found between them to 1e-5."""
 
 FEW = 100
-"""As many frames are all compared: an error can grow much from one to the next."""
+"""Number of frames up to which all are compared: an error can grow much from one to the next."""
 
 
 def stride(problem: Problem, spacing: float = SPACING) -> int:
@@ -46,12 +46,12 @@ def stride(problem: Problem, spacing: float = SPACING) -> int:
         spacing = min(spacing, 0.5 * math.pi / modal_frequency)
     if drag > 0.0:
         spacing = min(spacing, 0.25 / drag)
-    most = max(1, min(math.floor(spacing / problem.every * (1.0 + 1e-9)), problem.frames))
-    return min(range(most, most // 2, -1), key=lambda step: problem.frames % step)
+    largest = max(1, min(math.floor(spacing / problem.every * (1.0 + 1e-9)), problem.frames))
+    return min(range(largest, largest // 2, -1), key=lambda step: problem.frames % step)
 
 
 TABLES = {"verlet": VERLET, "suzuki4": SUZUKI4}
-"""By the name of the scheme in LAMMPS."""
+"""Scheme of the reference by the name of LAMMPS's."""
 
 UNCERTAINTY_PART = 0.25
 """Part of the requested accuracy that the uncertainty of the reference may have."""
@@ -68,7 +68,7 @@ RUNS = 1.5
 """Work of the reference at two steps over that at the shorter one."""
 
 _LEAST_ORDER = 2.5
-"""Of every scheme of higher order than 2, at small steps, for contacts open and close."""
+"""Least order of convergence of schemes of order above 2, at small steps, as contacts open and close."""
 
 
 CHAOS = (
@@ -78,7 +78,7 @@ CHAOS = (
 
 
 KEPT_BYTES = 1 << 27
-"""Of frames of the reference that are kept in memory, for the next trial and for the check of the run."""
+"""Largest size of frames of the reference that stay in memory for the next trial and the check of the run."""
 
 
 class UnreachableError(Exception):
@@ -115,22 +115,22 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> ChosenStep |
     errors: dict[int, float] = {}
     uncertainties: dict[int, float] = {}
     good: dict[int, ChosenStep] = {}
-    kept: dict[int, ReferenceFrames] = {}
+    references: dict[int, ReferenceFrames] = {}
     spent = 0.0
     for _ in range(_MOST_TRIALS):
-        spent += work(problem, cycles * cycle, 0 if steps in kept else steps)
+        spent += work(problem, cycles * cycle, 0 if steps in references else steps)
         if spent > most_work:
             return None
-        reference = kept.get(steps) or _reference(problem, steps)
+        reference = references.get(steps) or _reference(problem, steps)
         if isinstance(reference, ReferenceFrames):
-            kept = {steps: reference}
+            references = {steps: reference}
         error, uncertainties[steps] = _error(problem, cycles, reference), reference.uncertainty.velocity
         accurate = uncertainties[steps] <= UNCERTAINTY_PART * accuracy
         if accurate and error <= _HIGHEST * accuracy:
             limited = cycles == fewest
-            step, own = problem.every / (cycles * cycle), problem.every / steps
-            chosen = accuracy, step, cycles * cycle, own, error, error
-            good[cycles] = ChosenStep(*chosen, measured=1.0, limited=limited, reference=kept.get(steps))
+            step, reference_step = problem.every / (cycles * cycle), problem.every / steps
+            chosen = accuracy, step, cycles * cycle, reference_step, error, error
+            good[cycles] = ChosenStep(*chosen, measured=1.0, limited=limited, reference=references.get(steps))
             if error >= _LOWEST * accuracy or cycles == fewest:
                 break
         if error > 2.0 * uncertainties[steps] or accurate:
@@ -146,7 +146,7 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> ChosenStep |
 
 
 def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
-    """Forces on beads with so many steps a frame: of the pilot run, and of the reference at two steps."""
+    """Number of forces on beads, by steps a frame of the pilot run and of the reference, which runs at two steps."""
     forces = verlet_steps + RUNS * BLANES_MOAN.forces_per_step * reference_steps
     return problem.chains * _rows_by_time(problem) / problem.every * forces
 
@@ -154,15 +154,15 @@ def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
 def _rows_by_time(problem: Problem) -> float:
     """Integral over time of the number of rows that have moved, roughly: no pulse exceeds `rates.front_speed`."""
     first, last = (choose(bead for _, bead, _ in physics.excitations(problem.system)) for choose in (min, max))
-    way = rates.front_speed(problem.system) * np.linspace(0.0, problem.duration, 101)
-    rows = np.minimum(problem.beads, last + way) - np.maximum(1.0, first - way) + 1.0
+    distance = rates.front_speed(problem.system) * np.linspace(0.0, problem.duration, 101)
+    rows = np.minimum(problem.beads, last + distance) - np.maximum(1.0, first - distance) + 1.0
     if problem.window is not None:
         rows = np.minimum(rows, engine.WIDER * problem.window)
     return float(np.mean(rows) * problem.duration)
 
 
 def guessed_step(problem: Problem, accuracy: float) -> float:
-    """By the rule."""
+    """Time step for an accuracy by the rule, in units of T."""
     return rates.timestep_for(accuracy, problem.duration, problem.system, problem.scheme)
 
 
@@ -177,7 +177,7 @@ def guessed_reference_steps(problem: Problem, accuracy: float) -> int:
 
 
 def largest_step(problem: Problem, accuracy: float) -> float:
-    """No step above this is tried."""
+    """Time step above which none is tried, in units of T."""
     return rates.largest_timestep(accuracy, problem.system, problem.scheme)
 
 
@@ -195,9 +195,9 @@ def _error(problem: Problem, cycles: int, reference: StepHalving | ReferenceFram
     largest = 0.0
     with np.errstate(over="ignore", invalid="ignore"):
         for blocks in zip(runs, reference.blocks(), strict=True):
-            own, right = on_common_rows(*blocks)
-            found = velocity_error(own, right)
-            largest = max(largest, found if found <= 2.0 else 2.0)  # a run that blew up, or NaN
+            pilot, right = on_common_rows(*blocks)
+            difference = velocity_error(pilot, right)
+            largest = max(largest, difference if difference <= 2.0 else 2.0)  # a run that blew up, or NaN
     return largest
 
 
@@ -239,7 +239,7 @@ MOST_WORK = 3e9
 """Forces on beads that one measurement may take, some five seconds; each that fails leaves the next half as many."""
 
 _LONG = 1e9
-"""Such work is announced."""
+"""Work from which on a measurement is announced."""
 
 _MARGIN = 2.0
 """Error that is reckoned with, over what is carried over. Over a shorter problem's in proportion to time, the true one
@@ -247,7 +247,7 @@ was 0.5 to 1.5 (2.5 with a gap); over that at a larger step, by the order, 0.97 
 """
 
 _STEADY = 4.0
-"""Growth of the reference's own uncertainty over that in proportion to time, up to which it counts as the same."""
+"""Growth of the reference's uncertainty, over that in proportion to time, that still counts as proportional."""
 
 _COARSEST = 1e-3
 """Largest error from which a smaller one is extrapolated by the order."""
@@ -274,31 +274,32 @@ def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -
         UnreachableError: no step does.
     """
     _refuse_rounding(rounding(problem, guessed_step(problem, accuracy)), 0.5 * accuracy)
-    found = _found(problem, accuracy, most_work)
-    _refuse_rounding(rounding(problem, found.timestep), 0.25 * accuracy)
-    return found
+    choice = _affordable_choice(problem, accuracy, most_work)
+    _refuse_rounding(rounding(problem, choice.timestep), 0.25 * accuracy)
+    return choice
 
 
-def _found(problem: Problem, accuracy: float, most_work: float) -> ChosenStep:
+def _affordable_choice(problem: Problem, accuracy: float, most_work: float) -> ChosenStep:
+    """The choice by the dearest measurement that costs little enough; by the rule where all cost too much."""
     limit = budget = most_work
-    for share, asked in _ways(accuracy, problem.duration):
+    for share, trial_accuracy in _measurements(accuracy, problem.duration):
         trial = _shorter(problem, share)
-        expected = _TRIALS * _first_work(trial, asked)
+        expected = _TRIALS * _first_work(trial, trial_accuracy)
         if expected > limit:
             continue
         if expected > _LONG:
             seconds = 5.0 * expected / MOST_WORK
             screen.hint(f"choosing the time step by a pilot run: about {seconds:.0f} s; a `timestep` avoids it")
-        measured = measure(trial, asked, budget)
+        measured = measure(trial, trial_accuracy, budget)
         if measured is None:
             limit, budget = expected / 4.0, budget / 2.0  # what is hardly cheaper would not do either
-        elif (share, asked) == (1.0, accuracy):
+        elif (share, trial_accuracy) == (1.0, accuracy):
             return measured
         elif share < 1.0:
             _refuse_chaos(problem, trial, share, accuracy, most_work)
-            return _carried_over(measured, problem, share, asked, accuracy)
+            return _carried_over(measured, problem, share, trial_accuracy, accuracy)
         elif _can_be_accurate(problem, accuracy, most_work):
-            return _carried_over(measured, problem, share, asked, accuracy)
+            return _carried_over(measured, problem, share, trial_accuracy, accuracy)
     return by_rule(problem, accuracy)
 
 
@@ -310,20 +311,20 @@ def by_rule(problem: Problem, accuracy: float) -> ChosenStep:
     return ChosenStep(*chosen, measured=0.0, limited=step == largest_step(problem, accuracy))
 
 
-def _ways(accuracy: float, duration: float) -> Iterator[tuple[float, float]]:
+def _measurements(accuracy: float, duration: float) -> Iterator[tuple[float, float]]:
     """Share of the time and accuracy in it of ever cheaper measurements, the run itself first."""
     yield 1.0, accuracy
     share = 1.0
     while share == 1.0 or share * duration >= _SHORTEST:
-        asked = accuracy * share / _MARGIN
-        yield share, asked
-        while (asked := 4.0 * asked) <= _COARSEST:
-            yield share, asked
+        trial_accuracy = accuracy * share / _MARGIN
+        yield share, trial_accuracy
+        while (trial_accuracy := 4.0 * trial_accuracy) <= _COARSEST:
+            yield share, trial_accuracy
         share *= 0.5
 
 
 def _first_work(problem: Problem, accuracy: float) -> float:
-    """Of the first trial."""
+    """Work of the first trial of a measurement."""
     verlet = math.ceil(problem.every / guessed_step(problem, accuracy))
     return work(problem, verlet, guessed_reference_steps(problem, accuracy))
 
@@ -349,9 +350,11 @@ def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: fl
         raise UnreachableError(f"errors grow {uncertainty / usual:.0f} times as much as they usually do: {CHAOS}")
 
 
-def _carried_over(measured: ChosenStep, problem: Problem, share: float, asked: float, accuracy: float) -> ChosenStep:
-    """From a cheaper measurement to the run itself."""
-    ratio = accuracy * share / _MARGIN / asked
+def _carried_over(
+    measured: ChosenStep, problem: Problem, share: float, trial_accuracy: float, accuracy: float
+) -> ChosenStep:
+    """The choice for the run itself, carried over from a cheaper measurement."""
+    ratio = accuracy * share / _MARGIN / trial_accuracy
     order = _LEAST_ORDER if problem.scheme != "verlet" else 2.0 if problem.system.holds(Fact.SECOND_ORDER) else 1.0
     largest = largest_step(problem, accuracy)
     step = min(largest, measured.timestep * ratio ** (1.0 / order))
@@ -359,7 +362,7 @@ def _carried_over(measured: ChosenStep, problem: Problem, share: float, asked: f
         measured,
         timestep=step,
         reference_timestep=measured.reference_timestep * ratio ** (1.0 / _LEAST_ORDER),
-        expected_error=measured.expected_error * accuracy / asked,
+        expected_error=measured.expected_error * accuracy / trial_accuracy,
         measured=share,
         limited=measured.limited or step == largest,
         reference=None,
@@ -367,7 +370,7 @@ def _carried_over(measured: ChosenStep, problem: Problem, share: float, asked: f
 
 
 def _shorter(problem: Problem, share: float) -> Problem:
-    """The same chains over a share of the time, with the kicks and the ends of the chains as much closer together."""
+    """The chains over a share of the time, with the kicks and the ends of the chains as much closer together."""
     system = problem.system
     if share == 1.0:
         return problem
@@ -377,18 +380,18 @@ def _shorter(problem: Problem, share: float) -> Problem:
         distance = after - before
         place[after] = place[before] + min(distance, max(_FEWEST, math.ceil(distance * share)))
     beads = place[problem.beads + 1] - 1
-    kept = _kept_rows(marks, place)
+    rows = _kept_rows(marks, place)
     apart = math.ceil(problem.every)  # frames at most 1 apart, so that there are some
     return replace(
         problem,
         system=replace(
             system,
             beads=beads,
-            links=tuple(link.on(kept) for link in system.links),
-            dampers=tuple(link.on(kept) for link in system.dampers),
-            mass=physics.mass_of(system, Ellipsis, kept),
-            inner_mass=None if system.inner_mass is None else system.inner_mass[:, kept],
-            inner_links=tuple(link.on(kept) for link in system.inner_links),
+            links=tuple(link.on(rows) for link in system.links),
+            dampers=tuple(link.on(rows) for link in system.dampers),
+            mass=physics.mass_of(system, Ellipsis, rows),
+            inner_mass=None if system.inner_mass is None else system.inner_mass[:, rows],
+            inner_links=tuple(link.on(rows) for link in system.inner_links),
             kicks=tuple((chain, place[bead], velocity) for chain, bead, velocity in system.kicks),
             loads=tuple(replace(load, bead=place[load.bead]) for load in system.loads),
             motions=tuple(replace(motion, bead=place[motion.bead]) for motion in system.motions),
@@ -403,16 +406,16 @@ def _shorter(problem: Problem, share: float) -> Problem:
 
 def _kept_rows(marks: list[int], place: dict[int, int]) -> NDArray[np.int64]:
     """Rows of the longer chains, from 0, that the beads of the shorter ones stand for: those near a kick or an end."""
-    kept: list[int] = []
+    rows: list[int] = []
     for before, after in itertools.pairwise(marks):
         count = place[after] - place[before]
         near = count // 2
-        kept += [*range(before + 1, before + near + 1), *range(after - (count - near) + 1, after + 1)]
-    return np.array(kept[:-1], dtype=np.int64) - 1  # the last mark is beyond the last bead
+        rows += [*range(before + 1, before + near + 1), *range(after - (count - near) + 1, after + 1)]
+    return np.array(rows[:-1], dtype=np.int64) - 1  # the last mark is beyond the last bead
 
 
-def _refuse_rounding(floor: float, most: float) -> None:
-    if floor > most:
+def _refuse_rounding(floor: float, limit: float) -> None:
+    if floor > limit:
         raise UnreachableError(f"rounding of the positions in LAMMPS leaves up to {floor:.0e} V")
 
 
@@ -436,22 +439,22 @@ def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, ChosenStep]:
     Raises:
         InputError: no step keeps the accuracy that the scene asks for.
     """
-    asked, accuracy = scene.accuracy is not None, scene.accuracy or DEFAULT_ACCURACY
+    named, accuracy = scene.accuracy is not None, scene.accuracy or DEFAULT_ACCURACY
     problem = scene.model_copy(update={"timestep": None, "accuracy": None}).problem()
     where, unreached = f"{source}: accuracy" if source else "accuracy", ""
     load(problem)
     started = time.perf_counter()
     try:
-        found = search(problem, accuracy)
+        choice = search(problem, accuracy)
     except UnreachableError as error:
-        if asked:
+        if named:
             raise InputError(
                 f"{where}: {accuracy:g} is not reached with any time step, since {error}; "
                 "take a larger one, or give a timestep"
             ) from None
-        found, unreached = by_rule(problem, accuracy), str(error)
+        choice, unreached = by_rule(problem, accuracy), str(error)
     cycle = scheme.cycle(problem.scheme)
-    steps = cycle * math.ceil(problem.every / (cycle * found.timestep) * (1.0 - 1e-9))
+    steps = cycle * math.ceil(problem.every / (cycle * choice.timestep) * (1.0 - 1e-9))
     every = problem.every * scene.scale.time if scene.output.every is None else scene.output.every
     fields = {name: getattr(scene, name) for name in Scene.model_fields}
     try:
@@ -460,12 +463,12 @@ def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, ChosenStep]:
         wrong = library.describe(error, Scene)
         raise InputError(f"{where}: {accuracy:g} needs a time step of {every / steps:.3g}; {wrong}") from None
     return settled, replace(
-        found,
+        choice,
         accuracy=accuracy,
         timestep=problem.every / steps,
         steps_per_frame=steps,
         seconds=time.perf_counter() - started,
-        asked=asked,
+        asked=named,
         unreached=unreached,
         rule_timestep=guessed_step(problem, accuracy),
     )

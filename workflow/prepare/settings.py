@@ -7,10 +7,10 @@ from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.prepare.step_choice import ChosenStep
 
 _DECK_BYTES = 250
-"""Of memory, a bead that exists, to write a deck; measured."""
+"""Memory in bytes to write a deck, for each bead that exists; measured."""
 
 
-def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float, what: str = "the deck") -> None:
+def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float, purpose: str = "the deck") -> None:
     """Refuse what this machine's memory does not hold, before it is tried.
 
     Raises:
@@ -20,16 +20,16 @@ def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float, what: str =
     needed = bytes_a_bead * scene.chains * rows
     if scene.window != "auto" and needed > memory():
         raise InputError(
-            f"{source}: beads: {scene.chains} x {rows:,} beads need {needed / 1e9:.3g} GB of memory for {what}, and "
+            f"{source}: beads: {scene.chains} x {rows:,} beads need {needed / 1e9:.3g} GB of memory for {purpose}, and "
             f"this machine has {memory() / 1e9:.3g}; take fewer, or a `window`"
         )
 
 
 def found_beforehand(scene: Scene) -> set[str]:
     """Keys that `settle` writes, so that the ``scene.yaml`` of a run has others than the scene that was given."""
-    found = set() if scene.until_bead is None else {"until_bead", "duration"}
-    found |= set() if scene.timestep is not None else {"accuracy", "timestep"}
-    return found | ({"window"} if scene.window == "auto" else set())
+    keys = set() if scene.until_bead is None else {"until_bead", "duration"}
+    keys |= set() if scene.timestep is not None else {"accuracy", "timestep"}
+    return keys | ({"window"} if scene.window == "auto" else set())
 
 
 def settle(

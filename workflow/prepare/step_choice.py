@@ -21,16 +21,20 @@ class ReferenceFrames:
 
     def is_of(self, problem: Problem) -> bool:
         """Whether these are the frames of a problem: the same beads at the same times."""
-        own = self.frames[0].problem
-        same = (own.frames, own.recorded, own.window) == (problem.frames, problem.recorded, problem.window)
-        return same and math.isclose(own.every, problem.every, rel_tol=1e-9)
+        recorded = self.frames[0].problem
+        same = (recorded.frames, recorded.recorded, recorded.window) == (
+            problem.frames,
+            problem.recorded,
+            problem.window,
+        )
+        return same and math.isclose(recorded.every, problem.every, rel_tol=1e-9)
 
     def blocks(self) -> Iterator["Trajectory"]:
-        """As `StepHalving.blocks`."""
+        """Consecutive blocks of the frames, as `StepHalving.blocks` yields them."""
         return iter(self.frames)
 
     def of(self, problem: Problem) -> "ReferenceFrames":
-        """The same frames, of a problem with another time step."""
+        """The frames as those of a problem that differs in its time step alone."""
         return replace(self, frames=tuple(replace(block, problem=problem) for block in self.frames))
 
 
@@ -40,11 +44,11 @@ class ChosenStep:
 
     Attributes:
         accuracy: largest error of any recorded velocity, in units of V: of the scene, or the default.
-        timestep: chosen.
-        steps_per_frame: the same.
-        reference_timestep: of a reference whose uncertainty is a fraction of the accuracy.
+        timestep: chosen time step, in units of T.
+        steps_per_frame: chosen steps from frame to frame.
+        reference_timestep: time step of a reference whose uncertainty is a fraction of the accuracy.
         expected_error: what the error is expected to be, in units of V.
-        measured_error: of the pilot run: the same, or a larger one from which it was carried over.
+        measured_error: error in the pilot run: the expected one, or a larger one from which that was carried over.
         measured: share of the run's time over which that was measured; 0 where the rule gave the step.
         limited: whether a longer step would have done, but for ``output.every``, the energy or the stability bound.
         seconds: what the choice cost, the compiler apart.
@@ -52,7 +56,7 @@ class ChosenStep:
         unreached: why no step keeps the default accuracy, where none does.
         rule_timestep: step for the accuracy by the rule (`lammps_inputs.limits.rates.timestep_for`); NaN
             while a pilot run tries steps.
-        reference: the pilot run's, for the check of the run; not recorded.
+        reference: frames of the pilot run's reference, for the check of the run; not recorded.
     """
 
     accuracy: float
@@ -70,7 +74,7 @@ class ChosenStep:
     reference: ReferenceFrames | None = field(default=None, repr=False, compare=False)
 
     def plain(self) -> dict[str, Any]:
-        """For ``run.json``."""
+        """Plain data of the choice, for ``run.json``."""
         return {part.name: getattr(self, part.name) for part in fields(self) if part.name != "reference"}
 
     def sentence(self, problem: Problem) -> str:

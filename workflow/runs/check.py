@@ -25,10 +25,10 @@ UNCERTAINTY_PART = 1.0 / 3.0
 _MOST_DOUBLINGS = 4
 
 CLOSED = 1e-9
-"""Of the energy input: largest deviation of the budget of a run by the reference."""
+"""Largest deviation of the energy budget of a run by the reference, over the energy input."""
 
 _MOST_STEPS = 256
-"""In place of one usual step, for that."""
+"""Largest number of steps in place of a usual one, to close the budget."""
 
 
 def references_of(problem: Problem, settings: ChosenStep | None) -> Iterator[StepHalving]:
@@ -67,27 +67,27 @@ def closing(problem: Problem) -> Iterator[StepHalving]:
 
 
 def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
-    """Of the frames of a run, or of some of them, with the steps that the run itself took if it is the reference's.
+    """Accountant of frames of a run, with the steps that the run itself took if it is the reference's.
 
     Args:
         directory: the run.
-        problem: of these frames.
+        problem: of the frames, all of the run or some.
     """
     uncertainty = directory.account.uncertainty  # only the reference's runs have one
     if uncertainty is None:
         return Accountant(problem)
-    most = 2**MOST_HALVINGS * engine.default_steps_per_frame(problem)
+    most_steps = 2**MOST_HALVINGS * engine.default_steps_per_frame(problem)
     steps = uncertainty.steps_per_frame * round(problem.every / directory.problem.every)
-    return Accountant(problem, min(steps, most))
+    return Accountant(problem, min(steps, most_steps))
 
 
 LITTLE = 100_000
-"""As many recorded states of beads are all compared, which takes some hundredths of a second."""
+"""Number of recorded states of beads up to which all are compared; that takes some hundredths of a second."""
 
 
 @dataclass(frozen=True)
 class Check:
-    """What a run's error was found to be, dimensionless.
+    """Measured error of a run, dimensionless.
 
     Attributes:
         velocity: largest error of any velocity, of beads and resonators, in snapshots and the frames that are compared:
@@ -123,7 +123,7 @@ class Check:
         return html.table("error against the reference", ("", "largest", "uncertainty of the reference"), rows)
 
     def plain(self) -> dict[str, object]:
-        """For ``run.json``."""
+        """Plain data of the check, for ``run.json``."""
         return asdict(self)
 
 
@@ -143,13 +143,15 @@ def check(directory: RunDirectory, settings: ChosenStep | None = None) -> Check:
     problem = directory.problem
     little = problem.frames * problem.chains * len(problem.recorded_beads) <= LITTLE
     step = 1 if little else stride(problem, SPACING if settings is None else CADENCE)
-    found, uncertainty = _compared(problem.coarser(step), lambda: directory.blocks(step), settings)
-    velocity = found["velocity"]
+    deviations, uncertainty = _compared(problem.coarser(step), lambda: directory.blocks(step), settings)
+    velocity = deviations["velocity"]
     if problem.frames_per_snapshot is not None:
         others, of_snapshots = _compared(problem.snapshots(), directory.snapshots, settings)
         velocity = max(velocity, others["velocity"], key=lambda deviation: deviation.largest)
         uncertainty = replace(uncertainty, velocity=max(uncertainty.velocity, of_snapshots.velocity))
-    amplitude, arrival = (found[name].largest if name in found else math.nan for name in ("amplitude", "arrival"))
+    amplitude, arrival = (
+        deviations[name].largest if name in deviations else math.nan for name in ("amplitude", "arrival")
+    )
     return Check(
         velocity=velocity.largest,
         where=velocity.where,
@@ -165,11 +167,15 @@ def _compared(
 ) -> tuple[dict[str, Deviation], Uncertainty]:
     """Error of the frames in each quantity, and the uncertainty of the reference."""
     for halving in _references(problem, settings):
-        found = errors_of(frames(), halving.blocks())
-    return found, halving.uncertainty
+        deviations = errors_of(frames(), halving.blocks())
+    return deviations, halving.uncertainty
 
 
 def _references(problem: Problem, settings: ChosenStep | None) -> Iterable[StepHalving | ReferenceFrames]:
     """The pilot run's reference where it has the same frames, else new ones."""
-    kept = None if settings is None else settings.reference
-    return (kept.of(problem),) if kept is not None and kept.is_of(problem) else references_of(problem, settings)
+    from_pilot = None if settings is None else settings.reference
+    return (
+        (from_pilot.of(problem),)
+        if from_pilot is not None and from_pilot.is_of(problem)
+        else references_of(problem, settings)
+    )

@@ -37,7 +37,7 @@ class LargestContactForce:
     yield_strength: float = declare("least yield strength of the beads with which all contacts stay elastic", "Pa")
 
     def plain(self) -> dict[str, Any]:
-        """For ``run.json`` and ``analysis.json``."""
+        """Plain data, for ``run.json`` and ``analysis.json``."""
         return asdict(self)
 
     @property
@@ -46,30 +46,30 @@ class LargestContactForce:
         return not (self.measured and self.overlap >= solids.FLATTENED)
 
     def lines(self) -> list[str]:
-        """What there is to say, and a warning where Hertz's law ends."""
-        most = "reach" if self.measured else "are at most"
-        found = [
-            f"contacts: overlaps {most} {self.overlap:.2g} of the radius ({self.radius:g} m), "
+        """Lines with overlap, force and pressure, and a warning where Hertz's law ends."""
+        verb = "reach" if self.measured else "are at most"
+        lines = [
+            f"contacts: overlaps {verb} {self.overlap:.2g} of the radius ({self.radius:g} m), "
             f"forces {self.force:.2g} N, pressures {self.pressure:.2g} Pa; elastic only if the yield strength is above "
             f"{self.yield_strength:.2g} Pa (yield begins at {YIELD_PRESSURE} times it: Johnson, Contact "
             "Mechanics, 1985, 6.1); with `material: {yield_strength: ...}`, a number or `catalogue`, contacts yield"
         ]
         if not self.possible:
-            found.append(
+            lines.append(
                 "elastic spheres do not overlap so far, so this is no motion of such beads; are all numbers in SI "
                 "units, youngs_modulus in Pa, density in kg/m3, velocities in m/s, forces in N?"
             )
         elif self.overlap > solids.LARGEST_OVERLAP:
             word = "is" if self.measured else "may be"
-            found.append(
+            lines.append(
                 f"that {word} beyond Hertz's law, which holds for contacts small against the beads: overlaps below "
                 f"about {solids.LARGEST_OVERLAP} of the radius (Johnson, 4.1)"
             )
-        return found
+        return lines
 
 
 def at_most(scene: Scene) -> LargestContactForce | None:
-    """What energy and momentum allow, before anything runs; None without a material, or without contacts of spheres."""
+    """The largest contact force that energy and momentum allow; None without a material or contacts of spheres."""
     system = scene.problem().system
     law = system.along[0].law
     if not _of_spheres(scene, law):
@@ -86,7 +86,7 @@ def at_most(scene: Scene) -> LargestContactForce | None:
 
 
 def of_overlap(scene: Scene, largest: LargestOverlap) -> LargestContactForce | None:
-    """What was found in the frames, or the bound where they do not show it; None without a material."""
+    """The largest contact force by the frames, or `at_most` where they do not show it; None without a material."""
     if not shown_by_frames(scene.problem()):
         return at_most(scene)
     beads = np.maximum(largest.value if largest.each is None else largest.each, 0.0)
@@ -157,7 +157,7 @@ def _at_wall(scene: Scene, link: Wall, overlap: Any) -> tuple[float, float, floa
     chain = np.arange(scene.system.chains)
     force = laws.whole_force(laws.at(link.law, chain, place), overlap) * scene.scale.force
     radius = scene.material.radius * (radii(scene)[:, place] if unlike(scene) else np.ones(len(chain)))
-    wall = next(one for one in scene.ingredients if isinstance(one, Walls))
+    wall = next(ingredient for ingredient in scene.ingredients if isinstance(ingredient, Walls))
     kind = wall.right if link.side > 0.0 else wall.left
     relative = 0.5 * radius if kind == "bead" else radius
     metres = overlap * scene.scale.length

@@ -93,7 +93,7 @@ class Engine(ABC):
 
     @abstractmethod
     def sentence(self, job: Job) -> str:
-        """What was done, by the account of a run that came to its end."""
+        """A sentence on what was computed, by the record of a run that came to its end."""
 
     @abstractmethod
     def errors(self, job: Job) -> tuple[float, float] | None:
@@ -153,7 +153,7 @@ class _Reference(Engine):
         return model.REFERENCE_FORCE * pilot.work(problem, 0, engine.default_steps_per_frame(problem))
 
     def compute(self, work: Work) -> dict[str, Any]:
-        """To the accuracy if one is asked for; else, where energy is exchanged, until the energy budget is closed."""
+        """Compute to the accuracy if one is asked for; else, where energy is exchanged, until its budget is closed."""
         problem, settings, started = work.result.problem, work.settings, time.perf_counter()
         for halving in closing(problem) if settings is None else references_of(problem, settings):
             ending = write_frames(work.result.path / file_names.DUMP, problem, halving.blocks(), work.progress)
@@ -210,16 +210,16 @@ class _Collisions(Engine):
         collisions.run(problem, max_events=0)  # loads or compiles
         started = time.perf_counter()
         try:
-            found = collisions.run(problem)
+            run = collisions.run(problem)
         except KeyboardInterrupt:
             return {"outcome": "interrupted", "steps_done": 0}
         seconds = time.perf_counter() - started
-        events = Collisions(found.time, found.chain, found.row, found.striker, found.target)
+        events = Collisions(run.time, run.chain, run.row, run.striker, run.target)
         write_text(path / EVENTS, csv_of(events, problem.scale))
-        ending = write_frames(path / file_names.DUMP, problem, collisions.blocks(found), work.progress)
+        ending = write_frames(path / file_names.DUMP, problem, collisions.blocks(run), work.progress)
         if ending["outcome"] != "done":
             return ending
-        return {**ending, "engine_seconds": seconds, "collisions": len(found)}
+        return {**ending, "engine_seconds": seconds, "collisions": len(run)}
 
     def sentence(self, job: Job) -> str:
         seconds = f"{job.engine_seconds:.2g} s"
@@ -241,8 +241,8 @@ def engine_called(name: str) -> Engine:
         InputError: there is none.
     """
     if name not in ENGINES:
-        *most, last = ENGINES
-        raise InputError(f"--engine: {name!r} given; {', '.join(most)} or {last}")
+        *others, last = ENGINES
+        raise InputError(f"--engine: {name!r} given; {', '.join(others)} or {last}")
     return ENGINES[name]
 
 

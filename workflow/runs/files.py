@@ -43,8 +43,8 @@ _PART = re.compile(r"chains\.(dump|snapshots)(?:\.([1-9][0-9]{0,8}))?\.bin")
 
 def parts(directory: Path, kind: str = "dump") -> list[Path]:
     """The files of frames there are, in order; with "snapshots" those of all beads beside frames of some."""
-    found = {path: match for path in directory.iterdir() if (match := _PART.fullmatch(path.name)) and path.is_file()}
-    return sorted((path for path, match in found.items() if match[1] == kind), key=part_number)
+    matches = {path: match for path in directory.iterdir() if (match := _PART.fullmatch(path.name)) and path.is_file()}
+    return sorted((path for path, match in matches.items() if match[1] == kind), key=part_number)
 
 
 def all_parts(directory: Path) -> list[Path]:

@@ -45,7 +45,7 @@ class _RecordPart(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False, extra="forbid")
 
     def plain(self) -> dict[str, Any]:
-        """What the file holds."""
+        """Keys and values as in the file; keys without a value are left out."""
         return {key: value for key, value in self.model_dump(exclude_unset=True).items() if value is not None}
 
 
@@ -135,9 +135,9 @@ class Job(_RecordPart):
         study: of the directory of another command than ``run``.
         outcome: state of the run: "running" also after a kill.
         reason: why it failed.
-        files_sha256: of the input files.
+        files_sha256: SHA-256 of the input files.
         resumed: when, and from which step.
-        lammps: its version as a date.
+        lammps: version of LAMMPS as a date.
         engine_seconds: wall time of the engine; ``wall_seconds`` of the whole.
     """
 

@@ -45,14 +45,14 @@ def claim(directory: Path, names: Iterable[str]) -> None:
         except InputError:
             _refuse_others(directory, wanted, set())
             return  # a damaged one is no hindrance, but takes no list
-        there = os.path.lexists(path)
-        own = set(job.files) if there else {RECORD}
-        _refuse_others(directory, wanted, own)
-        if RECORD not in own:
+        exists = os.path.lexists(path)
+        ours = set(job.files) if exists else {RECORD}
+        _refuse_others(directory, wanted, ours)
+        if RECORD not in ours:
             raise InputError(f"{path}: was not written by granchain, which needs that name; choose another directory")
-        if not own.issuperset(wanted):
-            before = path.stat() if there else None
-            write_json(path, {**job.plain(), "files": sorted({*own, *wanted, RECORD})})
+        if not ours.issuperset(wanted):
+            before = path.stat() if exists else None
+            write_json(path, {**job.plain(), "files": sorted({*ours, *wanted, RECORD})})
             if before is not None:  # it describes the run, of which there is nothing new
                 os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
 
@@ -63,9 +63,9 @@ def retire(directory: Path, names: Iterable[str]) -> None:
         (directory / name).unlink(missing_ok=True)
 
 
-def _refuse_others(directory: Path, names: Iterable[str], own: set[str]) -> None:
+def _refuse_others(directory: Path, names: Iterable[str], ours: set[str]) -> None:
     for name in names:
-        if name not in own and os.path.lexists(directory / name):
+        if name not in ours and os.path.lexists(directory / name):
             raise InputError(
                 f"{directory / name}: is not listed in {RECORD} as written by granchain, so it is not replaced; "
                 "move it away, or choose another directory"
@@ -103,13 +103,13 @@ def refuse_unusable(directory: Path, names: Iterable[str] = (), *, overwrite: bo
                 raise InputError(
                     f"{directory}: exists and is not empty; choose another directory, or overwrite it (--overwrite)"
                 )
-            own = listed(directory)
-            if not own.issuperset((RECORD, file_names.SCENE)) and not list(directory.glob(f"{_ASIDE}*")):
+            ours = listed(directory)
+            if not ours.issuperset((RECORD, file_names.SCENE)) and not list(directory.glob(f"{_ASIDE}*")):
                 raise InputError(
                     f"{directory}: holds no {RECORD} that lists the files of an earlier run, so nothing in it is "
                     "overwritten; choose another -o"
                 )
-            _refuse_others(directory, names, own)
+            _refuse_others(directory, names, ours)
         with tempfile.TemporaryFile(dir=next(path for path in (directory, *directory.parents) if path.exists())):
             pass
     except OSError as error:
@@ -189,12 +189,12 @@ def replacing(directory: Path, names: Iterable[str]) -> Iterator[None]:
     try:
         remove_leftovers(directory)
         job = load(directory / RECORD)
-        own = {name for name in job.files if not (directory / name).is_dir()}
+        ours = {name for name in job.files if not (directory / name).is_dir()}
         _refuse_others(directory, wanted, set(job.files))
-        if own:
+        if ours:
             aside = Path(tempfile.mkdtemp(prefix=_ASIDE, dir=directory))
-            _move(directory, aside, own)
-        new = Job(files=sorted({RECORD, *wanted, *set(job.files) - own}), request=job.request)
+            _move(directory, aside, ours)
+        new = Job(files=sorted({RECORD, *wanted, *set(job.files) - ours}), request=job.request)
         write_json(directory / RECORD, new.plain())
         yield
     except BaseException as error:
@@ -212,11 +212,11 @@ def replacing(directory: Path, names: Iterable[str]) -> Iterator[None]:
         shutil.rmtree(gone, ignore_errors=True)
 
 
-def _move(directory: Path, aside: Path, own: set[str]) -> None:
+def _move(directory: Path, aside: Path, ours: set[str]) -> None:
     """Put the files of a run aside, its list as the last: where that is aside, everything is."""
-    names = sorted(own)
-    if file_names.DUMP in own:
-        names += [path.name for path in all_parts(directory) if path.name not in own]
+    names = sorted(ours)
+    if file_names.DUMP in ours:
+        names += [path.name for path in all_parts(directory) if path.name not in ours]
     for name in (*(name for name in names if name != RECORD), RECORD):
         if os.path.lexists(directory / name):
             (directory / name).rename(aside / name)

@@ -151,17 +151,17 @@ def _hold_all(path: Path, problem: Problem, step: int) -> bool:
 
 
 def _hold(files: list[Path], problem: Problem, step: int) -> bool:
-    found: set[int] = set()
+    steps: set[int] = set()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CutDumpWarning)
         for file in files:
             try:
-                found.update(BinaryDump(file).steps.tolist())
+                steps.update(BinaryDump(file).steps.tolist())
             except NoFrameError:
                 continue
             except InputError:  # damaged
                 return False
-        if not found.issuperset(range(0, step + 1, problem.steps_per_frame)):
+        if not steps.issuperset(range(0, step + 1, problem.steps_per_frame)):
             return False
         try:
             for _ in recording.blocks(files, problem):  # whether each frame holds its beads

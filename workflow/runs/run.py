@@ -109,22 +109,22 @@ def run(
         InputError: the directory, engine, number of ranks or time step cannot be used.
         RunError: the run failed; ``run.json`` says why.
     """
-    path, what, ranks = Path(directory), engine_called(engine), options.get("ranks", 1)
+    path, chosen, ranks = Path(directory), engine_called(engine), options.get("ranks", 1)
     force = options.get("force", False)
     refuse(scene, path, engine=engine, ranks=ranks, overwrite=overwrite)
-    refuse_beforehand(scene, scene.name, what, ranks)
-    if what is LAMMPS:
+    refuse_beforehand(scene, scene.name, chosen, ranks)
+    if chosen is LAMMPS:
         refuse_too_large(scene, scene.name, MEMORY, "LAMMPS")
-    scene, found_settings = settle(scene, source=scene.name, force=force, own_step=what.own_step)
+    scene, found_settings = settle(scene, source=scene.name, force=force, own_step=chosen.own_step)
     settings = found_settings or settings
-    if settings is not None and not what.own_step and not settings.asked:
+    if settings is not None and not chosen.own_step and not settings.asked:
         settings = None
     scene = scene.resolved()
     problem = scene.problem()
-    refuse_too_long(scene, scene.name, what, ranks, problem)
-    files = what.begins_with(scene, problem)
-    with prepared(path, what.files, overwrite=overwrite) as lock:
-        with replacing(path, what.files):
+    refuse_too_long(scene, scene.name, chosen, ranks, problem)
+    files = chosen.begins_with(scene, problem)
+    with prepared(path, chosen.files, overwrite=overwrite) as lock:
+        with replacing(path, chosen.files):
             write_text(path / file_names.SCENE, files[file_names.SCENE])
             result = RunDirectory.begun_with(path, scene, problem)
             result.update(
@@ -150,16 +150,19 @@ def refuse(scene: Scene, path: Path, *, engine: str, ranks: int, overwrite: bool
     Raises:
         InputError: the directory, engine or number of ranks cannot be used.
     """
-    what = engine_called(engine)
-    for option, refusal in (("--engine", what.refusal(scene)), ("--ranks", what.refused_ranks(ranks, scene.system))):
+    chosen = engine_called(engine)
+    for option, refusal in (
+        ("--engine", chosen.refusal(scene)),
+        ("--ranks", chosen.refused_ranks(ranks, scene.system)),
+    ):
         if refusal:
             raise InputError(f"{option}: {refusal}")
-    refuse_unusable(path, what.files, overwrite=overwrite)
+    refuse_unusable(path, chosen.files, overwrite=overwrite)
 
 
 @contextlib.contextmanager
 def _interrupted_once() -> Iterator[None]:
-    """Only the first Ctrl-C, or what counts as one, is heard: a second would take away the record of a clean stop."""
+    """Let only the first Ctrl-C, or what counts as one, interrupt: a second would prevent the record of the stop."""
     heard = (signal.SIGINT, signal.SIGTERM, signal.SIGQUIT, signal.SIGHUP)
     before = [number for number in heard if signal.getsignal(number) is signal.default_int_handler]
     if threading.current_thread() is not threading.main_thread():
@@ -241,6 +244,6 @@ def measure_error(result: RunDirectory, settings: ChosenStep | None) -> checking
     """Compare a run that is done with the reference, and record what was found; None where LAMMPS did not run."""
     if not ENGINES[result.engine].own_step:
         return None
-    found = checking.check(result, settings)
-    result.update(check=found.plain())
-    return found
+    measured = checking.check(result, settings)
+    result.update(check=measured.plain())
+    return measured

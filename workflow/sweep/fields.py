@@ -7,7 +7,7 @@ import itertools
 import re
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import Annotated, Any, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -38,13 +38,13 @@ def parse(text: str, scene: Mapping[str, Any] = MappingProxyType({})) -> Path:
     Raises:
         InputError: no scene has such a field; names what it may have been meant for.
     """
-    known = [*all_fields(Scene), *_parameters(scene)]
+    names = [*all_fields(Scene), *_parameters(scene)]
     matches = [_STEP.fullmatch(part) for part in text.split(".")] if len(text) <= 200 else []
     keys = [match[1] for match in matches if match]
     if keys[:1] and keys[0] in _NAMED:
         del keys[1:2]  # the name
-    if not matches or not all(matches) or ".".join(keys) not in known:
-        meant = [f"`{name}`" for name in _meant(text[:200], known, scene)]
+    if not matches or not all(matches) or ".".join(keys) not in names:
+        meant = [f"`{name}`" for name in _meant(text[:200], names, scene)]
         hint = f" (did you mean {' or '.join(meant)}?)" if meant else ""
         hint = hint or "; `granchain show two-chains` prints one with its fields"
         raise InputError(f"a scene has no field {text[:60]!r}{hint}")
@@ -73,14 +73,14 @@ _MOST_MEANT = 3
 """Fields that are suggested for one that there is not."""
 
 
-def _meant(text: str, known: list[str], scene: Mapping[str, Any]) -> list[str]:
+def _meant(text: str, paths: list[str], scene: Mapping[str, Any]) -> list[str]:
     """Fields of nearly this path or with this last key; those that the scene has a value for, if it has any."""
-    ends = list(dict.fromkeys(name.rpartition(".")[2] for name in known))
+    ends = list(dict.fromkeys(name.rpartition(".")[2] for name in paths))
     end = text.lower() if text.lower() in ends else None
-    close = [] if end else difflib.get_close_matches(text, known, n=1)
+    close = [] if end else difflib.get_close_matches(text, paths, n=1)
     end = end or next(iter([] if close else difflib.get_close_matches(text, ends, n=1)), None)
-    found = close or [name for name in known if name.rpartition(".")[2] == end]
-    named = list(itertools.chain(*(_with_names(name, scene) for name in found)))
+    candidates = close or [name for name in paths if name.rpartition(".")[2] == end]
+    named = list(itertools.chain(*(_with_names(name, scene) for name in candidates)))
     held = [name for name in named if look_up(dict(scene), tuple((key, None) for key in name.split("."))) is not None]
     return (held or named)[:_MOST_MEANT]
 
@@ -96,13 +96,13 @@ def _with_names(field: str, scene: Mapping[str, Any]) -> list[str]:
 
 def all_fields(model: type[BaseModel], above: str = "") -> list[str]:
     """Dotted paths of all fields of a model and its parts, in their order."""
-    found = []
+    paths = []
     for name, field in model.model_fields.items():
-        found.append(f"{above}{name}")
+        paths.append(f"{above}{name}")
         inner = library.model_in(field.annotation)
         if inner is not None:
-            found += all_fields(inner, f"{above}{name}.")
-    return found
+            paths += all_fields(inner, f"{above}{name}.")
+    return paths
 
 
 def put(scene: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
@@ -172,10 +172,10 @@ def is_whole(path: Path) -> bool:
 
 def unit(path: Path, scene: dict[str, Any]) -> str:
     """Symbol of a field's unit in a scene, such as ``m/s`` or ``reduced``; empty for what has none."""
-    found = next((part for part in _parts(_field(path)) if isinstance(part, Unit)), None)
+    declared = next((part for part in _parts(_field(path)) if isinstance(part, Unit)), None)
     beside = look_up(scene, path[:-1]) if len(path) > 1 else {}
     keys = {**scene, **(beside if isinstance(beside, dict) else {})}
-    return "" if found is None else found.symbol(keys, si="material" in scene)
+    return "" if declared is None else declared.symbol(keys, si="material" in scene)
 
 
 def label(path: Path, scene: dict[str, Any]) -> Label:
@@ -201,21 +201,23 @@ def _declared_label(path: Path) -> Label | None:
 
 
 def _field(path: Path) -> FieldInfo | None:
-    """What a path ends at; of a part that may be written as a number alone, that number."""
+    """Field at the end of a path; of a part that may be written as a number alone, the field of that number."""
     model: type[BaseModel] | None = Scene
-    found = None
+    last = None
     for key, _ in path:
-        known = {} if model is None else {field.alias or name: field for name, field in model.model_fields.items()}
-        if key in known:  # else a name of the user's
-            found = known[key]
-            model = library.model_in(found.annotation)
+        by_key = {} if model is None else {field.alias or name: field for name, field in model.model_fields.items()}
+        if key in by_key:  # else a name of the user's
+            last = by_key[key]
+            model = library.model_in(last.annotation)
     alone = model.alone if model is not None and issubclass(model, ScenePart) else None
-    return found if model is None or alone is None else model.model_fields[alone]
+    return last if model is None or alone is None else model.model_fields[alone]
 
 
 def _parts(declared: Any) -> list[Any]:
     """All that a type is made of, without what stands in the parts of a scene."""
     if isinstance(declared, FieldInfo):
         return [*declared.metadata, *_parts(declared.annotation)]
-    inside = (*getattr(declared, "__metadata__", ()), *getattr(declared, "__args__", ()))
+    inside = get_args(declared)
+    if get_origin(declared) is Annotated:
+        inside = (*inside[1:], inside[0])  # what annotates a type counts before what is in it
     return [declared, *(part for each in inside for part in _parts(each))]

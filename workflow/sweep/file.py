@@ -60,10 +60,10 @@ def validated(kind: type[Kind], data: Any, where: str, wanted: str = "") -> Kind
     """A part of a file from plain data.
 
     Args:
-        kind: of the part.
-        data: what was given.
-        where: it was given, up to the key.
-        wanted: of a whole file, what it should be: a sweep or a design.
+        kind: class of the part.
+        data: plain data of the part.
+        where: file and keys above the part's, for messages.
+        wanted: kind of the file, a sweep or a design, where the part is all of it.
 
     Raises:
         InputError: naming the key, what was given and what would be right.
@@ -81,7 +81,7 @@ class SpacedValues(SweepPart):
     first: Annotated[Any, PlainValidator(number), Field(alias="from")]
     last: Annotated[Any, PlainValidator(number), Field(alias="to")]
     count: Annotated[int, Field(ge=2, le=MAX_CASES)] | None = None
-    """Left out between whole numbers, all of them."""
+    """Number of values; None for all whole numbers between the ends."""
     spacing: Literal["linear", "log"] = "linear"
     digits: Annotated[int, Field(ge=1, le=15)] = 15
     """Significant digits that the values between the ends are rounded to."""
@@ -136,14 +136,14 @@ class _File(SweepPart):
 
 def schema_of_file() -> dict[str, Any]:
     """JSON schema of a sweep file; what it says of a scene may lack what is varied."""
-    found, scene = schema.of(_File, "sweep"), scene_of_file()
-    found["$defs"] = scene.pop("$defs") | {"SpacedValues": schema.of(SpacedValues, "range")}
-    found["properties"]["scene"] = {"anyOf": [{"type": "string"}, scene]}
-    found["properties"]["vary"] = {
+    document, scene = schema.of(_File, "sweep"), scene_of_file()
+    document["$defs"] = scene.pop("$defs") | {"SpacedValues": schema.of(SpacedValues, "range")}
+    document["properties"]["scene"] = {"anyOf": [{"type": "string"}, scene]}
+    document["properties"]["vary"] = {
         "type": "object",
         "additionalProperties": {"anyOf": [{"type": "array"}, {"$ref": "#/$defs/Range"}]},
     }
-    return found
+    return document
 
 
 def scene_of_file() -> dict[str, Any]:
@@ -188,81 +188,81 @@ def from_plain(data: dict[str, Any], path: Path) -> Sweep:
     file = validated(_File, data, f"{path}: ", "sweep")
     scene = scene_in(file.scene, path)
     names = sorted(file.vary)
-    seen: dict[fields.Path, str] = {}
+    names_by_keys: dict[fields.Path, str] = {}
     for name in names:
         try:
             keys = tuple((key, number or 1) for key, number in fields.parse(name, scene))
         except InputError as error:
             raise InputError(f"{path}: vary: {error}") from None
-        if keys in seen:
-            raise InputError(f"{path}: vary.{name}: is the same field as `{seen[keys]}`")
-        seen[keys] = name
+        if keys in names_by_keys:
+            raise InputError(f"{path}: vary.{name}: is the same field as `{names_by_keys[keys]}`")
+        names_by_keys[keys] = name
         above = next((other for other in names if name.startswith((f"{other}.", f"{other}["))), None)
         if above is not None:
             raise InputError(f"{path}: vary.{name}: lies within `{above}`, which is varied too")
-    given = {name: _given(file.vary[name], f"{path}: vary.{name}") for name in names}
-    _refuse_too_many({name: len(values) for name, values in given.items()}, file.combine, path)
+    varied = {name: _values_or_range(file.vary[name], f"{path}: vary.{name}") for name in names}
+    _refuse_too_many({name: len(values) for name, values in varied.items()}, file.combine, path)
     return Sweep(
         source=str(path),
         scene=scene,
-        vary={name: values.values() if isinstance(values, SpacedValues) else values for name, values in given.items()},
+        vary={name: values.values() if isinstance(values, SpacedValues) else values for name, values in varied.items()},
         combine=file.combine,
         engine=file.engine,
     )
 
 
-def _given(given: Any, where: str) -> list[Any] | SpacedValues:
-    if isinstance(given, list):
-        if not given:
+def _values_or_range(entry: Any, where: str) -> list[Any] | SpacedValues:
+    if isinstance(entry, list):
+        if not entry:
             raise InputError(f"{where}: is an empty list")
-        return given
-    if not isinstance(given, dict):
+        return entry
+    if not isinstance(entry, dict):
         raise InputError(f"{where}: should be a list, or a range such as {{from: 1, to: 10, count: 4}}")
-    return validated(SpacedValues, given, f"{where}.")
+    return validated(SpacedValues, entry, f"{where}.")
 
 
 def _refuse_too_many(counts: dict[str, int], combine: str, path: Path) -> None:
-    """Before anything is built."""
+    """Refuse more cases than `MAX_CASES`, and lists of unequal length for zip, before any case is built."""
     if combine == "zip" and len(set(counts.values())) > 1:
-        found = ", ".join(f"{field} has {count}" for field, count in counts.items())
-        raise InputError(f"{path}: vary: zip needs as many values of each field ({found})")
+        counted = ", ".join(f"{field} has {count}" for field, count in counts.items())
+        raise InputError(f"{path}: vary: zip needs as many values of each field ({counted})")
     count = math.prod(counts.values()) if combine == "product" else max(counts.values())
     if count > MAX_CASES:
         raise InputError(f"{path}: vary: makes {count} cases; at most {MAX_CASES}")
 
 
-def scene_in(given: Any, path: Path, key: str = "scene") -> dict[str, Any]:
+def scene_in(entry: Any, path: Path, key: str = "scene") -> dict[str, Any]:
     """Plain data of the scene that a file names or holds, which need not be whole: what is varied may be missing.
 
     Args:
-        given: what stands in the file.
+        entry: what the file has under the key.
         path: the file.
-        key: where in it.
+        key: the key, for messages.
 
     Raises:
         InputError: it is neither a scene's name, nor its file, nor the scene itself.
     """
-    if isinstance(given, dict):
-        return library.with_files(given, path.parent)
-    if not isinstance(given, str):
+    if isinstance(entry, dict):
+        return library.with_files(entry, path.parent)
+    if not isinstance(entry, str):
         raise InputError(f"{path}: {key}: should be a name, a file, or the scene's `key: value` pairs")
     installed = installed_scenes.installed()
-    if given in installed:
-        return library.load_plain(installed[given])
+    if entry in installed:
+        return library.load_plain(installed[entry])
     try:
-        place = path.parent / given
+        place = path.parent / entry
         if place.is_file():  # not a device or a pipe, which may never end
             return library.load_plain(place)
     except (OSError, ValueError):
         pass
-    hint = library.suggestion(given[:200], installed)
-    raise InputError(f"{path}: {key}: {given[:60]!r} is neither a file nor an installed scene{hint}")
+    hint = library.suggestion(entry[:200], installed)
+    raise InputError(f"{path}: {key}: {entry[:60]!r} is neither a file nor an installed scene{hint}")
 
 
 # --- cases ------------------------------------------------------------------------------------------------------------
 
 LONGEST_NAME = 150
-"""Characters; file systems take 255, and figures and temporary files add to it."""
+"""Largest length in characters; file systems take 255, and names of figures and temporary files are longer."""
 
 _LONGEST_VALUE = 40
 _FEW_DIGITS, _EXACT, _LARGEST = 6, 17, 10**300

@@ -28,10 +28,10 @@ USUAL_LIMIT = 1001
 
 @dataclass(frozen=True)
 class WrittenSweep:
-    """What was written.
+    """Numbers of what was written for a cluster.
 
     Attributes:
-        cases: all that the sweep names.
+        cases: cases that the sweep names.
         tasks: how many of them the array will do.
         under_way: how many wait in the queue or run.
         ranks: MPI ranks of each.
@@ -45,22 +45,22 @@ class WrittenSweep:
     numbers: int
 
 
-def write_array(what: Sweep, directory: Path, options: JobOptions) -> WrittenSweep:
+def write_array(definition: Sweep, directory: Path, options: JobOptions) -> WrittenSweep:
     """Write decks and the array; nothing of a case that is done, waits or runs is touched.
 
     Args:
-        what: the sweep.
+        definition: the sweep.
         directory: made if need be; the array is to be submitted there.
         options: of the job.
 
     Raises:
         InputError: as `workflow.sweep.run_sweep.plan`; or the list of cases would change under an array in the queue.
     """
-    if what.engine != LAMMPS.name:
-        raise InputError(f"{what.source}: engine: a Slurm job runs lammps, not {what.engine}")
-    with planned(what, directory) as cases:
-        known = slurm_queue()
-        states = {case.name: status(directory / case.name, known).state for case in cases}
+    if definition.engine != LAMMPS.name:
+        raise InputError(f"{definition.source}: engine: a Slurm job runs lammps, not {definition.engine}")
+    with planned(definition, directory) as cases:
+        queue = slurm_queue()
+        states = {case.name: status(directory / case.name, queue).state for case in cases}
         under_way = [name for name, state in states.items() if state in ("waiting", "running")]
         todo = [case for case in cases if states[case.name] not in ("done", "waiting", "running")]
         if not todo:
@@ -70,10 +70,10 @@ def write_array(what: Sweep, directory: Path, options: JobOptions) -> WrittenSwe
         new = sorted(states.keys() - set(listed))
         if listed and new:
             advice = "cases are added to an array's list when it has ended (scancel ends it), or choose another -o"
-            refuse_if_queued(directory, listed, known, advice)
+            refuse_if_queued(directory, listed, queue, advice)
         count = options.cases_per_task
         lines += [tuple(new[first : first + count]) for first in range(0, len(new), count)]
-        small = _write_cases(what, todo, directory.absolute())
+        small = _write_cases(definition, todo, directory.absolute())
         options = with_ranks(options, small[0])
         if options.ranks > (rows := small[-1].rows):
             raise InputError(
@@ -94,7 +94,7 @@ def _lines(directory: Path) -> list[tuple[str, ...]]:
     return [tuple(line.split()) for line in path.read_text(encoding="utf-8").splitlines()] if path.is_file() else []
 
 
-def _write_cases(what: Sweep, todo: list[SweepCase], directory: Path) -> list[Problem]:
+def _write_cases(definition: Sweep, todo: list[SweepCase], directory: Path) -> list[Problem]:
     """Write what each case needs, on all cores; the problems of the fewest beads and of the fewest rows.
 
     Raises:
@@ -109,7 +109,7 @@ def _write_cases(what: Sweep, todo: list[SweepCase], directory: Path) -> list[Pr
 
     cases = []
     for case in todo:
-        wanted, source = request(what, case, scene_of(what, case)), f"{what.source}: case {case.name}"
+        wanted, source = request(definition, case, scene_of(definition, case)), f"{definition.source}: case {case.name}"
         arguments = {"directory": str(directory / case.name), "case": wanted.plain(), "source": source}
         cases.append(evaluate.Computation(case.name, Task(f"{__name__}:write_case", arguments)))
     with count_bar("decks") as progress, Pool() as pool:

@@ -44,7 +44,7 @@ from workflow.workers.pool import Pool, Task, TaskResult
 
 @dataclass(frozen=True)
 class Asked:
-    """What a case was asked to be.
+    """Request of a case.
 
     Attributes:
         swept: field -> value.
@@ -57,7 +57,7 @@ class Asked:
     engine: str
 
     def plain(self) -> dict[str, Any]:
-        """For ``run.json``."""
+        """Plain data of the request, for ``run.json``."""
         return {"swept": self.swept, "scene": self.scene, "engine": self.engine}
 
 
@@ -71,7 +71,7 @@ def read_json(path: Path) -> dict[str, Any]:
 
 
 def asked(path: Path) -> Asked | None:
-    """What the case in a directory was asked to be; None if it is no case's directory."""
+    """Request of the case in a directory; None if it is no case's directory."""
     data = job.account(path).request or {}
     swept, scene, engine = data.get("swept"), data.get("scene"), data.get("engine")
     if isinstance(swept, dict) and isinstance(scene, dict) and isinstance(engine, str):
@@ -94,17 +94,17 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
     Raises:
         InputError: it holds something else, or the same case of another scene or engine.
     """
-    found = asked(path)
-    if found is None:
+    earlier = asked(path)
+    if earlier is None:
         if path.is_dir() and (not (rest := others(path)) or (rest == {RECORD} and RECORD in job.account(path).files)):
             return  # interrupted before anything was written
         if path.exists() or path.is_symlink():
             raise InputError(f"{path}: exists and is not a case of a sweep; choose another -o")
         return
     advice = "choose another -o, or remove this directory"
-    if found.engine != wanted.engine:
-        raise InputError(f"{path}: is the same case computed by {found.engine}, not {wanted.engine}; {advice}")
-    key = _first_difference(found.scene, wanted.scene)
+    if earlier.engine != wanted.engine:
+        raise InputError(f"{path}: is the same case computed by {earlier.engine}, not {wanted.engine}; {advice}")
+    key = _first_difference(earlier.scene, wanted.scene)
     if key is None and (path / file_names.SCENE).is_file():
         try:
             written = library.load(path / file_names.SCENE).plain()
@@ -116,8 +116,8 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
         raise InputError(f"{path}: holds this case of another scene ({key} differs); {advice}")
 
 
-def _first_difference(one: dict[str, Any], other: dict[str, Any], ignored: Iterable[str] = ()) -> str | None:
-    keys = [key for key in {**one, **other} if key not in ("limits", *ignored) and one.get(key) != other.get(key)]
+def _first_difference(first: dict[str, Any], second: dict[str, Any], ignored: Iterable[str] = ()) -> str | None:
+    keys = [key for key in {**first, **second} if key not in ("limits", *ignored) and first.get(key) != second.get(key)]
     return keys[0] if keys else None
 
 
@@ -138,7 +138,7 @@ def note_failure(path: Path, reason: str) -> None:
 
 
 def task(directory: Path, case: Asked | None, *, check: bool, figures: tuple[str, ...] = ()) -> Task:
-    """For the worker pool.
+    """The task of a case, for the worker pool.
 
     Args:
         directory: of the case, an absolute path.
@@ -171,7 +171,7 @@ def compute(
 
 
 def _run(directory: Path, case: Asked, *, check: bool) -> CompletedRun:
-    """From the last restart if there is one; most cases take less time than passes until one is written."""
+    """Run a case from its last restart if there is one; most cases end before one is written."""
     if (directory / file_names.RESTART).is_file():
         with contextlib.suppress(InputError):  # not one to resume from
             resumed = resume(directory, check=check, lammps=hosted.run)
@@ -190,9 +190,9 @@ class Swept:
     """How a sweep ended.
 
     Attributes:
-        cases: all that it names.
-        before: how many were done before.
-        done: how many are done.
+        cases: number of cases that it names.
+        before: number of cases that were done before.
+        done: number of cases that are done.
         failed: name and reason of each that failed.
         interrupted: whether it was stopped before its end.
         others: cases in the directory with values that the sweep no longer names; they stay.
@@ -207,7 +207,7 @@ class Swept:
 
 
 def sweep(
-    what: Sweep,
+    definition: Sweep,
     directory: Path,
     *,
     processes: int | None = None,
@@ -217,7 +217,7 @@ def sweep(
     """Run and analyse every case that a directory does not hold yet; Ctrl-C keeps what is done.
 
     Args:
-        what: the sweep.
+        definition: the sweep.
         directory: made if need be; gets one directory per case.
         processes: cases computed at a time; by default as many as there are cores.
         check: whether to measure the error of LAMMPS runs.
@@ -234,7 +234,7 @@ def sweep(
             with contextlib.suppress(RunError):  # the disk may be full; reported at the end
                 note_failure(directory / name, failed[-1][1])
 
-    with planned(what, directory) as cases:
+    with planned(definition, directory) as cases:
         others = len(_others(directory, cases))
         if (directory / file_names.CASES).is_file():  # leave cases to the jobs of a cluster that were sent out for them
             refuse_if_queued(directory, [case.name for case in cases], slurm_queue(), "wait for it, or end it first")
@@ -243,10 +243,10 @@ def sweep(
         drawn = formats.asked() if figures else ()
         tasks = []
         for case, unfinished in missing:
-            scene = scene_of(what, case)
-            wanted = request(what, case, scene) if unfinished else None
-            own = task((directory / case.name).absolute(), wanted, check=check, figures=drawn)
-            tasks.append(evaluate.Computation(case.name, own, cost=_work(scene)))
+            scene = scene_of(definition, case)
+            wanted = request(definition, case, scene) if unfinished else None
+            case_task = task((directory / case.name).absolute(), wanted, check=check, figures=drawn)
+            tasks.append(evaluate.Computation(case.name, case_task, cost=_work(scene)))
 
         try:
             with count_bar("sweep") as progress, Pool(processes) as pool:
@@ -255,7 +255,7 @@ def sweep(
                     pool=pool,
                     progress=lambda now, _, bad: progress(before + now, len(cases), bad),
                     tell=note,
-                    failed=lambda one: one.value != "done",
+                    failed=lambda answer: answer.value != "done",
                 )
         except KeyboardInterrupt:
             done = len(cases) - len(_missing(cases, directory, figures=figures))  # some ended while they were stopped
@@ -264,18 +264,18 @@ def sweep(
 
 
 @contextlib.contextmanager
-def planned(what: Sweep, directory: Path) -> Iterator[list[SweepCase]]:
+def planned(definition: Sweep, directory: Path) -> Iterator[list[SweepCase]]:
     """The cases of `plan`, with the directory made and other runs kept out of it.
 
     Raises:
         InputError: as `sweep`.
     """
-    seen = _names(directory)
-    cases = plan(what, directory)
+    names_before = _names(directory)
+    cases = plan(definition, directory)
     make_directory(directory)
     with alone(directory):
-        if _names(directory) != seen:  # another sweep may have begun there at the same time
-            plan(what, directory)
+        if _names(directory) != names_before:  # another sweep may have begun there at the same time
+            plan(definition, directory)
         yield cases
 
 
@@ -285,20 +285,20 @@ def _names(directory: Path) -> set[str]:
     return set()
 
 
-def plan(what: Sweep, directory: Path) -> list[SweepCase]:
+def plan(definition: Sweep, directory: Path) -> list[SweepCase]:
     """All cases of a sweep, each seen to fit into a directory.
 
     Raises:
         InputError: as `sweep`.
     """
-    cases = all_cases(what)
+    cases = all_cases(definition)
     _refuse_what_is_not_a_sweep(directory, cases)
     for case in cases:
-        scene = scene_of(what, case)
-        _refuse_what_cannot_run(f"{what.source}: case {case.name}", what.engine, scene)
-        refuse_another(directory / case.name, request(what, case, scene), scene)
+        scene = scene_of(definition, case)
+        _refuse_what_cannot_run(f"{definition.source}: case {case.name}", definition.engine, scene)
+        refuse_another(directory / case.name, request(definition, case, scene), scene)
     for case in _others(directory, cases):
-        _refuse_of_another_sweep(what, directory, case)
+        _refuse_of_another_sweep(definition, directory, case)
     return cases
 
 
@@ -306,28 +306,28 @@ def _others(directory: Path, cases: list[SweepCase]) -> list[SweepCase]:
     """Cases in a directory that are none of these: of an earlier version of the sweep's file."""
     names = {case.name for case in cases}
     paths = sorted(path for path in directory.iterdir() if path.name not in names) if directory.is_dir() else []
-    found = ((path.name, asked(path)) for path in paths)
-    return [SweepCase(name, asked.swept) for name, asked in found if asked is not None]
+    requests = ((path.name, asked(path)) for path in paths)
+    return [SweepCase(name, case_request.swept) for name, case_request in requests if case_request is not None]
 
 
-def _refuse_of_another_sweep(what: Sweep, directory: Path, case: SweepCase) -> None:
+def _refuse_of_another_sweep(definition: Sweep, directory: Path, case: SweepCase) -> None:
     """Let a directory, and so its table, hold cases of one scene over the same fields.
 
     Raises:
         InputError: a case is of other fields, or of another scene or engine.
     """
-    if case.values.keys() != what.vary.keys():
+    if case.values.keys() != definition.vary.keys():
         raise InputError(
-            f"{directory}: holds cases over {', '.join(case.values)}, and this sweep varies {', '.join(what.vary)}; "
-            "choose another -o"
+            f"{directory}: holds cases over {', '.join(case.values)}, and this sweep varies "
+            f"{', '.join(definition.vary)}; choose another -o"
         )
-    scene = scene_of(what, case)
-    refuse_another(directory / case.name, request(what, case, scene), scene)
+    scene = scene_of(definition, case)
+    refuse_another(directory / case.name, request(definition, case, scene), scene)
 
 
-def request(what: Sweep, case: SweepCase, scene: Scene) -> Asked:
-    """What a case is asked to be."""
-    return Asked(case.values, scene.plain(), what.engine)
+def request(definition: Sweep, case: SweepCase, scene: Scene) -> Asked:
+    """Request of a case of a sweep, whose scene this is."""
+    return Asked(case.values, scene.plain(), definition.engine)
 
 
 def _refuse_what_is_not_a_sweep(directory: Path, cases: list[SweepCase]) -> None:
@@ -336,11 +336,11 @@ def _refuse_what_is_not_a_sweep(directory: Path, cases: list[SweepCase]) -> None
             return
         if not directory.is_dir():
             raise InputError(f"{directory}: is a file, not a directory; choose another -o")
-        found = {entry.name for entry in directory.iterdir()}
+        names = {entry.name for entry in directory.iterdir()}
     except OSError as error:
         raise InputError(f"{directory}: cannot be read ({error.strerror})") from None
-    own = any(case.name in found for case in cases) or any(asked(directory / name) for name in found)
-    if found and not own:
+    is_sweep = any(case.name in names for case in cases) or any(asked(directory / name) for name in names)
+    if names and not is_sweep:
         raise InputError(f"{directory}: exists and is not the directory of a sweep; choose another -o")
 
 
@@ -358,27 +358,27 @@ def _refuse_what_cannot_run(where: str, engine: str, scene: Scene) -> None:
     refuse_beforehand(scene, where, ENGINES[engine])
 
 
-def refuse_if_queued(directory: Path, names: Iterable[str], known: Queue | None, advice: str) -> None:
+def refuse_if_queued(directory: Path, names: Iterable[str], queue: Queue | None, advice: str) -> None:
     """See that no case waits in Slurm's queue or runs.
 
     Raises:
         InputError: one does; says what to do.
     """
     for name in names:
-        found = status(directory / name, known)
-        if found.state in ("waiting", "running"):
-            raise InputError(f"{directory / name}: is {found.state} ({found.why}); {advice}")
+        state = status(directory / name, queue)
+        if state.state in ("waiting", "running"):
+            raise InputError(f"{directory / name}: is {state.state} ({state.why}); {advice}")
 
 
 def _missing(cases: list[SweepCase], directory: Path, *, figures: bool) -> list[tuple[SweepCase, bool]]:
     """Cases that are to be run (True), or only to be analysed."""
-    found = []
+    missing = []
     for case in cases:
         path = directory / case.name
         unfinished = status(path).state != "done"
         if unfinished or not is_analysed(path, figures=figures):
-            found.append((case, unfinished))
-    return found
+            missing.append((case, unfinished))
+    return missing
 
 
 def _work(scene: Scene) -> float:

@@ -115,8 +115,8 @@ def drawn(table: SweepTable, groups: Sequence[Group], title: str = "") -> "Figur
 
     label = table.label(groups[0].quantity)
     counts = [group.statistics.values for group in groups]
-    least, most = min(counts), max(counts)
-    number = f"n = {least}" + (f" to {most}" if most > least else "")
+    smallest, largest = min(counts), max(counts)
+    number = f"n = {smallest}" + (f" to {largest}" if largest > smallest else "")
     title = ", ".join(filter(None, (table.scene, title, number)))
     if len(groups) == 1:
         return histogram_figure(label, groups[0].histogram, groups[0].statistics, title)

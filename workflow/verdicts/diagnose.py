@@ -143,6 +143,7 @@ def _prescribed(trajectory: Trajectory) -> list[Departure]:
         name = f"drive of bead {drive.bead} of chain {drive.chain}"
 
         def course(amplitude: float, omega: float, phase: float, drive: Motion = drive) -> Floats:
+            """Displacement [frame] of the bead with these parameters of its drive, in units of L."""
             moved = replace(drive, amplitude=amplitude, omega=omega, phase=phase)
             return np.asarray(moved.displacement(trajectory.time))
 

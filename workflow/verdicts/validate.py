@@ -1,4 +1,4 @@
-"""Is a run right? Compared with an accurate reference, quantity by quantity."""
+"""Compare a run with an accurate reference, quantity by quantity."""
 
 import math
 import warnings
@@ -68,13 +68,13 @@ class RunDifference:
 
 @dataclass(frozen=True)
 class Validation:
-    """What a comparison found.
+    """Result of a comparison.
 
     Attributes:
         problem: what was run.
         against: what it was compared with.
         deviations: per quantity of `analysis.compare.difference.QUANTITIES`; those that cannot be had are missing.
-        tolerances: what was let pass.
+        tolerances: largest error let pass, by quantity.
         frames: number of frames that the run has, as far as the scene asks for them.
         compared: number of instants at which the two were compared.
         causes: what seems to be wrong, in words; empty if nothing does.
@@ -130,8 +130,8 @@ class Validation:
 
     def _repr_html_(self) -> str:
         rows = [
-            (name, f"{found.largest:.2e}", f"{self.tolerances[name]:.1e}", self.verdict(name))
-            for name, found in self.deviations.items()
+            (name, f"{deviation.largest:.2e}", f"{self.tolerances[name]:.1e}", self.verdict(name))
+            for name, deviation in self.deviations.items()
         ]
         words = html.text("\n".join((*self.causes, *self.remarks))) if self.causes or self.remarks else ""
         head = ("quantity", "largest (in V, L, T)", "tolerance (in V, L, T)", "")
@@ -195,10 +195,10 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
             f"{directory.dump}: {error}; was the deck run with another -var every or timestep? Change the scene instead"
         ) from None
     deviations = difference.deviations()
-    own, right = (joined(pair[side] for pair in diagnosed) for side in (0, 1))
-    few_digits = rounded(own, right)
+    run_frames, reference_frames = (joined(pair[side] for pair in diagnosed) for side in (0, 1))
+    few_digits = rounded(run_frames, reference_frames)
     diagnosable = any_exceeded(deviations, limits) and problem.whole and not directory.failure
-    diagnosis = diagnose(own, right) if diagnosable else Diagnosis()
+    diagnosis = diagnose(run_frames, reference_frames) if diagnosable else Diagnosis()
     result = Validation(
         problem=problem,
         against="reference",
@@ -277,7 +277,7 @@ def blocks(directory: RunDirectory) -> Iterable[Trajectory]:
 
 def any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) -> bool:
     """Whether any quantity is further off than its tolerance (NaN is)."""
-    return any(not found.largest <= limits[name] for name, found in deviations.items())
+    return any(not deviation.largest <= limits[name] for name, deviation in deviations.items())
 
 
 def write(path: Path, result: Validation, figure: Any) -> None:
@@ -291,5 +291,7 @@ def error_figure(result: Validation, difference: Difference, against: str) -> An
     """Errors over space and time, and each quantity that has a tolerance against it."""
     from analysis.figures.errors import validation_figure  # matplotlib takes half a second to import
 
-    judged = {name: found for name, found in result.deviations.items() if math.isfinite(result.tolerances[name])}
+    judged = {
+        name: deviation for name, deviation in result.deviations.items() if math.isfinite(result.tolerances[name])
+    }
     return validation_figure(result.problem, difference.error_map, judged, result.tolerances, against)

@@ -1,4 +1,4 @@
-"""Is a run right? Compared with a user's own trajectory in a file, quantity by quantity, or with measured traces."""
+"""Compare a run with a user's own trajectory in a file, quantity by quantity, or with measured traces."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -42,24 +42,20 @@ def validate_table(
     """
     problem = directory.problem
     limits = limits_of(problem, tolerances)
-    given = _loaded(path, problem, dimensionless=dimensionless)
-    own = joined(blocks(directory))[: problem.frames + 1]
-    theirs = as_trajectory(given, problem, dimensionless=dimensionless)
-    own_part = common_times.of_recorded(own, theirs.problem)
+    loaded = _loaded(path, problem, dimensionless=dimensionless)
+    run_frames = joined(blocks(directory))[: problem.frames + 1]
+    theirs = as_trajectory(loaded, problem, dimensionless=dimensionless)
+    run_part = common_times.of_recorded(run_frames, theirs.problem)
     try:
-        resampled = common_times.at_times(own_part, theirs.time)
+        resampled = common_times.at_times(run_part, theirs.time)
     except InputError as error:
-        if own.frames < problem.frames + 1:
+        if run_frames.frames < problem.frames + 1:
             raise InputError(f"{path}: {error}; the run is incomplete") from None
         raise InputError(f"{path}: {error}; if the table is in other units, see --units") from None
     difference = Difference(limits)
     difference.add(only_where_known(resampled, theirs), only_where_known(theirs, theirs))
     deviations = difference.deviations()
-    wanted = [name for name in table.VALUES if getattr(given, name) is not None]
-    whole = not any(np.isnan(values[:, given.chains - 1]).any() for values in (theirs.displacement, theirs.velocity))
-    if whole and len(theirs.time) > 8 and evenly_spaced(theirs.time):
-        wanted += ["amplitude", "arrival"]
-    deviations = {name: deviations[name] for name in wanted if name in deviations}
+    deviations = {name: deviations[name] for name in _quantities(loaded, theirs) if name in deviations}
     exceeded = any_exceeded(deviations, limits)
     diagnosis = _diagnosis(path, theirs, resampled) if exceeded and theirs.problem.recorded is None else Diagnosis()
     causes, notes = diagnosis.causes, tuple(rounded(path, theirs))
@@ -74,13 +70,24 @@ def validate_table(
         deviations=deviations,
         tolerances=limits,
         causes=causes,
-        remarks=(*notes, *remarks(path, theirs, own)),
-        interpolation=None if are_frames(theirs, own) else common_times.interpolation_error(own_part),
-        frames=own.frames,
+        remarks=(*notes, *remarks(path, theirs, run_frames)),
+        interpolation=None if are_frames(theirs, run_frames) else common_times.interpolation_error(run_part),
+        frames=run_frames.frames,
         compared=len(theirs.time),
     )
     write(directory.path, result, error_figure(result, difference, path.name))
     return result
+
+
+def _quantities(loaded: TrajectoryTable, theirs: Trajectory) -> list[str]:
+    """Quantities that a table determines; peaks and arrivals only by both motions at evenly spaced times."""
+    names = [name for name in table.VALUES if getattr(loaded, name) is not None]
+    complete = not any(
+        np.isnan(values[:, loaded.chains - 1]).any() for values in (theirs.displacement, theirs.velocity)
+    )
+    if complete and len(theirs.time) > 8 and evenly_spaced(theirs.time):
+        names += ["amplitude", "arrival"]
+    return names
 
 
 def _diagnosis(path: Path, theirs: Trajectory, run: Trajectory) -> Diagnosis:
@@ -122,80 +129,82 @@ def validate_traces(
         InputError: the table cannot be read, or is of chains, beads, walls or times that the run has not.
     """
     limits = {**TOLERANCES, **(tolerances or {})}
-    problem, given = directory.problem, traces.load(path)
-    if given.units and (dimensionless or not problem.scale.si):
+    problem, measured = directory.problem, traces.load(path)
+    if measured.units and (dimensionless or not problem.scale.si):
         raise InputError(f"{path}: names units, but is to be in others (the scene has no material, or --units)")
-    check_channels(path, given.channels, problem)
-    beads = beads_of(given.channels, problem)
+    check_channels(path, measured.channels, problem)
+    beads = beads_of(measured.channels, problem)
     missing = sorted(set(beads) - set(problem.recorded_beads.tolist()))
     if problem.window is not None or missing:
         raise InputError(f"{path}: needs the motion of bead {(missing or beads)[0]}, which the run did not record")
-    worth = np.array([getattr(problem.scale, channel.quantity) for channel in given.channels])
+    worth = np.array([getattr(problem.scale, channel.quantity) for channel in measured.channels])
     if dimensionless:
-        given = replace(given, time=given.time * problem.scale.time, values=given.values * worth)
-    whole = joined(directory.blocks())[: problem.frames + 1]
-    run = common_times.of_recorded(whole, replace(problem, recorded=beads))
+        measured = replace(measured, time=measured.time * problem.scale.time, values=measured.values * worth)
+    run_frames = joined(directory.blocks())[: problem.frames + 1]
+    run = common_times.of_recorded(run_frames, replace(problem, recorded=beads))
     try:
-        found = read_at(run, given.channels, given.time)
+        computed = read_at(run, measured.channels, measured.time)
     except InputError as error:
         raise InputError(f"{path}: {error}; if the table is in other units, see --units") from None
-    apart = (found - given.values) / worth
-    times = given.time / problem.scale.time
+    apart = (computed - measured.values) / worth
+    times = measured.time / problem.scale.time
     kinds = {"length": "displacement"}
-    own = {channel.name: limits[kinds.get(channel.quantity, channel.quantity)] for channel in given.channels}
+    channel_limits = {
+        channel.name: limits[kinds.get(channel.quantity, channel.quantity)] for channel in measured.channels
+    }
     result = Validation(
         problem=problem,
         against=str(path),
         deviations={
-            channel.name: _deviation(channel, column, times, own[channel.name], problem)
-            for channel, column in zip(given.channels, apart.T, strict=True)
+            channel.name: _deviation(channel, column, times, channel_limits[channel.name], problem)
+            for channel, column in zip(measured.channels, apart.T, strict=True)
         },
-        tolerances=own,
-        frames=whole.frames,
-        compared=len(given.time),
+        tolerances=channel_limits,
+        frames=run_frames.frames,
+        compared=len(measured.time),
     )
     from analysis.figures.errors import residual_figure  # matplotlib takes half a second to import
 
-    allowed = np.array(list(own.values())) * worth
-    write(directory.path, result, residual_figure(problem, given, found, allowed, "tolerance"))
+    allowed = np.array(list(channel_limits.values())) * worth
+    write(directory.path, result, residual_figure(problem, measured, computed, allowed, "tolerance"))
     return result
 
 
 def _deviation(channel: Channel, apart: Floats, times: Floats, tolerance: float, problem: Problem) -> Deviation:
-    known = np.isfinite(apart)
-    when = times[known]
+    defined = np.isfinite(apart)
+    when = times[defined]
     bead = channel.bead or (problem.beads if channel.right else 1)
-    return deviation_of(apart[known], when, tolerance, lambda k: DeviationPlace(channel.chain, bead, float(when[k])))
+    return deviation_of(apart[defined], when, tolerance, lambda k: DeviationPlace(channel.chain, bead, float(when[k])))
 
 
-def as_trajectory(given: TrajectoryTable, problem: Problem, *, dimensionless: bool) -> Trajectory:
+def as_trajectory(loaded: TrajectoryTable, problem: Problem, *, dimensionless: bool) -> Trajectory:
     """A table made dimensionless, for every chain of the scene; NaN where the table has nothing."""
     scale = problem.scale
     units = (1.0, 1.0, 1.0) if dimensionless else (scale.time, scale.length, scale.velocity)
     values = []
-    for column, unit in ((given.displacement, units[1]), (given.velocity, units[2])):
-        full = np.full((len(given.time), problem.chains, len(given.beads)), np.nan)
+    for column, unit in ((loaded.displacement, units[1]), (loaded.velocity, units[2])):
+        full = np.full((len(loaded.time), problem.chains, len(loaded.beads)), np.nan)
         if column is not None:
-            full[:, given.chains - 1] = column / unit
+            full[:, loaded.chains - 1] = column / unit
         values.append(full)
     # a table holds no atoms that are no beads
-    everything = problem.system.inner_mass is None and len(given.beads) == problem.beads
+    everything = problem.system.inner_mass is None and len(loaded.beads) == problem.beads
     everything = everything and not np.isnan(values).any()
-    recorded = None if everything else tuple(int(bead) for bead in given.beads)
+    recorded = None if everything else tuple(int(bead) for bead in loaded.beads)
     displacement, velocity = values
-    return Trajectory(replace(problem, recorded=recorded), given.time / units[0], displacement, velocity)
+    return Trajectory(replace(problem, recorded=recorded), loaded.time / units[0], displacement, velocity)
 
 
-def check_places(path: Path, given: TrajectoryTable, problem: Problem) -> None:
+def check_places(path: Path, loaded: TrajectoryTable, problem: Problem) -> None:
     """Refuse a table with chains or beads that the run has not.
 
     Raises:
         InputError: naming the first of them.
     """
-    chains = np.setdiff1d(given.chains, np.arange(1, problem.chains + 1))
+    chains = np.setdiff1d(loaded.chains, np.arange(1, problem.chains + 1))
     if len(chains):
         raise InputError(f"{path}: has chain {chains[0]}, but the scene has chains 1 to {problem.chains}")
-    beads = np.setdiff1d(given.beads, problem.recorded_beads)
+    beads = np.setdiff1d(loaded.beads, problem.recorded_beads)
     if len(beads):
         raise InputError(f"{path}: has bead {beads[0]}, which the run did not record")
 
@@ -210,15 +219,17 @@ def only_where_known(trajectory: Trajectory, table: Trajectory) -> Trajectory:
 
 
 def evenly_spaced(time: Floats) -> bool:
-    """Whether all of some times are within a hundredth of a step of where even steps would put them."""
+    """Whether times [frame] are within a hundredth of a step of where even steps would put them."""
     even = np.linspace(time[0], time[-1], len(time))
     return bool(np.max(np.abs(time - even)) <= 0.01 * (even[1] - even[0]))
 
 
-def are_frames(theirs: Trajectory, own: Trajectory) -> bool:
+def are_frames(theirs: Trajectory, run_frames: Trajectory) -> bool:
     """Whether all times of one are times of the other."""
-    nearest = own.time[np.clip(np.round(theirs.time / own.problem.every).astype(int), 0, own.frames - 1)]
-    return bool(np.all(np.abs(theirs.time - nearest) <= 1e-9 * own.problem.every))
+    nearest = run_frames.time[
+        np.clip(np.round(theirs.time / run_frames.problem.every).astype(int), 0, run_frames.frames - 1)
+    ]
+    return bool(np.all(np.abs(theirs.time - nearest) <= 1e-9 * run_frames.problem.every))
 
 
 def rounded(path: Path, theirs: Trajectory) -> Iterator[str]:
@@ -229,10 +240,11 @@ def rounded(path: Path, theirs: Trajectory) -> Iterator[str]:
             yield f"{name} in {path} have only {digits}"
 
 
-def remarks(path: Path, theirs: Trajectory, own: Trajectory) -> Iterator[str]:
+def remarks(path: Path, theirs: Trajectory, run_frames: Trajectory) -> Iterator[str]:
     """What a table's owner may not know of it beside: that it ends soon after the start."""
-    if theirs.time[-1] < 0.01 * own.time[-1]:
-        yield f"{path} ends at {theirs.time[-1] / own.time[-1]:.2g} of the run: is it in other units? (see --units)"
+    if theirs.time[-1] < 0.01 * run_frames.time[-1]:
+        share = theirs.time[-1] / run_frames.time[-1]
+        yield f"{path} ends at {share:.2g} of the run: is it in other units? (see --units)"
 
 
 def check_channels(path: Path, channels: tuple[Channel, ...], problem: Problem) -> None:

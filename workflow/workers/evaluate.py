@@ -20,7 +20,7 @@ from workflow.workers.pool import Pool, Task, TaskResult
 
 
 def key_of(request: Any) -> str:
-    """Of plain data: the same for the same request."""
+    """Key of a request that is plain data: equal requests have equal keys."""
     return hashlib.sha256(json.dumps(request, sort_keys=True).encode()).hexdigest()[:20]
 
 
@@ -41,13 +41,13 @@ class StoredResults(dict[str, Any]):
             return
         try:
             text = path.read_bytes() if path.is_file() else b""
-            whole = text[: text.rfind(b"\n") + 1]
-            if len(whole) < len(text):
-                os.truncate(path, len(whole))
+            complete = text[: text.rfind(b"\n") + 1]
+            if len(complete) < len(text):
+                os.truncate(path, len(complete))
             self._file = path.open("a", encoding="utf-8")
         except OSError as error:
             raise InputError(f"{path}: cannot be used ({error.strerror})") from None
-        for line in whole.splitlines():
+        for line in complete.splitlines():
             self._take(line)
 
     def _take(self, line: bytes) -> None:
@@ -130,30 +130,33 @@ def evaluate(
         tell: called after each case that was computed; an exception that it raises ends the evaluation.
         failed: which answers progress counts as failed; by default those without a value.
     """
-    wanted = {one.key: one for one in cases}
-    kept = StoredResults(None) if cache is None else cache
-    found = {key: TaskResult(kept[key]) for key in wanted if key in kept}
-    missing = sorted((one for key, one in wanted.items() if key not in found), key=lambda one: -one.cost)
-    bad = sum(failed(answer) for answer in found.values())
+    wanted = {computation.key: computation for computation in cases}
+    stored = StoredResults(None) if cache is None else cache
+    answers = {key: TaskResult(stored[key]) for key in wanted if key in stored}
+    missing = sorted(
+        (computation for key, computation in wanted.items() if key not in answers),
+        key=lambda computation: -computation.cost,
+    )
+    bad = sum(failed(answer) for answer in answers.values())
     if progress is not None:
-        progress(len(found), len(wanted), bad)
+        progress(len(answers), len(wanted), bad)
     for alone in (False, True):
-        some = [(one.key, one.task) for one in missing if one.alone == alone]
+        some = [(computation.key, computation.task) for computation in missing if computation.alone == alone]
         if not some:
             continue
         with contextlib.ExitStack() as stack:
             processes = 1 if alone else None
             workers = pool if pool and not alone else stack.enter_context(Pool(processes, interrupt=True))
             for key, answer in workers.answers(some):
-                found[key] = answer
+                answers[key] = answer
                 if not answer.failed:
-                    kept.keep(key, answer.value)
+                    stored.keep(key, answer.value)
                 if tell is not None:
                     tell(key, answer)
                 bad += failed(answer)
                 if progress is not None:
-                    progress(len(found), len(wanted), bad)
-    return found
+                    progress(len(answers), len(wanted), bad)
+    return answers
 
 
 def values(
@@ -164,13 +167,13 @@ def values(
     progress: Progress | None = None,
     failed: Failed = _has_failed,
 ) -> list[Any]:
-    """As `evaluate`, for cases none of which may fail: their values, in their order.
+    """Values of cases none of which may fail, in their order; arguments as of `evaluate`.
 
     Raises:
         RunError: one failed; the others are ended.
     """
-    found = evaluate(cases, cache, pool=pool, progress=progress, tell=_refuse_failure, failed=failed)
-    return [found[one.key].value for one in cases]
+    answers = evaluate(cases, cache, pool=pool, progress=progress, tell=_refuse_failure, failed=failed)
+    return [answers[computation.key].value for computation in cases]
 
 
 def _refuse_failure(_: str, answer: TaskResult) -> None:

@@ -22,7 +22,7 @@ from workflow.engines.lammps.mpi import cores
 from workflow.errors import complaint, how_it_ended
 
 _STOP_SECONDS = 60.0
-"""For a segment of LAMMPS and a restart, however busy the machine is; a second Ctrl-C waits no longer."""
+"""Time for a segment of LAMMPS and a restart, however busy the machine is; a second Ctrl-C waits no longer."""
 
 _ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "BLIS_NUM_THREADS"), "1"
@@ -34,7 +34,7 @@ class Task(NamedTuple):
 
     Attributes:
         function: ``module:name``.
-        arguments: of the function, by name, as plain data.
+        arguments: arguments of the function by name, as plain data.
     """
 
     function: str
@@ -91,25 +91,25 @@ class Pool:
             while True:
                 while len(busy) < self.processes and (following := next(waiting, None)) is not None:
                     key, task = following
-                    process = self._given(task)
+                    process = self._started(task)
                     busy[process] = key
                     selector.register(process.output, selectors.EVENT_READ, process)
                 if not busy:
                     return
                 for ready, _ in selector.select():
                     process = ready.data
-                    for said in process.heard():
-                        if "hint" in said:
-                            self._hint(said["hint"])
+                    for message in process.heard():
+                        if "hint" in message:
+                            self._hint(message["hint"])
                             continue
                         selector.unregister(process.output)
                         if process.alive():
                             self._idle.append(process)
                         else:
                             self._discard(process)
-                        yield busy.pop(process), TaskResult(said.get("value"), said.get("failed", ""))
+                        yield busy.pop(process), TaskResult(message.get("value"), message.get("failed", ""))
 
-    def _given(self, task: Task) -> "_Process":
+    def _started(self, task: Task) -> "_Process":
         """A process that has begun a task."""
         while self._idle:
             process = self._idle.pop()
@@ -132,7 +132,7 @@ class Pool:
 
 
 class _Process:
-    """One worker."""
+    """One worker process."""
 
     def __init__(self) -> None:
         self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115  closed in `stop`
@@ -162,42 +162,42 @@ class _Process:
         return True
 
     def heard(self) -> list[dict[str, Any]]:
-        """What it has written since it was last read: hints, and the answer to the task."""
+        """Messages since the last call: hints, and the answer to the task."""
         more = os.read(self.output.fileno(), 1 << 16)
         *lines, self._begun = (self._begun + more).split(b"\n")
         try:
-            found = [json.loads(line) for line in lines]
+            messages = [json.loads(line) for line in lines]
         except ValueError:
-            found = [None]
-        if not more or not all(isinstance(each, dict) for each in found):
+            messages = [None]
+        if not more or not all(isinstance(each, dict) for each in messages):
             return [self._ended()]
-        if any(each.get("last") for each in found):
+        if any(each.get("last") for each in messages):
             self.hang_up()
-        return found
+        return messages
 
     def _ended(self) -> dict[str, Any]:
-        """The answer of a process that gives none."""
+        """The failure that stands for the answer of a process that ended without one."""
         self.hang_up()
         how = how_it_ended(self._process.wait())
         self._errors.seek(self._said)
-        said = complaint(self._errors.read(100_000).splitlines())
-        return {"failed": f"the process that computed it {how}. {said}".strip()}
+        reason = complaint(self._errors.read(100_000).splitlines())
+        return {"failed": f"the process that computed it {how}. {reason}".strip()}
 
     def alive(self) -> bool:
-        """Whether it can take another task."""
+        """Whether the process can take another task."""
         return not self._input.closed and self._process.poll() is None
 
     def hang_up(self) -> None:
-        """Ask it to end."""
+        """Close the process's input, at which it ends."""
         with contextlib.suppress(OSError):  # what was not written goes nowhere
             self._input.close()
 
     def interrupt(self) -> None:
-        """Ctrl-C, which does not reach it from a terminal."""
+        """Send the process Ctrl-C, which does not reach it from a terminal."""
         self._process.send_signal(signal.SIGINT)
 
     def stop(self, seconds: float) -> None:
-        """End it, by force after some seconds."""
+        """End the process, by force after some seconds."""
         self.hang_up()
         try:
             self._process.wait(max(0.0, seconds))

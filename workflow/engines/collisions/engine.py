@@ -24,7 +24,7 @@ from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import Problem, physics
 from workflow.compiled import ieee, ieee_inner
 from workflow.engines.collisions.modes import Modes, advance, make_modes
-from workflow.engines.collisions.roots import CONTACT, NEVER, first_contact
+from workflow.engines.collisions.roots import CONTACT, NEVER, PairDistance, first_contact
 
 Ints = NDArray[np.int64]
 
@@ -33,11 +33,11 @@ class Heap(NamedTuple):
     """Times of all members, and their order."""
 
     time: Floats
-    """[member]"""
+    """time of each member, [member]"""
     member: Ints
-    """[place]; place 0 has the earliest time, and place k is not later than places 2k+1 and 2k+2"""
+    """member at each place, [place]; place 0 has the earliest time, and place k is not later than 2k+1 and 2k+2"""
     place: Ints
-    """[member]"""
+    """place of each member, [member]"""
 
 
 def make_heap(members: int) -> Heap:
@@ -80,7 +80,7 @@ class Rows(NamedTuple):
     v: Floats
     """velocity [row, chain]"""
     time: Floats
-    """[row]"""
+    """time of the last collision, [row]"""
 
 
 class CollisionState(NamedTuple):
@@ -88,9 +88,9 @@ class CollisionState(NamedTuple):
 
     rows: Rows
     queue: Heap
-    """of pairs"""
+    """queue of the pairs"""
     chain: Ints
-    """[pair]: the chain that meets at the pair's time in the queue, or -1 to look again"""
+    """chain that meets at the pair's time in the queue, or -1 to search again, [pair]"""
     near: Floats
     """work [x and v, row of the pair, chain]"""
     relative: Floats
@@ -138,7 +138,7 @@ def evolve(rows: Rows, pair: int, time: float, modes: Modes, near: Floats) -> No
 
 @ieee_inner
 def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> None:
-    """Put a pair of rows where `evolve` saw it and exchange the velocities of the two beads that meet."""
+    """Set a pair of rows to ``near``, [x and v, row of the pair, chain], and exchange the velocities of one chain."""
     for side in range(2):
         rows.time[pair + side] = time
         for j in range(near.shape[2]):
@@ -148,7 +148,7 @@ def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> Non
 
 @ieee_inner
 def predict(state: CollisionState, pair: int, now: float, modes: Modes, gap: float, end: float) -> None:
-    """Put a pair's next contact into the queue."""
+    """Put the next contact of a pair of rows into the queue."""
     near, relative, waves = state.near, state.relative, state.waves
     omega, shape, weight = modes.omega, modes.shape, modes.weight
     evolve(state.rows, pair, now, modes, near)
@@ -174,7 +174,7 @@ def predict(state: CollisionState, pair: int, now: float, modes: Modes, gap: flo
             waves[1, m] = shape[m, j] * relative[1, m]
         free = oscillating == 0  # then every bead is its own centre of mass
         start, drift = (g, slope) if free else (distance, rate)
-        wait, outcome = first_contact(g, slope, start, drift, waves, omega, limit, now, gap)
+        wait, outcome = first_contact(PairDistance(g, slope, start, drift, waves, omega), limit, now, gap)
         if outcome != NEVER:
             time = now + wait
             if time <= now and slope >= 0.0:
@@ -255,7 +255,7 @@ class CollisionRun:
 
     @property
     def impulse(self) -> Floats:
-        """[collision] momentum handed on (> 0)."""
+        """Momentum transferred in each collision, [collision], in units of m V; above 0."""
         return self.striker - self.target
 
 
@@ -282,18 +282,18 @@ def run(problem: Problem, *, max_events: int | None = None) -> CollisionRun:
     while True:
         room = ROOM if max_events is None else min(ROOM, max_events - count)
         events = EventArrays(*(np.empty(room, kind) for kind in (float, np.int64, np.int64, float, float)))
-        found = collide(state, modes, gap, end, events)
-        parts.append([column[:found] for column in events])
-        count += found
-        if found < room or count == max_events:
+        recorded = collide(state, modes, gap, end, events)
+        parts.append([column[:recorded] for column in events])
+        count += recorded
+        if recorded < room or count == max_events:
             break
     time, chain, row, striker, target = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-    until = end if found < room else min(end, float(time[-1]) if count else 0.0)
+    until = end if recorded < room else min(end, float(time[-1]) if count else 0.0)
     return CollisionRun(problem, time, chain + 1, row + 1, striker, target, until)
 
 
 def sample(run: CollisionRun, times: Floats) -> Trajectory:
-    """The recorded beads at any times [frame], in any order, from the exact motion.
+    """The recorded beads at any times [frame], in units of T and in any order, from the exact motion.
 
     At the instant of a collision the velocities are those after it.
 
@@ -305,8 +305,8 @@ def sample(run: CollisionRun, times: Floats) -> Trajectory:
         raise ValueError(f"times: the run is known from 0 to {run.until!r}; sample it there")
     order = np.argsort(times, kind="stable")
     back = np.argsort(order)
-    (found,) = _played_back(run, times[order], max(1, len(times)))
-    return Trajectory(run.problem, times, found.displacement[back], found.velocity[back])
+    (sampled,) = _played_back(run, times[order], max(1, len(times)))
+    return Trajectory(run.problem, times, sampled.displacement[back], sampled.velocity[back])
 
 
 def blocks(run: CollisionRun) -> Iterator[Trajectory]:
@@ -342,14 +342,14 @@ def _replay(
     event: int,
     times: Floats,
     recorded: Ints,
-    found: tuple[Floats, Floats],
+    outputs: tuple[Floats, Floats],
 ) -> int:
-    """Fill in the frames at ascending times, with the arithmetic of the loop over events itself.
+    """Fill displacement and velocity, [frame, chain, bead], at ascending times, with the arithmetic of the event loop.
 
     Rows are as the collisions before ``event`` left them, and are carried on; returns the first collision after.
     """
     time, chain, row = events
-    displacement, velocity = found
+    displacement, velocity = outputs
     near = np.empty((2, 2, rows.x.shape[1]))
     for frame in range(len(times)):
         while event < len(time) and time[event] <= times[frame]:

@@ -45,16 +45,16 @@ def make_modes(chains: int, kappa: float) -> Modes:
 
 @ieee_inner
 def advance(x: Floats, v: Floats, row: int, elapsed: float, modes: Modes, later: Floats, side: int) -> None:
-    """Motion of one row [row, chain] for a time, nothing meeting it, written into ``later[:, side]``.
+    """Write the motion of one row after a time without collisions into ``later[:, side]``.
 
     Args:
         x: displacements of all rows, [row, chain].
         v: velocities of all rows, [row, chain].
-        row: which row.
-        elapsed: time since then.
-        modes: of a row.
+        row: position of the row.
+        elapsed: time since the state of the row, in units of T.
+        modes: modes of a row.
         later: displacement and velocity, [x and v, side, chain].
-        side: where to write.
+        side: second index of ``later`` to write to.
     """
     chains = x.shape[1]
     omega, shape, weight = modes.omega, modes.shape, modes.weight

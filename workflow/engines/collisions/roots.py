@@ -14,6 +14,7 @@ dip to zero within rounding may count either way; the velocities exchanged then 
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,23 @@ BUDGET = 200
 CONTACT, LOOK_AGAIN, NEVER = 0, 1, 2
 
 
+class PairDistance(NamedTuple):
+    """Distance of two neighbours of one chain from now on, in units of L and T."""
+
+    g: float
+    """distance now, as the beads' own displacements give it; an overlap is rounding and counts as touching"""
+    slope: float
+    """rate of the distance, as the beads' own velocities give it: its sign is exact after an exchange"""
+    start: float
+    """constant term"""
+    drift: float
+    """linear term"""
+    waves: Floats
+    """amplitudes of the oscillating terms, [a and b, mode]"""
+    omega: Floats
+    """frequencies of the oscillating terms, [mode]"""
+
+
 @ieee_inner
 def advance_to(g: float, slope: float, bend: float) -> float:
     """The first positive root of ``g + slope s - bend s**2 / 2`` for g, bend >= 0; inf if there is none."""
@@ -39,7 +57,7 @@ def advance_to(g: float, slope: float, bend: float) -> float:
 
 @ieee_inner
 def safe_step(
-    g: float, slope: float, curvature: float, bounds: tuple[float, float], least: float, most: float
+    g: float, slope: float, curvature: float, bounds: tuple[float, float], least: float, limit: float
 ) -> float:
     """A time in which a distance g >= 0 cannot close, as long as these bounds allow.
 
@@ -49,12 +67,12 @@ def safe_step(
         curvature: its second derivative.
         bounds: bounds on the second and third derivative at any time.
         least: the smallest step where the distance is not closing.
-        most: time beyond which nothing matters.
+        limit: time from now beyond which nothing matters.
     """
     step = advance_to(g, slope, bounds[0])
     if slope >= 0.0:
         step = max(step, least)
-    while step < most:
+    while step < limit:
         ahead = 2.0 * step
         proven = advance_to(g, slope, max(bounds[1] * ahead - curvature, 0.0))
         if proven <= ahead:
@@ -64,30 +82,16 @@ def safe_step(
 
 
 @ieee
-def first_contact(
-    g: float,
-    slope: float,
-    start: float,
-    drift: float,
-    waves: Floats,
-    omega: Floats,
-    limit: float,
-    now: float,
-    gap: float,
-) -> tuple[float, int]:
+def first_contact(distance: PairDistance, limit: float, now: float, gap: float) -> tuple[float, int]:
     """Time from now until a distance closes, and CONTACT; or LOOK_AGAIN and a time before which it does not; or NEVER.
 
     Args:
-        g: distance now, as the beads' own displacements give it; an overlap is rounding and counts as touching.
-        slope: rate of the distance, as the beads' own velocities give it: its sign is exact after an exchange.
-        start: constant term of the distance.
-        drift: linear term.
-        waves: amplitudes of the oscillating terms, [a and b, mode].
-        omega: their frequencies, [mode].
+        distance: of the two beads.
         limit: finite time from now, beyond which nothing matters.
         now: the time on the clock, whose rounding limits how finely contacts are distinguished.
         gap: initial distance; a dip below zero within 4 roundings of it need not be seen.
     """
+    g, slope, start, drift, waves, omega = distance
     if g <= 0.0:
         if slope < 0.0:
             return 0.0, CONTACT

@@ -26,7 +26,7 @@ Progress = Callable[[int, int], None]
 _STOP_SECONDS = 20.0
 
 _HUNG_SECONDS = 60.0
-"""From Ctrl-C on: a segment and a restart of what fits a machine take less."""
+"""Seconds from Ctrl-C until LAMMPS is killed: a segment and a restart of what fits a machine take less."""
 
 
 @dataclass(frozen=True)
@@ -78,10 +78,10 @@ def run(
 
     Args:
         directory: holds the deck; frames and log are written there.
-        problem: of the deck.
+        problem: the deck's problem.
         ranks: MPI ranks.
         progress: called after every segment.
-        part: of the frames; 1 begins at the start, a later one at the restart in the directory.
+        part: number of the file of frames; 1 begins at the start, a later one at the restart in the directory.
         restart_every: seconds of work that a kill may cost.
         lock: file descriptor that keeps others out of the directory, until LAMMPS has ended, too.
 
@@ -109,7 +109,7 @@ def run(
         )
         last, stopped = _followed(process, progress)
         errors.seek(0)
-        said = complaint(errors)
+        reason = complaint(errors)
     if last.get("end") == "done":
         return LammpsOutcome("done", last["step"], last["seconds"], last["lammps"])
     if last.get("end") == "failed" and last.get("disk"):
@@ -118,11 +118,11 @@ def run(
         return LammpsOutcome("stopped", int(last.get("step", 0)), last.get("seconds", 0.0), last.get("lammps", 0))
     if last.get("end") == "failed":
         raise RunError(last["reason"])
-    raise EndedError(f"LAMMPS {how_it_ended(process.returncode)} after step {last.get('step', 0)}. {said}")
+    raise EndedError(f"LAMMPS {how_it_ended(process.returncode)} after step {last.get('step', 0)}. {reason}")
 
 
 def _followed(process: "subprocess.Popen[str]", progress: Progress | None) -> tuple[dict[str, Any], bool]:
-    """What a process says last, once it has ended, and whether Ctrl-C has asked it to stop."""
+    """Last message of a process, once it has ended, and whether Ctrl-C stopped it."""
     assert process.stdin is not None
     assert process.stdout is not None
     last: dict[str, Any] = {}
@@ -161,7 +161,7 @@ def _message(line: str) -> dict[str, Any] | None:
 
 
 def _end(process: "subprocess.Popen[str]") -> None:
-    """Leave no process behind."""
+    """End the process, by force if need be, and close its streams."""
     if process.poll() is None:
         if process.stdin is not None and not process.stdin.closed:
             process.stdin.close()

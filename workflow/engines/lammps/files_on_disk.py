@@ -23,7 +23,7 @@ class FramesOnDisk:
 
     Args:
         path: the file.
-        problem: whose frames.
+        problem: the problem that the frames are of.
         begun: step that the file begins with; a frame falls on it, or is the next one after it.
     """
 
@@ -39,10 +39,10 @@ class FramesOnDisk:
         frames = step // self._every - self._first + 1
         if frames < 1:
             return True
-        found = self._path.stat().st_size
+        size = self._path.stat().st_size
         if self._size == 0:
-            self._size = found // frames
-        return self._size > self._least and found == self._size * frames
+            self._size = size // frames
+        return self._size > self._least and size == self._size * frames
 
 
 EVERY = 30.0
@@ -75,7 +75,7 @@ class Restarts:
         self._last, self._cost = time.monotonic(), 0.0
 
     def due(self) -> bool:
-        """Whether it is time, by the clock of this rank."""
+        """Whether a restart is due, by the clock of this rank."""
         return time.monotonic() - self._last > max(self._every, self._cost / SHARE)
 
     def write(self) -> None:
@@ -151,10 +151,10 @@ def step_of(path: Path) -> int | None:
         with path.open("rb") as file:
             head = file.read(512)
             file.seek(-len(_MAGIC), os.SEEK_END)
-            whole = file.read() == _MAGIC
+            complete = file.read() == _MAGIC
     except OSError:
         return None
-    if not (whole and head.startswith(_MAGIC)):
+    if not (complete and head.startswith(_MAGIC)):
         return None
     try:
         return _step_in(head)

@@ -27,9 +27,9 @@ def run(
     restart_every: float = RESTART_EVERY,
     lock: int | None = None,  # noqa: ARG001  this process holds it itself
 ) -> LammpsOutcome:
-    """As `engine.run` on one rank; ends early, with a restart, when this process's standard input closes.
+    """Run the deck of a directory on one rank; ends early, with a restart, when standard input closes.
 
-    Changes the working directory, since LAMMPS opens its files there.
+    Changes the working directory, since LAMMPS opens its files there. Arguments as of `engine.run`.
 
     Raises:
         LammpsError: LAMMPS failed; this process should end.

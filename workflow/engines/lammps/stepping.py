@@ -20,7 +20,7 @@ class Travel:
     Attributes:
         first: row that the state begins with, counted from 1; more than 1 once a window has moved.
         energy_behind: energy of the rows that the window has left, in units of m V**2.
-        heard: what the first rank said with the last state.
+        heard: message of the first rank with the last state.
     """
 
     def __init__(self, lmp: Any, problem: Problem) -> None:
@@ -66,17 +66,17 @@ class Travel:
             self.first += left
 
     def state(self, word: float = 0.0) -> tuple[Floats, Floats]:
-        """Displacement and velocity of the rows that exist, [line, row], the same on every rank.
+        """Displacement and velocity of the rows that exist, [line, row], in units of L and V, equal on every rank.
 
         Lines are the chains and those of inner atoms after them. The first rank may say a word to all: it travels as
         the lateral velocity of its beads, which is zero otherwise.
         """
         problem = self._problem
         x = self._gathered("x")[..., 0]
-        own = self._lmp.numpy.extract_atom("v")[:, 2]
-        own[:] = word
+        lateral = self._lmp.numpy.extract_atom("v")[:, 2]
+        lateral[:] = word
         v = self._gathered("v")
-        own[:] = 0.0
+        lateral[:] = 0.0
         self.heard, v = float(v[:, :, 2].max()), v[..., 0]
         row = np.arange(self.first, self.first + problem.rows)
         if self.first > 1:
@@ -88,17 +88,17 @@ class Travel:
         return x - (places if len(x) == len(places) else places[np.arange(len(x)) % len(places)]), v
 
     def _gathered(self, name: str) -> Floats:
-        """[line, row, axis] of all atoms; as at rest where there is none."""
+        """A property of all atoms, [line, row, axis]; 0 where there is no atom."""
         system = self._problem.system
         shape = (physics.lines(system), self._problem.rows, 3)
         if system.inner_mass is None or np.all(system.inner_mass > 0.0):
             return np.ctypeslib.as_array(self._lmp.gather_atoms(name, 1, 3)).reshape(shape)
         ids = physics.atom_ids(system)
-        found = np.zeros((shape[0] * shape[1], 3))
+        values = np.zeros((shape[0] * shape[1], 3))
         wanted = (ctypes.c_int * len(ids))(*ids.tolist())
         some = self._lmp.gather_atoms_subset(name, 1, 3, len(ids), wanted)
-        found[ids - 1] = np.ctypeslib.as_array(some).reshape(-1, 3)
-        return found.reshape(shape)
+        values[ids - 1] = np.ctypeslib.as_array(some).reshape(-1, 3)
+        return values.reshape(shape)
 
     def _run(self, steps: int) -> None:
         if self._problem.scheme == "verlet":

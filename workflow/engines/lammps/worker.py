@@ -37,7 +37,7 @@ SEGMENT_BEAD_STEPS = 10_000_000
 """Length of a segment: some 0.2 s on one core. Not measured as the run goes, since all ranks must agree on it."""
 
 OPTIONS = ["-log", file_names.LOG, "-screen", "none", "-nocite", "-var", "steps", "0"]
-"""Of LAMMPS: the deck's own run does no step."""
+"""Options of LAMMPS, with which the deck's own run does no step."""
 
 CONTINUED = ["-log", "none", "-screen", "none", "-nocite"]
 
@@ -46,7 +46,7 @@ FIRST_SEGMENT = 200
 
 
 Line = dict[str, Any]
-"""What is said of a run, see above."""
+"""A message about a run, see above."""
 
 STOP, SAVE = 1.0, 2.0
 """Messages of the first rank to the others."""
@@ -80,8 +80,8 @@ def _problem_in(path: Path) -> Problem:
     """The problem that was handed over in a file."""
     if os.environ.get("GRANCHAIN_INGREDIENTS"):  # modules with laws of a user's own import this, which imports them
         importlib.import_module("lammps_inputs.ingredients")
-    found: Problem = pickle.loads(path.read_bytes())
-    return found
+    problem: Problem = pickle.loads(path.read_bytes())
+    return problem
 
 
 def instance(part: int) -> Any:
@@ -106,15 +106,15 @@ def segments(lmp: Any, problem: Problem, tell: Callable[[Line], None] | None, *,
 
     Args:
         lmp: has read the deck.
-        problem: of the deck.
+        problem: the deck's problem.
         tell: called after each segment; None on a rank that leaves that to another.
-        part: of the frames.
+        part: number of the file of frames.
         every: seconds from restart to restart.
     """
     leads = tell is not None
     largest = max(1, SEGMENT_BEAD_STEPS // (problem.chains * problem.rows))
     # a restart falls between two cycles of the scheme, and where the window may follow
-    whole = window.stride(problem)
+    stride = window.stride(problem)
     begun = done = int(lmp.extract_global("ntimestep"))
     frames = Path(continuation.dump_part(part))
     travel = Travel(lmp, problem)
@@ -122,7 +122,7 @@ def segments(lmp: Any, problem: Problem, tell: Callable[[Line], None] | None, *,
     on_disk = FramesOnDisk(frames, problem, begun)
     computing, size = 0.0, min(FIRST_SEGMENT, largest)
     while done < problem.steps:
-        goal = min(done + max(1, size // whole) * whole - done % whole, problem.steps)
+        goal = min(done + max(1, size // stride) * stride - done % stride, problem.steps)
         started = time.perf_counter()
         travel.advance(goal - done)
         computing += time.perf_counter() - started
@@ -155,7 +155,7 @@ def segments(lmp: Any, problem: Problem, tell: Callable[[Line], None] | None, *,
 
 
 def say(line: Line) -> None:
-    """Say one line on standard output."""
+    """Print one message as a line on standard output."""
     with contextlib.suppress(BrokenPipeError):  # nobody listens any more: the run stops soon
         # a line break on either side, since mpiexec may join what two ranks say at once
         sys.stdout.write(f"\n{json.dumps(line)}\n")
@@ -168,7 +168,7 @@ def _abandoned() -> bool:
 
 
 def first_line(error: Exception) -> str:
-    """What LAMMPS says went wrong."""
+    """First line of the message of an error of LAMMPS."""
     text = str(getattr(error, "message", error))  # LAMMPS's own exception would print itself in quotes
     return next((line.strip() for line in text.splitlines() if line.strip()), "unknown error")
 
@@ -186,10 +186,10 @@ def fault(
 
     Args:
         problem: what is computed.
-        displacement: [line, row] of the chains and of inner atoms after them.
-        velocity: likewise.
+        displacement: [line, row] of the chains and of inner atoms after them, in units of L.
+        velocity: [line, row], in units of V.
         first: bead that the rows begin with.
-        elsewhere: energy of the beads that are not in these rows.
+        elsewhere: energy of the beads that are not in these rows, in units of m V**2.
     """
     system = problem.system
     if not (np.all(np.isfinite(displacement)) and np.all(np.isfinite(velocity))):
@@ -209,8 +209,8 @@ def fault(
     energy = float(motion.energy(system, displacement, velocity, first)) + elsewhere
     change = energy / physics.energy(system) - 1.0
     if change > ENERGY_TOLERANCE and (system.loads or system.dampers or physics.remembering(system)):
-        most = "the largest possible work of the pushes" if system.loads else "the energy input"
-        return f"the energy is {100.0 * change:.3g}% above {most}; {_remedy(problem)}"
+        bound = "the largest possible work of the pushes" if system.loads else "the energy input"
+        return f"the energy is {100.0 * change:.3g}% above {bound}; {_remedy(problem)}"
     if system.holds(Fact.ENERGY) and not system.loads and abs(change) > ENERGY_TOLERANCE:
         return f"the energy has changed by {100.0 * change:.3g}%; {_remedy(problem)}"
     return None

@@ -6,7 +6,7 @@ from workflow.compiled import inner
 
 @inner
 def displaced(x: Floats, first: int, last: int) -> bool:
-    """Whether any bead from one place in memory to before another has left its own."""
+    """Whether any displacement x[k] of beads [place], from place ``first`` to before ``last``, is not 0."""
     for k in range(first, last):  # noqa: SIM110  compiled
         if x[k] != 0.0:
             return True
@@ -15,9 +15,9 @@ def displaced(x: Floats, first: int, last: int) -> bool:
 
 @inner
 def maximum(early: float, late: float, rise: float, fall: float) -> tuple[float, float]:
-    """The maximum within a step of the cubic polynomial with these values, and slopes above and below 0, at its ends.
+    """The maximum within a step of a cubic polynomial: its time as part of the step, and its value.
 
-    As part of the step, and its value.
+    The polynomial has these values, and slopes (per step) above and below 0, at the ends of the step.
     """
     square, cube = 3.0 * (late - early) - 2.0 * rise - fall, 2.0 * (early - late) + rise + fall
     low, high = 0.0, 1.0

@@ -21,15 +21,15 @@ class Accountant:
     """Gives blocks of frames, from the first of a run on, their exchange.
 
     Args:
-        problem: of the run.
-        steps_per_frame: of the reference, an even number; by default as many as `engine.default_steps_per_frame` says.
-            With those of a run by the reference the exchange is the run's own.
+        problem: the run's problem.
+        steps_per_frame: steps of the reference from frame to frame, an even number; by default as many as
+            `engine.default_steps_per_frame` says. With those of a run by the reference the exchange is the run's own.
     """
 
     problem: Problem
     steps_per_frame: int | None = None
     uncertainty: float = field(init=False, default=0.0)
-    """How much half as many steps change the energy that is left, at most, in units of m V**2."""
+    """Largest change of the remaining energy by half as many steps, in units of m V**2."""
 
     def __post_init__(self) -> None:
         self._followers: list[_Follower] = []
@@ -66,10 +66,10 @@ class _Follower:
             self._over = max(load.end for load in system.loads)
 
     def along(self, block: Trajectory) -> Floats:
-        """Ledger of frames of which the first was the last one before, or the start."""
+        """Exchange [frame, entry] of frames of which the first was the last one before, or the start."""
         problem, state = self._problem, self._state
         chains, moving = problem.chains, block.moving
-        found = np.repeat(self._until, block.frames, axis=0)
+        exchange = np.repeat(self._until, block.frames, axis=0)
         (x, _), w = block.atoms, _velocity_of_state(block)
         pushed = np.array(sorted({load.bead for load in problem.system.loads}), dtype=np.int64)
         end_x, end_v = np.zeros((1, chains, len(pushed))), np.zeros((1, chains, len(pushed)))
@@ -79,18 +79,18 @@ class _Follower:
                 memory = None if block.memory is None else block.memory[frame - 1]
                 state.restart(x[frame - 1], w[frame - 1], moving.start + 1, min(moving.stop, problem.beads), memory)
                 number = round(float(block.time[frame - 1]) / problem.every) * self._steps
-                frames = FrameArrays(end_x, end_v, found[frame : frame + 1], end_memory)
+                frames = FrameArrays(end_x, end_v, exchange[frame : frame + 1], end_memory)
                 state.advance(BLANES_MOAN, problem.every / self._steps, number, self._steps, pushed, frames)
                 self._more += self._on_the_way(block, frame, block.velocity[frame][:, pushed - 1] - end_v[0], pushed)
-                found[frame, -1] += self._more
+                exchange[frame, -1] += self._more
             else:
-                found[frame] = found[frame - 1]
-        self._until = found[-1:].copy()
-        found[:, -1] += engine.brought_up(problem, block.time)
-        return found
+                exchange[frame] = exchange[frame - 1]
+        self._until = exchange[-1:].copy()
+        exchange[:, -1] += engine.brought_up(problem, block.time)
+        return exchange
 
     def _on_the_way(self, block: Trajectory, frame: int, apart: Floats, pushed: NDArray[np.int64]) -> float:
-        """What loads do on the way to a frame as beads come off that of the reference, to that velocity at its end."""
+        """Work of loads, in m V**2, by the velocity ``apart`` [chain, place] that beads have beyond the reference's."""
         before, after = block.time[frame - 1], block.time[frame]
         return sum(
             0.5 * float(load.impulse(after) - load.impulse(before)) * float(apart[load.chain - 1, place])
@@ -100,17 +100,17 @@ class _Follower:
 
 
 def _velocity_of_state(block: Trajectory) -> Floats:
-    """What the kernel has as velocities: without what dashpots have given, where no tension is cut (`dashpots`)."""
+    """Velocities of the kernel, [frame, line, bead]: less impulses of dashpots over masses where no tension is cut."""
     problem = block.problem
     system = problem.system
     x, v = block.atoms
     if not system.dampers or any(dashpot.cut(link.law) for link in system.dampers):
         return v
-    given = np.zeros_like(v)
+    impulses = np.zeros_like(v)
     for damper in system.dampers:
-        seen = x if physics.is_inner(system, damper) else block.displacement
-        damper.drive(given[..., : seen.shape[-2], :], damper.given(seen))
-    given /= physics.mass_of_atoms(system)
+        positions = x if physics.is_inner(system, damper) else block.displacement
+        damper.drive(impulses[..., : positions.shape[-2], :], damper.given(positions))
+    impulses /= physics.mass_of_atoms(system)
     for motion in system.motions:
-        given[..., motion.chain - 1, motion.bead - 1] = 0.0
-    return np.asarray(v - given)
+        impulses[..., motion.chain - 1, motion.bead - 1] = 0.0
+    return np.asarray(v - impulses)

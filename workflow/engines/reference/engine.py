@@ -41,7 +41,7 @@ def load() -> None:
 
 
 def two_beads() -> Problem:
-    """The least there is to compute."""
+    """The smallest problem, whose run compiles or loads the kernel."""
     return Problem(
         name="two-beads",
         system=System(chains=1, beads=2, kicks=((1, 1, 1.0),), links=coupled_chains(1, 0.0)),
@@ -97,6 +97,7 @@ def blocks(
     past = state.memory[np.newaxis].copy()
 
     def block(time: Floats, x: Floats, v: Floats, exchange: Floats, memory: Floats) -> Trajectory:
+        """Frames from times [frame], motion [frame, line, bead], and exchange [frame, entry]."""
         first = 1 if problem.window is None else int(recorded[0])
         return of_atoms(problem, time, x, v, first, exchange if counts else None, memory if past.size else None)
 
@@ -118,11 +119,16 @@ def blocks(
 
 
 def brought_up(problem: Problem, time: Floats) -> Floats:
-    """Kinetic energy of beads whose motion is given, over that at the start."""
+    """Kinetic energy [frame] of beads whose motion is given, less that at the start, in units of m V**2.
+
+    Args:
+        problem: whose motions.
+        time: [frame], in units of T.
+    """
     total = np.zeros_like(time)
-    for given in problem.system.motions:
-        mass = physics.mass_of(problem.system, given.chain - 1, given.bead - 1)
-        total += 0.5 * mass * (given.velocity(time) ** 2 - given.velocity(0.0) ** 2)
+    for motion in problem.system.motions:
+        mass = physics.mass_of(problem.system, motion.chain - 1, motion.bead - 1)
+        total += 0.5 * mass * (motion.velocity(time) ** 2 - motion.velocity(0.0) ** 2)
     return total
 
 
@@ -166,7 +172,7 @@ class IntegratorState:
 
     @property
     def memory(self) -> Floats:
-        """[chain, bead + 1], see `analysis.trajectory.Trajectory`; empty where there is none."""
+        """Memory of contacts, [chain, bead + 1], see `analysis.trajectory.Trajectory`; empty where there is none."""
         past = self.compiled.memory[0]
         if not past.size:
             return np.zeros((0, 0))
@@ -183,13 +189,22 @@ class IntegratorState:
     def advance(
         self, scheme: Scheme, h: float, first_step: int, steps: int, recorded: NDArray[np.int64], frames: FrameArrays
     ) -> None:
-        """Fill frames of the recorded beads, so many steps each, after ``first_step`` earlier ones."""
+        """Fill frames of the recorded beads, so many steps each, after ``first_step`` earlier ones.
+
+        Args:
+            scheme: how steps are taken.
+            h: time step, in units of T.
+            first_step: steps before these frames.
+            steps: steps from frame to frame.
+            recorded: numbers of the beads to record, [bead].
+            frames: filled, [frame, line, bead].
+        """
         stepping = make_steps(scheme, h)
         self.program.advance(self.compiled, self.parameters, stepping, first_step, steps, recorded, frames)
 
 
 def make_steps(scheme: Scheme, h: float) -> Steps:
-    """A scheme and its step as programs take them."""
+    """A scheme and its step h, in units of T, as programs take them."""
     return Steps(np.array(scheme.kicks), np.array(scheme.drifts), h)
 
 
@@ -198,9 +213,9 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
 
     Args:
         problem: what is integrated.
-        window: rows at most.
+        window: largest number of rows that are integrated.
         as_lammps: whether forces from outside, and those against velocities, act as LAMMPS has them.
-        step: of LAMMPS.
+        step: LAMMPS's time step, in units of T.
 
     Raises:
         ValueError: a window too narrow for the rows that are kicked and a pulse ahead of them.

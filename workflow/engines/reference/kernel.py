@@ -50,7 +50,7 @@ class KernelState(NamedTuple):
     """
     chains: int
     room: tuple[Floats, ...]
-    """For the solution with dashpots."""
+    """Scratch arrays for the solution with dashpots, [place] each."""
     lost: Floats
     """[4, place]: energy that dashpots along, across, to the ground and of walls have taken from every bead; below 0
     of one that is dragged along."""
@@ -96,7 +96,7 @@ def make_state(x: Floats, v: Floats, span: Integers, terms: Terms, memory: Float
     Args:
         x, v, span: see `KernelState`.
         terms: of the system.
-        memory: at the start, likewise.
+        memory: memory at the start, [bead + 2, chain].
     """
     scratch = len(_ROOM[terms.dashpots].split(", ")) if terms.dampers else 0
     room = tuple(np.zeros(x.size) for _ in range(scratch))
@@ -158,15 +158,15 @@ class _Writer:
     ) -> tuple[list[str], str]:
         """Loops to run before, and the sum of a function of laws at k, the last two added first; empty for none."""
         loops: list[str] = []
-        found = []
+        calls = []
         for term in terms:
             call = self._call(term, function, term.strain, *filter(None, [term.time]), *([term.rate] * rate))
             if term.over:
                 total = f"{term.sums}[{number}, k]"
                 loops += self._lines(template.SUM, total=total, over=term.over, call=call)
                 call = total
-            found.append(call)
-        return loops, " + (".join(found) + ")" * (len(found) - 1)
+            calls.append(call)
+        return loops, " + (".join(calls) + ")" * (len(calls) - 1)
 
     # --- the text -----------------------------------------------------------------------------------------------------
 
@@ -204,7 +204,7 @@ class _Writer:
     def _lines(self, section: str, **places: str | list[str]) -> list[str]:
         """Lines of a section with its places filled."""
         terms = self._terms
-        asked: dict[str, bool] = {
+        switches: dict[str, bool] = {
             "pushed": terms.pushed_in_drifts,
             "damped": terms.dashpots != "none",
             "half_step": terms.dashpots == "half step",
@@ -213,11 +213,11 @@ class _Writer:
             "moved_with_loss": terms.moved_with_loss,
             "remembers": bool(terms.with_memory),
         }
-        known = {"per_mass": terms.per_mass, "row": terms.row, "rooms": _ROOM[terms.dashpots]}
-        return _filled(section, **asked, **known, **places).strip("\n").split("\n")
+        names = {"per_mass": terms.per_mass, "row": terms.row, "rooms": _ROOM[terms.dashpots]}
+        return _filled(section, **switches, **names, **places).strip("\n").split("\n")
 
     def _parts_of_a_step(self) -> dict[str, str | list[str]]:
-        """Places of the functions that take steps."""
+        """Texts for the places of the functions that take steps."""
         kind, as_lammps = self._terms.dashpots, self._terms.as_lammps
         press = self._lines(template.PRESS, contact=self._contact_force())
         kick = self._kick("v", "factor")
@@ -255,8 +255,8 @@ class _Writer:
 
     def _contact_force(self) -> str:
         """Source of the force of all contacts at k."""
-        found = [self._call(term, "force", term.strain) for term in self._terms.contacts]
-        return " + (".join(found) + ")" * (len(found) - 1)
+        calls = [self._call(term, "force", term.strain) for term in self._terms.contacts]
+        return " + (".join(calls) + ")" * (len(calls) - 1)
 
     def _of_memories(self, section: str) -> list[str]:
         """A section for each contact or wall with a memory, with the velocities that it reads."""
@@ -316,41 +316,45 @@ class _Writer:
         return f"{later[0]} - {now[0]}", f"{later[1]} - {now[1]} - {now[0]} * duration"
 
     def _loads_in_drifts(self) -> list[str]:
-        """What loads do to beads in a drift; in one loop, in which what is computed twice is found to be the same."""
-        found = []
+        """Loops over the effects of loads on beads in a drift; the compiler merges what a loop computes twice."""
+        loops = []
         for term, by_mass, counts in self._acting_in_drifts():
-            given, gone = self._impulse_and_way(term)
-            lines = [f"gone, given, early = {gone}, {given}, v[k]", f"x[k] += gone{by_mass}", f"v[k] += given{by_mass}"]
-            found += _over(term, *lines, *["work[0] += given * 0.5 * (early + v[k])"] * counts)
-        return found
+            impulse, gone = self._impulse_and_way(term)
+            lines = [
+                f"gone, given, early = {gone}, {impulse}, v[k]",
+                f"x[k] += gone{by_mass}",
+                f"v[k] += given{by_mass}",
+            ]
+            loops += _over(term, *lines, *["work[0] += given * 0.5 * (early + v[k])"] * counts)
+        return loops
 
     def _functions_of_loads(self) -> list[str]:
         travels, gifts, at = [], [], []
         for term, by_mass, _ in self._acting_in_drifts():
-            given, gone = self._impulse_and_way(term)
+            impulse, gone = self._impulse_and_way(term)
             travels += _over(term, f"gone = {gone}", f"x[k] += gone{by_mass}")
-            gifts += _over(term, f"given = {given}", f"v[k] += given{by_mass}")
+            gifts += _over(term, f"given = {impulse}", f"v[k] += given{by_mass}")
             at += _over(term, f"a[k] += {self._call(term, 'force', 'time')}{by_mass}")
-        found = [self._filled(template.TRAVEL, travels=travels, gifts=gifts)] * (self._terms.dashpots == "drift")
-        return [*found, self._filled(template.LOAD, loads=at)] if at else []
+        sections = [self._filled(template.TRAVEL, travels=travels, gifts=gifts)] * (self._terms.dashpots == "drift")
+        return [*sections, self._filled(template.LOAD, loads=at)] if at else []
 
     def _kicks_by_means(self) -> list[str]:
-        """What the means of loads over a step around a time give beads; at the start over half a step."""
-        found = []
+        """Loops that add the means of loads over a step around a time to velocities; at the start over half a step."""
+        loops = []
         for term in self._terms.loads:
             after, before = (self._call(term, "impulse", f"time {sign} 0.5 * h") for sign in "+-")
             change = f"v[k] += given / h * factor * (2.0 if time == 0.0 else 1.0){self._terms.per_mass}"
-            found += _over(term, f"given = {after} - {before}", change)
-        return found
+            loops += _over(term, f"given = {after} - {before}", change)
+        return loops
 
     def _held_motions(self) -> list[str]:
-        """Work of beads whose motion is given against forces of positions in a kick."""
+        """Loops over the work of beads whose motion is given against forces of positions in a kick."""
         _, others = self._other_forces()
         work = f"work[0] -= factor * (push[k] - push[k + {self._terms.row}]{others}) * v[k]"
         return [line for term in self._terms.motions for line in _over(term, work, everywhere=True)]
 
     def _work_of_springs(self) -> list[str]:
-        """Work of springs to the ground that vary, in a kick: time is advanced in drifts, as positions are."""
+        """Loops over the work of varying springs to the ground in a kick: time advances in drifts, as positions do."""
         lines = []
         for term in self._terms.ground:
             if term.time:
@@ -359,12 +363,12 @@ class _Writer:
         return lines
 
     def _held_by_dashpots(self) -> list[str]:
-        """What dashpots take from beads whose motion is given, and so from what moves them."""
+        """Loops over what dashpots take from beads whose motion is given, and so from what moves them."""
         held = "held = lost[0, k] + lost[1, k] + lost[2, k] + lost[3, k] + held"
-        found = ["held = 0.0"]
+        lines = ["held = 0.0"]
         for term in self._terms.motions[::-1]:
-            found += _over(term, held, everywhere=True, backwards=True)
-        return found
+            lines += _over(term, held, everywhere=True, backwards=True)
+        return lines
 
     # --- dashpots -----------------------------------------------------------------------------------------------------
 
@@ -377,7 +381,7 @@ class _Writer:
         impulses = self._drag("impulses", "x", "Impulse", "impulse", rate=False)
         return [brake, impulses]
 
-    def _drag(self, name: str, arguments: str, what: str, function: str, *, rate: bool) -> str:
+    def _drag(self, name: str, arguments: str, quantity: str, function: str, *, rate: bool) -> str:
         _, contact = self._sum(self._terms.dampers[0], function, rate=rate)
         loops, held = [], []
         for terms in self._terms.dampers[1:]:
@@ -389,22 +393,22 @@ class _Writer:
             template.DRAG,
             name=name,
             arguments=arguments,
-            what=what,
+            what=quantity,
             contacts=self._lines(template.CONTACT_DRAG, contact=contact) if contact else [],
             loops=loops,
             drag=f"{drag} - ({' + '.join(held)})" if held else drag,
         )
 
     def _taken_in_kicks(self) -> list[str]:
-        found = []
+        lines = []
         for kind, terms in list(enumerate(self._terms.dampers))[1:]:
             loops, held = self._sum([replace(term, v="trial") for term in terms], "damping", rate=True)
             if held:
-                found += loops + _counted(kind, f"taken = count * trial[k] * ({held})")
-        return found
+                lines += loops + _counted(kind, f"taken = count * trial[k] * ({held})")
+        return lines
 
     def _counts_in_drifts(self) -> dict[str, list[str]]:
-        """Work of loads, and what dashpots have taken, from impulses at the start, in the middle and at the end."""
+        """Loops over work of loads and dissipation by dashpots, from impulses at start, middle and end of a drift."""
         counted, taken = [], []
         for term in self._terms.loads:
             at = [self._call(term, "impulse", f"time{later}") for later in ("", " + 0.5 * duration", " + duration")]
@@ -412,9 +416,9 @@ class _Writer:
         for kind, terms in list(enumerate(self._terms.dampers))[1:]:
             lines = []
             for number, (name, x) in enumerate((("since", "place"), ("half", "trial"), ("until", "x"))):
-                loops, given = self._sum([replace(term, x=x) for term in terms], "impulse", number=number)
+                loops, impulse = self._sum([replace(term, x=x) for term in terms], "impulse", number=number)
                 taken += loops
-                lines.append(f"{name} = {given}")
+                lines.append(f"{name} = {impulse}")
             if terms:
                 taken += _counted(kind, *lines, f"taken = {_OVER_THE_WAY}")
         return {"counted": counted, "taken": taken}
@@ -430,11 +434,11 @@ def _filled(text: str, **places: str | list[str] | bool) -> str:
     """
     done = []
     for line in text.split("\n"):
-        asked = re.fullmatch(r"( *)\?(\w+) (.*)", line)
-        if asked and asked[2] in places:
-            if not places[asked[2]]:
+        condition = re.fullmatch(r"( *)\?(\w+) (.*)", line)
+        if condition and condition[2] in places:
+            if not places[condition[2]]:
                 continue
-            line = asked[1] + asked[3]
+            line = condition[1] + condition[3]
         alone = re.fullmatch(r"( *)\{(\w+)\}", line)
         lines = places.get(alone[2]) if alone else None
         if alone and isinstance(lines, list):
@@ -445,7 +449,7 @@ def _filled(text: str, **places: str | list[str] | bool) -> str:
 
 
 def _over(term: Term, *lines: str, everywhere: bool = False, backwards: bool = False) -> list[str]:
-    """A loop over the places of laws in time: lines for each, by default of those in the rows that can move."""
+    """A loop that runs lines at the places of laws in time, by default at those in the rows that can move."""
     count = f"{term.over}.shape[0]"
     order = f"{count} - 1, -1, -1" if backwards else count
     begin = [f"for n in range({order}):", f"    k = {term.over}[n]"]
@@ -455,6 +459,6 @@ def _over(term: Term, *lines: str, everywhere: bool = False, backwards: bool = F
 
 
 def _counted(kind: int, *lines: str) -> list[str]:
-    """A loop that counts what dashpots of a kind have taken, of all of which the first kind has the rest."""
+    """A loop that counts what dashpots of a kind have taken, and takes it from the first kind, which has the rest."""
     taken = [f"lost[{kind}, k] += taken", "lost[0, k] -= taken"]
     return ["for k in range(low, high):", *(f"    {line}" for line in (*lines, *taken))]

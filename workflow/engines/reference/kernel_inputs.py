@@ -174,47 +174,47 @@ class _Parameters:
         self._lines = physics.lines(system)
 
     def add(self, label: str, value: Any) -> str:
-        """The name of a parameter."""
+        """Add a parameter; its name in programs."""
         self.names.append(f"{label}_{len(self.names)}")
         self.values.append(value)
         return self.names[-1]
 
     def term(self, law: Any, strain: str, rate: str, *, first: int, memory_at: str = "") -> Term:
         """A law on links of which that of the first bead is in row ``first``, and its memory, if it has one, there."""
-        found = []
+        parameters = []
         chains = self._system.chains
         for label, value in zip(law._fields, law, strict=True):
             if label == "memory":
-                found.append(f"memory{memory_at}")
+                parameters.append(f"memory{memory_at}")
                 continue
             if self._lines > chains and label not in _one_number(law):
                 # inner atoms have none of it: without parameters a law exerts no force
                 value = np.broadcast_to(value, (chains, self._system.beads + 1 - first))
             differs = np.ndim(value) > 0
             name = self.add(label, self._laid(value, first) if differs else float(value))
-            found.append(f"{name}[k]" if differs else name)
-        return Term(type(law), strain, rate, tuple(found), memory_at=memory_at if laws.remembers(law) else "")
+            parameters.append(f"{name}[k]" if differs else name)
+        return Term(type(law), strain, rate, tuple(parameters), memory_at=memory_at if laws.remembers(law) else "")
 
     def terms(self, links: Sequence[Link]) -> tuple[Term, ...]:
-        """Of links to the ground, or across."""
-        found: list[Term] = []
+        """Terms of links to the ground, or across."""
+        terms: list[Term] = []
         for link in links:
             if isinstance(link, Across):
-                found += self._across(link)
+                terms += self._across(link)
             elif isinstance(link, Wall):
                 side, gap = self.add("side", link.side), self.add("gap", link.gap)
                 at = f"[k + {self.names[0]}]" if link.side > 0.0 else "[k]"
                 term = self.term(link.law, f"{side} * {{x}}[k] - {gap}", f"{side} * {{v}}[k]", first=1, memory_at=at)
                 row = self.add("end", np.uint64(self._system.beads if link.side > 0.0 else 1)) if term.memory else ""
-                found.append(replace(term, sign=side, row=row))
+                terms.append(replace(term, sign=side, row=row))
             else:
                 term = self.term(link.law, "{x}[k]", "{v}[k]", first=1)
-                found.append(replace(term, time="time" * laws.varies(link.law)))
-        return tuple(found)
+                terms.append(replace(term, time="time" * laws.varies(link.law)))
+        return tuple(terms)
 
     def acting(self, loads: Sequence[Load | Motion]) -> tuple[Term, ...]:
         """Laws in time; one term for those that follow each other and are of one kind."""
-        found = []
+        terms = []
         for _, group in itertools.groupby(loads, _shape):
             alike = list(group)
             places = [load.bead * self._lines + load.chain - 1 for load in alike]
@@ -222,8 +222,8 @@ class _Parameters:
             law: Any = alike[0].law
             values = zip(law._fields, zip(*(load.law for load in alike), strict=True), strict=True)
             parameters = tuple(f"{self.add(label, np.array(value))}[n]" for label, value in values)
-            found.append(Term(type(law), "", "", parameters, at))
-        return tuple(found)
+            terms.append(Term(type(law), "", "", parameters, at))
+        return tuple(terms)
 
     def _across(self, link: Across) -> list[Term]:
         law: Any = link.law
@@ -235,12 +235,12 @@ class _Parameters:
             names = shared | {label: f"{self.add(label, value)}[m, k]" for label, value in arrays}
             sums = self.add("sums", np.zeros((3, values[0].shape[1])))
             return [Term(type(law), *_relative("apart"), tuple(names[label] for label in law._fields), apart, sums)]
-        found = []
+        terms = []
         for number, distance in enumerate(distances):
             apart = self.add("apart", distance)
             names = shared | {label: f"{self.add(label, value[number])}[k]" for label, value in arrays}
-            found.append(Term(type(law), *_relative(apart), tuple(names[label] for label in law._fields)))
-        return found
+            terms.append(Term(type(law), *_relative(apart), tuple(names[label] for label in law._fields)))
+        return terms
 
     def _laid(self, parameter: Floats, first: int) -> Floats:
         """A parameter that differs, laid out as the state is, that of the first link in row ``first``."""
@@ -251,20 +251,20 @@ class _Parameters:
 
 def make_memory(system: System) -> Floats:
     """Memories at the start, [bead + 2, line]: of the contact behind each bead, and of the wall behind the last."""
-    found = np.zeros((system.beads + 2, physics.lines(system)))
-    here = found[:, : system.chains]
+    memories = np.zeros((system.beads + 2, physics.lines(system)))
+    of_chains = memories[:, : system.chains]
     for link in physics.remembering(system):
         memory: Any = link.law.memory  # type: ignore[attr-defined]
         if isinstance(link, Along):
-            here[2:-1] = np.transpose(memory)
+            of_chains[2:-1] = np.transpose(memory)
         else:
             side = -1 if link.side > 0.0 else 0
-            here[-1 if side else 1] = np.broadcast_to(memory, (system.chains, system.beads))[:, side]
-    return found
+            of_chains[-1 if side else 1] = np.broadcast_to(memory, (system.chains, system.beads))[:, side]
+    return memories
 
 
 def _one_number(law: Any) -> tuple[str, ...]:
-    """Parameters that are one number for all links, and stay it where there is none."""
+    """Parameters of a law that are one number for all links, also for lines without links."""
     return getattr(law, "one_number", ())
 
 
@@ -299,13 +299,13 @@ def neighbours(link: Across, system: System) -> tuple[NDArray[np.uint64], list[F
 
     Where a chain has no other at that distance, the law's parameters are 0, which makes no force.
     """
-    found: dict[int, list[Floats]] = {}
+    parameters: dict[int, list[Floats]] = {}
     for edge, (lower, higher) in enumerate(link.edges):
         values = [np.broadcast_to(value, system.beads) for value in laws.at(link.law, edge)]
-        for here, there in ((higher, lower), (lower, higher)):
+        for line, neighbour in ((higher, lower), (lower, higher)):
             empty = [np.zeros((system.beads + 2, physics.lines(system))) for _ in values]
-            for array, value in zip(found.setdefault(there - here, empty), values, strict=True):
-                array[1:-1, here] += value
-    distances = np.array([distance % 2**64 for distance in sorted(found)], dtype=np.uint64)
-    flat = ([array.reshape(-1) for array in found[distance]] for distance in sorted(found))
+            for array, value in zip(parameters.setdefault(neighbour - line, empty), values, strict=True):
+                array[1:-1, line] += value
+    distances = np.array([distance % 2**64 for distance in sorted(parameters)], dtype=np.uint64)
+    flat = ([array.reshape(-1) for array in parameters[distance]] for distance in sorted(parameters))
     return distances, [np.stack(arrays) for arrays in zip(*flat, strict=True)]

@@ -29,13 +29,13 @@ others the uncertainty was exceeded once by a velocity, by a quarter, and in 14 
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """What is known of a reference run, dimensionless.
+    """Bounds on the errors of a reference run, dimensionless.
 
     Attributes:
-        steps_per_frame: of the finer run.
+        steps_per_frame: steps of the finer run from frame to frame.
         velocity: the largest error of any velocity, of beads and resonators, is below this, in units of V, as far as
             `SAFETY` goes: so many times the largest difference from the run with half as many steps.
-        arrival: the same for the leading pulse's arrivals, in units of T, where `analysis.tracking.peaks.sharp`.
+        arrival: the same bound for arrivals of the leading pulse, in units of T, where `analysis.tracking.peaks.sharp`.
         energy, momentum: largest deviations from the kicks'.
     """
 
@@ -51,7 +51,8 @@ class StepHalving:
 
     Args:
         problem: what to integrate.
-        steps_per_frame: of the finer run, rounded up to an even number; by default `engine.default_steps_per_frame`.
+        steps_per_frame: steps of the finer run from frame to frame, rounded up to an even number; by default
+            `engine.default_steps_per_frame`.
     """
 
     def __init__(self, problem: Problem, *, steps_per_frame: int | None = None) -> None:
@@ -122,19 +123,19 @@ def _not_finite(*runs: Trajectory) -> str:
 def compared_rows(problem: Problem) -> int | None:
     """Rows that the reference of a windowed run integrates; None for the engine's own choice.
 
-    For a window that moves. One that has stood at the end of the chains for long may lack the slower pulses
-    behind it, which only the complete chains show.
+    The engine's choice suits a window that moves. One that has stood at the end of the chains for long may lack the
+    slower pulses behind it, which only the complete chains show.
     """
     if problem.window is None:
         return None
     before_last = problem.beads - 1
-    found = engine.passages(
+    waves = engine.passages(
         replace(problem, window=None),
         window=engine.WIDER * problem.window,
         until_bead=before_last,
     )
-    arrival = float(np.min(found.at(before_last).arrival, initial=problem.duration))
-    # what it lacks would have to come from behind the tail
+    arrival = float(np.min(waves.at(before_last).arrival, initial=problem.duration))
+    # the pulses that the window lacks would have to come from behind its tail
     return (
         problem.beads
         if rates.front_speed(problem.system) * (problem.duration - arrival) > problem.window / 2.0

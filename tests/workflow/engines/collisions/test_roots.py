@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workflow.engines.collisions.roots import CONTACT, LOOK_AGAIN, NEVER, first_contact
+from workflow.engines.collisions.roots import CONTACT, LOOK_AGAIN, NEVER, PairDistance, first_contact
 
 SAMPLES = 4001
 amplitude = st.floats(-2.0, 2.0).map(lambda a: round(a, 6))
@@ -26,9 +26,9 @@ class Distance:
         return self.drift + np.cos(phase) @ (self.omega * self.waves[1]) - np.sin(phase) @ (self.omega * self.waves[0])
 
     def search(self, limit, now=0.0, gap=1.0):
-        return first_contact(
-            float(self.at(0.0)), float(self.slope(0.0)), self.start, self.drift, self.waves, self.omega, limit, now, gap
-        )
+        now_at, slope = float(self.at(0.0)), float(self.slope(0.0))
+        distance = PairDistance(now_at, slope, self.start, self.drift, self.waves, self.omega)
+        return first_contact(distance, limit, now, gap)
 
 
 @st.composite
