@@ -15,9 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from lammps_inputs import InputError, Scene, library
 from workflow.errors import RunError
-from workflow.prepare.settings import settle
 from workflow.runs import run as running
-from workflow.runs.engines import engine_called
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar, progress_bar
 from workflow.sweep import collect as collecting
@@ -144,20 +142,11 @@ def run(
     """
     if not isinstance(ranks, int):
         raise InputError(f"ranks: {ranks!r} given; a whole number, 1 or more")
-    loaded, chosen = load(scene), engine_called(engine)
-    running.refuse(loaded, _path(directory), engine=engine, ranks=ranks, overwrite=overwrite)
-    settled, settings = settle(loaded, source="scene", own_step=chosen.own_step)
-    with progress_bar(settled.name, settled.problem()) as progress:
-        done = running.run(
-            settled,
-            _path(directory),
-            engine=engine,
-            ranks=ranks,
-            overwrite=overwrite,
-            settings=settings,
-            check=check,
-            progress=progress,
-        )
+    ready = running.prepare_run(
+        load(scene), _path(directory), engine=engine, ranks=ranks, overwrite=overwrite, source="scene"
+    )
+    with progress_bar(ready.scene.name, ready.problem) as progress:
+        done = running.run_prepared(ready, check=check, progress=progress)
     return Run(done.directory, done.outcome, done.check)
 
 

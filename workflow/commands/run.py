@@ -7,7 +7,6 @@ from pathlib import Path
 from lammps_inputs import InputError, Problem, Scene, library
 from workflow.engines.lammps.engine import RESTART_EVERY
 from workflow.prepare.pilot import better_timestep
-from workflow.prepare.settings import settle
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import run as running
 from workflow.runs.check import Check
@@ -15,7 +14,7 @@ from workflow.runs.contacts import LargestContactForce
 from workflow.runs.engines import ENGINES
 from workflow.runs.output_directory import refuse_to_overwrite
 from workflow.runs.resume import begun, resume, settings_of
-from workflow.runs.size import refuse_beforehand, refuse_too_long, size_of
+from workflow.runs.size import size_of
 from workflow.runs.status import onwards
 from workflow.screen import CommandResult, one_line, progress_bar
 from workflow.verdicts.validate import TOLERANCES
@@ -55,36 +54,29 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         raise InputError("run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` lists the options")
     refuse_to_overwrite(arguments.scene, arguments.output)
     engine = arguments.engine or "lammps"
-    ranks = 1 if arguments.ranks is None else arguments.ranks
-    scene = library.find(arguments.scene)
-    running.refuse(scene, arguments.output, engine=engine, ranks=ranks, overwrite=arguments.overwrite)
-    refuse_beforehand(scene, arguments.scene, ENGINES[engine], ranks)
-    own_step = ENGINES[engine].own_step
-    scene, settings = settle(scene, source=arguments.scene, force=arguments.force, own_step=own_step)
-    problem = scene.problem()
+    ready = running.prepare_run(
+        library.find(arguments.scene),
+        arguments.output,
+        engine=engine,
+        ranks=1 if arguments.ranks is None else arguments.ranks,
+        overwrite=arguments.overwrite,
+        force=arguments.force,
+        source=arguments.scene,
+    )
+    scene, problem = ready.scene, ready.problem
     print(f"{scene.name}: {scene.units}")
-    if settings is not None:
-        print(f"{scene.name}: {settings.sentence(problem)}", flush=True)
-    refuse_too_long(scene, arguments.scene, ENGINES[engine], ranks)
+    if ready.step is not None:
+        print(f"{scene.name}: {ready.step.sentence(problem)}", flush=True)
     for why in scene.unlikely:
         print(f"warning: {why}")
-    size = size_of(problem, ENGINES[engine], ranks)
+    size = size_of(problem, ENGINES[engine], ready.ranks)
     if size.large:
         print(f"{scene.name}: {size.sentence()}", flush=True)
     with progress_bar(scene.name, problem) as progress:
-        result = running.run(
-            scene,
-            arguments.output,
-            engine=engine,
-            ranks=ranks,
-            overwrite=arguments.overwrite,
-            force=arguments.force,
-            settings=settings,
-            check=not arguments.no_check,
-            progress=progress,
-            restart_every=arguments.restart_every,
+        result = running.run_prepared(
+            ready, check=not arguments.no_check, progress=progress, restart_every=arguments.restart_every
         )
-    return CommandResult(_tell(result, settings), result.directory.job.plain())
+    return CommandResult(_tell(result, ready.step), result.directory.job.plain())
 
 
 def _resume(arguments: argparse.Namespace) -> CommandResult:

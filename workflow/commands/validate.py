@@ -10,7 +10,6 @@ import numpy as np
 from analysis.sharing.chain_differences import ChainDifference
 from lammps_inputs import InputError, library
 from workflow.formats import figure_files
-from workflow.prepare.settings import settle
 from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import CommandResult, one_line, print_table, progress_bar
@@ -81,11 +80,11 @@ def _directory(arguments: argparse.Namespace, against: RunDirectory | Path | Non
         raise InputError(f"-o: {arguments.what} is a scene, so a directory for its run is needed")
     if isinstance(against, RunDirectory):
         refuse_another_scene(scene, arguments.what, against)  # before it is run
-    scene, settings = settle(scene, source=arguments.what)
-    if settings is not None:
-        print(f"{scene.name}: {settings.sentence(scene.problem())}", flush=True)
-    with progress_bar(scene.name, scene.problem()) as progress:
-        return running.run(scene, arguments.output, settings=settings, check=False, progress=progress).directory
+    ready = running.prepare_run(scene, arguments.output, source=arguments.what)
+    if ready.step is not None:
+        print(f"{scene.name}: {ready.step.sentence(ready.problem)}", flush=True)
+    with progress_bar(scene.name, ready.problem) as progress:
+        return running.run_prepared(ready, check=False, progress=progress).directory
 
 
 def _tolerances(texts: list[str]) -> dict[str, float]:

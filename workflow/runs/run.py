@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TypedDict, Unpack
 
 from analysis.trajectory import FramesInUnits, Trajectory
-from lammps_inputs import InputError, Scene, file_names, html
+from lammps_inputs import InputError, Problem, Scene, file_names, html
 from workflow.cost_model import MEMORY
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
@@ -66,91 +66,68 @@ class CompletedRun:
         return html.table(repr(self)[1:-1], (), rows) + ("" if self.check is None else self.check._repr_html_())
 
 
-class Options(TypedDict, total=False):
-    """How a scene is run, beside by which engine and where.
+class RunningOptions(TypedDict, total=False):
+    """How a prepared run is computed.
 
     Attributes:
-        ranks: MPI ranks of LAMMPS; 1 by default.
-        force: whether LAMMPS may run with a time step above the stability bound.
         check: whether to measure the error of a LAMMPS run against the reference when it is done, as by default.
         restart_every: seconds of LAMMPS's work that a kill may cost: what `workflow.runs.resume` resumes from.
         lammps: how the deck is run; by default by LAMMPS in a process of its own.
     """
 
-    ranks: int
-    force: bool
     check: bool
     restart_every: float
     lammps: Start
 
 
-def run(
+@dataclass(frozen=True)
+class PreparedRun:
+    """A run that can begin: what its scene leaves open is determined, and nothing refuses it. Nothing is written yet.
+
+    Attributes:
+        scene: with duration, window, time step and all defaults.
+        problem: the dimensionless problem that it stands for.
+        step: how the time step was chosen; None where the scene names it, or the engine has none of its own.
+        path: directory of the run.
+        engine: name of the engine.
+        ranks: MPI ranks of LAMMPS.
+        overwrite: whether an earlier run's files may be replaced.
+    """
+
+    scene: Scene
+    problem: Problem
+    step: ChosenStep | None
+    path: Path
+    engine: str
+    ranks: int
+    overwrite: bool
+
+
+def prepare_run(
     scene: Scene,
     directory: Path | str,
     *,
     engine: str = "lammps",
+    ranks: int = 1,
     overwrite: bool = False,
-    settings: ChosenStep | None = None,
-    progress: Progress | None = None,
-    **options: Unpack[Options],
-) -> CompletedRun:
-    """Run a scene in a new directory.
+    force: bool = False,
+    source: str = "",
+) -> PreparedRun:
+    """Determine what a scene leaves open, and see that its run can begin; the one place that refuses it.
 
     Args:
         scene: what to compute.
         directory: new or empty, or an earlier run's with ``overwrite``.
         engine: "lammps", "reference" for the in-house integrator, or "collisions" for rigid beads.
+        ranks: MPI ranks of LAMMPS.
         overwrite: whether an earlier run's files may be replaced.
-        settings: how the scene's time step was chosen, where `workflow.prepare.settings.settle` has done so before.
-        progress: called now and then with the steps done and the bead that the front has reached.
-        options: see `Options`.
+        force: whether LAMMPS may run with a time step above the stability bound.
+        source: what the user calls the scene, for messages; by default its name.
 
     Raises:
-        InputError: the directory, engine, number of ranks or time step cannot be used.
-        RunError: the run failed; ``run.json`` says why.
+        InputError: the directory, engine, number of ranks or time step cannot be used, or the run is too large.
     """
-    path, chosen, ranks = Path(directory), engine_called(engine), options.get("ranks", 1)
-    force = options.get("force", False)
-    refuse(scene, path, engine=engine, ranks=ranks, overwrite=overwrite)
-    refuse_beforehand(scene, scene.name, chosen, ranks)
-    if chosen is LAMMPS:
-        refuse_too_large(scene, scene.name, MEMORY, "LAMMPS")
-    scene, found_settings = settle(scene, source=scene.name, force=force, own_step=chosen.own_step)
-    settings = found_settings or settings
-    if settings is not None and not chosen.own_step and not settings.asked:
-        settings = None
-    scene = scene.resolved()
-    problem = scene.problem()
-    refuse_too_long(scene, scene.name, chosen, ranks, problem)
-    files = chosen.begins_with(scene, problem)
-    with prepared(path, chosen.files, overwrite=overwrite) as lock:
-        with replacing(path, chosen.files):
-            write_text(path / file_names.SCENE, files[file_names.SCENE])
-            result = RunDirectory.begun_with(path, scene, problem)
-            result.update(
-                outcome="running",
-                engine=engine,
-                ranks=ranks,
-                steps=problem.steps,
-                **provenance(),
-                files_sha256=fingerprint(files),
-                **({"settings": settings.plain()} if settings is not None else {}),
-            )
-            for name, text in files.items():
-                write_text(path / name, text)
-        every = options.get("restart_every", lammps_engine.RESTART_EVERY)
-        begin = options.get("lammps") or functools.partial(lammps_engine.run, restart_every=every, lock=lock)
-        start, check = functools.partial(begin, ranks=ranks), options.get("check", True)
-        return carry_out(result, start=start, settings=settings, check=check, progress=progress)
-
-
-def refuse(scene: Scene, path: Path, *, engine: str, ranks: int, overwrite: bool) -> None:
-    """See that a run can begin, as far as that is known at once; arguments as of `run`. Nothing is made.
-
-    Raises:
-        InputError: the directory, engine or number of ranks cannot be used.
-    """
-    chosen = engine_called(engine)
+    path, chosen, source = Path(directory), engine_called(engine), source or scene.name
     for option, refusal in (
         ("--engine", chosen.refusal(scene)),
         ("--ranks", chosen.refused_ranks(ranks, scene.system)),
@@ -158,6 +135,84 @@ def refuse(scene: Scene, path: Path, *, engine: str, ranks: int, overwrite: bool
         if refusal:
             raise InputError(f"{option}: {refusal}")
     refuse_unusable(path, chosen.files, overwrite=overwrite)
+    refuse_beforehand(scene, source, chosen, ranks)
+    if chosen is LAMMPS:
+        refuse_too_large(scene, source, MEMORY, "LAMMPS")
+    settled, step = settle(scene, source=source, force=force, own_step=chosen.own_step)
+    if step is not None and not chosen.own_step and not step.asked:
+        step = None
+    resolved = settled.resolved()
+    problem = resolved.problem()
+    refuse_too_long(resolved, source, chosen, ranks, problem)
+    return PreparedRun(resolved, problem, step, path, engine, ranks, overwrite)
+
+
+def run(
+    scene: Scene,
+    directory: Path | str,
+    *,
+    engine: str = "lammps",
+    ranks: int = 1,
+    overwrite: bool = False,
+    force: bool = False,
+    progress: Progress | None = None,
+    **options: Unpack[RunningOptions],
+) -> CompletedRun:
+    """Run a scene in a new directory: `prepare_run`, then `run_prepared`.
+
+    Args:
+        scene: what to compute.
+        directory: new or empty, or an earlier run's with ``overwrite``.
+        engine: "lammps", "reference" for the in-house integrator, or "collisions" for rigid beads.
+        ranks: MPI ranks of LAMMPS.
+        overwrite: whether an earlier run's files may be replaced.
+        force: whether LAMMPS may run with a time step above the stability bound.
+        progress: called now and then with the steps done and the bead that the front has reached.
+        options: see `RunningOptions`.
+
+    Raises:
+        InputError: the directory, engine, number of ranks or time step cannot be used.
+        RunError: the run failed; ``run.json`` says why.
+    """
+    ready = prepare_run(scene, directory, engine=engine, ranks=ranks, overwrite=overwrite, force=force)
+    return run_prepared(ready, progress=progress, **options)
+
+
+def run_prepared(
+    ready: PreparedRun, *, progress: Progress | None = None, **options: Unpack[RunningOptions]
+) -> CompletedRun:
+    """Write the directory of a prepared run, compute it, and measure its error.
+
+    Args:
+        ready: see `prepare_run`.
+        progress: called now and then with the steps done and the bead that the front has reached.
+        options: see `RunningOptions`.
+
+    Raises:
+        InputError: the directory has been taken meanwhile.
+        RunError: the run failed; ``run.json`` says why.
+    """
+    chosen, path = engine_called(ready.engine), ready.path
+    files = chosen.begins_with(ready.scene, ready.problem)
+    with prepared(path, chosen.files, overwrite=ready.overwrite) as lock:
+        with replacing(path, chosen.files):
+            write_text(path / file_names.SCENE, files[file_names.SCENE])
+            result = RunDirectory.begun_with(path, ready.scene, ready.problem)
+            result.update(
+                outcome="running",
+                engine=ready.engine,
+                ranks=ready.ranks,
+                steps=ready.problem.steps,
+                **provenance(),
+                files_sha256=fingerprint(files),
+                **({"settings": ready.step.plain()} if ready.step is not None else {}),
+            )
+            for name, text in files.items():
+                write_text(path / name, text)
+        every = options.get("restart_every", lammps_engine.RESTART_EVERY)
+        begin = options.get("lammps") or functools.partial(lammps_engine.run, restart_every=every, lock=lock)
+        start, check = functools.partial(begin, ranks=ready.ranks), options.get("check", True)
+        return carry_out(result, start=start, settings=ready.step, check=check, progress=progress)
 
 
 @contextlib.contextmanager

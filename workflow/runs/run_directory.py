@@ -148,7 +148,11 @@ class RunDirectory:
         problem, dumps = self.problem, self.dumps
         if stride > 1 or 16.0 * problem.frames * problem.chains * problem.rows_a_frame > KEPT_BYTES:
             return self._begun_as_the_scene(recording.blocks(dumps, problem, stride))
-        return self._begun_as_the_scene(_read_once(dumps, problem))
+        return self._begun_as_the_scene(self._in_memory.frames(dumps, problem))
+
+    @cached_property
+    def _in_memory(self) -> "FramesInMemory":
+        return FramesInMemory()
 
     @cached_property
     def _other_parameters(self) -> list[str]:
@@ -201,24 +205,27 @@ def _of_another_start(block: Trajectory) -> list[str]:
     return start.differences(block)
 
 
-_kept: list[tuple[list[tuple[int, int, int]], list[Trajectory]]] = []
-"""State of the files and frames of the small run that was read last, if it was complete."""
+class FramesInMemory:
+    """Frames of a small run, kept from one reading to the next while its files stay as they are."""
 
+    def __init__(self) -> None:
+        self._files: list[tuple[int, int, int]] = []
+        self._blocks: list[Trajectory] = []
 
-def _read_once(dumps: list[Path], problem: Problem) -> Iterator[Trajectory]:
-    """The frames of a small run; from memory, where they are those of the last run that was read."""
-    state = _state(dumps)
-    if _kept and _kept[0][0] == state and _kept[0][1][0].problem is problem:
-        yield from _kept[0][1]
-        return
-    read = []
-    for block in recording.blocks(dumps, problem):
-        for values in (block.time, block.displacement, block.velocity):
-            values.flags.writeable = False
-        read.append(block)
-        yield block
-    if sum(block.frames for block in read) == problem.frames + 1 and state == _state(dumps):
-        _kept[:] = [(state, read)]
+    def frames(self, dumps: list[Path], problem: Problem) -> Iterator[Trajectory]:
+        """The frames of files, from memory where these are the ones that were read before."""
+        state = _state(dumps)
+        if self._blocks and self._files == state:
+            yield from self._blocks
+            return
+        blocks = []
+        for block in recording.blocks(dumps, problem):
+            for values in (block.time, block.displacement, block.velocity):
+                values.flags.writeable = False
+            blocks.append(block)
+            yield block
+        if sum(block.frames for block in blocks) == problem.frames + 1 and state == _state(dumps):
+            self._files, self._blocks = state, blocks
 
 
 def _state(dumps: list[Path]) -> list[tuple[int, int, int]]:

@@ -25,7 +25,7 @@ from workflow.prepare.pilot import stride
 from workflow.prepare.settings import settle
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs.check import check
-from workflow.runs.run import run
+from workflow.runs.run import prepare_run, run, run_prepared
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 
@@ -181,8 +181,8 @@ def test_a_pilot_run_is_made_only_for_lammps_and_where_no_step_is_named(named):
 
 @pytest.mark.parametrize("changes", [{}, {"output": Output(every=0.02)}, {"window": 64, "beads": 300}])
 def test_a_check_with_the_reference_of_the_pilot_run_finds_what_a_new_one_does(tmp_path, changes):
-    settled, settings = settle(scene(**{"duration": 150.0, **changes}))
-    done = run(settled, tmp_path / "run", settings=settings)
+    ready = prepare_run(scene(**{"duration": 150.0, **changes}), tmp_path / "run")
+    settings, done = ready.step, run_prepared(ready)
     assert settings.reference.is_of(done.directory.problem.coarser(stride(done.directory.problem, pilot.CADENCE)))
     again = check(done.directory, replace(settings, reference=None))
     for name in ("velocity", "arrival", "amplitude"):

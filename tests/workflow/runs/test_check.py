@@ -21,12 +21,11 @@ from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving, accurate_reference
 from workflow.prepare import pilot
 from workflow.prepare.pilot import better_timestep
-from workflow.prepare.settings import settle
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
 from workflow.runs.check import Check, accountant, check, stride
 from workflow.runs.job import Job, UncertaintyRecord
-from workflow.runs.run import run
+from workflow.runs.run import prepare_run, run, run_prepared
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.validate import validate
 
@@ -157,8 +156,8 @@ def test_a_validation_compares_resonators(light_resonators):
 
 
 def test_a_time_step_for_an_accuracy_keeps_it_in_resonators(light_resonators, tmp_path):
-    scene, settings = settle(light_resonators[0])
-    directory = run(scene, tmp_path / "run", settings=settings).directory
+    ready = prepare_run(light_resonators[0], tmp_path / "run")
+    settings, directory = ready.step, run_prepared(ready).directory
     assert settings.expected_error <= settings.accuracy
     assert directory.job.check.velocity == pytest.approx(settings.measured_error, rel=0.1)
 
