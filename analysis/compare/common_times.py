@@ -15,7 +15,7 @@ class OtherFramesError(InputError):
 
 
 def on_common_rows(*blocks: Trajectory) -> tuple[Trajectory, ...]:
-    """The rows that all hold, where windows follow the pulse; else all as they are."""
+    """Trajectories at the rows that all of them hold, where windows follow the pulse; else unchanged."""
     if blocks[0].problem.window is None:
         return blocks
     first, last = max(int(block.beads[0]) for block in blocks), min(int(block.beads[-1]) for block in blocks)
@@ -57,7 +57,7 @@ def velocity_error(run: Trajectory, reference: Trajectory) -> float:
 def of_recorded(trajectory: Trajectory, problem: Problem) -> Trajectory:
     """Frames of a run at the beads that another problem records, which are some or all of those that it recorded.
 
-    Without resonators where beads are left out.
+    Resonators are left out where beads are.
     """
     if problem.recorded is None:
         return replace(trajectory, problem=problem)
@@ -118,33 +118,35 @@ _SPARSER = 3
 """Frames from one to the next when the error is measured: halfway between two, that of velocities is at its least."""
 
 MARGIN = 0.01
-"""How far beyond its ends a trajectory is continued, in frames: for times that were rounded to six digits."""
+"""Extrapolation beyond the ends of a trajectory, in frames: for times that were rounded to six digits."""
 
 
 def at_times(trajectory: Trajectory, times: Floats) -> Trajectory:
-    """The states at given times within the trajectory's own, by polynomials of degree seven; memories of frames before.
+    """States at times [frame] within the trajectory's, by polynomials of degree seven; memories are of frames before.
+
+    Times are in units of T.
 
     Raises:
         InputError: a time lies outside by more than a hundredth of a frame, or there are fewer than four frames, or
             they are not evenly spaced.
     """
-    own = trajectory.time
+    recorded = trajectory.time
     if trajectory.frames < len(_NODES):
         raise InputError(f"{trajectory.frames} frames are too few to interpolate between; at least {len(_NODES)}")
-    spacing = (own[-1] - own[0]) / (trajectory.frames - 1)
-    if not np.allclose(np.diff(own), spacing, rtol=1e-6, atol=0.0):
+    spacing = (recorded[-1] - recorded[0]) / (trajectory.frames - 1)
+    if not np.allclose(np.diff(recorded), spacing, rtol=1e-6, atol=0.0):
         raise InputError("frames are not evenly spaced in time, so there is no interpolating between them")
-    if len(times) and (times[0] < own[0] - MARGIN * spacing or times[-1] > own[-1] + MARGIN * spacing):
+    if len(times) and (times[0] < recorded[0] - MARGIN * spacing or times[-1] > recorded[-1] + MARGIN * spacing):
         raise InputError(
-            f"times {times[0]:.6g} to {times[-1]:.6g} reach beyond the run's {own[0]:.6g} to {own[-1]:.6g} "
+            f"times {times[0]:.6g} to {times[-1]:.6g} reach beyond the run's {recorded[0]:.6g} to {recorded[-1]:.6g} "
             "(dimensionless)"
         )
-    start = np.clip(np.searchsorted(own, times, side="right") - 2, 0, trajectory.frames - len(_NODES))
-    before = np.clip(np.searchsorted(own, times, side="right") - 1, 0, trajectory.frames - 1)
+    start = np.clip(np.searchsorted(recorded, times, side="right") - 2, 0, trajectory.frames - len(_NODES))
+    before = np.clip(np.searchsorted(recorded, times, side="right") - 1, 0, trajectory.frames - 1)
     x, v = trajectory.atoms
     data = np.array([(x[start + node], v[start + node]) for node in _NODES])
     polynomials = hermite.coefficients(_NODES, data, float(spacing))
-    s = ((times - own[start]) / spacing)[:, np.newaxis, np.newaxis] * np.ones(x.shape[1:])
+    s = ((times - recorded[start]) / spacing)[:, np.newaxis, np.newaxis] * np.ones(x.shape[1:])
     return of_atoms(
         trajectory.problem,
         times,
@@ -159,7 +161,7 @@ def interpolation_error(trajectory: Trajectory) -> tuple[float, float]:
     """Bound on the largest error of displacement and velocity from `at_times`; infinite with fewer than 12 frames.
 
     Every third frame gives those in between with an error that is larger by 3**3.5 and 3**2.5 where a contact opens or
-    closes, and by 3**8 and 3**7 elsewhere. One power less is made use of, for safety.
+    closes, and by 3**8 and 3**7 elsewhere. The bound uses one power less, for safety.
     """
     if trajectory.frames < _SPARSER * len(_NODES):
         return float("inf"), float("inf")
@@ -167,7 +169,7 @@ def interpolation_error(trajectory: Trajectory) -> tuple[float, float]:
     for first in range(_SPARSER):
         sparse = trajectory[first::_SPARSER]
         between = trajectory[first : first + _SPARSER * (sparse.frames - 1) + 1]
-        found = at_times(sparse, between.time)
-        displacement = max(displacement, float(np.max(np.abs(found.displacement - between.displacement))))
-        velocity = max(velocity, float(np.max(np.abs(found.velocity - between.velocity))))
+        between_sparse = at_times(sparse, between.time)
+        displacement = max(displacement, float(np.max(np.abs(between_sparse.displacement - between.displacement))))
+        velocity = max(velocity, float(np.max(np.abs(between_sparse.velocity - between.velocity))))
     return displacement / _SPARSER**2.5, velocity / _SPARSER**1.5

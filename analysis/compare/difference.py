@@ -19,18 +19,20 @@ QUANTITIES = ("velocity", "displacement", "amplitude", "arrival", "energy", "mom
 MAP_CELLS = 400
 
 
-def matched(own: Peaks, other: Peaks, beads: int) -> tuple[Peaks, Peaks]:
+def matched(first: Peaks, second: Peaks, beads: int) -> tuple[Peaks, Peaks]:
     """First passages of two runs at the beads that both reached, in chains of so many beads.
 
     Left out are the kicked beads' start, the last bead of the pulse's way, which flies off, and passages not twice as
     high as `analysis.tracking.peaks.THRESHOLD`: of those, one run may have what the other has not. Each bead has one
     passage at most.
     """
-    keys = [peaks.chain * 2**40 + peaks.bead for peaks in (own, other)]
-    last = beads if own.direction > 0 else 1
-    clear = [(peaks.velocity > 2.0 * THRESHOLD) & (peaks.bead != last) & (peaks.time > 0.0) for peaks in (own, other)]
+    keys = [peaks.chain * 2**40 + peaks.bead for peaks in (first, second)]
+    last = beads if first.direction > 0 else 1
+    clear = [
+        (peaks.velocity > 2.0 * THRESHOLD) & (peaks.bead != last) & (peaks.time > 0.0) for peaks in (first, second)
+    ]
     both = np.intersect1d(keys[0][clear[0]], keys[1][clear[1]])
-    return own.where(np.isin(keys[0], both)), other.where(np.isin(keys[1], both))
+    return first.where(np.isin(keys[0], both)), second.where(np.isin(keys[1], both))
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ class Deviation:
 
     Attributes:
         largest, rms: over all beads and frames, or all waves; dimensionless.
-        where: of the largest.
+        where: place of the largest difference.
         first: first place, in time, where the tolerance is exceeded; None if it never is.
     """
 
@@ -74,7 +76,7 @@ class Deviation:
 def deviation_of(
     difference: Floats, time: Floats, tolerance: float, place: Callable[[int], DeviationPlace]
 ) -> Deviation:
-    """Of differences that all have their time, and a place by their position."""
+    """Deviation of differences [entry] at times [entry]; ``place`` gives the place of an entry by its position."""
     size = np.abs(difference)
     exceeding = np.flatnonzero(~(size <= tolerance))
     first = place(int(exceeding[np.argmin(time[exceeding])])) if len(exceeding) else None
@@ -84,7 +86,7 @@ def deviation_of(
 
 @dataclass
 class _Running:
-    """Largest, mean square and first excess of one quantity over blocks."""
+    """Largest difference, mean square and first excess over the tolerance of one quantity, over blocks."""
 
     tolerance: float
     largest: float = 0.0
@@ -154,7 +156,7 @@ class Difference:
         self._add_to_map(block, difference)
 
     def _add_to_map(self, block: Trajectory, difference: Floats) -> None:
-        """Keep the largest |velocity difference| [frame, line, bead] of a row, in some hundred cells either way."""
+        """Add largest |velocity difference| [frame, line, bead] of rows to a map of some hundred cells a side."""
         frames_a_cell = max(1, -(-(block.problem.frames + 1) // MAP_CELLS))
         beads = block.problem.recorded_beads
         thin = max(1, -(-len(beads) // MAP_CELLS))
@@ -169,8 +171,8 @@ class Difference:
     def deviations(self) -> dict[str, Deviation]:
         """Deviation of every quantity in `QUANTITIES`; amplitudes and arrivals are the leading pulse's.
 
-        The latter two are not there where no passage was seen by both, or no pulse leads (`Fact.PULSE`). Energy is what
-        the budget misses where dashpots take some, or forces from outside give some.
+        The latter two are left out where no passage was found in both, or no pulse leads (`Fact.PULSE`). Energy is the
+        difference of the budget where dashpots dissipate energy, or forces from outside do work.
 
         Raises:
             ValueError: there was no frame.
@@ -180,15 +182,15 @@ class Difference:
             raise ValueError("no frames to compare")
         system = problem.system
         with np.errstate(over="ignore", invalid="ignore"):
-            own, other = (leading_passages(finder.result(), problem).first() for finder in self._peaks)
-            own, other = matched(own, other, problem.beads)
-        timed = sharp(other)
+            passages, right = (leading_passages(finder.result(), problem).first() for finder in self._peaks)
+            passages, right = matched(passages, right, problem.beads)
+        timed = sharp(right)
         result = {"velocity": self._velocity.result(), "displacement": self._displacement.result()}
         leads = system.holds(Fact.PULSE)
-        if len(own) and leads:
-            result["amplitude"] = self._of_peaks("amplitude", own.velocity - other.velocity, other)
+        if len(passages) and leads:
+            result["amplitude"] = self._of_peaks("amplitude", passages.velocity - right.velocity, right)
         if np.any(timed) and leads:
-            result["arrival"] = self._of_peaks("arrival", (own.time - other.time)[timed], other.where(timed))
+            result["arrival"] = self._of_peaks("arrival", (passages.time - right.time)[timed], right.where(timed))
         if problem.whole and (system.holds(Fact.ENERGY) or system.dampers):
             result["energy"] = Deviation(self.conservation.energy_drift, math.nan)
         if problem.whole and system.holds(Fact.MOMENTUM):
@@ -203,7 +205,7 @@ class Difference:
 
     @property
     def error_map(self) -> "ErrorMap":
-        """Where the velocities differ, in cells of some frames by some beads."""
+        """Differences of the velocities in cells of some frames by some beads."""
         times = np.array([*self._times, self._last_time])
         each = self._problem is None or len(self._problem.recorded_beads) <= MAP_CELLS
         return ErrorMap(times, self._cell_beads, np.array(self._map), each)

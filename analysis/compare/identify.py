@@ -1,4 +1,4 @@
-"""What of a trajectory is not its scene's: least squares of factors on forces and masses.
+"""Departures of a trajectory from its scene: least squares of factors on forces and masses.
 
 From one frame to the next the momentum of an atom changes by the impulses of all forces on it, which follow from the
 recorded motion (`analysis.compare.momentum`), so that
@@ -182,8 +182,9 @@ class LeastSquares:
 
     Attributes:
         change: [column] change of each factor; 0 where it cannot be distinguished from others.
-        bound: [column] change of each factor, at most, by an error of the residual of norm 1; infinite likewise.
-        left: norm of what is left.
+        bound: [column] largest change of each factor by an error of the residual of norm 1; infinite where it cannot be
+            distinguished.
+        left: norm of the residual of the fit.
     """
 
     change: Floats
@@ -192,7 +193,7 @@ class LeastSquares:
 
 
 def least_squares(residual: Floats, columns: Sequence[Floats]) -> LeastSquares:
-    """Fit a residual by columns of its shape."""
+    """Fit a residual, [...], by columns of its shape."""
     size = np.array([_norm(column) for column in columns])
     change, bound = np.zeros(len(columns)), np.full(len(columns), np.inf)
     felt = [k for k in range(len(columns)) if size[k] > _FELT * np.max(size)]
@@ -239,9 +240,11 @@ def _departures(equations: MomentumEquations, fit: LeastSquares, noise: float) -
     uncertainty = np.maximum(_SAFETY * fit.bound * max(fit.left, noise), _SETTLED * is_load)
 
     def over(common: float) -> Floats:
+        """Factors, [term], divided by a common factor; those of static loads as they are."""
         return np.asarray(np.where(is_load, factor, factor / common))
 
     def wrong(common: float) -> Floats:
+        """Mask, [term], of the factors that differ then from the scene's by more than their uncertainty."""
         return np.asarray(np.abs(over(common) - scene) > uncertainty)
 
     # all forces and masses may be so many times larger without a difference: as few as possible are taken to be wrong
@@ -301,7 +304,7 @@ def _one_by_one(equations: MomentumEquations, family: LinkImpulses, quantity: st
 
 
 def _single_factors(equations: MomentumEquations, family: LinkImpulses) -> tuple[Floats, Floats, float]:
-    """Change of the factor of each link and size of its column, both of the links' shape; norm of what is left."""
+    """Change of the factor of each link and size of its column, both of the links' shape; norm of the residual."""
     from scipy.sparse.linalg import LinearOperator, lsmr
 
     link, impulse, shape = family.link, family.impulse, family.impulse.shape[1:]
@@ -309,9 +312,11 @@ def _single_factors(equations: MomentumEquations, family: LinkImpulses) -> tuple
     felt = np.where(size > _FELT * np.max(size), size, np.inf)
 
     def column(change: Floats) -> Floats:
+        """Change of momentum, [interval * line * bead], by scaled changes of factors, [link]."""
         return equations.column(link, impulse * (change.reshape(shape) / felt)).reshape(-1)
 
     def products(residual: Floats) -> Floats:
+        """Products of a residual, [interval * line * bead], with the columns of all links, [link]."""
         rate = link.rate(residual.reshape(equations.change.shape)[:, equations.lines(link)])  # differences of both ends
         return np.asarray(-np.sum(impulse * rate, axis=0) / felt).reshape(-1)
 

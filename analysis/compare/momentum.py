@@ -59,7 +59,7 @@ class MomentumTerm:
 
 @dataclass(frozen=True, eq=False)
 class LinkImpulses:
-    """Links of one law and their impulses, [interval, ...] as the links have their forces; ``scene`` as of a term."""
+    """Links of one law and their impulses, [interval, ...] as the forces of links; ``scene``: see `MomentumTerm`."""
 
     name: str
     link: Link
@@ -224,7 +224,7 @@ def name_of_beads(mass: float) -> str:
 
 
 def _under(link: Link, load: float) -> Link:
-    """The links under so many times their static load."""
+    """Links with their static load multiplied by a factor."""
     return link if load == 1.0 or not np.any(laws.load(link.law)) else replace(link, law=pressed(link.law, load))
 
 

@@ -10,13 +10,13 @@ MOST_DIGITS = 12
 """Numbers with more digits than that pass for whole ones; float64 has 16."""
 
 _NEAR = 1e-3
-"""How near to a rounded one a number must be, as a share of the rounding's step; chance brings one in 500 there."""
+"""Largest distance from a rounded number, as a share of the rounding step; one number in 500 is there by chance."""
 
 _FEWEST = 20
 
 
 def precision(values: Floats) -> str | None:
-    """What all of many numbers were rounded to: such as "6 digits" (``%g``), "8 decimals", or `SINGLE`; else None.
+    """Precision to which numbers [...] were rounded: such as "6 digits" (``%g``), "8 decimals", `SINGLE`; or None.
 
     Sums with other numbers, such as rest positions, may have followed. Whole numbers are no evidence; None where fewer
     than `_FEWEST` different others are found.
@@ -26,7 +26,7 @@ def precision(values: Floats) -> str | None:
     if len(sample) < _FEWEST:
         return None
     digit = 10.0 ** (np.floor(np.log10(np.abs(sample))) + 1.0)
-    found = []
+    fitting = []
     for word, form, unit in (("digits", "e", digit), ("decimals", "f", np.ones(len(sample)))):
         for count in range(1, MOST_DIGITS + 1):
             step = unit * 10.0**-count
@@ -34,10 +34,10 @@ def precision(values: Floats) -> str | None:
                 break
             places = count - 1 if form == "e" else count
             if _all_near(sample, np.array([float(f"{value:.{places}{form}}") for value in sample.tolist()]), step):
-                found.append((count, word))
+                fitting.append((count, word))
                 break
-    if found:
-        count, word = min(found)
+    if fitting:
+        count, word = min(fitting)
         return f"{count} {word}"
     with np.errstate(over="ignore", under="ignore"):
         single = sample.astype(np.float32)
