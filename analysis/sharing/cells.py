@@ -20,7 +20,7 @@ from analysis.trajectory import Floats, Integers, Trajectory, along_the_way, dir
 from lammps_inputs import Problem, physics
 
 AT_REST = 0.01
-"""Share of the incident energy up to which a bead has let go of a pulse."""
+"""Share of the incident energy in a bead up to which a pulse has left it."""
 
 
 INPUT = "energy input"
@@ -84,49 +84,51 @@ class CellEnergies:
     replaced: tuple[Split, ...] = declare("of each replaced bead")
 
 
-def left(found: Survey, chain: int, period: int) -> Left | None:
-    """What the leading pulse of a chain, from 1, lost on the second half of its way; None if it ran nowhere."""
-    problem = found.problem
-    way, share, pulse = _along(found, chain)
-    clear = way <= problem.beads - CLEAR
-    way, share, pulse = way[clear], share[clear], pulse[clear]
-    if len(way) == 0:
+def left(survey: Survey, chain: int, period: int) -> Left | None:
+    """Energy that the leading pulse of a chain, from 1, loses in the second half of its path; None without any."""
+    problem = survey.problem
+    position, share, pulse = _along(survey, chain)
+    clear = position <= problem.beads - CLEAR
+    position, share, pulse = position[clear], share[clear], pulse[clear]
+    if len(position) == 0:
         return None
-    last = int(way[-1])
-    like = ((last - way) % period == 0) & (pulse == pulse[-1])
-    way, share = way[like], share[like]
-    start = int(np.argmin(np.abs(way - last / 2.0)))
-    way, share = way[start:], share[start:]
-    cells = (last - int(way[0])) // period
-    ends = along_the_way(problem, int(way[0])), along_the_way(problem, last)
+    last = int(position[-1])
+    like = ((last - position) % period == 0) & (pulse == pulse[-1])
+    position, share = position[like], share[like]
+    start = int(np.argmin(np.abs(position - last / 2.0)))
+    position, share = position[start:], share[start:]
+    cells = (last - int(position[0])) // period
+    ends = along_the_way(problem, int(position[0])), along_the_way(problem, last)
     low, high = min(ends) - reach(problem), max(ends) + reach(problem)
     alone = len(physics.tied_to(problem.system, chain - 1)) == 1 and not dissipates(problem.system)
     if not (cells and alone and repeats_between(problem.system, chain - 1, low, high, period)):
         return Left(*ends, float(share[-1]), math.nan, math.nan, math.nan)
-    return Left(*ends, float(share[-1]), float(share[0] - share[-1]) / cells, *_law((way - way[0]) / period, share))
+    return Left(
+        *ends, float(share[-1]), float(share[0] - share[-1]) / cells, *_law((position - position[0]) / period, share)
+    )
 
 
-def _along(found: Survey, chain: int) -> tuple[Integers, Floats, Integers]:
+def _along(survey: Survey, chain: int) -> tuple[Integers, Floats, Integers]:
     """Beads that leading pulses pass clear of the kicked ones, along their way.
 
     Also their share of the energy input there, and the number of the pulse; each [bead].
     """
-    problem, in_chain = found.problem, found.waves.chain == chain
-    way, pulse = along_the_way(problem, found.waves.bead[in_chain]), found.waves.pulse[in_chain]
-    share = found.shape.energy[in_chain] / found.shared.energy
-    order = np.argsort(way)
-    way, share, pulse = way[order], share[order], pulse[order]
+    problem, in_chain = survey.problem, survey.waves.chain == chain
+    position, pulse = along_the_way(problem, survey.waves.bead[in_chain]), survey.waves.pulse[in_chain]
+    share = survey.shape.energy[in_chain] / survey.shared.energy
+    order = np.argsort(position)
+    position, share, pulse = position[order], share[order], pulse[order]
     kicked = [
         along_the_way(problem, bead)
         for _, bead, excitation in physics.excitations(problem.system)
-        if excitation * found.direction > 0.0
+        if excitation * survey.direction > 0.0
     ]
-    known = np.isfinite(share) & (way > max(kicked) + reach(problem))  # none of the energy of kicked beads
-    return way[known], share[known], pulse[known]
+    defined = np.isfinite(share) & (position > max(kicked) + reach(problem))  # none of the energy of kicked beads
+    return position[defined], share[defined], pulse[defined]
 
 
 def _law(cell: Floats, share: Floats) -> tuple[float, float]:
-    """Rate of the exponential that the energy follows at beads that are whole cells apart, and how closely."""
+    """Rate of the exponential law of the energy at beads that are whole cells apart, and the deviation from it."""
     if len(cell) < 3 or not np.all(share > 0.0):
         return math.nan, math.nan
     slope, start = np.polyfit(cell, np.log(share), 1)
@@ -136,7 +138,7 @@ def _law(cell: Floats, share: Floats) -> tuple[float, float]:
 class FinalEnergy:
     """Energy of the beads in the last frame, and the largest kinetic energy of those at the far end.
 
-    Of a run of all beads that is given block by block.
+    The run has all beads recorded and is given block by block.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -150,42 +152,42 @@ class FinalEnergy:
         mass = physics.mass_of(block.problem.system, slice(None), self._last)
         self._end = np.maximum(self._end, np.max(0.5 * mass * block.velocity[..., self._last] ** 2, axis=0))
 
-    def end(self, found: Survey, chain: int) -> float | None:
-        """Of the last bead on the pulse's way, in that of the energy input; None if no pulse came there."""
-        way = along_the_way(found.problem, found.waves.bead[found.waves.chain == chain])
-        arrived = found.problem.beads in way and found.shared.energy > 0.0
-        return float(self._end[chain - 1] / found.shared.energy) if arrived else None
+    def end(self, survey: Survey, chain: int) -> float | None:
+        """Largest kinetic energy of the last bead on the pulse's path over the energy input; None without a pulse."""
+        position = along_the_way(survey.problem, survey.waves.bead[survey.waves.chain == chain])
+        arrived = survey.problem.beads in position and survey.shared.energy > 0.0
+        return float(self._end[chain - 1] / survey.shared.energy) if arrived else None
 
-    def split(self, found: Survey, chain: int, bead: int) -> Split:
-        """Where the energy is at the end, seen from a bead."""
+    def split(self, survey: Survey, chain: int, bead: int) -> Split:
+        """Energy of a chain at the end before a bead, in it and beyond it."""
         assert self.beads is not None
-        share = self.beads[chain - 1] / found.shared.energy
+        share = self.beads[chain - 1] / survey.shared.energy
         before, at, beyond = float(share[: bead - 1].sum()), float(share[bead - 1]), float(share[bead:].sum())
-        here, (way, carried, _) = along_the_way(found.problem, bead), _along(found, chain)
-        come = np.flatnonzero(way < here - reach(found.problem))
+        place, (position, carried, _) = along_the_way(survey.problem, bead), _along(survey, chain)
+        come = np.flatnonzero(position < place - reach(survey.problem))
         incident = float(carried[come[-1]]) if len(come) else math.nan
-        gone = beyond if found.direction > 0 else before
-        reflected = incident - at - gone if _only_once(found, chain, bead) and at < AT_REST * incident else math.nan
+        gone = beyond if survey.direction > 0 else before
+        reflected = incident - at - gone if _only_once(survey, chain, bead) and at < AT_REST * incident else math.nan
         return Split(chain, bead, before, at, beyond, incident, reflected)
 
 
-def _only_once(found: Survey, chain: int, bead: int) -> bool:
+def _only_once(survey: Survey, chain: int, bead: int) -> bool:
     """Whether the leading pulse, and nothing else, has come to a bead and passed on, and no energy is lost."""
-    problem, here = found.problem, along_the_way(found.problem, bead)
+    problem, place = survey.problem, along_the_way(survey.problem, bead)
     alone = len(physics.tied_to(problem.system, chain - 1)) == 1 and not dissipates(problem.system)
     kicked = all(
-        along_the_way(problem, kicked_bead) < here
+        along_the_way(problem, kicked_bead) < place
         for at, kicked_bead, _ in physics.excitations(problem.system)
         if at == chain
     )
-    way, *_ = _along(found, chain)
-    passed = bool(np.any(way > here + CLEAR))
-    others = [pulse for pulse in found.pulses if pulse.chain == chain and not found.leads(pulse)]
-    return alone and kicked and passed and not any(_crosses(pulse, problem, here) for pulse in others)
+    position, *_ = _along(survey, chain)
+    passed = bool(np.any(position > place + CLEAR))
+    others = [pulse for pulse in survey.pulses if pulse.chain == chain and not survey.leads(pulse)]
+    return alone and kicked and passed and not any(_crosses(pulse, problem, place) for pulse in others)
 
 
-def _crosses(pulse: Pulse, problem: Problem, here: int) -> bool:
+def _crosses(pulse: Pulse, problem: Problem, place: int) -> bool:
     """Whether a pulse runs past a bead, or is about to; numbers along the leading pulse's way."""
     first, last = (along_the_way(problem, int(bead)) for bead in pulse.bead[[0, -1]])
     ahead = CLEAR if last > first else -CLEAR
-    return min(first, last + ahead) < here - 2 and max(first, last + ahead) > here + 2
+    return min(first, last + ahead) < place - 2 and max(first, last + ahead) > place + 2

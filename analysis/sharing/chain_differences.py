@@ -1,4 +1,4 @@
-"""How far the chains of a run of rigid beads and of one of elastic beads are apart: impulses and shares of the energy.
+"""Differences between the chains of a run of rigid and of one of elastic beads: impulses and shares of the energy.
 
 A collision of rigid beads takes no time, so velocities at an instant differ by as much as beads move. What a contact
 passes on, and which chain has the energy, can be compared.
@@ -22,7 +22,7 @@ FREE_END = 5
 
 @dataclass(frozen=True)
 class ChainDifference:
-    """How far one chain is apart in a run of rigid and in a run of elastic beads.
+    """Differences of one chain between a run of rigid and a run of elastic beads.
 
     Attributes:
         chain: its number, from 1.
@@ -43,7 +43,7 @@ class ChainMeter:
     """Compares chains of two runs that are given block by block, one of rigid and one of elastic beads.
 
     Args:
-        problem: of the beads and times that both recorded.
+        problem: problem with the beads and times that both runs recorded.
         rigid_first: whether the first run is the one with rigid beads.
     """
 
@@ -69,8 +69,8 @@ class ChainMeter:
         """Deviations of all chains together, by ``impulse`` and ``share``, and each chain's.
 
         Args:
-            collisions: of the rigid beads.
-            tolerance: of the differences of impulses.
+            collisions: all collisions of the rigid beads.
+            tolerance: largest difference of impulses that counts as agreement.
 
         Raises:
             ValueError: there was no frame.

@@ -38,7 +38,7 @@ from lammps_inputs.laws.spring import Linear, Varying
 MOST_INSTANTS = 500
 
 LEAST = 1e-9
-"""Share of a chain below which it has no centre."""
+"""Share of the energy of all chains below which a chain has no centre."""
 
 
 NO_CENTRE = "the chain has no energy"
@@ -80,11 +80,11 @@ class Flow:
         later = slice(1, None) if len(self.time) > 1 else slice(None)
         share, time = self.share[later, chain], self.time[later]
         undefined = np.isnan(share)
-        least, most = (
+        smallest, largest = (
             int(np.argmin(np.where(undefined, np.inf, share))),
             int(np.argmax(np.where(undefined, 0.0, share))),
         )
-        return (float(share[least]), float(time[least])), (float(share[most]), float(time[most]))
+        return (float(share[smallest]), float(time[smallest])), (float(share[largest]), float(time[largest]))
 
 
 class EnergyFlow:
@@ -92,18 +92,18 @@ class EnergyFlow:
 
     def __init__(self, problem: Problem) -> None:
         self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
-        self._seen = 0
-        self._found: list[tuple[Floats, ...]] = []
+        self._frames = 0
+        self._samples: list[tuple[Floats, ...]] = []
         self._action: list[Floats] | None = [] if has_modes(problem.system) else None
         self._last_action = np.full((1, 1), np.nan)
         self._last: tuple[Floats, ...] | None = None  # of the last frame, where it is none of the chosen ones
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
-        chosen = slice(-self._seen % self._stride, None, self._stride)
-        self._seen += block.frames
-        self._found.append(self._of(block, chosen))
-        apart = (self._seen - 1) % self._stride > 0
+        chosen = slice(-self._frames % self._stride, None, self._stride)
+        self._frames += block.frames
+        self._samples.append(self._of(block, chosen))
+        apart = (self._frames - 1) % self._stride > 0
         self._last = self._of(block, slice(-1, None)) if apart else None
         if self._action is not None:
             self._action.append(shares_of_action(block, chosen))
@@ -120,8 +120,8 @@ class EnergyFlow:
         between = np.zeros(len(x))
         for link in block.problem.system.across:
             between += np.sum(link.energy(x, block.first), axis=(-2, -1))
-        given = energy_input(block)[chosen]
-        between /= np.where(given > 0.0, given, np.nan)
+        supplied = energy_input(block)[chosen]
+        between /= np.where(supplied > 0.0, supplied, np.nan)
         with np.errstate(invalid="ignore", divide="ignore"):
             weight = np.where(share > LEAST, 1.0, np.nan)[..., np.newaxis] * energy / of_chain
         centre = np.sum(weight * block.beads, axis=-1)
@@ -129,25 +129,25 @@ class EnergyFlow:
         return block.time[chosen], share, between, centre, spread
 
     def result(self) -> Flow:
-        """Of the frames so far.
+        """Energy at some of the frames so far.
 
         Raises:
             ValueError: there was none.
         """
-        if not self._found:
+        if not self._samples:
             raise ValueError("no frames to measure")
         last = [] if self._last is None else [self._last]
-        parts = zip(*self._found, *last, strict=True)
+        parts = zip(*self._samples, *last, strict=True)
         time, share, between, centre, spread = (np.concatenate(part) for part in parts)
-        found = Flow(time, share, between, centre, spread)
+        flow = Flow(time, share, between, centre, spread)
         if self._action is None:
-            return found
+            return flow
         actions = [*self._action, *([] if self._last is None else [self._last_action])]
-        return replace(found, action=np.concatenate(actions), fastest_mode_action=float(self._last_action[-1, -1]))
+        return replace(flow, action=np.concatenate(actions), fastest_mode_action=float(self._last_action[-1, -1]))
 
 
 MOST_CHAINS = 30
-"""Whose modes are computed at every instant."""
+"""Largest number of chains whose modes are computed at every instant."""
 
 UNLOADED = 1e-9
 """Share of the energy in contacts below which none counts as loaded."""
@@ -186,18 +186,18 @@ def shares_of_action(block: Trajectory, frames: slice) -> Floats:
 
 
 def _stiffness(system: System, frames: int) -> Floats:
-    """Of a row, [frame, chain, chain]."""
-    found = np.zeros((frames, system.chains, system.chains))
+    """Stiffness matrix of the springs of a row, [frame, chain, chain]."""
+    stiffness = np.zeros((frames, system.chains, system.chains))
     chains = np.arange(system.chains)
     for link in system.across:
         edges = link.of_edges(laws.stiffness(link.law, 0.0)).tolist()
-        for (one, other), value in zip(link.edges, edges, strict=True):
-            found[:, [one, other], [one, other]] += value
-            found[:, [one, other], [other, one]] -= value
+        for (first, second), value in zip(link.edges, edges, strict=True):
+            stiffness[:, [first, second], [first, second]] += value
+            stiffness[:, [first, second], [second, first]] -= value
     for spring in physics.ground_springs(system):
         held = np.broadcast_to(laws.stiffness(spring.law, 0.0), (frames, system.chains, system.beads))
-        found[:, chains, chains] += held[..., 0]
-    return found
+        stiffness[:, chains, chains] += held[..., 0]
+    return stiffness
 
 
 MAX_PLACES = 400
@@ -210,9 +210,9 @@ class EnergyShares:
 
     Attributes:
         place: [instant] positions in the `Sharing`, of those at which all arrivals are defined.
-        chain: [instant, chain] energy of a chain; NaN where not seen, as in a window.
-        wave: [instant, chain] energy inside its leading wave, likewise, and NaN where another pulse is
-            as near. 0 where the chain has none that counts.
+        chain: [instant, chain] energy of a chain; NaN where unknown, as in a window.
+        wave: [instant, chain] energy inside its leading wave; NaN where unknown, or where another pulse is as
+            near. 0 where the chain has none that counts.
         chain_error, wave_error: [instant, chain] uncertainties of both by the time between frames, which also leaves
             the instant uncertain.
     """
@@ -221,24 +221,24 @@ class EnergyShares:
         self.problem = problem
         self._shared = shared
         arrival = shared.of_tied(shared.arrival)
-        known = np.flatnonzero(np.all(np.isfinite(arrival), axis=1)) if problem.recorded is None else np.arange(0)
-        count = min(len(known), MAX_PLACES)
-        self.place = known[np.unique(np.linspace(0, max(len(known) - 1, 0), count).round().astype(np.int64))]
+        defined = np.flatnonzero(np.all(np.isfinite(arrival), axis=1)) if problem.recorded is None else np.arange(0)
+        count = min(len(defined), MAX_PLACES)
+        self.place = defined[np.unique(np.linspace(0, max(len(defined) - 1, 0), count).round().astype(np.int64))]
         time = np.mean(arrival[self.place], axis=1) if count else np.zeros(0)
         self._late = np.zeros(len(self.place))
         if shared.arrival_error is not None and count:
             self._late = np.mean(np.nan_to_num(shared.of_tied(shared.arrival_error)[self.place], posinf=0.0), axis=1)
         self._instants, self._reach = Instants(time, problem), reach(problem)
-        self._peaks = np.array([self._beads_at_peaks(time + late, known) for late in (0.0, -self._late, self._late)])
+        self._peaks = np.array([self._beads_at_peaks(time + late, defined) for late in (0.0, -self._late, self._late)])
         shape = (len(self.place), problem.chains)
         self.chain, self.wave, self.chain_error, self.wave_error = np.full((4, *shape), np.nan)
 
-    def _beads_at_peaks(self, time: Floats, known: Integers) -> Floats:
-        """[instant, chain] beads at which the waves are, by their arrivals at known places; NaN without arrivals."""
+    def _beads_at_peaks(self, time: Floats, places: Integers) -> Floats:
+        """[instant, chain] beads at which the waves are, by their arrivals at places [place]; NaN without arrivals."""
         if len(time) == 0:
             return np.zeros((0, self.problem.chains))
-        beads = self._shared.bead[known]
-        arrivals = np.maximum.accumulate(self._shared.arrival[known], axis=0)
+        beads = self._shared.bead[places]
+        arrivals = np.maximum.accumulate(self._shared.arrival[places], axis=0)
         return np.array([np.rint(np.interp(time, of_chain, beads)) for of_chain in arrivals.T]).T
 
     def add(self, block: Trajectory) -> None:
@@ -259,9 +259,10 @@ class EnergyShares:
         energy = self._energies(block, frame, step, np.concatenate([peaks, peaks], axis=1))
         of_frames = derivatives(energy, step[:, np.newaxis]).reshape((3, len(energy[0]), 2, len(entry), -1))
         share = np.broadcast_to(pair.share[:, np.newaxis], (len(energy[0]), len(entry), self.problem.chains))
-        found = interpolated(np.moveaxis(of_frames, 2, 0), share, block.spacing)
-        chain, wave, *others = found.value / self._shared.energy
-        error = (found.uncertainty + self._late[entry, np.newaxis] * np.abs(found.rate))[:2] / self._shared.energy
+        at_instants = interpolated(np.moveaxis(of_frames, 2, 0), share, block.spacing)
+        chain, wave, *others = at_instants.value / self._shared.energy
+        error = at_instants.uncertainty + self._late[entry, np.newaxis] * np.abs(at_instants.rate)
+        error = error[:2] / self._shared.energy
         error[1] += sum(np.abs(other - wave) for other in others)
         if self.problem.window is not None:
             chain = np.full_like(chain, np.nan)
@@ -291,8 +292,8 @@ class EnergyShares:
         total = np.sum(kinetic, axis=-1) + np.sum(contacts, axis=-1)
         for link in (*system.across, *system.ground):
             link.add_chain_energy(total, link.energy(x, first))
-        found = np.zeros((3, 1 + len(peaks), *total.shape[1:]))
-        found[:, 0] = total
+        energies = np.zeros((3, 1 + len(peaks), *total.shape[1:]))
+        energies[:, 0] = total
         lowest, highest = np.fmin.reduce(peaks, axis=None), np.fmax.reduce(peaks, axis=None)
         number = np.arange(first, first + x.shape[-1])
         some = np.flatnonzero((number >= lowest - self._reach) & (number <= highest + self._reach))
@@ -302,6 +303,6 @@ class EnergyShares:
             for number_of_set, beads_of_peaks in enumerate(peaks, 1):  # none where there is no peak
                 inside = np.abs(number[columns] - beads_of_peaks[..., np.newaxis]) <= self._reach
                 between = inside[..., :-1] & inside[..., 1:]
-                found[:, number_of_set] += np.sum(np.where(inside, kinetic, 0.0), axis=-1)
-                found[:, number_of_set] += np.sum(np.where(between, contacts, 0.0), axis=-1)
-        return found
+                energies[:, number_of_set] += np.sum(np.where(inside, kinetic, 0.0), axis=-1)
+                energies[:, number_of_set] += np.sum(np.where(between, contacts, 0.0), axis=-1)
+        return energies

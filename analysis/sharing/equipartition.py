@@ -75,8 +75,7 @@ class Sharing:
     Attributes:
         kicked: position of the chain with the largest excitation.
         bead: [place], counted from 1, ascending.
-        arrival: [place, chain], in units of T.
-            NaN where it is not defined.
+        arrival: [place, chain], in units of T; NaN where it is undefined.
         amplitude: [place, chain] peak velocity, or impulse of the first contact over the mass, in units of V.
         energy: input by kicks, pushes and drives, in units of m V**2; NaN where that is not known.
         arrival_error, amplitude_error: [place, chain] bounds on what the time between frames leaves; NaN if unknown.
@@ -92,9 +91,9 @@ class Sharing:
     amplitude_error: Floats | None = None
     exact: SolitaryWave = field(default_factory=solitary_wave)
     loaded: LoadedSpeed | None = None
-    """How fast waves run on a static load; None without one."""
+    """Speed of waves on a static load; None without one."""
     changing: str = ""
-    """Why amplitudes have no limit, whatever the last of them are; empty where they may have one."""
+    """Reason why amplitudes have no limit; empty where they may have one."""
     of_impulses: bool = False
     """Whether amplitudes are those of impulses."""
     pulse: Floats | None = None
@@ -105,22 +104,22 @@ class Sharing:
 
     @property
     def compared(self) -> str:
-        """What amplitudes are, in words."""
+        """Kind of the compared amplitudes, in words."""
         return "impulses of first contacts" if self.of_impulses else "amplitudes"
 
     @cached_property
     def _mean(self) -> Floats:
-        """[place] amplitude."""
+        """[place] mean amplitude of the chains."""
         return np.asarray(np.mean(self.of_tied(self.amplitude), axis=1))
 
     def of_tied(self, values: Floats) -> Floats:
-        """[place, chain that counts] of a table [place, chain]."""
+        """Columns of a table [place, chain] for the chains that count, [place, counting chain]."""
         counts = np.isfinite(self.amplitude).any(axis=0)
         return values if counts.all() or not counts.any() else values[:, counts]
 
     @property
     def changes(self) -> Integers:
-        """Places at which another pulse leads than at the one before, in a chain that counts."""
+        """Places, [change], at which another pulse leads than at the place before, in a chain that counts."""
         if self.pulse is None:
             return np.zeros(0, dtype=np.int64)
         return np.flatnonzero(np.any(np.diff(self.of_tied(self.pulse), axis=0) != 0, axis=1)) + 1
@@ -135,12 +134,12 @@ class Sharing:
 
     @cached_property
     def mismatch(self) -> Floats:
-        """[place]; 0 for a single chain."""
+        """[place] (largest - smallest) / mean of the amplitudes; 0 for a single chain."""
         return np.asarray(np.ptp(self.of_tied(self.amplitude), axis=1) / self._mean)
 
     @cached_property
     def lag(self) -> Floats:
-        """[place, chain], in units of T; 0 in the chain that was kicked, positive for a later wave."""
+        """[place, chain] arrival behind that in the kicked chain, in units of T; positive for a later wave."""
         return self.arrival - self.arrival[:, [self.kicked]]
 
     @cached_property
@@ -157,16 +156,19 @@ class Sharing:
         return np.asarray(self.exact.width / speed)
 
     def uncertainties(self) -> tuple[float, float]:
-        """How well amplitudes (relative) and arrivals (in passages) of single waves are known over the last half beat.
+        """Largest uncertainty of amplitudes (relative) and of arrivals (in passages) over the last half beat.
 
         Infinite where an arrival is not defined; errors that are not known count as 0.
         """
         if len(self) == 0 or self.arrival_error is None or self.amplitude_error is None:  # given by hand
             return 0.0, 0.0
         late = self.bead >= self.bead[-1] - (self.half_beat or 0.0)
-        known = np.where(np.isfinite(self.arrival), np.nan_to_num(self.arrival_error), np.inf)
+        arrival_error = np.where(np.isfinite(self.arrival), np.nan_to_num(self.arrival_error), np.inf)
         with np.errstate(divide="ignore", invalid="ignore"):  # a bead may have received no impulse
-            arrival, relative = self.of_tied(known), self.of_tied(np.nan_to_num(self.amplitude_error) / self.amplitude)
+            arrival, relative = (
+                self.of_tied(arrival_error),
+                self.of_tied(np.nan_to_num(self.amplitude_error) / self.amplitude),
+            )
         return float(np.max(relative[late])), float(np.max(arrival[late] / self._passage[late, np.newaxis]))
 
     @cached_property
@@ -176,7 +178,7 @@ class Sharing:
 
     @cached_property
     def beats(self) -> Floats:
-        """Beads, in fractions, where the wave of the kicked chain passes the chains' mean, downwards or upwards.
+        """Beads, [beat] in fractions, at which the amplitude of the kicked chain crosses the chains' mean.
 
         Changes of sign after which the deviation stays below `SMALLEST_BEAT` are left out, and
         so are two that are less than the distance of two places apart.
@@ -191,11 +193,11 @@ class Sharing:
         bead, deviation = self.bead[large], deviation[large]
         change = np.flatnonzero(np.sign(deviation[1:]) != np.sign(deviation[:-1]))
         before, after = deviation[change], deviation[change + 1]
-        found = bead[change] + (bead[change + 1] - bead[change]) * before / (before - after)
-        while len(found) > 1 and np.min(np.diff(found)) < np.min(np.diff(self.bead)):
-            nearest = int(np.argmin(np.diff(found)))
-            found = np.delete(found, [nearest, nearest + 1])
-        return np.asarray(found)
+        crossings = bead[change] + (bead[change + 1] - bead[change]) * before / (before - after)
+        while len(crossings) > 1 and np.min(np.diff(crossings)) < np.min(np.diff(self.bead)):
+            nearest = int(np.argmin(np.diff(crossings)))
+            crossings = np.delete(crossings, [nearest, nearest + 1])
+        return np.asarray(crossings)
 
     @cached_property
     def beat_length(self) -> Estimate | None:
@@ -226,7 +228,7 @@ class Sharing:
         return self._holds_from(self.mismatch < tolerance)
 
     def in_step_from(self, tolerance: float) -> int | None:
-        """First bead from which on the arrivals agree to a share of the wave's passage; None likewise."""
+        """First bead from which on the arrivals agree to a share of the wave's passage; None as in `agrees_from`."""
         return self._holds_from(self.spread < tolerance)
 
     def _holds_from(self, good: Flags) -> int | None:
@@ -330,6 +332,7 @@ def sharing(waves: Waves, problem: Problem, impulses: Impulses | None = None) ->
     rows = np.array([place[int(bead)] for bead in waves.bead], dtype=np.int64)
 
     def side_by_side(values: Floats) -> Floats:
+        """Table [place, chain] of values [wave]; NaN in chains that do not count."""
         table = np.full((len(beads), problem.chains), np.nan)
         table[rows, waves.chain - 1] = values
         table[:, apart] = np.nan
@@ -343,7 +346,7 @@ def sharing(waves: Waves, problem: Problem, impulses: Impulses | None = None) ->
     clear = np.all(np.isfinite(side_by_side(waves.peak_velocity)[:, ~apart]), axis=1)
     clear &= (beads > kicked_bead) & (beads <= problem.beads - CLEAR)
     clear &= of_one_kind(problem)[beads - 1]
-    found = Sharing(
+    shared = Sharing(
         kicked - 1,
         beads[clear],
         side_by_side(waves.arrival),
@@ -356,8 +359,8 @@ def sharing(waves: Waves, problem: Problem, impulses: Impulses | None = None) ->
         pulse=side_by_side(waves.pulse.astype(np.float64)),
     )
     if impulses is not None:
-        found = _with_impulses(found, impulses, problem)
-    return replace(found, changing=_changing(found.followed, system))
+        shared = _with_impulses(shared, impulses, problem)
+    return replace(shared, changing=_changing(shared.followed, system))
 
 
 def _with_impulses(shared: Sharing, impulses: Impulses, problem: Problem) -> Sharing:
@@ -370,28 +373,28 @@ def _with_impulses(shared: Sharing, impulses: Impulses, problem: Problem) -> Sha
     return replace(shared, amplitude=amplitude, amplitude_error=error, of_impulses=True)
 
 
-def _changing(found: Sharing, system: System) -> str:
-    """Why amplitudes have no limit; empty where they may have one."""
+def _changing(shared: Sharing, system: System) -> str:
+    """Reason why amplitudes have no limit; empty where they may have one."""
     if not system.holds(Fact.PULSE):
         return "no pulse keeps its shape"
     if dissipates(system):
         return "energy is dissipated"
-    if len(found) == 0:
+    if len(shared) == 0:
         return ""
-    tied, period = physics.tied_to(system, found.kicked), period_of(system)
-    first, last = int(found.bead[found.tail]), int(found.bead[-1])
+    tied, period = physics.tied_to(system, shared.kicked), period_of(system)
+    first, last = int(shared.bead[shared.tail]), int(shared.bead[-1])
     if not all(repeats_between(system, chain, first - CLEAR, last + CLEAR, period) for chain in tied):
         return "beads, contacts or loads differ along the chain"
-    alone = found.of_tied(found.amplitude).shape[1] == 1
-    if alone or np.max(found.mismatch[found.tail :]) < AGREEMENT:
+    alone = shared.of_tied(shared.amplitude).shape[1] == 1
+    if alone or np.max(shared.mismatch[shared.tail :]) < AGREEMENT:
         return ""
-    if unlike(system, found.kicked):
+    if unlike(system, shared.kicked):
         return "chains of unlike beads are coupled"
-    if last_springs(system, found.kicked) < first:
+    if last_springs(system, shared.kicked) < first:
         return "the chains are not coupled there"
-    if not resolved(found, system):
+    if not resolved(shared, system):
         return "recorded beads are too far apart to show beats"
-    return "" if found.half_beat is not None else "the chains have exchanged energy for less than half a beat"
+    return "" if shared.half_beat is not None else "the chains have exchanged energy for less than half a beat"
 
 
 def unlike(system: System, kicked: int) -> bool:
@@ -406,10 +409,10 @@ def last_springs(system: System, kicked: int) -> int:
     tied, rows = physics.tied_to(system, kicked), np.arange(1, system.beads + 1)
     last = 0
     for link in system.across:
-        edges = [edge for edge, (one, _) in enumerate(link.edges) if one in tied]
+        edges = [edge for edge, (chain, _) in enumerate(link.edges) if chain in tied]
         for value in link.law:
-            there = np.any(np.broadcast_to(value, (len(link.edges), system.beads))[edges] != 0.0, axis=0)
-            last = max(last, int(np.max(rows[there], initial=0)))
+            coupled = np.any(np.broadcast_to(value, (len(link.edges), system.beads))[edges] != 0.0, axis=0)
+            last = max(last, int(np.max(rows[coupled], initial=0)))
     return last
 
 

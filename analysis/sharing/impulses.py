@@ -49,16 +49,16 @@ class Impulses:
     Attributes:
         bead: number of the receiving bead of each row.
         first: impulse of the first contact (so far, if it still lasts), in units of m V; 0 where there was none.
-        whole: of all contacts together.
-        contacts: how many there were.
-        time: of the first contact, the mean over its force, in units of T; NaN where there was none.
-        imbalance: largest difference, over the rows, between the sum of ``whole`` over the chains and the momentum that
+        total: impulse of all contacts together, in units of m V.
+        contacts: number of contacts.
+        time: time of the first contact, the mean over its force, in units of T; NaN where there was none.
+        imbalance: largest difference, over the rows, between the sum of ``total`` over the chains and the momentum that
             the beads ahead gained, which are equal; NaN where not all beads are known, or momentum does not stay.
     """
 
     bead: Integers
     first: Floats
-    whole: Floats
+    total: Floats
     contacts: Integers
     time: Floats
     imbalance: float
@@ -67,12 +67,12 @@ class Impulses:
         """Position of the row in which a bead receives its impulse.
 
         Raises:
-            ValueError: it is not among them.
+            ValueError: the bead is not among those of the rows.
         """
-        found = np.flatnonzero(self.bead == bead)
-        if len(found) == 0:
+        positions = np.flatnonzero(self.bead == bead)
+        if len(positions) == 0:
             raise ValueError(f"bead {bead} and the bead behind it were not both recorded")
-        return int(found[0])
+        return int(positions[0])
 
 
 def compared_by_impulses(system: System) -> bool:
@@ -81,7 +81,7 @@ def compared_by_impulses(system: System) -> bool:
 
 
 def relative_difference(impulse: Floats) -> Floats:
-    """How unequal the chains of a row are: (largest - smallest) / mean of [chain, row]; NaN where nothing passed."""
+    """Relative difference of chains, [row]: (largest - smallest) / mean of impulses [chain, row]; NaN without any."""
     mean = impulse.mean(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(mean > 0.0, (impulse.max(axis=0) - impulse.min(axis=0)) / mean, np.nan)
@@ -106,7 +106,7 @@ class ImpulseMeter:
         self._pair = np.flatnonzero(np.diff(recorded) == 1)
         self._bead = recorded[self._pair] + 1
         shape = (problem.chains, len(self._pair))
-        self._first, self._whole, self._moment = np.zeros((3, *shape))
+        self._first, self._total, self._moment = np.zeros((3, *shape))
         self._contacts = np.zeros(shape, dtype=np.int64)
         self._over = np.zeros(shape, dtype=bool)
         self._start: Floats | None = None
@@ -136,10 +136,10 @@ class ImpulseMeter:
         if self.problem.recorded is None and self.problem.system.holds(Fact.MOMENTUM):
             gained = ((self._carried.velocity[0] - self._start) * self.problem.system.mass).sum(axis=0)
             ahead = np.cumsum(gained[::-1])[::-1][1:]
-            imbalance = float(np.max(np.abs(self._whole.sum(axis=0) - ahead)))
+            imbalance = float(np.max(np.abs(self._total.sum(axis=0) - ahead)))
         with np.errstate(invalid="ignore", divide="ignore"):
             time = self._moment / self._first
-        return Impulses(self._bead, self._first.copy(), self._whole.copy(), self._contacts.copy(), time, imbalance)
+        return Impulses(self._bead, self._first.copy(), self._total.copy(), self._contacts.copy(), time, imbalance)
 
     def _overlaps(self, block: Trajectory) -> Floats:
         x = block.displacement
@@ -177,7 +177,7 @@ class ImpulseMeter:
         still_first = before & ~over[frame, chain, pair]
         when = block.time[frame] + node[:, np.newaxis] * spacing
         for total, values in (
-            (self._whole, push),
+            (self._total, push),
             (self._first, push * still_first),
             (self._moment, push * still_first * when),
         ):
@@ -210,19 +210,19 @@ def from_events(problem: Problem, events: Collisions, direction: int = 1) -> Imp
     if direction < 0:
         row = problem.beads - 2 - row
     shape = (problem.chains, problem.beads - 1)
-    first, whole = np.zeros((2, *shape))
+    first, total = np.zeros((2, *shape))
     contacts = np.zeros(shape, dtype=np.int64)
     time = np.full(shape, np.nan)
-    np.add.at(whole, (chain, row), events.impulse)
+    np.add.at(total, (chain, row), events.impulse)
     np.add.at(contacts, (chain, row), 1)
     _, index = np.unique(chain * problem.beads + row, return_index=True)  # the first of each place
     first[chain[index], row[index]] = events.impulse[index]
     time[chain[index], row[index]] = events.time[index]
-    return Impulses(np.arange(2, problem.beads + 1), first, whole, contacts, time, 0.0)
+    return Impulses(np.arange(2, problem.beads + 1), first, total, contacts, time, 0.0)
 
 
 def _gauss(spacing: float) -> tuple[Floats, Floats]:
-    """Nodes and weights on 0 to 1 of four-node Gauss rules on panels of at most `PANEL`."""
+    """Nodes and weights, each [node], on 0 to 1 of four-node Gauss rules on panels of at most `PANEL`."""
     panels = max(1, int(np.ceil(spacing / PANEL * (1.0 - 1e-9))))
     node, weight = np.polynomial.legendre.leggauss(4)
     nodes = (np.arange(panels)[:, np.newaxis] + 0.5 + 0.5 * node) / panels

@@ -90,21 +90,21 @@ class Character:
 
 
 def measured_at(pulse: Pulse, problem: Problem, last_time: float, clear: Flags) -> int:
-    """Position in a pulse of the last passage that was recorded whole and that no end of the chain had disturbed.
+    """Position in a pulse of the last passage that was recorded completely and that no end had disturbed.
 
-    Where there is none, of the last recorded whole before the end that it runs to; else the last.
+    Where there is none, the last that was recorded completely before the end that the pulse runs to; else the last.
 
     Args:
-        pulse: which.
+        pulse: the pulse.
         problem: what was run.
-        last_time: of the frames.
-        clear: [passage] where it is clear of the ends (`analysis.tracking.undisturbed`).
+        last_time: time of the last frame, in units of T.
+        clear: [passage] whether it is clear of the ends (`analysis.tracking.undisturbed`).
     """
-    way = pulse.bead if pulse.direction > 0 else mirrored_bead(problem, pulse.bead)
+    position = pulse.bead if pulse.direction > 0 else mirrored_bead(problem, pulse.bead)
     with np.errstate(divide="ignore", invalid="ignore"):
         watched = np.ceil(REACH / wave_of(problem.system).speed_at(pulse.peak_velocity) / problem.every) + 1.0
         over = pulse.arrival + watched * problem.every
-    good = (way <= problem.beads - CLEAR) & (over < last_time)
+    good = (position <= problem.beads - CLEAR) & (over < last_time)
     if np.any(good & clear):
         good &= clear
     return int(np.flatnonzero(good)[-1]) if np.any(good) else len(pulse) - 1
@@ -119,7 +119,7 @@ def characterise(
     the same mass.
 
     Args:
-        pulse: which.
+        pulse: the pulse.
         at: position of the passage.
         shape: width, momentum, energy, its uncertainty, and residual of that passage.
         tolerances: what counts as equal.
@@ -137,8 +137,10 @@ def characterise(
         near = near[np.broadcast_to(mass == physics.mass_of(system, pulse.chain - 1, pulse.bead[at] - 1), near.shape)]
         shape, excess = {**shape, "residual": np.nan}, np.nan
     recent = pulse.peak_velocity[near]
-    way = np.abs(pulse.bead[near[0]] - pulse.bead[at])
-    variation = float(np.ptp(recent) / np.mean(recent)) if len(recent) > 1 and way > 0.5 * CONSTANT_OVER else np.nan
+    distance = np.abs(pulse.bead[near[0]] - pulse.bead[at])
+    variation = (
+        float(np.ptp(recent) / np.mean(recent)) if len(recent) > 1 and distance > 0.5 * CONSTANT_OVER else np.nan
+    )
     differences = {"shape": shape["residual"], "speed": abs(excess)} if exact else {"amplitude": variation}
     if np.isfinite(variation):  # else too few beads are recorded
         differences["amplitude"] = variation

@@ -54,7 +54,7 @@ HALF = 2.0
 
 @dataclass(frozen=True)
 class Survey:
-    """What is in a run.
+    """Waves, pulses and energies of a run.
 
     Attributes:
         problem: what was run.
@@ -98,8 +98,8 @@ class Survey:
 
 
 def _leads(pulse: Pulse, waves: Waves, direction: int) -> bool:
-    own = waves.of_chain(pulse.chain)
-    same = (own.bead == pulse.bead[-1]) & (own.time == pulse.arrival[-1])
+    in_chain = waves.of_chain(pulse.chain)
+    same = (in_chain.bead == pulse.bead[-1]) & (in_chain.time == pulse.arrival[-1])
     return pulse.direction == direction and bool(np.any(same))
 
 
@@ -120,7 +120,8 @@ def _distinct_from_sound(
     loaded = LoadedSpeed(problem.system)
     keep = [_leads(track, waves, direction) or ahead_of_sound(track, loaded) for track in tracks]
     pulses, crests = (
-        tuple(track for track, kept in zip(tracks, keep, strict=True) if kept == wanted) for wanted in (True, False)
+        tuple(track for track, is_pulse in zip(tracks, keep, strict=True) if is_pulse == wanted)
+        for wanted in (True, False)
     )
     return pulses, crests
 
@@ -152,19 +153,19 @@ def survey(
         ValueError: there was no frame.
     """
     system = problem.system
-    finders = {way: PeakFinder(direction=way) for way in (1, -1)}
+    finders = {sign: PeakFinder(direction=sign) for sign in (1, -1)}
     window = _Window()
     counts = counted if physics.exchanges(system) and problem.whole else None
     meter = meter_of(problem) if impulses is None else None
     watching = [*watchers, window, *finders.values(), *([] if meter is None else [meter])]
     last_time, energy = _first_reading(read, watching, counts)
     impulses = impulses if meter is None else meter.result()
-    peaks = {way: finder.result() for way, finder in finders.items()}
+    peaks = {sign: finder.result() for sign, finder in finders.items()}
 
     direction = direction_of(problem)
     along = problem if direction > 0 else mirrored_problem(problem)
     tracks = once_each(
-        tuple(pulse for way in (1, -1) for pulse in track_pulses(window.near_the_front(peaks[way]), problem)),
+        tuple(pulse for sign in (1, -1) for pulse in track_pulses(window.near_the_front(peaks[sign]), problem)),
         wave_of(system),
     )
     arrival = usual_arrival(problem) if arrival is None else arrival
@@ -226,18 +227,18 @@ def _of_waves(shapes: Shape, chosen: Integers, sharp: Flags) -> Shape:
 
 
 def _of_one_pulse(shapes: Shape, passages: Passages, pulses: tuple[Pulse, ...], problem: Problem) -> Shape:
-    """Shapes whose energy is not known where another pulse has part of what is near the peak."""
+    """Shapes with the energy NaN where another pulse has part of the energy near the peak."""
     energy, error = shapes.energy.copy(), shapes.energy_error.copy()
     for chain in range(1, problem.chains + 1):
-        own = passages.chain == chain
-        bead, time = passages.bead[own], passages.arrival[own]
+        in_chain = passages.chain == chain
+        bead, time = passages.bead[in_chain], passages.arrival[in_chain]
         clear = clear_of_others(chain, bead, time, pulses, problem.every, reach(problem) + HALF)
-        energy[own], error[own] = np.where(clear, [energy[own], error[own]], np.nan)
+        energy[in_chain], error[in_chain] = np.where(clear, [energy[in_chain], error[in_chain]], np.nan)
     return replace(shapes, energy=energy, energy_error=error)
 
 
 def _of_others(bead: Integers, waves: Waves, pulses: tuple[Pulse, ...], problem: Problem, direction: int) -> Flags:
-    """[bead, chain] where the same holds of leading waves at beads counted along their way."""
+    """[bead, chain] whether another pulse is near a leading wave, at beads counted along its way."""
     bead = bead if direction > 0 else mirrored_bead(problem, bead)
     time = np.full((problem.beads + 1, problem.chains), np.nan)
     time[waves.bead, waves.chain - 1] = waves.time
@@ -250,7 +251,7 @@ def _of_others(bead: Integers, waves: Waves, pulses: tuple[Pulse, ...], problem:
 
 
 class _Window:
-    """Where a window is over time."""
+    """First bead of the front half of a window over time."""
 
     def __init__(self) -> None:
         self._time: list[float] = []
@@ -262,7 +263,7 @@ class _Window:
         self._bead.append(int(near_the_front(block).beads[0]))
 
     def near_the_front(self, peaks: Peaks) -> Peaks:
-        """The maxima that whole chains have too."""
+        """The maxima in the front half of the window, which those of complete chains agree with."""
         since = np.searchsorted(self._time, peaks.time, side="right") - 1
         return peaks.where(peaks.bead >= np.array(self._bead)[since])
 
@@ -284,12 +285,21 @@ def _first_reading(
 
 
 def _passages(waves: Waves, direction: int, pulses: tuple[Pulse, ...], at: list[int]) -> Passages:
-    """Those of leading waves, followed by one of each pulse, at the positions given."""
-    way = np.full(len(waves), direction)
-    leading = waves.chain, waves.bead, waves.time, waves.peak_velocity, waves.speed, way, waves.arrival_error
+    """Passages of leading waves, followed by one of each pulse, at its position in ``at``."""
+    directions = np.full(len(waves), direction)
+    leading = waves.chain, waves.bead, waves.time, waves.peak_velocity, waves.speed, directions, waves.arrival_error
     parts = [Passages(*leading)]
     for pulse, k in zip(pulses, at, strict=True):
-        one = pulse.where([k])
-        chain, way = np.array([pulse.chain]), np.array([pulse.direction])
-        parts.append(Passages(chain, one.bead, one.arrival, one.peak_velocity, one.speed, way, one.arrival_error))
+        passage = pulse.where([k])
+        parts.append(
+            Passages(
+                chain=np.array([pulse.chain]),
+                bead=passage.bead,
+                arrival=passage.arrival,
+                peak_velocity=passage.peak_velocity,
+                speed=passage.speed,
+                direction=np.array([pulse.direction]),
+                arrival_error=passage.arrival_error,
+            )
+        )
     return together(parts)

@@ -66,7 +66,7 @@ def expected_n_star(kappa: float, springs: int = 1) -> float:
 
 
 def stiffness_of_springs(problem: Problem, chain: int) -> float | None:
-    """Of all springs of a chain (from 0) together; None where they are not linear, or not the same in all rows."""
+    """Stiffness of all springs of a chain (from 0) together; None if they are not linear or differ from row to row."""
     total = 0.0
     for link in problem.system.across:
         if not isinstance(link.law, Linear):
@@ -108,12 +108,12 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
     used = np.flatnonzero(ahead)[: None if len(ended) == 0 else int(ended[0] - np.argmax(ahead))]
     if len(used) < LEAST_BEADS:
         return None
-    way, amplitude = (shared.bead[used] - kicked_bead).astype(float), shared.amplitude[used, chain]
-    (slope, intercept), covariance = np.polyfit(way, amplitude**0.4, 1, cov=True)
+    distance, amplitude = (shared.bead[used] - kicked_bead).astype(float), shared.amplitude[used, chain]
+    (slope, intercept), covariance = np.polyfit(distance, amplitude**0.4, 1, cov=True)
     if slope >= 0.0:
         return None
     n_star = float(-intercept / slope)
-    law = (intercept + slope * way) ** 2.5
+    law = (intercept + slope * distance) ** 2.5
     relative = covariance[0, 0] / slope**2 + covariance[1, 1] / intercept**2
     relative -= 2.0 * covariance[0, 1] / (slope * intercept)
     return DecayFit(
@@ -137,7 +137,7 @@ chains. Farther ahead, and at weaker couplings, it was off by up to 1.3 times th
 
 
 class EquipartitionState(Enum):
-    """What a run shows."""
+    """State of equipartition of a run."""
 
     EQUAL = "equipartitioned and synchronised"
     BEATING = "beating"
@@ -150,11 +150,11 @@ class EquipartitionState(Enum):
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a run shows of equipartition.
+    """Equipartition of a run.
 
     Attributes:
-        state: in one word.
-        sentence: for people.
+        state: the state.
+        sentence: the state and its numbers, in a sentence.
         since: bead from which on amplitudes and arrivals agree to 1%; None if they do not.
         expected: bead from which on the amplitudes may be expected to agree to 1%, where they do not yet; always ahead
             of the last one seen; None if nothing is known.
@@ -168,9 +168,9 @@ class Verdict:
 
 def verdict_on(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     """The verdict on a run. Equality must have lasted for half a beat to count."""
-    found = _without_exchange(shared, problem) or _of_waves(shared, problem, decay)
+    verdict = _without_exchange(shared, problem) or _of_waves(shared, problem, decay)
     if (
-        found.state in (EquipartitionState.BEATING, EquipartitionState.SHORT)
+        verdict.state in (EquipartitionState.BEATING, EquipartitionState.SHORT)
         and len(shared)
         and unlike(problem.system, shared.kicked)
     ):
@@ -179,19 +179,19 @@ def verdict_on(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Ver
             f"the chains are {EquipartitionState.UNLIKE.value}: at bead {shared.bead[-1]} {shared.compared} differ by "
             f"{shared.mismatch[-1]:.1%}, and no agreement to 1% has lasted for half a beat",
         )
-    return found
+    return verdict
 
 
 def _verdict(
-    state: EquipartitionState, what: str, since: int | None = None, expected: Estimate | None = None
+    state: EquipartitionState, reason: str, since: int | None = None, expected: Estimate | None = None
 ) -> Verdict:
-    """One whose sentence begins with its state."""
+    """Verdict whose sentence begins with its state."""
     subject = "equipartition " if state is EquipartitionState.NO_PULSE else ""
-    return Verdict(state, f"{subject}{state.value}: {what}", since, expected)
+    return Verdict(state, f"{subject}{state.value}: {reason}", since, expected)
 
 
 def _without_exchange(shared: Sharing, problem: Problem) -> Verdict | None:
-    """Where there is no pulse, or no exchange of its energy."""
+    """Verdict where there is no pulse, or no exchange of its energy; else None."""
     system = problem.system
     if not system.holds(Fact.PULSE):
         return _verdict(EquipartitionState.NO_PULSE, physics.why_no_pulse(system))
@@ -207,35 +207,35 @@ def _without_exchange(shared: Sharing, problem: Problem) -> Verdict | None:
 def _of_waves(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     if len(shared) == 0:
         last = problem.beads - CLEAR
-        what = f"no bead between the kick and bead {last} was passed in every chain, "
+        text = f"no bead between the kick and bead {last} was passed in every chain, "
         if last <= physics.largest_excitation(problem.system)[1]:
-            what = f"no bead beyond the kick lies {CLEAR} beads before the end of the chains, "
-        return _too_short(f"{what}so amplitudes cannot be compared", _by_rule(problem, 0), None)
+            text = f"no bead beyond the kick lies {CLEAR} beads before the end of the chains, "
+        return _too_short(f"{text}so amplitudes cannot be compared", _by_rule(problem, 0), None)
     last, differ = int(shared.bead[-1]), f"{shared.compared} differ by {shared.mismatch[-1]:.1%}"
     expected = _expected(shared, problem)
     if not resolved(shared, problem.system):
         if compared_by_impulses(problem.system):
-            what = "chains with gaps are compared by impulses, which are known only where all beads are recorded"
-            return _verdict(EquipartitionState.UNSURE, what)
+            text = "chains with gaps are compared by impulses, which are known only where all beads are recorded"
+            return _verdict(EquipartitionState.UNSURE, text)
         apart = int(np.diff(shared.bead).max())
-        what = f"the compared beads lie up to {apart} apart, too far to see beats; at bead {last} {differ}"
-        return _too_short(what, expected, decay)
+        text = f"the compared beads lie up to {apart} apart, too far to see beats; at bead {last} {differ}"
+        return _too_short(text, expected, decay)
     level, in_step = shared.agrees_from(AGREEMENT), shared.in_step_from(AGREEMENT)
     if level is not None and (doubt := _doubt(shared)):
         return _verdict(EquipartitionState.UNSURE, doubt)
     if level is not None and in_step is not None:
-        what = (
+        text = (
             f"{shared.compared} agree to 1% from bead {level} on, arrivals to 1% of the passage time "
             f"from bead {in_step} on (observed to bead {last})"
         )
-        return _verdict(EquipartitionState.EQUAL, what, max(level, in_step))
+        return _verdict(EquipartitionState.EQUAL, text, max(level, in_step))
     if (end := last_springs(problem.system, shared.kicked)) + CLEAR < last:
-        what = f"{EquipartitionState.ALONE.value} beyond row {end}, where springs end; at bead {last} {differ}"
-        return Verdict(EquipartitionState.ALONE, what)
+        text = f"{EquipartitionState.ALONE.value} beyond row {end}, where springs end; at bead {last} {differ}"
+        return Verdict(EquipartitionState.ALONE, text)
     beat = shared.beat_length
     if beat is None and (largest := float(np.max(shared.mismatch))) < AGREEMENT:
-        what = f"no beat is seen from bead {shared.bead[0]} to {last}, where {shared.compared} agree to {largest:.1%}"
-        return _too_short(what, None, None)
+        text = f"no beat is seen from bead {shared.bead[0]} to {last}, where {shared.compared} agree to {largest:.1%}"
+        return _too_short(text, None, None)
     if beat is None:
         return _too_short(f"no complete half beat is observed to bead {last}, where {differ}", expected, decay)
     recent = shared.bead >= last - 0.5 * beat.value
@@ -243,15 +243,15 @@ def _of_waves(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verd
     if (regular := shared.regular_beat) is not None:
         beats = f"beats of {regular.value:.1f} +- {regular.uncertainty:.1f} beads"
     if level is not None:
-        what = f"{shared.compared} agree to 1% from bead {level} on, but arrivals differ by up to "
-        what += f"{np.nanmax(shared.spread[recent]):.1%} of the wave's passage over the last half beat; {beats}"
-        return _verdict(EquipartitionState.BEATING, what)
-    what = f"{shared.compared} differ by up to {shared.mismatch[recent].max():.2%} over the last half beat"
-    return _verdict(EquipartitionState.BEATING, f"{what} to bead {last}, {beats}{_about(expected)}", expected=expected)
+        text = f"{shared.compared} agree to 1% from bead {level} on, but arrivals differ by up to "
+        text += f"{np.nanmax(shared.spread[recent]):.1%} of the wave's passage over the last half beat; {beats}"
+        return _verdict(EquipartitionState.BEATING, text)
+    text = f"{shared.compared} differ by up to {shared.mismatch[recent].max():.2%} over the last half beat"
+    return _verdict(EquipartitionState.BEATING, f"{text} to bead {last}, {beats}{_about(expected)}", expected=expected)
 
 
 def _doubt(shared: Sharing) -> str:
-    """Why agreement to 1% cannot be determined from these waves; empty if it can."""
+    """Reason why agreement to 1% cannot be determined from these waves; empty if it can."""
     amplitude, arrival = shared.uncertainties()
     if arrival == math.inf:
         return "beads fly freely when they are fastest, so that arrivals at the maximum are not defined"
@@ -263,11 +263,11 @@ def _doubt(shared: Sharing) -> str:
     return ""
 
 
-def _too_short(what: str, expected: Estimate | None, decay: DecayFit | None) -> Verdict:
+def _too_short(text: str, expected: Estimate | None, decay: DecayFit | None) -> Verdict:
     fading = ""
     if decay is not None:
         fading = f"; the pulse in the kicked chain decays, towards zero {decay.n_star:.0f} beads from the kick"
-    return _verdict(EquipartitionState.SHORT, f"{what}{_about(expected)}{fading}", expected=expected)
+    return _verdict(EquipartitionState.SHORT, f"{text}{_about(expected)}{fading}", expected=expected)
 
 
 def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
@@ -284,9 +284,9 @@ def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
     )
     if problem.chains > 4:  # a kicked chain among many first shares with its neighbours, and only later with all
         tried &= all(chain in (1, problem.chains) for chain, _, _ in physics.excitations(system))
-    found = shared.expected_agreement(AGREEMENT) if tried else None
-    if found is not None and last < found.value <= (1.0 + NEAR) * last:
-        return found
+    by_beats = shared.expected_agreement(AGREEMENT) if tried else None
+    if by_beats is not None and last < by_beats.value <= (1.0 + NEAR) * last:
+        return by_beats
     return _by_rule(problem, last)
 
 

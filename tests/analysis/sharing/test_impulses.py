@@ -53,7 +53,7 @@ def rigid(**changes):
 def test_a_bead_hands_all_its_momentum_on(every, error):
     found = hertz(every=every)
     assert found.first == pytest.approx(1.0, abs=error)
-    assert found.whole == found.first
+    assert found.total == found.first
     assert found.contacts == 1
     assert found.bead.tolist() == [2]
 
@@ -67,7 +67,7 @@ def test_a_contact_at_another_speed_scales():
     slow = make_problem(beads=3, gap=12.0, kicks=((1, 1, 1.0), (1, 3, -0.5)), duration=60.0)
     found = measure(slow, blocks(slow))
     # bead 2 gets 1, hands it on and gets -1/2 instead, and hands that on to bead 1
-    assert found.whole[0] == pytest.approx([1.5, 1.5], abs=2.0 * ERROR)
+    assert found.total[0] == pytest.approx([1.5, 1.5], abs=2.0 * ERROR)
 
 
 @pytest.mark.parametrize("source", [hertz, rigid])
@@ -75,7 +75,7 @@ def test_first_and_later_contacts_are_told_apart(source):
     found = source(beads=3, kicks=TWICE, gap=5.0, duration=60.0)
     error = 2.0 * ERROR if source is hertz else 1e-15
     np.testing.assert_allclose(found.first[0], [0.8, 1.0], rtol=0, atol=error)
-    np.testing.assert_allclose(found.whole[0], [1.0, 1.0], rtol=0, atol=error)
+    np.testing.assert_allclose(found.total[0], [1.0, 1.0], rtol=0, atol=error)
     assert found.contacts.tolist() == [[2, 1]]
 
 
@@ -125,7 +125,7 @@ def test_impulses_are_the_same_bit_for_bit_wherever_the_blocks_are_cut(size):
     whole = joined(blocks(problem))
     once = measure(problem, [whole])
     cut = measure(problem, [whole[start : start + size] for start in range(0, whole.frames, size)])
-    for name in ("first", "whole", "time"):
+    for name in ("first", "total", "time"):
         np.testing.assert_array_equal(getattr(cut, name), getattr(once, name))
     np.testing.assert_array_equal(cut.contacts, once.contacts)
 
@@ -149,7 +149,7 @@ def test_without_frames_there_is_nothing_to_measure():
 def test_what_was_never_struck_has_no_impulse_and_no_time():
     for found in (hertz(beads=5, duration=4.0), rigid(beads=5, duration=2.5)):
         assert found.contacts[0].tolist() == [1, 1, 0, 0] or found.contacts[0].tolist() == [1, 0, 0, 0]
-        assert found.first[0, -1] == found.whole[0, -1] == 0.0
+        assert found.first[0, -1] == found.total[0, -1] == 0.0
         assert math.isnan(found.time[0, -1])
 
 
@@ -174,4 +174,4 @@ def test_gapped_hertz_rows_have_the_published_impulses(kappa, gap, bead, publish
     duration = bead * (gap / 0.5 + 1.5) + 40.0
     found = hertz(chains=2, beads=bead + 5, kappa=kappa, gap=gap, duration=duration, every=0.2)
     np.testing.assert_allclose(found.first[:, found.row(bead)], published, rtol=0, atol=5e-4)
-    assert found.first[:, found.row(bead)] == pytest.approx(found.whole[:, found.row(bead)], abs=1e-12)
+    assert found.first[:, found.row(bead)] == pytest.approx(found.total[:, found.row(bead)], abs=1e-12)

@@ -66,7 +66,7 @@ def test_the_relative_mode_of_a_known_decay_is_found():
     impulses = study.hertz_impulses(study.problem_at(THETA_OF_EQ_5, 1.0, 40))
     decay = 0.3 * np.exp(-impulses.bead / 7.0)
     known = impulses.__class__(
-        impulses.bead, np.array([1.0 + decay, 1.0 - decay]), impulses.whole, impulses.contacts, impulses.time, 0.0
+        impulses.bead, np.array([1.0 + decay, 1.0 - decay]), impulses.total, impulses.contacts, impulses.time, 0.0
     )
     found = study.relative_mode(known, 5, 40)
     assert found.rows_per_e == pytest.approx(7.0, rel=1e-9)
