@@ -173,7 +173,7 @@ class Conservation:
         energy_drift: relative to the largest energy input; what dashpots have dissipated is added. NaN where
             not all beads are recorded, as in a window, and where the energy exchanged is unknown.
         momentum_drift: relative to the sum of the absolute momenta of kicks and forces from outside, from when these
-            are over; NaN likewise.
+            are over; NaN where not all beads are recorded.
         frames: number of frames seen.
         last_time: time of the last of them, in units of T.
         budget: where the energy is; None where that is not known, and where none is exchanged.

@@ -50,7 +50,7 @@ class QuantityColumn:
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a field holds.
+    """Definition of the quantity that a field holds.
 
     Attributes:
         meaning: definition, in a sentence.

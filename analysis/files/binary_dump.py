@@ -280,7 +280,7 @@ def _field(raw: Bytes, at: int, kind: str, count: int) -> NDArray[Any]:
 
 
 def _fixed(layout: DumpLayout) -> Flags:
-    """Which bytes of the header are the same in all frames of this layout."""
+    """Mask, [byte], of the header's bytes that are the same in all frames of this layout."""
     mask = np.ones(layout.header, dtype=bool)
     mask[STEP_AT : STEP_AT + 8] = False
     mask[BOX_AT : BOX_AT + 48] = False

@@ -114,7 +114,7 @@ class ForceTable:
 
 @dataclass(frozen=True)
 class Readings:
-    """What the gauges read, dimensionless.
+    """Forces that the gauges read, and numbers of them, dimensionless.
 
     Attributes:
         gauges: the gauges.

@@ -146,7 +146,7 @@ def _loss(damper: Any, place: int, gap: float) -> Callable[[Floats, Floats, Inte
 
 
 def at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool = True) -> Floats:
-    """What gauges read at the frames of a run, [frame, chain, gauge]; the beads they need must be recorded."""
+    """Forces of gauges at the frames of a run, [frame, chain, gauge] in m V / T; their beads must be recorded."""
     force = np.zeros((block.frames, block.problem.chains, len(gauges)))
     for place, gauge in enumerate(gauges):
         for probe in gauge.probes:
@@ -334,7 +334,7 @@ def excursion(time: Floats, values: Floats, at: float, level: float) -> tuple[fl
 
 
 def complaint(channel: Channel, problem: Problem) -> str | None:
-    """Why a problem has no such channel; None if it has."""
+    """Reason why a problem has no such channel; None if it has."""
     beads = problem.beads
     if not 1 <= channel.chain <= problem.chains:
         return f"the scene has chains 1 to {problem.chains}"

@@ -51,7 +51,7 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
 
     @classmethod
     def get_supported_backends(cls) -> tuple[str, ...]:
-        """How it can be run."""
+        """Backends of MDAnalysis with which the analysis can be run."""
         return ("serial", "multiprocessing")
 
     def _get_aggregator(self) -> ResultsGroup:

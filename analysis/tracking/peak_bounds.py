@@ -221,7 +221,7 @@ def unfollowed(power: float, away: Floats, between: Flags) -> Floats:
 
 @lru_cache
 def _table(power: float) -> tuple[Floats, Floats, Floats]:
-    """Where forces begin, in frames, and the errors."""
+    """Beginnings of forces, in frames, and the errors of velocity and slope by them, each [beginning]."""
     near = np.geomspace(NEAREST, 0.5, 60)
     begin = np.concatenate([-np.geomspace(FARTHEST, NEAREST, 100), near, 1.0 - near[::-1]])
 
@@ -397,7 +397,7 @@ def _states(
 def _pushed(
     load: Load, times: Floats, fit: Callable[[Floats], tuple[Floats, Floats]], low: Floats, high: Floats
 ) -> Floats:
-    """How far a fit is off to what a force alone gives a bead of mass 1, as `Brackets.kink`.
+    """Errors of a fit to the motion of a bead of mass 1 by a force alone, as `Brackets.kink`.
 
     Times are [node, maximum].
     """

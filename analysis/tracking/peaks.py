@@ -139,7 +139,7 @@ class PeakFinder:
         self._brackets = [no_maxima()]
 
     def take_over(self, later: "PeakFinder") -> None:
-        """Continue from another one, given the same frames last, which dropped what it had found, and found more."""
+        """Add the maxima that another finder has found since its `forget`, and continue after its frames."""
         self._brackets += later._brackets
         self._carried = later._carried
 

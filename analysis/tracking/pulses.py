@@ -289,7 +289,7 @@ class Train(Columns):
 def train_of(
     pulses: Iterable[Pulse], chain: int, direction: int, bead: int, exact: SolitaryWave | None = None
 ) -> Train:
-    """Those pulses of a chain, running one way, that were seen at a bead.
+    """Pulses of a chain in one direction that were found at a bead.
 
     Of those that are nearer to each other than the exact wave passes at half its height, as light and heavy beads see
     one and the same, the highest counts.
