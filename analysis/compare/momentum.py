@@ -59,10 +59,7 @@ class MomentumTerm:
 
 @dataclass(frozen=True, eq=False)
 class LinkImpulses:
-    """Links of one law and their impulses, [interval, ...] as the links have their forces.
-
-    ``scene``: see `MomentumTerm`.
-    """
+    """Links of one law and their impulses, [interval, ...] as the forces of links; ``scene``: see `MomentumTerm`."""
 
     name: str
     link: Link
