@@ -138,7 +138,7 @@ class Study:
             write_figure(directory, name, figure)
 
     def mark(self, directory: Path, *, done: bool) -> None:
-        """Record in ``run.json``, as `opened` does, which command made a directory and whether the study is finished."""
+        """Record in ``run.json``, as `opened` does, the command of a directory and whether the study is finished."""
         study = job.StudyRecord(command=self.command, done=done, result=self.result, resume=self.resume)
         job.update(directory, study=study.plain())
 

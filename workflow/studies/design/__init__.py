@@ -1,4 +1,6 @@
-"""Scenes that do something best: `file.py` (what a user writes; fields and how a search moves them), `search.py`
-(designs on all cores, each once), `result.py` (the result; manufacturing tolerances), `study.py` (all of it, with LAMMPS
-for the best), `report.py` (the page).
+"""Scenes that minimise or maximise a quantity.
+
+`file.py`: the design file; fields and how a search changes them. `search.py`: the search, on all cores, each design
+once. `result.py`: the result; manufacturing tolerances. `study.py`: the study, with LAMMPS for the best. `report.py`:
+the page.
 """
