@@ -108,18 +108,25 @@ LEAST_ERROR = 1e-8
 class RunOutcome:
     """Outcome of one cell of the report; errors are the largest of any velocity."""
 
-    axis: str = declare("what is extreme", digits="")
-    value: str = declare("its value", digits="")
+    axis: str = declare("quantity at an extreme", digits="")
+    value: str = declare("value of this quantity", digits="")
     kind: str = declare("one of RIGHT, REPORTED, REFUSED, STOPPED, WRONG", digits="", head="ends")
-    why: str = declare("what the kind rests on")
-    asked: float = declare("largest error that was asked for", "V", digits=".1e")
-    error: float | None = declare("found by a finer reference", "V", "no run was completed", digits=".1e", default=None)
-    uncertainty: float | None = declare("of that", "V", "no run was completed", default=None)
+    why: str = declare("reason for the kind")
+    asked: float = declare("largest error that was requested", "V", digits=".1e")
+    error: float | None = declare(
+        "error against a more accurate reference", "V", "no run was completed", digits=".1e", default=None
+    )
+    uncertainty: float | None = declare("uncertainty of this error", "V", "no run was completed", default=None)
     reported: float | None = declare(
         "error that the run reports", "V", "no run was completed", digits=".1e", default=None
     )
     reported_uncertainty: float | None = declare(
-        "of that", "V", "no run was completed", digits=".1e", head="uncertainty", default=None
+        "uncertainty of the reported error",
+        "V",
+        "no run was completed",
+        digits=".1e",
+        head="uncertainty",
+        default=None,
     )
     steps: int | None = declare("time steps", "", "no run was completed", digits=",d", default=None)
     seconds: float = declare("time of the run and its comparison", "s", digits=".1f", default=0.0)

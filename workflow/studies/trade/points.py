@@ -136,7 +136,7 @@ class Order:
 
     method: str = declare("engine and scheme", digits="")
     order: float = declare("slope by regression", digits=".2f")
-    standard_error: float = declare("of the order", "", "two points", digits=".2f")
+    standard_error: float = declare("standard error of the order", "", "two points", digits=".2f")
     low: float = declare("smallest step of the regression", "time", digits=".4g")
     high: float = declare("largest step of the regression", "time", digits=".4g")
     points: int = declare("number of settings", digits="d")

@@ -68,13 +68,19 @@ class PrintedSetting:
     timestep: float = declare("time step", "time")
     every: float = declare("time between frames", "time")
     velocity_error: float = declare("largest error of a velocity", "V", digits=".1e", head="velocity")
-    amplitude_error: float = declare("the same of the leading pulse's peaks", "V", digits=".1e", head="amplitude")
-    arrival_error: float = declare("the same of its arrivals", "T", digits=".1e", head="arrival")
-    forces: int = declare("evaluations of all forces", digits=".3g")
-    seconds: float = declare("median of the time loop with its frames, first call apart", "s", digits=".3g", head="s")
-    seconds_min: float = declare("least of these", "s", digits=".2g", head="min")
-    seconds_max: float = declare("largest of these", "s", digits=".2g", head="max")
-    first: float = declare("first call with its start", "s", digits=".2g")
+    amplitude_error: float = declare(
+        "largest error of a peak velocity of the leading pulse", "V", digits=".1e", head="amplitude"
+    )
+    arrival_error: float = declare(
+        "largest error of an arrival of the leading pulse", "T", digits=".1e", head="arrival"
+    )
+    forces: int = declare("number of evaluations of all forces", digits=".3g")
+    seconds: float = declare(
+        "median time of the time loop with its frames, without the first call", "s", digits=".3g", head="s"
+    )
+    seconds_min: float = declare("least time of the time loop", "s", digits=".2g", head="min")
+    seconds_max: float = declare("largest time of the time loop", "s", digits=".2g", head="max")
+    first: float = declare("time of the first call with its start", "s", digits=".2g")
     front: str = declare("* on the Pareto front of the velocities' error and time", digits="")
 
 
