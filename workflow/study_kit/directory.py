@@ -1,4 +1,4 @@
-"""What a study is: a plan of cases, their evaluation, and a report, in one directory.
+"""Study: a plan of cases, their evaluation, and a report, in one directory.
 
 ::
 
@@ -56,13 +56,13 @@ class Study:
     """The directory of one kind of study.
 
     Attributes:
-        command: that makes it.
-        result: what to look at once it is finished, for ``granchain status``.
+        command: name of the command that makes the directory.
+        result: what to look at once the study is finished, for ``granchain status``.
         tables: names of the files of text that it writes: CSV, JSON, HTML.
         figures: names of its figures, without suffix.
         cache: name of the file that holds the values of cases; empty for none.
         others: names of further files and folders that it makes.
-        resume: what to do where it is not finished, for ``granchain status``.
+        resume: what to do where the study is not finished, for ``granchain status``.
     """
 
     command: str
@@ -75,19 +75,19 @@ class Study:
 
     @property
     def files(self) -> tuple[str, ...]:
-        """Names of all that it makes in the directory."""
+        """Names of all files and folders that the study makes in the directory."""
         cache = (self.cache,) if self.cache else ()
         return (*self.tables, *figure_files(*self.figures), *cache, *self.others)
 
     @contextlib.contextmanager
     def opened(self, directory: Path | None) -> Iterator[StoredResults]:
-        """Create or resume a directory for the time of a block; the values of cases that are in it.
+        """Create or resume a directory for the time of a block, which gets the stored values of its cases.
 
         Args:
-            directory: finished where the block ends without an exception; None writes nothing.
+            directory: marked as finished where the block ends without an exception; None writes nothing.
 
         Raises:
-            InputError: it cannot be written, is in use, or holds such a file of somebody else's.
+            InputError: the directory cannot be written, is in use, or has a file of such a name that is not a study's.
         """
         if directory is None:
             yield StoredResults(None)
@@ -102,17 +102,18 @@ class Study:
 
     @contextlib.contextmanager
     def evaluating(self, directory: Path | None, jobs: int | None = None) -> Iterator[Callable[..., list[Any]]]:
-        """As `opened`, with worker processes and a bar of progress: a function from cases to their values.
+        """Create or resume a directory with worker processes and a progress bar for the time of a block.
 
-        It may be called as often as a search plans. Its options are ``of`` and ``words``, how many cases there may be
-        and what else the bar says, and ``failed`` (`workflow.workers.evaluate.values`).
+        The block gets a function from cases to their values, which it may call as often as a search plans. Options of
+        the function are ``of`` and ``words``, how many cases there may be and what else the bar says, and ``failed``
+        (`workflow.workers.evaluate.values`).
 
         Args:
-            directory: as of `opened`.
+            directory: see `opened`.
             jobs: cases at a time; None for all cores.
 
         Raises:
-            InputError: as `opened`.
+            InputError: see `opened`.
         """
         done, pool = 0, Pool(jobs, interrupt=True)
         with self.opened(directory) as cache, count_bar(self.command) as bar, pool:
@@ -123,21 +124,21 @@ class Study:
                 def show(now: int, total: int, bad: int) -> None:
                     bar(done + now, of or done + total, words or bad)
 
-                found = values(cases, cache, pool=pool, progress=show, **options)
-                done += len(found)
-                return found
+                evaluated_values = values(cases, cache, pool=pool, progress=show, **options)
+                done += len(evaluated_values)
+                return evaluated_values
 
             yield evaluated
 
     def write(self, directory: Path, tables: Mapping[str, str], figures: "Mapping[str, Figure] | None" = None) -> None:
-        """Write tables by name, and figures by name without suffix, whole or not at all."""
+        """Write tables by name, and figures by name without suffix; each file completely or not at all."""
         for name, text in tables.items():
             write_text(directory / name, text)
         for name, figure in (figures or {}).items():
             write_figure(directory, name, figure)
 
     def mark(self, directory: Path, *, done: bool) -> None:
-        """Record in ``run.json`` which command made a directory, and whether it is finished; `opened` does so."""
+        """Record in ``run.json``, as `opened` does, the command of a directory and whether the study is finished."""
         study = job.StudyRecord(command=self.command, done=done, result=self.result, resume=self.resume)
         job.update(directory, study=study.plain())
 
@@ -145,7 +146,13 @@ class Study:
 def to_csv(
     kind: "type[DataclassInstance]", records: "Sequence[DataclassInstance]", scale: Scale = DIMENSIONLESS
 ) -> str:
-    """One line a record, columns as the fields of their kind; in the units of a scale where these are declared."""
+    """CSV text, a line for each record and a column for each field of their kind.
+
+    Args:
+        kind: class of the records.
+        records: its instances.
+        scale: units of the fields that declare one.
+    """
     units = {field.name: _declared(kind, field.name).unit for field in fields(kind)}
     head = [scale.heading(name, unit) for name, unit in units.items()]
     rows = [[_measured(record, name, unit, scale) for name, unit in units.items()] for record in records]
@@ -155,18 +162,21 @@ def to_csv(
 def print_records(
     title: str, kind: "type[DataclassInstance]", records: "Sequence[DataclassInstance]", scale: Scale = DIMENSIONLESS
 ) -> None:
-    """A table on standard output of the columns that declare ``digits`` (`analysis.quantity.Quantity`), likewise."""
-    shown = {name: one for name, (one, _) in quantity.declared(kind).items() if one.digits is not None}
+    """Print a table of the columns that declare ``digits`` (`analysis.quantity.Quantity`), in the units of a scale."""
+    shown = {name: column for name, (column, _) in quantity.declared(kind).items() if column.digits is not None}
     rows = [
-        [quantity.cell(_measured(record, name, one.unit, scale), one.digits or "") for name, one in shown.items()]
+        [
+            quantity.cell(_measured(record, name, column.unit, scale), column.digits or "")
+            for name, column in shown.items()
+        ]
         for record in records
     ]
-    print_table(title, [scale.heading(one.head or name, one.unit) for name, one in shown.items()], rows)
+    print_table(title, [scale.heading(column.head or name, column.unit) for name, column in shown.items()], rows)
 
 
 def _declared(kind: "type[DataclassInstance]", name: str) -> quantity.Quantity:
-    own = quantity.declared(kind)
-    return own[name][0] if name in own else quantity.Quantity("")
+    columns = quantity.declared(kind)
+    return columns[name][0] if name in columns else quantity.Quantity("")
 
 
 def _measured(record: "DataclassInstance", name: str, unit: str, scale: Scale) -> Any:
@@ -185,7 +195,7 @@ def csv_text(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str
 
 
 def floats(values: Sequence[Any]) -> Floats:
-    """Numbers for a figure; NaN where there is none."""
+    """Numbers for a figure, [value], in the unit of the values; NaN for None."""
     return np.array([math.nan if value is None else float(value) for value in values], dtype=np.float64)
 
 
@@ -200,16 +210,16 @@ def kept_run(scene: Scene, engine: str, path: Path) -> RunDirectory:
     """Run a scene, or take the run that an earlier start finished.
 
     Args:
-        scene: what to run.
-        engine: its name.
-        path: of its run directory.
+        scene: the scene.
+        engine: name of the engine.
+        path: run directory.
 
     Raises:
         RunError: the run failed.
     """
-    kept = _finished(path, scene, engine)
-    if kept is not None:
-        return kept
+    finished = _finished(path, scene, engine)
+    if finished is not None:
+        return finished
     done = run(scene, path, engine=engine, overwrite=True)
     if done.outcome != "done":
         raise KeyboardInterrupt
@@ -229,13 +239,13 @@ def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
 
 def _is_of(directory: RunDirectory, scene: Scene) -> bool:
     """Whether a run is of this scene, with a time step for the same accuracy where the scene names none."""
-    settings, found = directory.job.settings, set()
+    settings, chosen_keys = directory.job.settings, set()
     if scene.timestep is None and ENGINES[directory.engine].own_step:
         if settings is None or settings.accuracy != (scene.accuracy or DEFAULT_ACCURACY):
             return False
-        found = {"accuracy", "timestep"}
+        chosen_keys = {"accuracy", "timestep"}
     try:
-        own, asked = (one.resolved().plain() for one in (directory.scene, scene))
+        run_keys, scene_keys = (either.resolved().plain() for either in (directory.scene, scene))
     except InputError:  # damaged
         return False
-    return all(own.get(key) == asked.get(key) for key in {*own, *asked} - found)
+    return all(run_keys.get(key) == scene_keys.get(key) for key in {*run_keys, *scene_keys} - chosen_keys)

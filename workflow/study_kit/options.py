@@ -24,32 +24,32 @@ if TYPE_CHECKING:
 
 
 def add_output(parser: argparse.ArgumentParser) -> None:
-    """The directory that a study is carried out in."""
+    """Add the option for the directory of a study."""
     parser.add_argument(
         "-o", "--output", metavar="DIR", type=Path, required=True, help="new directory, or one to resume"
     )
 
 
 def add_jobs(parser: argparse.ArgumentParser, words: str = "scenes at a time (default all cores)") -> None:
-    """The number of worker processes; None by default."""
+    """Add the option for the number of worker processes; None by default."""
     parser.add_argument("--jobs", metavar="N", type=within(int, 1, 1024), help=words)
 
 
-def add_parts(parser: argparse.ArgumentParser, known: Iterable[str]) -> None:
-    """Which parts of a study; all by default."""
-    parser.add_argument("parts", metavar="PART", nargs="*", help=f"of {', '.join(known)} (default all)")
+def add_parts(parser: argparse.ArgumentParser, names: Iterable[str]) -> None:
+    """Add arguments for the parts of a study, of these names; all by default."""
+    parser.add_argument("parts", metavar="PART", nargs="*", help=f"of {', '.join(names)} (default all)")
 
 
-def refuse_unknown_parts(command: str, parts: Iterable[str], known: Collection[str]) -> None:
-    """See that these are parts of a study.
+def refuse_unknown_parts(command: str, parts: Iterable[str], names: Collection[str]) -> None:
+    """Refuse what is no part of a study.
 
     Raises:
-        InputError: one is not.
+        InputError: a part is not among the names.
     """
     for name in parts:
-        if name not in known:
-            hint = library.suggestion(name[:60], known)
-            raise InputError(f"{command}: {name[:60]!r} given{hint}; of {', '.join(known)}")
+        if name not in names:
+            hint = library.suggestion(name[:60], names)
+            raise InputError(f"{command}: {name[:60]!r} given{hint}; of {', '.join(names)}")
 
 
 def within(kind: type[int] | type[float], low: float, high: float) -> Callable[[str], float]:
@@ -78,7 +78,7 @@ def listed(kind: type[int] | type[float]) -> Callable[[str], tuple[float, ...]]:
 
 
 def interrupted() -> CommandResult:
-    """What a command ends with after Ctrl-C, where the next start takes what was computed from a cache."""
+    """Result of a command that Ctrl-C ended; its next start takes computed scenes from a cache."""
     print("interrupted: computed scenes remain; the same command resumes")
     return CommandResult(130, {})
 
@@ -89,16 +89,16 @@ def as_job(
     """Write a command as a job on one node into a directory, which is made if need be, and say how to submit it.
 
     Args:
-        options: of the job.
-        directory: to be submitted in; the command is to name it as ``.``.
-        words: of the command, after ``granchain``; paths in them absolute.
-        cores: that it uses.
-        jobs: as of `render_command`.
+        options: options of the job.
+        directory: where the job is submitted; the command names it ``.``.
+        words: arguments of the command after ``granchain``; paths in them are absolute.
+        cores: number of cores that the command uses.
+        jobs: see `render_command`.
 
     Raises:
-        InputError: the directory cannot be written, or holds such a file of somebody else's.
+        InputError: the directory cannot be written, or holds a file of such a name that is not a study's.
     """
-    # -P: the directory it works in is no place for modules
+    # -P: Python imports no modules from the working directory
     command = [sys.executable, "-P", "-m", "workflow", *words]
     text = render_command(options, f"granchain-{words[0]}", command, cores=cores, jobs=jobs, directory=directory)
     make_directory(directory)
@@ -136,10 +136,10 @@ def number(text: str, option: str, example: str) -> float:
 
 
 def both_ends(text: str, option: str, example: str) -> tuple[float, float]:
-    """Numbers of ``LOW:HIGH``.
+    """Both numbers of ``LOW:HIGH``.
 
     Raises:
-        InputError: one is none.
+        InputError: a side is no number.
     """
     low, _, high = text.partition(":")
     return number(low, option, example), number(high, option, example)

@@ -25,11 +25,12 @@ VERDICTS = {HOLDS: "hold", CORRECTED: "hold with a correction", FAILS: "do not h
 
 @dataclass(frozen=True)
 class Statement:
-    """What was published or derived, beside what is found, with a verdict.
+    """A published or derived claim beside the numbers measured, with a verdict.
 
     Attributes:
         published: the claim of a publication; empty where nothing was published.
-        source: key of the bibliography, and the place in it, as ``rosas2007, abstract``; likewise.
+        source: key of the bibliography, and the place in it, as ``rosas2007, abstract``; empty where nothing was
+            published.
         derived: what follows from theory before anything is run; may be empty.
         found: the numbers measured, and where they are required to lie, line by line.
         holds: one of `HOLDS`, `CORRECTED` and `FAILS`.
@@ -59,10 +60,10 @@ class Section:
 
     Attributes:
         title, introduction: what it is about.
-        statements: row by row.
-        pictures: below them.
+        statements: rows of the table.
+        pictures: figures below the table.
         notes: paragraphs between the two.
-        sources: publications, by key of the bibliography, and what of each could be read.
+        sources: key of the bibliography -> what could be read of the publication.
         failed: why there are no statements, where that is so.
     """
 
@@ -77,12 +78,12 @@ class Section:
     @property
     def verdicts(self) -> dict[str, int]:
         """How many statements have each verdict."""
-        found = [statement.holds for statement in self.statements]
-        return {verdict: found.count(verdict) for verdict in VERDICTS}
+        verdicts = [statement.holds for statement in self.statements]
+        return {verdict: verdicts.count(verdict) for verdict in VERDICTS}
 
 
 def drawn(name: str, figure: Figure, caption: str) -> PageFigure:
-    """A picture of a figure."""
+    """A figure as PNG for a page."""
     return PageFigure(name, content_of(figure, "png", dpi=150), caption)
 
 
@@ -90,7 +91,7 @@ def keep(section: Section, folder: Path) -> None:
     """Write a section's text and pictures into a folder of its own, for `kept`.
 
     Raises:
-        InputError: such a file of somebody else's stands there.
+        InputError: the folder holds a file of such a name that is not a section's.
     """
     claim(folder, (SECTION, *(f"{picture.name}.png" for picture in section.pictures)))
     for picture in section.pictures:
@@ -105,10 +106,10 @@ def kept(folder: Path) -> Section | None:
     try:
         plain = json.loads((folder / SECTION).read_text(encoding="utf-8"))
         pictures = [
-            PageFigure(one["name"], (folder / f"{one['name']}.png").read_bytes(), one["caption"])
-            for one in plain["pictures"]
+            PageFigure(entry["name"], (folder / f"{entry['name']}.png").read_bytes(), entry["caption"])
+            for entry in plain["pictures"]
         ]
-        statements = [Statement(**one) for one in plain["statements"]]
+        statements = [Statement(**entry) for entry in plain["statements"]]
         return Section(**{**plain, "statements": statements, "pictures": pictures})
     except (OSError, ValueError, TypeError, KeyError, RecursionError):
         return None
@@ -118,11 +119,13 @@ def render(title: str, summary: str, sections: Sequence[Section]) -> str:
     """The page: a list of the sections with their verdicts, and the sections.
 
     Args:
-        title, summary: its head; the summary is split into paragraphs at line ends.
-        sections: one below the other.
+        title, summary: head of the page; the summary is split into paragraphs at line ends.
+        sections: the sections, in their order.
     """
     stated = [[statement.source.partition(", ")[0] for statement in section.statements] for section in sections]
-    keys = [key for section, own in zip(sections, stated, strict=True) for key in (*section.sources, *own)]
+    keys = [
+        key for section, section_keys in zip(sections, stated, strict=True) for key in (*section.sources, *section_keys)
+    ]
     cited = list(dict.fromkeys([key for key in keys if key] + references.ENGINES))
     contents = "".join(
         f'<li><a href="#s{number}">{html.escape(section.title)}</a> {_verdicts(section)}</li>'
@@ -133,14 +136,14 @@ def render(title: str, summary: str, sections: Sequence[Section]) -> str:
 
 
 _UP = '<a class="up" href="#contents">contents</a>'
-"""The way back to the list of sections, in sight everywhere on the page."""
+"""Link to the list of sections, visible everywhere on the page."""
 
 
 def document(title: str, summary: str, body: str, cited: Iterable[str]) -> str:
-    """A whole page around what its body says in HTML.
+    """A complete HTML page around a body.
 
     Args:
-        title, summary: its head.
+        title, summary: head of the page.
         body: HTML.
         cited: keys of the bibliography, for its last section (`workflow.provenance.foot`).
     """
@@ -203,11 +206,11 @@ def _row(statement: Statement, cited: Sequence[str]) -> str:
     source = f" {_cite(key, cited)}{html.escape(f', {place}' if place else '')}" if key else ""
     correction = f"<br><em>{html.escape(statement.correction)}</em>" if statement.correction else ""
     # numbers that no browser breaks at their signs
-    found = [re.sub(r"(?<=\de)-(?=\d)", "\N{NON-BREAKING HYPHEN}", line) for line in statement.found]
+    lines = [re.sub(r"(?<=\de)-(?=\d)", "\N{NON-BREAKING HYPHEN}", line) for line in statement.found]
     cells = (
         html.escape(statement.published) + source or "-",
         html.escape(statement.derived) or "-",
-        "".join(f"<p>{html.escape(line)}</p>" for line in found),
+        "".join(f"<p>{html.escape(line)}</p>" for line in lines),
     )
     verdict = f"<strong>{html.escape(statement.holds)}</strong>{correction}"
     kinds = ("", "", "", _kind(statement.holds))

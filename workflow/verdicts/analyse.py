@@ -179,7 +179,7 @@ def analyse(
 
 def recorded(directory: RunDirectory) -> Recorded:
     """The run of a directory as measures see it."""
-    check = directory.job.check
+    check = None if directory.scene.output.forces is None else directory.job.check  # run.json may be damaged
     return Recorded(
         scene=directory.scene,
         problem=directory.problem,

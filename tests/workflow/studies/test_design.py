@@ -268,10 +268,10 @@ def test_where_nothing_fits_the_reason_is_said(tmp_path, capsys):
     ("variable", "coordinates", "value"),
     [
         (Variable("a", low=0.01, high=1.0, log=True), [np.log(0.1)], 0.1),
-        (Variable("a", low=2.0, high=8.0, whole=True), [3.0], 3),
+        (Variable("a", low=2.0, high=8.0, integer=True), [3.0], 3),
         (Variable("a", choices=("x", None)), [1.0], None),
         (Variable("a", choices=("x", "y"), places=3), [1.0, 0.0, 1.0], ["y", "x", "y"]),
-        (Variable("a", low=1.0, high=9.0, whole=True, places=2), [7.0, 2.0], [2, 7]),
+        (Variable("a", low=1.0, high=9.0, integer=True, places=2), [7.0, 2.0], [2, 7]),
     ],
 )
 def test_coordinates_stand_for_values(variable, coordinates, value):
@@ -284,8 +284,8 @@ def test_coordinates_stand_for_values(variable, coordinates, value):
         (Variable("a", low=0.01, high=1.0, log=True), 1.0, "to"),
         (Variable("a", low=0.01, high=1.0, log=True), 0.1, ""),
         (Variable("a", low=1.0, high=2.0), 1.002, "from"),
-        (Variable("a", low=1.0, high=9.0, whole=True, places=2), [3, 9], "to"),
-        (Variable("a", low=1.0, high=900.0, whole=True), 899, ""),
+        (Variable("a", low=1.0, high=9.0, integer=True, places=2), [3, 9], "to"),
+        (Variable("a", low=1.0, high=900.0, integer=True), 899, ""),
         (Variable("a", choices=("x", "y")), "x", ""),
     ],
 )

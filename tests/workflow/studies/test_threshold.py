@@ -36,7 +36,7 @@ def searched(function, axis, level=0.0):
         (lambda x: -math.log(x), SearchedField(1e-6, 1e3, log=True), 3.0, [math.exp(-3.0)]),
         (lambda x: x * x, LINEAR, 0.5, [-math.sqrt(0.5), math.sqrt(0.5)]),
         (lambda x: float(x >= 0.7), LINEAR, 1.0, [0.7]),
-        (lambda x: x * x - 0.25, SearchedField(1, 100, whole=True), 1000.0, [31.5]),
+        (lambda x: x * x - 0.25, SearchedField(1, 100, integer=True), 1000.0, [31.5]),
     ],
 )
 def test_every_crossing_of_a_function_is_in_a_bracket_as_narrow_as_asked_for(function, axis, level, places):

@@ -49,11 +49,11 @@ class Variable:
 
     Attributes:
         field: dotted path.
-        choices: one of these; empty for numbers.
-        low, high: of a number, both possible.
-        log: whether a number moves by its logarithm.
-        whole: whether a number is whole.
-        places: entries of a list, where the field takes one: of choices in any order, of numbers ascending.
+        choices: the field takes one of these; empty for numbers.
+        low, high: bounds of a number, both possible.
+        log: whether a number is varied by its logarithm.
+        integer: whether a number is whole.
+        places: number of entries where the field takes a list: choices in any order, or numbers in ascending order.
     """
 
     field: str
@@ -61,17 +61,17 @@ class Variable:
     low: float = 0.0
     high: float = 0.0
     log: bool = False
-    whole: bool = False
+    integer: bool = False
     places: int | None = None
 
     @property
     def coordinates(self) -> int:
-        """How many it takes."""
+        """Number of coordinates of the field."""
         return self.places or 1
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Of each coordinate."""
+        """Lower and upper bound of each coordinate."""
         if self.choices:
             return 0.0, float(len(self.choices) - 1)
         return (math.log(self.low), math.log(self.high)) if self.log else (self.low, self.high)
@@ -79,11 +79,11 @@ class Variable:
     @property
     def steps(self) -> bool:
         """Whether its coordinates are whole numbers."""
-        return bool(self.choices) or self.whole
+        return bool(self.choices) or self.integer
 
     @property
     def values(self) -> int | None:
-        """How many there are in all; None of what is not counted."""
+        """Number of different values; None where a number is not whole."""
         if not self.steps:
             return None
         low, high = self.bounds
@@ -91,16 +91,16 @@ class Variable:
         return int(each**self.coordinates)
 
     def value(self, coordinates: Sequence[float]) -> Any:
-        """What stands in the scene."""
-        found = [self._one(coordinate) for coordinate in coordinates]
+        """Value of the field in the scene, from its coordinates."""
+        values = [self._one(coordinate) for coordinate in coordinates]
         if self.places is None:
-            return found[0]
-        return found if self.choices else sorted(found)
+            return values[0]
+        return values if self.choices else sorted(values)
 
     def _one(self, coordinate: float) -> Any:
         if self.choices:
             return self.choices[round(coordinate)]
-        if self.whole:
+        if self.integer:
             return round(coordinate)
         value = math.exp(coordinate) if self.log else float(coordinate)
         return min(max(float(f"{value:.{DIGITS}g}"), self.low), self.high)
@@ -110,19 +110,19 @@ class Variable:
         if self.choices:
             return ""
         low, high = self.bounds
-        edge = 0.0 if self.whole else EDGE * (high - low)
-        found = value if isinstance(value, list) else [value]
-        at = [math.log(one) if self.log else one for one in found]
+        edge = 0.0 if self.integer else EDGE * (high - low)
+        entries = value if isinstance(value, list) else [value]
+        at = [math.log(entry) if self.log else entry for entry in entries]
         return "from" if min(at) <= low + edge else "to" if max(at) >= high - edge else ""
 
 
 def values_of(variables: Sequence[Variable], vector: Sequence[float]) -> dict[str, Any]:
     """Field -> value, from a vector of all coordinates."""
-    found, start = {}, 0
+    values, start = {}, 0
     for variable in variables:
-        found[variable.field] = variable.value(list(vector[start : start + variable.coordinates]))
+        values[variable.field] = variable.value(list(vector[start : start + variable.coordinates]))
         start += variable.coordinates
-    return found
+    return values
 
 
 # --- file -------------------------------------------------------------------------------------------------------------
@@ -131,17 +131,17 @@ MOST_PLACES = 64
 
 
 class Search(SweepPart):
-    """How to search."""
+    """Settings of the search."""
 
     evaluations: Annotated[int, Field(ge=20, le=10_000_000)] = 2000
-    """Designs that are asked for at most; where there are no more, all are computed."""
+    """Largest number of designs of a search; where no more exist, all are computed."""
     population: Annotated[int, Field(ge=8, le=10_000)] | None = None
     """Designs of one generation; by default five for every coordinate, 20 to 100."""
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
 
 
 class Manufacture(SweepPart):
-    """What small errors do to the best."""
+    """Ensemble of designs with small manufacturing errors."""
 
     spread: Annotated[float, Field(gt=0, le=0.5)] = 0.01
     members: Annotated[int, Field(ge=2, le=10_000)] = 32
@@ -165,7 +165,7 @@ class Limit(SweepPart):
         return self
 
     def violation(self, value: float | None) -> float:
-        """By how much a value lies outside, in the bound's size; 0 within."""
+        """Distance of a value beyond a bound over the size of the bound; 0 within the bounds, 1 where undefined."""
         if value is None:
             return 1.0
         below = 0.0 if self.low is None else max(0.0, self.low - value) / max(abs(self.low), 1e-12)
@@ -222,77 +222,79 @@ class Design:
     Attributes:
         source: the file, for messages.
         scene: plain data of the scene to begin with.
-        variables: what may change.
+        variables: the varied fields.
         beside: plain data of a scene to compare with, or None.
-        asked: what else the file says.
+        request: the keys of the file.
     """
 
     source: str
     scene: dict[str, Any]
     variables: tuple[Variable, ...]
     beside: dict[str, Any] | None
-    asked: File
+    request: File
 
     @property
     def objective(self) -> str:
-        """The quantity."""
-        return self.asked.minimize or self.asked.maximize or ""
+        """The quantity to minimise or maximise."""
+        return self.request.minimize or self.request.maximize or ""
 
     @property
     def sign(self) -> float:
         """1 to make it small, -1 to make it large."""
-        return 1.0 if self.asked.minimize else -1.0
+        return 1.0 if self.request.minimize else -1.0
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All quantities that matter."""
-        return tuple(dict.fromkeys((self.objective, *self.asked.where, *self.asked.also)))
+        """The objective, the quantities with limits, and the further quantities."""
+        return tuple(dict.fromkeys((self.objective, *self.request.where, *self.request.also)))
 
     def heading(self, name: str) -> str:
         """A varied field or a quantity with its unit, for tables."""
         return heading(name, self.scene)
 
-    def broken(self, found: Mapping[str, float | None]) -> list[str]:
-        """Quantities that are outside their limits or undefined, of those that were computed."""
-        limits = self.asked.where
-        return [name for name in limits if name in found and limits[name].violation(found[name]) > 0.0]
+    def broken(self, quantities: Mapping[str, float | None]) -> list[str]:
+        """Computed quantities that are outside their limits or undefined."""
+        limits = self.request.where
+        return [name for name in limits if name in quantities and limits[name].violation(quantities[name]) > 0.0]
 
     @property
     def count(self) -> int | None:
-        """How many designs there are; None where some number is not whole."""
+        """Number of different designs; None where some number is not whole."""
         each = [variable.values for variable in self.variables]
-        return None if None in each else math.prod(one or 0 for one in each)
+        return None if None in each else math.prod(size or 0 for size in each)
 
     @property
     def exhaustive(self) -> bool:
         """Whether every design is computed, since there are no more than evaluations."""
-        return self.count is not None and self.count <= self.asked.search.evaluations
+        return self.count is not None and self.count <= self.request.search.evaluations
 
     @property
     def population(self) -> int:
         """Designs of one generation."""
         coordinates = sum(variable.coordinates for variable in self.variables)
-        return self.asked.search.population or min(100, max(20, 5 * coordinates))
+        return self.request.search.population or min(100, max(20, 5 * coordinates))
 
 
 def load(path: Path) -> Design:
     """Read a design file.
 
     Raises:
-        InputError: naming the file, the key, what was given and what would be right.
+        InputError: a key of the file is invalid; the message names the file, the key and what is valid.
     """
     needed = "a design needs a `scene`, what may `vary`, and what to `minimize` or `maximize`"
     return from_plain(strict_yaml.load(path, needed), path)
 
 
 def schema_of_file() -> dict[str, Any]:
-    """JSON schema of a design file; what it says of a scene may lack what is varied."""
-    found, scene = schema.of(File, "design"), scene_of_file()
-    found["$defs"] |= scene.pop("$defs") | {kind.__name__[1:]: schema.of(kind, "field") for kind in (_Bounds, _Choices)}
+    """JSON schema of a design file, in whose scene the varied fields may be missing."""
+    file_schema, scene = schema.of(File, "design"), scene_of_file()
+    file_schema["$defs"] |= scene.pop("$defs") | {
+        kind.__name__[1:]: schema.of(kind, "field") for kind in (_Bounds, _Choices)
+    }
     spot: dict[str, Any] = {"anyOf": [{"type": "string"}, scene]}
     quantity = {"anyOf": [{"enum": list(KNOWN)}, {"type": "string", "pattern": f"^({'|'.join(AT_BEAD)})@[1-9][0-9]*$"}]}
     varied = [{"type": "array", "minItems": 2}, {"$ref": "#/$defs/Bounds"}, {"$ref": "#/$defs/Choices"}]
-    found["properties"] |= {
+    file_schema["properties"] |= {
         "scene": spot,
         "beside": spot,
         "vary": {"type": "object", "minProperties": 1, "additionalProperties": {"anyOf": varied}},
@@ -300,15 +302,15 @@ def schema_of_file() -> dict[str, Any]:
         "maximize": quantity,
         "also": {"type": "array", "items": quantity},
     }
-    found["properties"]["where"]["propertyNames"] = quantity
-    return found
+    file_schema["properties"]["where"]["propertyNames"] = quantity
+    return file_schema
 
 
 def from_plain(data: Any, path: Path) -> Design:
-    """What stands in a design file; paths in it go out from that file's directory.
+    """Read the plain data of a design file; paths in it are relative to that file's directory.
 
     Raises:
-        InputError: as `load`.
+        InputError: see `load`.
     """
     file = validated(File, data, f"{path}: ", "design")
     if (file.minimize is None) == (file.maximize is None):
@@ -323,30 +325,30 @@ def from_plain(data: Any, path: Path) -> Design:
     return Design(
         source=str(path),
         scene=scene,
-        variables=tuple(_variable(name, given, path, scene) for name, given in file.vary.items()),
+        variables=tuple(_variable(name, entry, path, scene) for name, entry in file.vary.items()),
         beside=None if file.beside is None else scene_in(file.beside, path, "beside"),
-        asked=file,
+        request=file,
     )
 
 
-def _variable(name: str, given: Any, path: Path, scene: dict[str, Any]) -> Variable:
+def _variable(name: str, entry: Any, path: Path, scene: dict[str, Any]) -> Variable:
     where = f"{path}: vary.{name}"
     try:
         keys = fields.parse(name, scene)
     except InputError as error:
         raise InputError(f"{path}: vary: {error}") from None
-    one = isinstance(given, list)
-    given = {"of": given, "places": 1} if one else given
-    if not isinstance(given, dict):
+    single = isinstance(entry, list)
+    entry = {"of": entry, "places": 1} if single else entry
+    if not isinstance(entry, dict):
         raise InputError(f"{where}: should be bounds such as {{from: 1, to: 10}}, or a list of choices")
-    if "of" in given:
-        choices = validated(_Choices, given, f"{where}.")
+    if "of" in entry:
+        choices = validated(_Choices, entry, f"{where}.")
         if len(choices.of) < 2:
             raise InputError(f"{where}: needs two choices or more")
-        return Variable(name, choices=tuple(choices.of), places=None if one else choices.places)
-    read = validated(_Bounds, given, f"{where}.")
-    whole = fields.is_whole(keys)
-    if whole and not all(isinstance(end, int) for end in (read.low, read.high)):
+        return Variable(name, choices=tuple(choices.of), places=None if single else choices.places)
+    read = validated(_Bounds, entry, f"{where}.")
+    integer = fields.is_whole(keys)
+    if integer and not all(isinstance(end, int) for end in (read.low, read.high)):
         raise InputError(f"{where}: takes whole numbers; {read.low} to {read.high} given")
-    log = read.spacing == "log" and not whole
-    return Variable(name, low=float(read.low), high=float(read.high), log=log, whole=whole, places=read.places)
+    log = read.spacing == "log" and not integer
+    return Variable(name, low=float(read.low), high=float(read.high), log=log, integer=integer, places=read.places)

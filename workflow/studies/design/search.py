@@ -1,7 +1,7 @@
 """The search: all designs where they can be counted out, else evolution, and at its end steps along each coordinate.
 
-Evolution is scipy's differential evolution (Storn & Price, J. Global Optim. 11, 1997). Its course follows from the seed
-and from what designs are worth alone: one that was interrupted goes the same way again, through what is remembered.
+Evolution is scipy's differential evolution (Storn & Price, J. Global Optim. 11, 1997). Its course depends on the seed
+and the worth of designs only: an interrupted search, started again, repeats the same designs, which are cached.
 """
 
 import itertools
@@ -29,10 +29,10 @@ class DesignRecord:
 
     Attributes:
         values: field -> value.
-        quantities: name -> value, None where it has none; no more than the mass where that rules it out; empty if
-            refused.
-        refused: why it is no scene; empty if it is one.
-        seconds: processor time.
+        quantities: name -> value in the scene's units, None where undefined; only the mass where the mass breaks its
+            limit; empty if refused.
+        refused: why the design is no scene; empty if it is one.
+        seconds: processor time, in s.
     """
 
     values: dict[str, Any]
@@ -42,7 +42,7 @@ class DesignRecord:
 
 
 Compute = Callable[[Sequence[dict[str, Any]]], list[DesignRecord]]
-"""Designs, each field -> value -> their records, in their order."""
+"""Function from designs, each as field -> value, to their records, in the same order."""
 
 
 def computed(
@@ -56,36 +56,37 @@ def computed(
     """Records of designs, each computed once.
 
     Args:
-        design: the objective.
-        designs: each field -> value.
+        design: the design file.
+        designs: field -> value of each design.
         evaluated: cases -> their values (`workflow.study_kit.directory.Study.evaluating`).
-        limited: whether no more than the mass is computed of those that it rules out.
+        limited: whether only the mass is computed of designs whose mass breaks its limit.
         **shown: options of ``evaluated``.
 
     Raises:
         RunError: a process was killed.
     """
-    limit = design.asked.where.get(scene_quantities.MASS) if limited else None
+    limit = design.request.where.get(scene_quantities.MASS) if limited else None
     masses = (limit.low, limit.high) if limit else scene_quantities.NO_LIMIT
     scenes = [fields.put_all(design.scene, values) for values in designs]
     cases = [scene_quantities.case(scene, design.names, design.source, masses) for scene in scenes]
-    found = evaluated(cases, **shown)
+    results = evaluated(cases, **shown)
     return [
-        DesignRecord(values, one.get("quantities", {}), one.get("refused", ""), one["seconds"])
-        for values, one in zip(designs, found, strict=True)
+        DesignRecord(values, result.get("quantities", {}), result.get("refused", ""), result["seconds"])
+        for values, result in zip(designs, results, strict=True)
     ]
 
 
 RULED_OUT = 1e30
-"""Worth of what violates a limit, times one and by how much, so that any other is better and less is better (Deb,
-Comput. Methods Appl. Mech. Eng. 186, 2000)."""
+"""Worth of a design that violates a limit, over 1 + the violation: any design within the limits is better, and so is a
+smaller violation (Deb, Comput. Methods Appl. Mech. Eng. 186, 2000).
+"""
 
 
 def worth(design: Design, record: DesignRecord) -> float:
-    """The smaller the better; infinite of what is no scene."""
+    """Worth of a design, the smaller the better; infinite where it is no scene or its objective is undefined."""
     if record.refused:
         return math.inf
-    limits = design.asked.where
+    limits = design.request.where
     broken = sum(limits[name].violation(record.quantities[name]) for name in limits if name in record.quantities)
     value = record.quantities.get(design.objective)
     if broken > 0.0:
@@ -96,20 +97,21 @@ def worth(design: Design, record: DesignRecord) -> float:
 # --- search -----------------------------------------------------------------------------------------------------------
 
 LEFT = 0.2
-"""Share of the evaluations that is left for the steps at the end."""
+"""Share of the evaluations that is reserved for the steps at the end."""
 
 STRIDES = (0.1, 0.03, 0.01, 0.003)
-"""Of a number, in its range, one after the other."""
+"""Lengths of the steps of a number, as shares of its range, in the order of their use."""
 
 
 def search(design: Design, compute: Compute) -> list[DesignRecord]:
-    """Records of all designs that were asked for, in that order; each once."""
-    asked: dict[str, DesignRecord] = {}
+    """Records of all designs of the search, in the order in which it computes them; each once."""
+    by_key: dict[str, DesignRecord] = {}
 
     def ask(vectors: Sequence[Floats]) -> list[float]:
+        """Worth of the designs of vectors, each [coordinate]."""
         records = compute([values_of(design.variables, vector.tolist()) for vector in vectors])
         for record in records:
-            asked.setdefault(key_of(record.values), record)
+            by_key.setdefault(key_of(record.values), record)
         return [worth(design, record) for record in records]
 
     if design.exhaustive:
@@ -120,7 +122,7 @@ def search(design: Design, compute: Compute) -> list[DesignRecord]:
     else:
         best = _evolved(design, ask)
         _stepped(design, ask, *best)
-    return list(asked.values())
+    return list(by_key.values())
 
 
 def _axes(design: Design) -> list[Variable]:
@@ -129,67 +131,67 @@ def _axes(design: Design) -> list[Variable]:
 
 
 def _evolved(design: Design, ask: Any) -> tuple[Floats, float]:
-    """The best vector of the evolution, and its worth."""
+    """Best vector of the evolution, [coordinate], and its worth."""
     low, high = np.array([variable.bounds for variable in _axes(design)]).T
-    whole = np.array([variable.steps for variable in _axes(design)])
-    generations = max(1, math.floor((1.0 - LEFT) * design.asked.search.evaluations / design.population) - 1)
+    integer = np.array([variable.steps for variable in _axes(design)])
+    generations = max(1, math.floor((1.0 - LEFT) * design.request.search.evaluations / design.population) - 1)
     first = qmc.scale(
-        qmc.LatinHypercube(len(low), seed=design.asked.search.seed).random(design.population),
-        np.where(whole, low - 0.499, low),
-        np.where(whole, high + 0.499, high),
+        qmc.LatinHypercube(len(low), seed=design.request.search.seed).random(design.population),
+        np.where(integer, low - 0.499, low),
+        np.where(integer, high + 0.499, high),
     )
-    first = np.where(whole, np.round(first), first)
+    first = np.where(integer, np.round(first), first)
     best: list[Any] = [first[0], math.inf]
 
     def together(_: Any, vectors: Any) -> list[float]:
-        chosen = [np.where(whole, np.round(vector), vector) for vector in vectors]
-        found: list[float] = ask(chosen)
-        k = int(np.argmin(found))
-        if found[k] < best[1]:
-            best[:] = chosen[k], found[k]
-        return found
+        chosen = [np.where(integer, np.round(vector), vector) for vector in vectors]
+        worths: list[float] = ask(chosen)
+        k = int(np.argmin(worths))
+        if worths[k] < best[1]:
+            best[:] = chosen[k], worths[k]
+        return worths
 
     differential_evolution(
         len,  # never called: `together` takes its place
         list(zip(low, high, strict=True)),
         maxiter=generations,
         init=np.clip(first, low, high),
-        integrality=whole,
+        integrality=integer,
         workers=together,
         updating="deferred",
         polish=False,
         tol=0.0,
         mutation=(0.5, 1.0),
         recombination=0.9,
-        seed=design.asked.search.seed,
+        seed=design.request.search.seed,
     )
     return best[0], best[1]
 
 
 def _stepped(design: Design, ask: Any, vector: Floats, value: float) -> None:
-    """From the best on, the best of all changes of one coordinate, until none is better or the evaluations are over."""
-    left = int(LEFT * design.asked.search.evaluations)
+    """Step from a vector to the best change of one coordinate, until none is better or no evaluations are left."""
+    left = int(LEFT * design.request.search.evaluations)
     for stride in STRIDES:
         while True:
             around = _around(design, vector, stride)[:left]
             if not around:
                 return
             left -= len(around)
-            found = ask(around)
-            k = int(np.argmin(found))
-            if not found[k] < value:
+            worths = ask(around)
+            k = int(np.argmin(worths))
+            if not worths[k] < value:
                 break
-            vector, value = around[k], found[k]
+            vector, value = around[k], worths[k]
 
 
 def _around(design: Design, vector: Floats, stride: float) -> list[Floats]:
-    found = []
+    vectors = []
     for place, variable in enumerate(_axes(design)):
         for other in _others(variable, float(vector[place]), stride):
             moved = vector.copy()
             moved[place] = other
-            found.append(moved)
-    return found
+            vectors.append(moved)
+    return vectors
 
 
 def _others(variable: Variable, at: float, stride: float) -> list[float]:

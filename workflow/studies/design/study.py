@@ -1,13 +1,13 @@
 """Find the scene that minimises or maximises a quantity within bounds, such as the force on a wall.
 
-From beginning to end: search, the best in LAMMPS, small errors, and what is written.
+The steps: search, the best designs in LAMMPS, manufacturing errors, and the files of the study.
 
-| file               | what                                                                            |
+| file               | contents                                                                        |
 |--------------------|---------------------------------------------------------------------------------|
 | evaluations.jsonl  | the cache: every design that was computed, as it was done                        |
 | designs.csv        | the same as a table, the best first                                              |
 | best.yaml          | scene of the best                                                                |
-| design.json        | what was found                                                                   |
+| design.json        | the result                                                                       |
 | best-1/, beside/   | run directories of LAMMPS: the best few, and the scene to set them against       |
 | index.html         | the report                                                                       |
 """
@@ -39,18 +39,18 @@ STUDY = Study("design", f"{PAGE} is the report", tables=(REPORT, TABLE, BEST, PA
 
 
 def carry_out(design: Design, directory: Path, jobs: int | None = None) -> DesignResult:
-    """Search, verify and write; what a directory holds of an earlier start is made use of.
+    """Search, verify and write; designs and runs of an earlier start are used again.
 
     Args:
-        design: the objective.
+        design: the design file.
         directory: made if need be.
         jobs: designs at a time; None for all cores.
 
     Raises:
-        InputError: the directory or a scene cannot be used, or nothing fits the limits.
+        InputError: the directory or a scene cannot be used, or no design is within the limits.
         RunError: LAMMPS failed.
     """
-    best_runs = [f"best-{place}" for place in range(1, design.asked.verify + 1)]
+    best_runs = [f"best-{place}" for place in range(1, design.request.verify + 1)]
     study = replace(STUDY, others=(BESIDE, *best_runs))
     with study.evaluating(directory, jobs) as evaluated:
         compute = functools.partial(computed, design, evaluated=evaluated)
@@ -63,26 +63,26 @@ def carry_out(design: Design, directory: Path, jobs: int | None = None) -> Desig
         best_scene = library.from_plain(fields.put_all(design.scene, good[0].values), design.source)
         study.write(directory, {BEST: strict_yaml.dump(best_scene.plain())})
         verified = [
-            _in_lammps(design, fields.put_all(design.scene, one.values), directory / name, one)
-            for name, one in zip(best_runs, good, strict=False)
+            _in_lammps(design, fields.put_all(design.scene, best.values), directory / name, best)
+            for name, best in zip(best_runs, good, strict=False)
         ]
         beside = None
         if design.beside is not None:
-            known = by_reference(design.beside, design.names, f"{design.source}: beside")
-            beside = _in_lammps(design, design.beside, directory / BESIDE, DesignRecord({}, known, "", 0.0))
+            quantities = by_reference(design.beside, design.names, f"{design.source}: beside")
+            beside = _in_lammps(design, design.beside, directory / BESIDE, DesignRecord({}, quantities, "", 0.0))
         timed = [record.seconds for record in records if design.objective in record.quantities]
-        found = DesignResult(design, records, verified, beside, small, sum(timed) / len(timed))
-        study.write(directory, {REPORT: as_json(found.plain()) + "\n"})
+        result = DesignResult(design, records, verified, beside, small, sum(timed) / len(timed))
+        study.write(directory, {REPORT: as_json(result.plain()) + "\n"})
         from workflow.studies.design.report import page  # matplotlib takes half a second to import
 
-        study.write(directory, {PAGE: page(found)})
-    return found
+        study.write(directory, {PAGE: page(result)})
+    return result
 
 
 def _shown(design: Design, compute: Callable[..., list[DesignRecord]]) -> Compute:
-    """The same computation, with the number of designs there may be and the best so far in its bar."""
+    """A computation with a progress bar that shows the number of designs and the best objective so far."""
     best = math.inf
-    total = design.count if design.exhaustive and design.count else design.asked.search.evaluations
+    total = design.count if design.exhaustive and design.count else design.request.search.evaluations
 
     def shown(designs: Sequence[dict[str, Any]]) -> list[DesignRecord]:
         nonlocal best
@@ -102,7 +102,7 @@ def _why_nothing(design: Design, records: list[DesignRecord]) -> str:
 
 
 def _in_lammps(design: Design, plain: dict[str, Any], path: Path, record: DesignRecord) -> Verified:
-    """A scene run in LAMMPS, or taken from an earlier start, beside its record by the reference."""
+    """A scene in LAMMPS, run now or by an earlier start, beside its record by the reference."""
     scene = scene_to_run(plain, design.names, design.source)
     directory = kept_run(scene, "lammps", path)
     check = directory.job.check
@@ -115,7 +115,9 @@ def _table(design: Design, records: list[DesignRecord]) -> str:
     """All designs as CSV, the best first."""
     rows = [
         {
-            **{design.heading(one.field): _written(record.values[one.field]) for one in design.variables},
+            **{
+                design.heading(variable.field): _written(record.values[variable.field]) for variable in design.variables
+            },
             **{design.heading(name): record.quantities.get(name) for name in design.names},
             "fits": "yes" if worth(design, record) < RULED_OUT else "no",
             "refused": record.refused,
@@ -139,7 +141,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The design, where to, and how."""
+    """Add the arguments of the command."""
     parser.add_argument("design", metavar="DESIGN.yaml", type=Path, help="a scene, bounds of its fields, an objective")
     add_output(parser)
     add_jobs(parser, "designs at a time (default all cores; of a job cores_per_node, or 1)")
@@ -149,30 +151,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Search, verify, print the best; exit code 130 when interrupted, with all that was computed kept."""
     options = job_options(arguments)
-    what = file.load(arguments.design)
+    design = file.load(arguments.design)
     if options is not None:
         count = arguments.jobs or options.cores_per_node or 1
         words = ["design", str(arguments.design.absolute()), "-o", ".", "--jobs", str(count)]
         return as_job(options, arguments.output, words, cores=count)
     try:
-        found = carry_out(what, arguments.output, arguments.jobs)
+        result = carry_out(design, arguments.output, arguments.jobs)
     except KeyboardInterrupt:
         return interrupted()
-    _print(found, arguments)
-    return CommandResult(0, found.plain())
+    _print(result, arguments)
+    return CommandResult(0, result.plain())
 
 
-def _print(found: DesignResult, arguments: argparse.Namespace) -> None:
-    design = found.design
+def _print(result: DesignResult, arguments: argparse.Namespace) -> None:
+    design = result.design
     how = "all there are" if design.exhaustive else "by evolution"
-    print_table(f"{one_line(arguments.design)}: {len(found.records)} designs, {how}", *found.table())
-    if found.undefined:
+    print_table(f"{one_line(arguments.design)}: {len(result.records)} designs, {how}", *result.table())
+    if result.undefined:
         print(
-            f"{found.undefined} designs do not count: {design.objective} or a quantity with a limit is undefined there "
-            "(for one at the far end: its largest value is not reached within the duration)"
+            f"{result.undefined} designs do not count: {design.objective} or a quantity with a limit is undefined "
+            "there (for one at the far end: its largest value is not reached within the duration)"
         )
-    for warning in found.warnings:
+    for warning in result.warnings:
         print(f"warning: {one_line(warning)}")
-    print(found.tolerance)
-    print(f"{found.seconds * 1e3:.3g} ms of processor time a design")
+    print(result.tolerance)
+    print(f"{result.seconds * 1e3:.3g} ms of processor time a design")
     print(f"{one_line(arguments.output)}: {PAGE}, {BEST}, {TABLE}")

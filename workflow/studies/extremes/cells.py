@@ -1,4 +1,4 @@
-"""The cells of the report, of ``cells.yaml``: a number at its extremes in each, and all that chains may be made of."""
+"""Cells of the report, from ``cells.yaml``: each has a number at an extreme, or an ingredient of chains."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ class ReportRun:
     """One run of the report.
 
     Attributes:
-        axis, value: its name.
-        scene: what a scene file would say.
-        ranks: MPI ranks; more than one must compute bit for bit what one computes.
+        axis, value: quantity at an extreme, and its value in words; together the name of the cell.
+        scene: plain data of the scene.
+        ranks: MPI ranks; several must compute bit for bit what a single one computes.
         scaling: whether the run must be a scaled copy of that at another V, 1 in reduced units.
-        drift: whether the energy must stay as near to the kick's in the second half as in the first.
-        force: whether a time step above the stability bound is let pass.
+        drift: whether the energy must be as near to that of the kick in the second half as in the first.
+        force: whether a time step above the stability bound is allowed.
     """
 
     axis: str
@@ -42,7 +42,7 @@ WORDS: Plain = {
     "more than cores": cores() + 1,
     "every bead": [{"velocity": (-1.0) ** (i + j), "chain": j, "bead": i} for i in range(1, 31) for j in (1, 2)],
 }
-"""Words of ``cells.yaml`` that stand for what is computed."""
+"""Words of ``cells.yaml`` that stand for computed values."""
 
 
 def changed(scene: Plain, **changes: Any) -> Plain:
@@ -51,9 +51,9 @@ def changed(scene: Plain, **changes: Any) -> Plain:
 
 
 def scaled(scene: Plain, factor: float) -> Plain:
-    """The same motion with all kicks times a positive factor: the equations have no scale of their own.
+    """Scene of the same motion, scaled, with all kicks multiplied by a positive factor.
 
-    Displacements go as V**0.8, times as V**-0.2, springs as V**0.4. For scenes with a duration and default output.
+    Displacements scale as V**0.8, times as V**-0.2, springs as V**0.4. The scene has a duration and default output.
     """
     kicks = scene["kick"] if isinstance(scene["kick"], list) else [scene["kick"]]
     changes: Plain = {
@@ -81,19 +81,21 @@ def grid(parts: Sequence[str] = ()) -> list[ReportRun]:
 
 def _cell(axis: str, value: Any, entry: Plain) -> ReportRun:
     """The cell of an entry of ``cells.yaml`` at a value."""
-    own = _filled({key: one for key, one in entry.items() if key not in ("value", "values")}, {**WORDS, "VALUE": value})
-    flags = {key: own.pop(key) for key in ("ranks", "scaling", "drift", "force") if key in own}
-    scene = scaled(BASE, own.pop("scaled")) if "scaled" in own else BASE
-    if "of_bound" in own:
-        step = own.pop("of_bound") * stability_bound(library.from_plain(BASE, "base").system)
-        own |= {"timestep": step, "output": {"every": step * max(1, round(0.1 / step))}}
-    return ReportRun(axis, value if isinstance(value, str) else f"{value:g}", changed(scene, **own), **flags)
+    entries = _filled(
+        {key: content for key, content in entry.items() if key not in ("value", "values")}, {**WORDS, "VALUE": value}
+    )
+    flags = {key: entries.pop(key) for key in ("ranks", "scaling", "drift", "force") if key in entries}
+    scene = scaled(BASE, entries.pop("scaled")) if "scaled" in entries else BASE
+    if "of_bound" in entries:
+        step = entries.pop("of_bound") * stability_bound(library.from_plain(BASE, "base").system)
+        entries |= {"timestep": step, "output": {"every": step * max(1, round(0.1 / step))}}
+    return ReportRun(axis, value if isinstance(value, str) else f"{value:g}", changed(scene, **entries), **flags)
 
 
 def _filled(template: Any, words: Plain) -> Any:
-    """What an entry says, with the values of words in their places."""
+    """An entry in which words are replaced by their values."""
     if isinstance(template, dict):
-        return {key: _filled(one, words) for key, one in template.items()}
+        return {key: _filled(entry, words) for key, entry in template.items()}
     if isinstance(template, list):
-        return [_filled(one, words) for one in template]
+        return [_filled(entry, words) for entry in template]
     return words.get(template, template) if isinstance(template, str) else template

@@ -1,8 +1,8 @@
 """Run scenes at the extremes of every number and check that errors are reported.
 
-All cells are run on all cores, each kept when it is done, so that an interrupted report is resumed. A cell is run for
-real, in a directory of its own, and ends as one of `KINDS`. The true error of a run is found by a reference that is
-finer than the one the run was checked with: every frame of every bead is compared.
+All cells are run on all cores, and each result is stored when it is computed, so that an interrupted report is resumed.
+A cell is run in a directory of its own, and ends as one of `KINDS`. The true error of a run is measured against a
+reference with smaller steps than the one the run was checked with: every frame of every bead is compared.
 """
 
 import argparse
@@ -40,11 +40,11 @@ from workflow.workers.pool import Task
 # --- true error -------------------------------------------------------------------------------------------------------
 
 LONGEST = 8.0
-"""Seconds that a refinement of the reference may take, as estimated."""
+"""Largest estimated time of a refinement of the reference, in s."""
 
 _BEAD_STAGE = 1.5e-9
 _STAGE = 20e-9
-"""Seconds of the reference's kernel for a stage of a bead, and of a step beyond its beads."""
+"""Times of the reference's kernel in s: for a stage of a bead, and for a stage without its beads."""
 
 _HALVINGS = 4
 
@@ -57,11 +57,11 @@ class LargestError(NamedTuple):
 
 
 def true_error(directory: RunDirectory, tolerance: float) -> LargestError:
-    """The largest error of a run that came to its end.
+    """Largest error of a completed run.
 
     Args:
-        directory: of the run.
-        tolerance: wanted uncertainty, in units of V, as far as the time allows.
+        directory: run directory.
+        tolerance: required uncertainty in units of V; a larger one is accepted where a smaller one takes too long.
     """
     problem = replace(directory.problem, window=None)  # all rows, whatever the run had
     steps = 2 * engine.default_steps_per_frame(problem)
@@ -76,7 +76,7 @@ def true_error(directory: RunDirectory, tolerance: float) -> LargestError:
 
 
 def _seconds(problem: Problem, steps_per_frame: int) -> float:
-    """About what two reference runs side by side take, one with half the steps; a pulse passes a bead in T or so."""
+    """Estimated time in s of two simultaneous reference runs, one with half the steps; a pulse takes about T a bead."""
     kicked = [bead for _, bead, _ in physics.excitations(problem.system)]
     rows = min(problem.beads, max(kicked) - min(kicked) + 1 + 0.5 * problem.duration)
     steps = 1.5 * problem.frames * steps_per_frame
@@ -86,78 +86,85 @@ def _seconds(problem: Problem, steps_per_frame: int) -> float:
 # --- measure ----------------------------------------------------------------------------------------------------------
 
 KINDS = ("RIGHT", "REPORTED", "REFUSED", "STOPPED", "WRONG")
-"""In words:
+"""Kinds of outcomes:
 
-- RIGHT: the largest error of any velocity is what was asked for, or less;
-- REPORTED: it is more, and the run says so itself;
+- RIGHT: the largest error of any velocity is the requested one, or less;
+- REPORTED: the error is larger, and the run reports it;
 - REFUSED: nothing was run, and one line says why;
-- STOPPED: the run ended itself, and one line says why;
-- WRONG: none of these. The run came to its end and let its user believe more than is true, or it crashed.
+- STOPPED: the run ended early, and one line says why;
+- WRONG: none of these: the run was completed with an error larger than reported, or it crashed.
 """
 
 TRUE_WITHIN = 1.5
-"""The error that a run reports is right if the true error is no larger than this times it. A run compares frames 0.4 T
-apart, which may miss the largest error of a wave by 7%, and more of a faster mode, of which it meets four phases.
+"""Largest ratio of the true to the reported error of a run that counts as right. A run compares frames 0.4 T apart,
+which may miss the largest error of a wave by 7%, and more of a faster mode, of which it samples four phases.
 """
 
 LEAST_ERROR = 1e-8
-"""Smaller errors are not distinguished, in units of V."""
+"""Least error that is distinguished from 0, in units of V."""
 
 
 @result
 class RunOutcome:
-    """One cell of the report; errors are the largest of any velocity."""
+    """Outcome of one cell of the report; errors are the largest of any velocity."""
 
-    axis: str = declare("what is extreme", digits="")
-    value: str = declare("its value", digits="")
+    axis: str = declare("quantity at an extreme", digits="")
+    value: str = declare("value of this quantity", digits="")
     kind: str = declare("one of RIGHT, REPORTED, REFUSED, STOPPED, WRONG", digits="", head="ends")
-    why: str = declare("what the kind rests on")
-    asked: float = declare("largest error that was asked for", "V", digits=".1e")
-    error: float | None = declare("found by a finer reference", "V", "no run was completed", digits=".1e", default=None)
-    uncertainty: float | None = declare("of that", "V", "no run was completed", default=None)
+    why: str = declare("reason for the kind")
+    asked: float = declare("largest error that was requested", "V", digits=".1e")
+    error: float | None = declare(
+        "error against a more accurate reference", "V", "no run was completed", digits=".1e", default=None
+    )
+    uncertainty: float | None = declare("uncertainty of this error", "V", "no run was completed", default=None)
     reported: float | None = declare(
         "error that the run reports", "V", "no run was completed", digits=".1e", default=None
     )
     reported_uncertainty: float | None = declare(
-        "of that", "V", "no run was completed", digits=".1e", head="uncertainty", default=None
+        "uncertainty of the reported error",
+        "V",
+        "no run was completed",
+        digits=".1e",
+        head="uncertainty",
+        default=None,
     )
     steps: int | None = declare("time steps", "", "no run was completed", digits=",d", default=None)
     seconds: float = declare("time of the run and its comparison", "s", digits=".1f", default=0.0)
 
 
-def classify(asked: float, reported: LargestError, truth: LargestError) -> tuple[str, str]:
-    """Kind and reason of a run that came to its end. NaN counts as an infinite error.
+def classify(accuracy: float, reported: LargestError, truth: LargestError) -> tuple[str, str]:
+    """Kind of a completed run, and its reason. NaN counts as an infinite error.
 
     Args:
-        asked: largest error that was asked for, in units of V.
-        reported: by the run itself.
-        truth: by a finer reference.
+        accuracy: largest error that was requested, in units of V.
+        reported: error reported by the run.
+        truth: error against a more accurate reference.
     """
-    most = TRUE_WITHIN * sum(reported) + LEAST_ERROR
-    if most < truth.value - truth.uncertainty or (math.isnan(truth.value) and not math.isnan(most)):
+    bound = TRUE_WITHIN * sum(reported) + LEAST_ERROR
+    if bound < truth.value - truth.uncertainty or (math.isnan(truth.value) and not math.isnan(bound)):
         says = f"{reported.value:.1e} V (uncertainty {reported.uncertainty:.1e})"
         return "WRONG", f"reports {says}, is {truth.value:.1e} V"
-    if truth.value <= asked:
+    if truth.value <= accuracy:
         return "RIGHT", ""
-    if not sum(reported) <= asked:
-        return "REPORTED", f"more than {asked:.0e} V, and reports it"
-    return "WRONG", f"is {truth.value:.1e} V, more than {asked:.0e} V, and does not report it"
+    if not sum(reported) <= accuracy:
+        return "REPORTED", f"more than {accuracy:.0e} V, and reports it"
+    return "WRONG", f"is {truth.value:.1e} V, more than {accuracy:.0e} V, and does not report it"
 
 
 PROMISED = TOLERANCES["velocity"]
 """Largest error, in units of V, that a run with a `timestep` of its own has without a remark."""
 
 SHARPER = 10.0
-"""Part of the error asked for, and of that reported, which the uncertainty of the reference must not exceed."""
+"""Least ratio of the requested error, and of the reported one, to the uncertainty of the reference."""
 
 
 def computed(**cell: Any) -> dict[str, Any]:
-    """`measure` for the worker pool."""
+    """Outcome of a cell as plain data, for the worker pool (see `measure`)."""
     return asdict(measure(ReportRun(**cell)))
 
 
 def measure(cell: ReportRun) -> RunOutcome:
-    """Run a cell and compare it. Whatever happens, an outcome comes back, unless it is interrupted."""
+    """Run a cell and compare it with the reference; any exception but an interruption becomes an outcome."""
     started = time.perf_counter()
     outcome = RunOutcome(cell.axis, cell.value, "WRONG", "", PROMISED)
     with tempfile.TemporaryDirectory(prefix="granchain-extremes-") as folder:
@@ -200,7 +207,7 @@ def _run_and_compare(cell: ReportRun, folder: Path, outcome: RunOutcome) -> RunO
 
 
 def _fault(cell: ReportRun, directory: RunDirectory, folder: Path) -> str | None:
-    """What else must hold in this cell, and does not."""
+    """Violation of a further requirement of the cell; None if there is none."""
     if cell.ranks > 1 and (off := _apart(directory, directory.scene, folder / "one")):
         return f"differs from one rank by {off:.1e}"
     if cell.scaling:
@@ -213,21 +220,21 @@ def _fault(cell: ReportRun, directory: RunDirectory, folder: Path) -> str | None
 
 
 def _apart(directory: RunDirectory, other: Scene, path: Path, factor: float = 1.0) -> float:
-    """Largest difference from the run of a scene on one rank whose kicks are so many times larger.
+    """Largest difference from the run on one rank of a scene whose kicks are larger by a factor.
 
-    Compared in the scenes' own units, so that these are compared too.
+    Values are compared in the units of the scenes, so that the units are compared, too.
     """
-    one = run(other, path, check=False).directory
-    units, worst = (directory.scene.scale, one.scene.scale), 0.0
-    for pair in paired(directory.blocks(), one.blocks()):
+    other_run = run(other, path, check=False).directory
+    units, worst = (directory.scene.scale, other_run.scene.scale), 0.0
+    for pair in paired(directory.blocks(), other_run.blocks()):
         for name, unit, power in (
             ("time", "time", -0.2),
             ("displacement", "length", 0.8),
             ("velocity", "velocity", 1.0),
         ):
             ratio = getattr(units[0], unit) / getattr(units[1], unit) * factor**power
-            own, scaled_copy = (getattr(block, name) for block in pair)
-            worst = float(np.max(np.abs(own * ratio - scaled_copy), initial=worst))
+            values, scaled_copy = (getattr(block, name) for block in pair)
+            worst = float(np.max(np.abs(values * ratio - scaled_copy), initial=worst))
     return worst
 
 
@@ -257,11 +264,11 @@ TABLE = "extremes.csv"
 STUDY = Study("extremes", f"{TABLE} is the table", tables=(TABLE,), cache="cells.jsonl")
 
 QUICK = 1e7
-"""Largest cost of a cell of the quick report: about a second, most of it for starting and judging; see `cost`."""
+"""Largest cost of a cell of the quick report, see `cost`: about a second, most of it for its start and comparison."""
 
 
 def plan(cells: Sequence[ReportRun]) -> list[evaluate.Computation]:
-    """Their cases, which are computed again when the program changes. Those of several ranks use all cores."""
+    """Cases of cells, which are computed again when the program changes; those of several ranks use all cores."""
     program = _program()
     return [
         evaluate.Computation(
@@ -275,7 +282,7 @@ def plan(cells: Sequence[ReportRun]) -> list[evaluate.Computation]:
 
 
 def cost(cell: ReportRun) -> float:
-    """Bead-steps of a cell or so; 0 if it is refused at once."""
+    """Approximate number of bead-steps of a cell; 0 if its scene is refused."""
     try:
         scene = library.from_plain(cell.scene, "scene").model_copy(update={"accuracy": None, "window": None})
         steps = scene.problem().steps
@@ -285,7 +292,7 @@ def cost(cell: ReportRun) -> float:
 
 
 def _program() -> str:
-    """Fingerprint of all that computes or compares."""
+    """Checksum of the program's modules."""
     root = Path(__file__).parents[3]
     files = [path for package in ("lammps_inputs", "analysis", "workflow") for path in (root / package).rglob("*.py")]
     return key_of([[path.relative_to(root).as_posix(), path.read_text("utf-8")] for path in sorted(files)])
@@ -301,7 +308,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Where to, and how much."""
+    """Add the arguments of the command."""
     add_parts(parser, PARTS)
     parser.add_argument(
         "-o", "--output", metavar="DIR", type=Path, help="new directory, or one to resume: table, cells"
@@ -314,8 +321,8 @@ def execute(arguments: argparse.Namespace) -> int:
     refuse_unknown_parts("extremes", arguments.parts, PARTS)
     chosen = [cell for cell in grid(arguments.parts) if not arguments.quick or cost(cell) <= QUICK]
     with STUDY.evaluating(arguments.output) as values:
-        found = values(plan(chosen), failed=lambda one: bool(one.failed) or one.value["kind"] == "WRONG")
-        outcomes = [RunOutcome(**value) for value in found]
+        results = values(plan(chosen), failed=lambda result: bool(result.failed) or result.value["kind"] == "WRONG")
+        outcomes = [RunOutcome(**value) for value in results]
         if arguments.output is not None:
             STUDY.write(arguments.output, {TABLE: to_csv(RunOutcome, outcomes)})
     title = "largest error of any velocity (V), against a more accurate reference"

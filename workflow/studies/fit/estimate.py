@@ -19,36 +19,36 @@ Residuals = Callable[[Floats], Floats]
 Mask = NDArray[np.bool_]
 
 Slopes = Callable[[Floats], Floats]
-"""Parameters -> derivatives of the model, [row, channel, parameter]."""
+"""Parameters -> derivatives of the model, [row, channel, parameter], in the channel's unit."""
 
 CONFIDENCE = 0.95
 
 ROUNDS = 3
-"""Fits, each with the noise that the one before left."""
+"""Number of fits; each weighs channels by the noise that the previous one estimated."""
 
 WEAK = 0.1
-"""Singular value of the derivatives, each of length 1, below which parameters are hard to distinguish: of two, it is a
-correlation of 0.99.
+"""Singular value of the derivatives, each of length 1, below which parameters are hard to distinguish; for two
+parameters it corresponds to a correlation of 0.99.
 """
 
 BLIND = 1e-3
-"""Below this they are not distinguished at all."""
+"""Singular value below which parameters are not distinguished at all."""
 
 UNSEEN = 1e-6
 """Length of a parameter's derivatives over the largest below which the data do not depend on it."""
 
 SHARE = 0.3
-"""Part that a parameter must have in such a direction to be named."""
+"""Least component of a parameter in the direction of a small singular value for it to be named."""
 
 
 @dataclass(frozen=True)
 class FitResult:
-    """What was found.
+    """Estimate of the parameters.
 
     Attributes:
-        parameters: the best.
-        error: standard error of each; infinite where the data do not determine it.
-        half_width: of each one's confidence interval.
+        parameters: [parameter] the best.
+        error: [parameter] standard error; infinite where the data do not determine the parameter.
+        half_width: [parameter] half-width of the confidence interval.
         correlation: [parameter, parameter]; NaN where the data do not determine it.
         noise: [channel] standard deviation of the residuals, in the channel's unit.
         rows: number of values that were fitted.
@@ -67,26 +67,28 @@ class FitResult:
 
 
 def estimate(residuals: Residuals, slopes: Slopes, start: Floats, size: Floats) -> FitResult:
-    """Fit.
+    """Fit a model by least squares, channels weighed by their noise.
 
     Args:
-        residuals, slopes: of the model.
-        start: parameters to begin with.
-        size: [channel] largest value of the data, to weigh channels by at first.
+        residuals, slopes: functions of the parameters, see `Residuals` and `Slopes`.
+        start: [parameter] where the search begins.
+        size: [channel] largest value of the data in the channel's unit, which weighs channels in the first round.
     """
     noise, parameters, converged = size, start, True
     for _ in range(ROUNDS):
         weights = 1.0 / noise
-        kept = np.isfinite(residuals(parameters))
+        mask = np.isfinite(residuals(parameters))
 
-        def weighed(p: Floats, kept: Mask = kept, weights: Floats = weights) -> Floats:
-            return np.asarray((residuals(p) * weights)[kept])
+        def weighed(p: Floats, mask: Mask = mask, weights: Floats = weights) -> Floats:
+            """Residuals over the noise at parameters [parameter], [value]."""
+            return np.asarray((residuals(p) * weights)[mask])
 
-        def derivatives(p: Floats, kept: Mask = kept, weights: Floats = weights) -> Floats:
-            return np.asarray(-(slopes(p) * weights[:, np.newaxis])[kept])
+        def derivatives(p: Floats, mask: Mask = mask, weights: Floats = weights) -> Floats:
+            """Derivatives of the weighed residuals at parameters [parameter], [value, parameter]."""
+            return np.asarray(-(slopes(p) * weights[:, np.newaxis])[mask])
 
-        found = least_squares(weighed, parameters, derivatives, method="trf", x_scale="jac", xtol=1e-10, ftol=1e-12)
-        parameters, converged = found.x, bool(found.status > 0)
+        solution = least_squares(weighed, parameters, derivatives, method="trf", x_scale="jac", xtol=1e-10, ftol=1e-12)
+        parameters, converged = solution.x, bool(solution.status > 0)
         noise = _noise(residuals(parameters), len(parameters), size)
     left = residuals(parameters)
     jacobian = -(slopes(parameters) / noise[:, np.newaxis])[np.isfinite(left)]
@@ -100,32 +102,32 @@ def estimate(residuals: Residuals, slopes: Slopes, start: Floats, size: Floats) 
 
 
 def _noise(left: Floats, parameters: int, size: Floats) -> Floats:
-    """Standard deviation of each channel's residuals; never so small that a perfect model weighs without bounds."""
+    """Standard deviation of the residuals, [channel], at least 1e-9 of the data's size, so that weights are finite."""
     count = np.isfinite(left).sum(axis=0)
     freedom = np.maximum(1.0, count * (1.0 - parameters / max(parameters + 1, int(count.sum()))))
     return np.asarray(np.maximum(np.sqrt(np.nansum(left**2, axis=0) / freedom), 1e-9 * size))
 
 
 def _covariance(jacobian: Floats) -> tuple[Floats, tuple[tuple[tuple[int, ...], bool], ...]]:
-    """Inverse of the normal matrix, infinite where there is none, and what is hardly distinguished."""
+    """Inverse of the normal matrix, infinite on the diagonal where undetermined, and groups of `FitResult.weak`."""
     count = jacobian.shape[1]
     length = np.sqrt(np.sum(jacobian**2, axis=0))
     blind = length <= UNSEEN * max(float(np.max(length, initial=0.0)), 1e-300)
     weak: list[tuple[tuple[int, ...], bool]] = [((int(k),), True) for k in np.flatnonzero(blind)]
-    seen = np.flatnonzero(~blind)
+    determined = np.flatnonzero(~blind)
     covariance = np.full((count, count), np.nan)
-    _, singular, directions = np.linalg.svd(jacobian[:, seen] / length[seen], full_matrices=False)
-    lost = np.zeros(len(seen), dtype=bool)
+    _, singular, directions = np.linalg.svd(jacobian[:, determined] / length[determined], full_matrices=False)
+    lost = np.zeros(len(determined), dtype=bool)
     for value, direction in zip(singular[::-1], directions[::-1], strict=True):
         group = np.abs(direction) > SHARE
-        if value < WEAK and len(seen) > 1:
-            weak.append((tuple(int(k) for k in seen[group]), bool(value < BLIND)))
+        if value < WEAK and len(determined) > 1:
+            weak.append((tuple(int(k) for k in determined[group]), bool(value < BLIND)))
         if value < BLIND:
             lost |= group
     safe = np.maximum(singular, BLIND)
-    inverse = (directions.T / safe**2) @ directions / np.outer(length[seen], length[seen])
-    covariance[np.ix_(seen, seen)] = inverse
-    for k in (*np.flatnonzero(blind), *seen[lost]):
+    inverse = (directions.T / safe**2) @ directions / np.outer(length[determined], length[determined])
+    covariance[np.ix_(determined, determined)] = inverse
+    for k in (*np.flatnonzero(blind), *determined[lost]):
         covariance[k, :] = covariance[:, k] = np.nan
         covariance[k, k] = np.inf
     return covariance, tuple(weak)

@@ -7,8 +7,8 @@ physics.
 | autocorrelation | Q of lags 1 to 3                                        | Ljung & Box, Biometrika 65, 1978      |
 | runs            | number of runs of residuals of one sign                 | Wald & Wolfowitz, Ann. Math. Stat. 11 |
 
-And one of each fixed field, the score test (Rao, Proc. Camb. Phil. Soc. 44, 1948): whether a change of it would reduce
-the residuals by more than noise does. It rejects smaller misfits than the other three.
+Each fixed field has a further test, the score test (Rao, Proc. Camb. Phil. Soc. 44, 1948): whether a change of the
+field would reduce the residuals by more than noise does. It rejects smaller misfits than the other three.
 
 The fit is rejected where the smallest p-value times the number of tests (Bonferroni) is below `LEVEL`.
 """
@@ -31,10 +31,10 @@ LAGS = 3
 """More lags make the reference distribution too short in its tail, which the number of tests reaches into."""
 
 FEWEST = 20
-"""Rows that a test takes."""
+"""Least number of rows for a test."""
 
 SAME = 3
-"""Consecutive samples at its largest or its smallest value that a clipped trace has at least."""
+"""Least number of consecutive samples of a clipped trace at its largest or its smallest value."""
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,13 @@ class Goodness:
     """Statistics of the residuals of each channel; NaN where there are fewer than `FEWEST` rows.
 
     Attributes:
-        chi_square: reduced chi-square: mean square after the first arrival, with the mean square before it as variance.
-        autocorrelation: of lag 1.
-        runs: number of runs over the number expected.
-        p: [test, channel] in the order of `TESTS`.
-        change: [fixed field] of its logarithm, that fits best, to first order, with the free fields following.
-        change_error: standard error; infinite where these compensate any change, NaN where the model does not depend on
-            the field.
+        chi_square: [channel] reduced chi-square: mean square after the first arrival over the mean square before it.
+        autocorrelation: [channel] autocorrelation of lag 1.
+        runs: [channel] number of runs over the number expected.
+        p: [test, channel] p-values in the order of `TESTS`.
+        change: [fixed field] change of its logarithm that fits best, to first order, with the free fields adjusted.
+        change_error: [fixed field] standard error of the change; infinite where the free fields compensate any change,
+            NaN where the model does not depend on the field.
     """
 
     chi_square: Floats
@@ -75,7 +75,7 @@ class Goodness:
 
     @property
     def rejected(self) -> NDArray[np.bool_]:
-        """[test, channel]."""
+        """[test, channel] whether a test rejects the fit."""
         return np.asarray(self.p * self._tests < LEVEL)
 
     @property
@@ -85,30 +85,30 @@ class Goodness:
 
 
 def goodness(residuals: Floats, before: NDArray[np.bool_], noise: Floats, free: Floats, fixed: Floats) -> Goodness:
-    """Test residuals.
+    """Test whether residuals are white noise of one size in each channel.
 
     Args:
-        residuals: [row, channel]; NaN without data.
-        before: [row, channel] rows before the first arrival.
-        noise: [channel] standard deviation.
-        free: [row, channel, parameter] derivatives of the model.
-        fixed: [row, channel, fixed field] likewise.
+        residuals: [row, channel] in the channel's unit; NaN without data.
+        before: [row, channel] whether the row is before the first arrival.
+        noise: [channel] standard deviation in the channel's unit.
+        free: [row, channel, parameter] derivatives of the model by the parameters.
+        fixed: [row, channel, fixed field] derivatives of the model by the logarithms of the fixed fields.
     """
-    found = []
+    statistics = []
     for column, early in zip(residuals.T, before.T, strict=True):
-        known = np.isfinite(column)
-        values, quiet, moved = column[known], column[known & early], column[known & ~early]
+        finite = np.isfinite(column)
+        values, quiet, moved = column[finite], column[finite & early], column[finite & ~early]
         chi_square, p_size = np.nan, np.nan
         if min(len(quiet), len(moved)) >= FEWEST and np.any(quiet):
             chi_square = np.mean(moved**2) / np.mean(quiet**2)
             p_size = f.sf(chi_square, len(moved), len(quiet))
         r, p_alike = _ljung_box(values)
         runs, p_runs = _runs(values)
-        found.append((chi_square, r, runs, p_size, p_alike, p_runs))
-    columns = np.array(found).T
-    known = np.isfinite(residuals)
-    weighed = [(slopes / noise[:, np.newaxis])[known] for slopes in (free, fixed)]
-    scores = _scores((residuals / noise)[known], *weighed)
+        statistics.append((chi_square, r, runs, p_size, p_alike, p_runs))
+    columns = np.array(statistics).T
+    finite = np.isfinite(residuals)
+    weighed = [(slopes / noise[:, np.newaxis])[finite] for slopes in (free, fixed)]
+    scores = _scores((residuals / noise)[finite], *weighed)
     return Goodness(columns[0], columns[1], columns[2], columns[3:6], *scores)
 
 
@@ -124,7 +124,7 @@ def _scores(residuals: Floats, free: Floats, fixed: Floats) -> tuple[Floats, Flo
 
 
 def _ljung_box(values: Floats) -> tuple[float, float]:
-    """Correlation of lag 1, and p; the mean of white residuals is 0 and is not subtracted."""
+    """Autocorrelation of lag 1, and p; the mean of white residuals is 0 and is not subtracted."""
     count = len(values)
     if count < FEWEST or not np.any(values):
         return np.nan, np.nan
@@ -134,7 +134,7 @@ def _ljung_box(values: Floats) -> tuple[float, float]:
 
 
 def _runs(values: Floats) -> tuple[float, float]:
-    """Runs over the number expected, and p of so few."""
+    """Number of runs over the number expected, and probability of so few."""
     signs = np.sign(values[values != 0.0])
     above, below = int(np.sum(signs > 0.0)), int(np.sum(signs < 0.0))
     if min(above, below) < FEWEST // 4 or above + below < FEWEST:
@@ -146,7 +146,11 @@ def _runs(values: Floats) -> tuple[float, float]:
 
 
 def resolution(values: Floats) -> float:
-    """Step of values that are all multiples of one, as a converter or rounding makes them; 0 where there is none."""
+    """Resolution of values, [row], that are all multiples of one step, as a converter or rounding makes them.
+
+    Returns:
+        The step in the unit of the values; 0 where there is none.
+    """
     finite = values[np.isfinite(values)]
     steps = np.diff(np.unique(finite))
     if not len(steps) or steps.min() < np.finfo(float).eps * np.abs(finite).max():  # rounding, whose ratios overflow
@@ -156,9 +160,13 @@ def resolution(values: Floats) -> float:
 
 
 def clipped(values: Floats, model: Floats) -> tuple[float, int]:
-    """The extreme value of a clipped trace, and how many consecutive samples at most are at it; NaN and 0 of others.
+    """Extreme value of a clipped trace and the largest number of consecutive samples at it; NaN and 0 if not clipped.
 
     Where the trace is clipped, the model is beyond the extreme value; where few digits make samples equal, it is not.
+
+    Args:
+        values: [row] the trace in its unit; NaN without data.
+        model: [row] trace of the model.
     """
     for sign in (1.0, -1.0):
         extreme = sign * np.nanmax(sign * values)

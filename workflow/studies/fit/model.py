@@ -1,4 +1,4 @@
-"""Traces that a scene would show, from the reference at the times of a table, by free fields and the time offset."""
+"""Traces of a scene by the reference at the times of a table, as functions of free fields and the time offset."""
 
 import copy
 import math
@@ -21,15 +21,15 @@ from workflow.sweep import fields
 from workflow.verdicts.validate_table import check_channels
 
 _LATER = 8
-"""Frames beyond the last time, which the interpolation leans on."""
+"""Frames beyond the last time, which the interpolation needs."""
 
 MOST_FRAMES = 2_000_000
 
 STEP = 1e-4
-"""Of logarithms, for derivatives."""
+"""Change of a logarithm, for derivatives."""
 
 OFFSET_STEP = 1e-3
-"""Of the time offset, in units of T, likewise."""
+"""Change of the time offset in units of T, for derivatives."""
 
 NO_MODEL = ("duration", "until_bead", "timestep", "accuracy", "output")
 """Keys that traces do not depend on."""
@@ -40,19 +40,19 @@ NO_SCENE = "no scene near these values of the free fields can be computed"
 class Model:
     """Traces, residuals and derivatives by parameters.
 
-    The parameters are the logarithms of the free fields over their values in the scene, so that these keep their sign,
-    and then the time offset in units of T where it is free. Frames and steps lie at the same times for all of them, so
-    that small changes of the parameters make small ones of the traces.
+    Parameters, [parameter], are the logarithms of the free fields over their values in the scene, so that fields keep
+    their sign, and then the time offset in units of T where it is free. Frames and steps lie at the same times for all
+    parameters, so that small changes of the parameters make small changes of the traces.
 
     Args:
         scene: plain data of the scene to begin with.
-        source: what to call it in messages.
-        names: of the free fields.
-        path: of the table, see `analysis.files.traces`.
-        offset: by how much the table's times are later than the scene's, in its units; None where it is free.
+        source: name of the scene in messages.
+        names: names of the free fields.
+        path: the table, see `analysis.files.traces`.
+        offset: time of the table minus time of the scene, in the scene's unit; None where it is free.
 
     Raises:
-        InputError: the scene is none, or has no such channels; or a name is that of no field with a number.
+        InputError: the scene is invalid or has no such channels, or a name is that of no field with a number.
     """
 
     def __init__(
@@ -67,45 +67,45 @@ class Model:
             raise InputError(f"--free: {', '.join(names)}: one field is named twice")
         if offset is not None and not math.isfinite(offset):
             raise InputError(f"--offset: {offset} given; a time in the scene's units, such as 0")
-        self.given = given = traces.load(path)
+        self.measured = measured = traces.load(path)
         self.fixed_offset = offset
         start = self._problem(scene, 1.0)
         if start.window is not None:
             raise InputError(f"{source}: window: rows behind it have no traces; leave it out")
-        if given.units and not start.scale.si:
+        if measured.units and not start.scale.si:
             raise InputError(f"{path}: names units, but {source} has no material, so it is in reduced units")
-        check_channels(path, given.channels, start)
+        check_channels(path, measured.channels, start)
         self.unit_time = start.scale.time
         self._si = start.scale.si
         self.every = start.every * start.scale.time
         self._steps = engine.default_steps_per_frame(start)
-        lasts = given.time[-1] - (given.time[0] if offset is None else min(given.time[0], offset))
+        lasts = measured.time[-1] - (measured.time[0] if offset is None else min(measured.time[0], offset))
         if lasts / self.every > MOST_FRAMES:
             raise InputError(
                 f"{path}: lasts {lasts / self.unit_time:.3g} T, too long to fit; cut it where the pulses have passed "
                 "(and see that its times, and --offset, are in the scene's units)"
             )
-        self.beads = beads_of(given.channels, start)
-        self._kept: dict[tuple[float, ...], Trajectory | None] = {}
+        self.beads = beads_of(measured.channels, start)
+        self._trajectories: dict[tuple[float, ...], Trajectory | None] = {}
 
     def _start(self, name: str) -> float:
-        """What the scene has in a field."""
+        """Value of a field in the scene."""
         try:
             path = fields.parse(name, self.scene)
         except InputError as error:
             raise InputError(f"--free: {error}") from None
         value = fields.look_up(self.scene, path)
         if isinstance(value, bool) or not isinstance(value, int | float) or value == 0:
-            found = "is not there" if value is None else f"is {str(value)[:60]!r}"
+            reason = "is not there" if value is None else f"is {str(value)[:60]!r}"
             raise InputError(
-                f"{self.source}: {name}: {found}; a free field needs a number other than 0 in the scene to start from"
+                f"{self.source}: {name}: {reason}; a free field needs a number other than 0 in the scene to start from"
             )
         if fields.is_whole(path):
             raise InputError(f"--free: {name} counts something, so it is no number that can change little by little")
         return float(value)
 
     def symbol(self, quantity: str) -> str:
-        """Of the unit of a quantity."""
+        """Symbol of the unit of a quantity."""
         return SI[quantity] if self._si else REDUCED
 
     # --- parameters ---
@@ -116,31 +116,38 @@ class Model:
         return self.fixed_offset is None
 
     def offset(self, parameters: Floats) -> float:
-        """In the scene's units of time."""
+        """Time of the table minus time of the scene at parameters [parameter], in the scene's unit."""
         return self.fixed_offset if self.fixed_offset is not None else float(parameters[-1]) * self.unit_time
 
     def fields(self, parameters: Floats) -> dict[str, float]:
-        """Values of the free fields."""
-        own = zip(self.names, self.start, parameters, strict=False)
-        return {name: start * math.exp(value) for name, start, value in own}
+        """Free fields at parameters [parameter]: name -> value in the field's unit."""
+        starts = zip(self.names, self.start, parameters, strict=False)
+        return {name: start * math.exp(value) for name, start, value in starts}
 
     def scene_at(self, parameters: Floats) -> dict[str, Any]:
-        """Plain data of the scene with these values."""
+        """Plain data of the scene at parameters [parameter]."""
         return fields.put_all(self.scene, self.fields(parameters))
 
     # --- runs ---
 
     def _problem(self, scene: dict[str, Any], duration: float, *, own_step: bool = False) -> Problem:
-        """Of a scene that is followed for a time of its own units."""
+        """Problem of a scene with a duration in the scene's unit, and without its end, accuracy, step and output."""
         dropped = ("until_bead", "accuracy") if own_step else ("until_bead", "accuracy", "timestep")
-        kept = {key: value for key, value in scene.items() if key not in dropped}
-        return library.from_plain({**kept, "duration": duration, "output": {}}, self.source).problem()
+        plain = {key: value for key, value in scene.items() if key not in dropped}
+        return library.from_plain({**plain, "duration": duration, "output": {}}, self.source).problem()
 
     def run(self, parameters: Floats, until: float) -> Trajectory:
-        """The beads that matter, from the start until a time in the scene's units.
+        """Motion of the beads next to the channels, from the start until a time.
+
+        Args:
+            parameters: [parameter].
+            until: time in the scene's unit.
+
+        Returns:
+            Frames with displacements and velocities [frame, chain, bead].
 
         Raises:
-            InputError: it is no scene.
+            InputError: the scene is invalid at these parameters.
             OverflowError: a field has no finite value.
         """
         frames = max(0, math.ceil(until / self.every)) + _LATER
@@ -151,53 +158,60 @@ class Model:
         return engine.run(problem, steps_per_frame=steps)
 
     def trajectory(self, parameters: Floats) -> Trajectory | None:
-        """Over the time of the table; None where the scene is refused."""
-        until = float(self.given.time[-1]) - self.offset(parameters)
+        """Motion at parameters [parameter] over the time of the table; None where the scene is refused."""
+        until = float(self.measured.time[-1]) - self.offset(parameters)
         key = (*parameters[: len(self.names)].tolist(), math.ceil(until / self.every))
-        if key not in self._kept:
-            if len(self._kept) > 4 * len(parameters) + 4:
-                self._kept.pop(next(iter(self._kept)))
+        if key not in self._trajectories:
+            if len(self._trajectories) > 4 * len(parameters) + 4:
+                self._trajectories.pop(next(iter(self._trajectories)))
             try:
-                self._kept[key] = self.run(parameters, until)
+                self._trajectories[key] = self.run(parameters, until)
             except (InputError, OverflowError):
-                self._kept[key] = None
-        return self._kept[key]
+                self._trajectories[key] = None
+        return self._trajectories[key]
 
     def traces(self, parameters: Floats) -> Floats | None:
-        """What the table would hold, [row, channel]; None where the scene is refused."""
+        """Traces at parameters [parameter], [row, channel], in the channel's unit; None where the scene is refused."""
         run = self.trajectory(parameters)
         return None if run is None else self._traces_of(run, parameters)
 
     def _traces_of(self, run: Trajectory, parameters: Floats) -> Floats:
-        return read_at(run, self.given.channels, self.given.time - self.offset(parameters))
+        return read_at(run, self.measured.channels, self.measured.time - self.offset(parameters))
 
     def numerical_error(self, parameters: Floats, traces: Floats) -> Floats:
-        """[channel] root mean square of the difference of a run with the scene's time step and LAMMPS's scheme.
+        """Root mean square, [channel], of the difference of a run with the scene's time step and LAMMPS's scheme.
 
-        Data that such a run made are as far from the traces without any noise.
+        Data of such a run differ so much from the traces without any noise.
+
+        Args:
+            parameters: [parameter].
+            traces: [row, channel] traces of the model at these parameters, in the channel's unit.
         """
-        last = max(0.0, float(self.given.time[-1]) - self.offset(parameters)) + _LATER * self.every
+        last = max(0.0, float(self.measured.time[-1]) - self.offset(parameters)) + _LATER * self.every
         problem = self._problem(self.scene_at(parameters), last, own_step=True)
         run = engine.run(replace(problem, recorded=self.beads), scheme=VERLET, steps_per_frame=problem.steps_per_frame)
-        difference = np.where(np.isfinite(self.given.values), self._traces_of(run, parameters) - traces, np.nan)
+        difference = np.where(np.isfinite(self.measured.values), self._traces_of(run, parameters) - traces, np.nan)
         return np.asarray(np.sqrt(np.nanmean(difference**2, axis=0)))
 
     # --- residuals and derivatives ---
 
     def residuals(self, parameters: Floats) -> Floats:
-        """Data minus model, [row, channel]; NaN without data; all infinite where the scene is refused."""
-        values = self.given.values
-        found = self.traces(parameters)
-        if found is None:
+        """Data minus model at parameters [parameter], [row, channel], in the channel's unit.
+
+        NaN without data; all infinite where the scene is refused.
+        """
+        values = self.measured.values
+        traces = self.traces(parameters)
+        if traces is None:
             return np.where(np.isfinite(values), np.inf, np.nan)
-        return np.asarray(values - found)
+        return np.asarray(values - traces)
 
     def slopes(self, parameters: Floats) -> Floats:
-        """Derivatives of the traces, [row, channel, parameter]."""
+        """Derivatives of the traces at parameters [parameter], [row, channel, parameter]."""
         return np.stack([self.slope(parameters, place) for place in range(len(parameters))], axis=-1)
 
     def slope(self, parameters: Floats, place: int) -> Floats:
-        """Derivative of the traces by one parameter, [row, channel]."""
+        """Derivative of the traces at parameters [parameter] by one of them, [row, channel]."""
         step = STEP if place < len(self.names) else OFFSET_STEP
         sides = []
         for sign in (1.0, -1.0):
@@ -212,7 +226,14 @@ class Model:
         return np.asarray((above - below) / (step * max(count, 1)))
 
     def fixed(self, parameters: Floats) -> tuple[tuple[str, ...], Floats]:
-        """Fixed fields that hold a number, and derivatives of the traces by their logarithms, [row, channel, field]."""
+        """Fixed fields that hold a number, and derivatives of the traces by their logarithms.
+
+        Args:
+            parameters: [parameter].
+
+        Returns:
+            Names of the fields, and derivatives [row, channel, field].
+        """
         count = len(self.names)
         names, columns = [], []
         varied = {_entries(name, self.scene) for name in self.names}
@@ -220,14 +241,14 @@ class Model:
             if _entries(name, self.scene) in varied:
                 continue
             wide = copy.copy(self)
-            wide._kept = {}
+            wide._trajectories = {}
             try:
                 wide.names, wide.start = (*self.names, name), (*self.start, self._start(name))
                 columns.append(wide.slope(np.insert(parameters, count, 0.0), count))
                 names.append(name)
             except InputError:  # no number, or none near it is a scene
                 continue
-        shape = (*self.given.values.shape, 0)
+        shape = (*self.measured.values.shape, 0)
         return tuple(names), np.stack(columns, axis=-1) if columns else np.empty(shape)
 
 
@@ -244,7 +265,7 @@ def _numbers(scene: dict[str, Any], above: str = "") -> Iterator[str]:
 
 
 def _entries(name: str, scene: dict[str, Any]) -> tuple[tuple[str, int], ...]:
-    """The keys of a field, of several parts each with its number."""
+    """Keys of a field, each with the number of its entry, 1 where there are no several."""
     return tuple((key, number or 1) for key, number in fields.parse(name, scene))
 
 
@@ -252,36 +273,44 @@ def _entries(name: str, scene: dict[str, Any]) -> tuple[tuple[str, int], ...]:
 
 
 def squares(residuals: Floats) -> float:
-    """Sum of squares, of what is known."""
+    """Sum of the squares of residuals [row, channel]; NaN counts as 0."""
     return float(np.nansum(residuals**2))
 
 
 def aligned(model: Model, logarithms: Floats, size: Floats, *, flipped: bool = False) -> tuple[float, Floats] | None:
-    """Sum of squares, weighed by size, and parameters with the offset at which it is least on a raster.
+    """Choose the offset on a raster with the least sum of squares of residuals over size.
 
-    With ``flipped`` the offset is that at which it is least where the sign of each channel is free. None where the
-    scene is refused.
+    Args:
+        model: the model.
+        logarithms: [field] logarithms of the free fields over their values in the scene.
+        size: [channel] largest value of the data in the channel's unit.
+        flipped: whether the sign of each channel is free in the choice of the offset.
+
+    Returns:
+        The sum of squares, and the parameters [parameter], with the offset; None where the scene is refused.
     """
-    given = model.given
+    measured = model.measured
     if not model.finds_offset:
         return squares(model.residuals(logarithms) / size), logarithms
-    span = float(given.time[-1] - given.time[0])
+    span = float(measured.time[-1] - measured.time[0])
     try:
         run = model.run(logarithms, span)
     except (InputError, OverflowError):
         return None
-    # with traces at the frames, since thousands of offsets are tried
+    # traces are interpolated between frames, since thousands of offsets are tried
     frames, unit = run.time * run.problem.scale.time, model.unit_time
-    shown = read(run, given.channels) * [getattr(run.problem.scale, channel.quantity) for channel in given.channels]
+    shown = read(run, measured.channels) * [
+        getattr(run.problem.scale, channel.quantity) for channel in measured.channels
+    ]
 
     def cost(offset: float) -> float:
-        traces = np.stack([np.interp(given.time - offset, frames, column, left=0.0) for column in shown.T], axis=1)
-        found = np.nansum(((given.values - traces) / size) ** 2, axis=0)
+        traces = np.stack([np.interp(measured.time - offset, frames, column, left=0.0) for column in shown.T], axis=1)
+        sums = np.nansum(((measured.values - traces) / size) ** 2, axis=0)
         if flipped:
-            found = np.minimum(found, np.nansum(((given.values + traces) / size) ** 2, axis=0))
-        return float(np.sum(found))
+            sums = np.minimum(sums, np.nansum(((measured.values + traces) / size) ** 2, axis=0))
+        return float(np.sum(sums))
 
-    rough = given.time[0] - span / 2.0 + np.arange(0.0, 1.5 * span, max(0.5 * unit, span / 2000.0))
+    rough = measured.time[0] - span / 2.0 + np.arange(0.0, 1.5 * span, max(0.5 * unit, span / 2000.0))
     best = min(rough, key=cost)
     best = min(best + np.linspace(-1.0, 1.0, 41) * (rough[1] - rough[0] if len(rough) > 1 else unit), key=cost)
     parameters = np.append(logarithms, best / unit)
@@ -289,19 +318,25 @@ def aligned(model: Model, logarithms: Floats, size: Floats, *, flipped: bool = F
 
 
 def reversed_channels(model: Model, parameters: Floats, size: Floats) -> tuple[Channel, ...]:
-    """Channels whose opposite sign at least halves the sum of squares, near these parameters or the start."""
-    given = model.given
+    """Channels whose opposite sign at least halves the sum of squares, near parameters or the start.
+
+    Args:
+        model: the model.
+        parameters: [parameter].
+        size: [channel] largest value of the data in the channel's unit.
+    """
+    measured = model.measured
     count = len(model.names)
-    found: tuple[Channel, ...] = ()
+    channels: tuple[Channel, ...] = ()
     least = 0.5 * squares(model.residuals(parameters) / size)
     for point in (parameters[:count], np.zeros(count)):
         best = aligned(model, point, size, flipped=True)
         traces = None if best is None else model.traces(best[1])
         if traces is None:
             continue
-        signs = np.where(np.nansum(given.values * traces, axis=0) < 0.0, -1.0, 1.0)
-        cost = squares((given.values - signs * traces) / size)
+        signs = np.where(np.nansum(measured.values * traces, axis=0) < 0.0, -1.0, 1.0)
+        cost = squares((measured.values - signs * traces) / size)
         if cost < least:
             least = cost
-            found = tuple(channel for channel, sign in zip(given.channels, signs, strict=True) if sign < 0.0)
-    return found
+            channels = tuple(channel for channel, sign in zip(measured.channels, signs, strict=True) if sign < 0.0)
+    return channels

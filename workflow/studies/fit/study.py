@@ -1,10 +1,10 @@
 """Estimate fields of a scene from measured forces or velocities, with confidence intervals.
 
-From a scene and a table to fitted fields, a run of LAMMPS with them, and a report.
+The input is a scene and a table of traces; the output is the fitted fields, a run of LAMMPS with them, and a report.
 
-| file           | what                                                                         |
+| file           | contents                                                                     |
 |----------------|------------------------------------------------------------------------------|
-| fit.json       | what was found, see `Fit.plain`                                              |
+| fit.json       | the result, see `Fit.plain`                                                  |
 | fitted.yaml    | the scene with the fitted fields; its first line says where these do not fit |
 | residuals.png  | traces, and their residuals                                                  |
 | lammps/        | run directory of the fitted scene, over the time of the data                 |
@@ -49,13 +49,13 @@ STUDY = Study(
 )
 
 STARTS = 32
-"""Points around the start of which the best are begun from, too."""
+"""Number of points around the start, of which the best begin searches, too."""
 
 SPREAD = math.log(1.5)
-"""How far around, in logarithms of the fields."""
+"""Largest distance of these points from the start, in logarithms of the fields."""
 
 BEGUN = 3
-"""Searches, from the best of those points."""
+"""Number of searches from the best of these points."""
 
 
 def fit(
@@ -68,15 +68,15 @@ def fit(
     offset: float | None = None,
     lammps: bool = True,
 ) -> Fit:
-    """Find fields of a scene from measured traces, and write what was found.
+    """Estimate fields of a scene from measured traces, and write the result.
 
     Args:
         scene: plain data of the scene, with values to start from.
         path: the table, see `analysis.files.traces`.
-        names: of the free fields.
+        names: names of the free fields.
         directory: made if need be.
-        source: what to call the scene in messages.
-        offset: by how much the table's times are later than the scene's, in its units; None to find it, too.
+        source: name of the scene in messages.
+        offset: time of the table minus time of the scene, in the scene's unit; None to estimate it, too.
         lammps: whether to run the fitted scene in LAMMPS.
 
     Raises:
@@ -85,39 +85,39 @@ def fit(
     """
     model = Model(scene, source, names, path, offset)
     with STUDY.opened(directory):
-        size = _sizes(model.given, path, len(names) + model.finds_offset)
-        found = _best(model, size)
-        result = judged(model, found, size)
+        size = _sizes(model.measured, path, len(names) + model.finds_offset)
+        estimated = _best(model, size)
+        result = judged(model, estimated, size)
         comment = "" if result.fits is not False else f"# {result.verdict}\n"
-        fitted = library.from_plain(model.scene_at(found.parameters), source).plain()
+        fitted = library.from_plain(model.scene_at(estimated.parameters), source).plain()
         STUDY.write(directory, {FITTED: comment + strict_yaml.dump(fitted)})
         if lammps:
-            result = replace(result, lammps=_in_lammps(model, found, directory / LAMMPS))
+            result = replace(result, lammps=_in_lammps(model, estimated, directory / LAMMPS))
         STUDY.write(
             directory,
             {REPORT: as_json(result.plain()) + "\n"},
-            {FIGURE: _figure(model, found, rejected=result.fits is False)},
+            {FIGURE: _figure(model, estimated, rejected=result.fits is False)},
         )
     return result
 
 
-def _sizes(given: Traces, path: Path, unknowns: int) -> Floats:
-    """[channel] largest value of the data.
+def _sizes(measured: Traces, path: Path, unknowns: int) -> Floats:
+    """Largest value of the data, [channel], in the channel's unit.
 
     Raises:
-        InputError: there are too few values, or a channel without any other than zero.
+        InputError: there are too few values, or all values of a channel are zero.
     """
-    if int(np.isfinite(given.values).sum()) <= unknowns:
+    if int(np.isfinite(measured.values).sum()) <= unknowns:
         raise InputError(f"{path}: has fewer values than there are unknowns")
-    size = np.nanmax(np.abs(given.values), axis=0)
-    for channel, largest in zip(given.channels, size, strict=True):
+    size = np.nanmax(np.abs(measured.values), axis=0)
+    for channel, largest in zip(measured.channels, size, strict=True):
         if not largest > 0.0:
             raise InputError(f"{path}: {channel.name}: holds nothing but zeros; leave it out")
     return np.asarray(size)
 
 
 def _best(model: Model, size: Floats) -> FitResult:
-    """The best of searches from the start and from points around it."""
+    """Best estimate of searches from the start and from points around it."""
     count = len(model.names)
     around = SPREAD * (2.0 * qmc.Sobol(count, seed=1).random(STARTS) - 1.0)
     points = [aligned(model, point, size) for point in (np.zeros(count), *around)]
@@ -128,32 +128,32 @@ def _best(model: Model, size: Floats) -> FitResult:
     if points[0] is not None and not any(point is points[0][1] for point in chosen):
         chosen.append(points[0][1])
     tried = [estimate(model.residuals, model.slopes, start, size) for start in chosen]
-    return min(tried, key=lambda one: squares(model.residuals(one.parameters) / size))
+    return min(tried, key=lambda fitted: squares(model.residuals(fitted.parameters) / size))
 
 
-def _in_lammps(model: Model, found: FitResult, directory: Path) -> InLammps:
-    """Error of the run of the fitted scene over the data's time, and how far its traces are from the reference's."""
-    offset = model.offset(found.parameters)
-    until = max(float(model.given.time[-1]) - offset, 0.0) + 8.0 * model.every
-    fitted = model.scene_at(found.parameters)
-    kept = {key: value for key, value in fitted.items() if key not in ("until_bead", "output")}
-    scene = library.from_plain({**kept, "duration": until}, model.source)
+def _in_lammps(model: Model, estimated: FitResult, directory: Path) -> InLammps:
+    """Run the fitted scene in LAMMPS over the time of the data, and compare its traces with those of the reference."""
+    offset = model.offset(estimated.parameters)
+    until = max(float(model.measured.time[-1]) - offset, 0.0) + 8.0 * model.every
+    fitted = model.scene_at(estimated.parameters)
+    plain = {key: value for key, value in fitted.items() if key not in ("until_bead", "output")}
+    scene = library.from_plain({**plain, "duration": until}, model.source)
     done = run(scene, directory, overwrite=directory.exists())
-    theirs = read_at(done.trajectory, model.given.channels, model.given.time - offset)
-    own = model.traces(found.parameters)
-    assert own is not None
+    theirs = read_at(done.trajectory, model.measured.channels, model.measured.time - offset)
+    traces = model.traces(estimated.parameters)
+    assert traces is not None
     error = None if done.check is None else done.check.velocity
-    return InLammps(error, float(np.max(np.abs(theirs - own) / found.noise)))
+    return InLammps(error, float(np.max(np.abs(theirs - traces) / estimated.noise)))
 
 
-def _figure(model: Model, found: FitResult, *, rejected: bool) -> "Figure":
+def _figure(model: Model, estimated: FitResult, *, rejected: bool) -> "Figure":
     from analysis.figures.errors import residual_figure  # matplotlib takes half a second to import
 
-    own, run = model.traces(found.parameters), model.trajectory(found.parameters)
-    assert own is not None
+    traces, run = model.traces(estimated.parameters), model.trajectory(estimated.parameters)
+    assert traces is not None
     assert run is not None
     mark = "; fit rejected" if rejected else ""
-    return residual_figure(run.problem, model.given, own, found.noise, mark=mark)
+    return residual_figure(run.problem, model.measured, traces, estimated.noise, mark=mark)
 
 
 # --- command ----------------------------------------------------------------------------------------------------------
@@ -168,7 +168,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The scene, the data, what is free."""
+    """Add the arguments of the command."""
     parser.add_argument("scene", metavar="SCENE", help="its fields are where the search starts")
     parser.add_argument(
         "--against",
@@ -193,11 +193,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
-    """Print what was found; exit code 1 when the search did not converge or the test of fit rejects the model."""
+    """Fit and print the result; exit code 1 when the search did not converge or the test of fit rejects the model."""
     options = job_options(arguments)
     if options is not None:
         return as_job(options, arguments.output, _words(arguments), cores=1, jobs=1)
-    found = fit(
+    result = fit(
         library.find(arguments.scene).plain(),
         arguments.against,
         [name.strip() for name in arguments.free.split(",") if name.strip()],
@@ -206,12 +206,12 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         offset=arguments.offset,
         lammps=not arguments.no_lammps,
     )
-    _print(found, arguments)
-    return CommandResult(0 if found.converged and found.fits is not False else 1, found.plain())
+    _print(result, arguments)
+    return CommandResult(0 if result.converged and result.fits is not False else 1, result.plain())
 
 
 def _words(arguments: argparse.Namespace) -> list[str]:
-    """The command as a job runs it."""
+    """Arguments of the command in a job."""
     scene = arguments.scene
     path = scene if scene in installed_scenes.installed() else str(Path(scene).absolute())
     library.find(scene)
@@ -221,14 +221,14 @@ def _words(arguments: argparse.Namespace) -> list[str]:
     return [*words, *(["--no-lammps"] if arguments.no_lammps else [])]
 
 
-def _print(found: Fit, arguments: argparse.Namespace) -> None:
-    print(found.verdict)
-    for note in found.notes():
+def _print(result: Fit, arguments: argparse.Namespace) -> None:
+    print(result.verdict)
+    for note in result.notes():
         print(note)
-    for title, head, rows in found.tables():
-        fitted = f"{one_line(arguments.scene)} fitted to {one_line(arguments.against)}: {found.rows} values"
+    for title, head, rows in result.tables():
+        fitted = f"{one_line(arguments.scene)} fitted to {one_line(arguments.against)}: {result.rows} values"
         print_table(fitted if title == "fields" else title, head, rows)
-    lammps = found.lammps
+    lammps = result.lammps
     if lammps.difference is not None:
         error = "" if lammps.error_velocity is None else f"error of velocities {lammps.error_velocity:.1e} V; "
         print(f"in LAMMPS: {error}traces differ from the fitted ones by {lammps.difference:.2g} sigma at most")

@@ -24,47 +24,50 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True)
 class RequiredRange:
-    """Where a quantity is required to lie, and, for a statement that needs a correction only, the wider range."""
+    """Range in which a quantity must lie, and the wider range in which its statement holds with a correction."""
 
-    least: float
-    most: float
-    wide_least: float
-    wide_most: float
+    lowest: float
+    highest: float
+    wide_lowest: float
+    wide_highest: float
 
     def verdict(self, value: float) -> str:
-        """On one number; NaN is in no range."""
-        if self.least <= value <= self.most:
+        """Verdict on one number; NaN is in no range."""
+        if self.lowest <= value <= self.highest:
             return HOLDS
-        return CORRECTED if self.wide_least <= value <= self.wide_most else FAILS
+        return CORRECTED if self.wide_lowest <= value <= self.wide_highest else FAILS
 
     def text(self, unit: str) -> str:
-        """In words, such as ``0.682 ± 0.0005 V (± 0.001 V)``."""
-        said, wide = _interval(self.least, self.most, unit), _interval(self.wide_least, self.wide_most, unit)
-        return said if wide == said else f"{said} ({wide[wide.find('±') :] if '±' in wide else wide})"
+        """Text of the range with a unit, such as ``0.682 ± 0.0005 V (± 0.001 V)``."""
+        required, wide = (
+            _interval(self.lowest, self.highest, unit),
+            _interval(self.wide_lowest, self.wide_highest, unit),
+        )
+        return required if wide == required else f"{required} ({wide[wide.find('±') :] if '±' in wide else wide})"
 
 
-def _interval(least: float, most: float, unit: str) -> str:
-    if math.isinf(least):
-        return "any value" if math.isinf(most) else f"≤ {most:g}{unit}"
-    if math.isinf(most):
-        return f"≥ {least:g}{unit}"
-    value = 0.5 * (least + most)
-    return f"{value:g} ± {most - value:.2g}{unit}" if most > least else f"{value:g}{unit}"
+def _interval(lowest: float, highest: float, unit: str) -> str:
+    if math.isinf(lowest):
+        return "any value" if math.isinf(highest) else f"≤ {highest:g}{unit}"
+    if math.isinf(highest):
+        return f"≥ {lowest:g}{unit}"
+    value = 0.5 * (lowest + highest)
+    return f"{value:g} ± {highest - value:.2g}{unit}" if highest > lowest else f"{value:g}{unit}"
 
 
 def near(value: float, within: float, wider: float = 0.0) -> RequiredRange:
-    """Within a distance of a value."""
+    """Range within a distance of a value, and with a correction within a wider one."""
     wider = max(within, wider)
     return RequiredRange(value - within, value + within, value - wider, value + wider)
 
 
 def at_most(bound: float, wider: float | None = None) -> RequiredRange:
-    """Not above a bound."""
+    """Range up to a bound, and with a correction up to a wider one."""
     return RequiredRange(-math.inf, bound, -math.inf, bound if wider is None else wider)
 
 
 def at_least(bound: float, wider: float | None = None) -> RequiredRange:
-    """Not below a bound."""
+    """Range from a bound on, and with a correction from a wider one on."""
     return RequiredRange(bound, math.inf, bound if wider is None else wider, math.inf)
 
 
@@ -73,14 +76,14 @@ class MeasuredQuantity:
     """A quantity and the range that it is required to lie in.
 
     Attributes:
-        what: the quantity, in words.
-        found: its value by engine.
+        name: name of the quantity.
+        values: value by engine.
         required: the range.
-        form: digits after the point, with ``e`` those of an exponential, and the unit, such as ``3 beads``.
+        form: digits after the point (followed by ``e``: in exponential notation) and unit, such as ``3 beads``.
     """
 
-    what: str
-    found: Mapping[str, float]
+    name: str
+    values: Mapping[str, float]
     required: RequiredRange
     form: str = "5"
 
@@ -90,8 +93,8 @@ class MeasuredQuantity:
 
     @property
     def best(self) -> float:
-        """Its value by the reference, or the first one where the reference did not run."""
-        return self.found.get("reference", next(iter(self.found.values())))
+        """Value by the reference, or the first one where the reference did not run."""
+        return self.values.get("reference", next(iter(self.values.values())))
 
     def text(self, value: float) -> str:
         """A value with its unit."""
@@ -99,27 +102,27 @@ class MeasuredQuantity:
         return f"{value:.{digits}}{self._unit}" if digits.endswith("e") else f"{value:.{digits}f}{self._unit}"
 
     def line(self) -> str:
-        """What was found, by how much the engines differ, what is required, and the deviation from that."""
-        said = f"{self.what}: " + ", ".join(
-            f"{NAMES[name]} {self.text(value)}" if name in NAMES else f"{name}: {self.text(value)}"
-            for name, value in self.found.items()
+        """Values, difference of the engines, required range, and deviation from its middle, in one line."""
+        sentence = f"{self.name}: " + ", ".join(
+            f"{NAMES[engine]} {self.text(value)}" if engine in NAMES else f"{engine}: {self.text(value)}"
+            for engine, value in self.values.items()
         )
-        if set(self.found) == set(NAMES):
-            said += f" (they differ by {max(self.found.values()) - min(self.found.values()):.0e})"
-        said += f"; required: {self.required.text(self._unit)}"
-        value = 0.5 * (self.required.least + self.required.most)
-        if not math.isfinite(value) or self.required.least == self.required.most or not value:
-            return said
-        return f"{said}; deviation {self.best - value:+.1e}{self._unit} ({self.best / value - 1.0:+.2%})"
+        if set(self.values) == set(NAMES):
+            sentence += f" (they differ by {max(self.values.values()) - min(self.values.values()):.0e})"
+        sentence += f"; required: {self.required.text(self._unit)}"
+        value = 0.5 * (self.required.lowest + self.required.highest)
+        if not math.isfinite(value) or self.required.lowest == self.required.highest or not value:
+            return sentence
+        return f"{sentence}; deviation {self.best - value:+.1e}{self._unit} ({self.best / value - 1.0:+.2%})"
 
     def verdict(self) -> str:
-        """By the worst engine."""
-        return _worst([self.required.verdict(value) for value in self.found.values()])
+        """Verdict on the engine with the worst value."""
+        return _worst([self.required.verdict(value) for value in self.values.values()])
 
 
-def by_engine(found: Mapping[str, Value], text: Callable[[Value], str], before: str = "") -> list[str]:
-    """Lines of what was found by each engine."""
-    return [f"{before}{NAMES[engine]}: {text(value)}" for engine, value in found.items()]
+def by_engine(values: Mapping[str, Value], text: Callable[[Value], str], before: str = "") -> list[str]:
+    """Lines with the value of each engine."""
+    return [f"{before}{NAMES[engine]}: {text(value)}" for engine, value in values.items()]
 
 
 def state(
@@ -133,22 +136,22 @@ def state(
     """A statement with the verdict that follows from the rule.
 
     Args:
-        measured: what it is reduced to.
-        published: the claim, as the source has it.
+        measured: quantities to which it is reduced.
+        published: the claim of the source.
         source: key of the bibliography, and the place in it: ``rosas2007, abstract``.
-        derived: what follows from it, or from theory, before anything is run.
-        correction: what to say instead where it does not hold as it is; by default the first value out of its range.
-        also: further lines of what was found.
+        derived: consequence of the claim, or of theory, before anything is run.
+        correction: corrected claim where the published one does not hold; by default the first value out of its range.
+        also: further lines of measured values.
     """
-    holds = _worst([one.verdict() for one in measured])
-    missed = [one for one in measured if one.verdict() != HOLDS]
+    holds = _worst([quantity.verdict() for quantity in measured])
+    missed = [quantity for quantity in measured if quantity.verdict() != HOLDS]
     if missed and not correction:
         correction = f"It is {missed[0].text(missed[0].best)}."
     return Statement(
         published,
         source,
         derived,
-        found=[one.line() for one in measured] + list(also),
+        found=[quantity.line() for quantity in measured] + list(also),
         holds=holds,
         correction=correction if missed else "",
     )

@@ -1,6 +1,6 @@
-"""What an entry of the gallery is: scenes, what was published of them, what is found in their runs, and a figure.
+"""Entry of the gallery: scenes, published statements about them, measurements in their runs, and a figure.
 
-`Ran` has what can be asked of a run; `workflow.studies.gallery.criteria` the rule by which a statement is assessed.
+`Ran` has the measurements of a run; `workflow.studies.gallery.criteria` the rule by which a statement is assessed.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -46,11 +46,11 @@ class Ran(RunDirectory):
     def errors(self) -> tuple[float, float]:
         """Bounds on the errors of peak velocities (V) and of arrivals (T).
 
-        For LAMMPS the difference from the reference found when it was run, for the reference its uncertainty.
+        They are the difference from the reference for LAMMPS, and the uncertainty for the reference.
         """
-        found = KNOWN_ENGINES[self.engine].errors(self.job)
-        assert found is not None
-        return found
+        errors = KNOWN_ENGINES[self.engine].errors(self.job)
+        assert errors is not None
+        return errors
 
     @cached_property
     def trajectory(self) -> Trajectory:
@@ -67,44 +67,44 @@ class Ran(RunDirectory):
         return leading_waves(self._forwards, self.problem, "maximum")
 
     def peak(self, bead: int) -> float:
-        """Velocity of the leading pulse of chain 1 at a bead."""
+        """Peak velocity (V) of the leading pulse of chain 1 at a bead."""
         return float(self.waves.of_chain(1).at(bead).peak_velocity[0])
 
     def arrival(self, bead: int) -> float:
-        """Time of that."""
+        """Time (T) at which the velocity of the leading pulse of chain 1 at a bead is largest."""
         return float(self.waves.of_chain(1).at(bead).arrival[0])
 
     def peaks(self, beads: Iterable[float]) -> Floats:
-        """Velocities of the leading pulse of chain 1 at beads."""
+        """Peak velocities (V) of the leading pulse of chain 1 at beads, [bead]."""
         return np.array([self.peak(int(bead)) for bead in beads])
 
     def passages(self, bead: int) -> Floats:
-        """Times of all maxima of the velocity of a bead of chain 1."""
+        """Times (T) of all maxima of the velocity of a bead of chain 1, [passage]."""
         peaks = self._forwards
         return np.asarray(peaks.time[(peaks.bead == bead) & (peaks.chain == 1)])
 
     def speed(self, first: int, last: int) -> float:
-        """Beads per unit time of the leading pulse of chain 1 between two beads."""
+        """Speed (beads / T) of the leading pulse of chain 1 between two beads."""
         return (last - first) / (self.arrival(last) - self.arrival(first))
 
     def pulses(self, direction: int = 1, smallest: float = 0.01) -> tuple[Pulse, ...]:
-        """Every pulse that runs one way and reaches a velocity."""
+        """All pulses in one direction (1 or -1) that reach a velocity (V)."""
         peaks = self._forwards if direction > 0 else find_peaks(self.blocks(), direction=-1)
         return track_pulses(peaks, self.problem, smallest=smallest)
 
     def train(self, bead: int, smallest: float = 0.01) -> Train:
-        """Pulses that pass a bead of chain 1 in succession."""
+        """Pulses that pass a bead of chain 1 in succession and reach a velocity (V)."""
         return train_of(self.pulses(1, smallest), 1, 1, bead)
 
     def forces(self, *, contacts: Iterable[int] = (), wall: bool = False) -> Readings:
-        """What gauges at walls and in contacts (between bead n and the next) read."""
+        """Readings of gauges at walls and in contacts (contact n is between bead n and the next)."""
         places = gauges(self.problem.system, wall=wall, contacts=tuple(contacts))
         return watch(ForceMeter(self.problem, places), self.blocks()).result()
 
     def residual(self, period: int) -> float:
-        """Share of its energy that chain 1's pulse loses from one cell to the next; NaN where it passed none."""
-        found = left(survey(self.blocks, self.problem), 1, period)
-        return float("nan") if found is None else found.per_cell
+        """Share of the energy of chain 1's pulse that stays in a cell of ``period`` beads; NaN where it passed none."""
+        residual = left(survey(self.blocks, self.problem), 1, period)
+        return float("nan") if residual is None else residual.per_cell
 
     @cached_property
     def flow(self) -> Flow:
@@ -117,7 +117,7 @@ class Ran(RunDirectory):
         return watch(Dispersion(self.problem), self.blocks()).result()
 
     def width(self, bead: int) -> float:
-        """Full width at half maximum of the leading pulse at a bead of chain 1, in beads: time there times speed."""
+        """Full width at half maximum of the leading pulse at a bead of chain 1, in beads: duration times speed."""
         run = self.trajectory
         place = int(np.flatnonzero(run.beads == bead)[0])
         velocity, time = run.velocity[:, 0, place], run.time
@@ -131,21 +131,21 @@ class Ran(RunDirectory):
 
 
 Runs = Mapping[str, Ran]
-"""One scene's run by engine."""
+"""Engine -> run of one scene."""
 
 Results = Mapping[str, Runs]
-"""All of an entry, by the names of its scenes."""
+"""Name of a scene of an entry -> its runs."""
 
 
 def chain(
     beads: int, duration: float, *, timestep: float | None = 0.005, every: float = 0.1, **keys: Any
 ) -> dict[str, Any]:
-    """A scene of one chain, unless other keys say how many, whose first bead is kicked with V = 1, unless they say how.
+    """Plain data of a scene, by default of one chain whose first bead is kicked with V = 1.
 
     Args:
-        beads, duration, timestep: as in a scene.
+        beads, duration, timestep: keys of the scene.
         every: time between frames.
-        keys: others of the scene.
+        keys: further keys of the scene.
     """
     kick = {} if "striker" in keys else {"kick": {"velocity": 1.0}}
     return {"beads": beads, "duration": duration, "timestep": timestep, "output": {"every": every}, **kick, **keys}
@@ -157,19 +157,19 @@ Statements = Iterable[Statement]
 
 
 def exponent(quantity: Floats, over: Floats) -> float:
-    """Of a power law, by least squares of the logarithms."""
+    """Exponent of a power law of a quantity, [value], over another one, [value], by least squares of logarithms."""
     return float(np.polyfit(np.log(over), np.log(quantity), 1)[0])
 
 
 def each(measure: Callable[..., Value], *runs: Runs) -> dict[str, Value]:
     """A quantity by engine, measured in that engine's runs of one scene or of several."""
-    return {engine: measure(*(one[engine] for one in runs)) for engine in runs[0]}
+    return {engine: measure(*(scene_runs[engine] for scene_runs in runs)) for engine in runs[0]}
 
 
 # --- figures ----------------------------------------------------------------------------------------------------------
 
 PUBLISHED: dict[str, Any] = {"color": "0.45", "linewidth": 1.0, "linestyle": (0, (4, 2))}
-"""Style of lines of published or derived values, each with its words in the legend."""
+"""Style of lines of published or derived values."""
 
 
 Draw = Callable[[Axes, Results], None]
@@ -177,7 +177,7 @@ Draw = Callable[[Axes, Results], None]
 
 
 def line(place: int) -> dict[str, Any]:
-    """Colour and dashes of one of several curves in a panel, which grey distinguishes too."""
+    """Colour and dashes of one of several curves in a panel, distinct in greyscale, too."""
     return {"color": COLOURS[place], "linestyle": CHAIN_DASHES[place]}
 
 
@@ -205,13 +205,13 @@ class Entry:
     """One canonical result.
 
     Attributes:
-        title, introduction: what it is about.
+        title, introduction: head of its section.
         scenes: name -> scene without its name, or the name of an installed one; run by LAMMPS and by the reference.
-        statements: the published ones beside what the runs say.
+        statements: runs -> statements with published and measured values.
         axes, draw, caption: labels, contents and caption of a figure of one panel.
-        pictures: figures in its place.
-        swept: likewise name -> scene, run by the reference only.
-        sources: publications, by key of the bibliography, and what of each could be read.
+        pictures: runs -> figures instead of that one.
+        swept: name -> scene that is run by the reference only.
+        sources: key of the bibliography -> what could be read of the publication.
     """
 
     title: str
@@ -226,10 +226,10 @@ class Entry:
     sources: Mapping[str, str] = field(default_factory=dict)
 
     def build(self, folder: Path) -> Section:
-        """Run what no earlier start has run, and measure it.
+        """Run the scenes that no earlier start has run, and measure all runs.
 
         Args:
-            folder: where run directories are kept.
+            folder: directory of the run directories.
 
         Raises:
             RunError: a run failed.
@@ -256,9 +256,9 @@ AMPLIFIED = (
 
 
 def _own_errors(results: Results) -> str:
-    """The measured error of the runs that both engines made, in words."""
+    """Sentence on the measured errors of the scenes that both engines ran."""
     both = [runs for runs in results.values() if set(runs) == set(ENGINES)]
-    # two beads have no leading pulse, and so no error of one
+    # fmax: two beads have no leading pulse, so that its errors are NaN
     lammps, reference = (np.fmax.reduce([runs[engine].errors for runs in both]) for engine in ENGINES)
     if np.isnan(lammps[0]):
         return f"Measured error of these runs: any velocity of the reference is within {reference[0]:.1e} V."

@@ -30,7 +30,7 @@ SAME = 1e-6
 """Largest difference of peak velocities in units of V between a window and one twice as wide."""
 
 DECAY_LENGTH = 2.709
-"""Bead n* times kappa at which a pulse that leaves half the energy of its springs behind has decayed (V = 1, N = 2)."""
+"""Bead n* times kappa at which a pulse whose springs keep half their energy behind it has decayed (V = 1, N = 2)."""
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ SUMMARY = (
 
 
 def gallery(directory: Path, names: Sequence[str] = (), *, progress: evaluate.Progress | None = None) -> Sections:
-    """Run entries, and write the page of these and of those that earlier starts have left.
+    """Run entries, and write the page of these and of those that earlier starts have run.
 
     Args:
         directory: made if need be, or resumed.
@@ -52,55 +52,56 @@ def gallery(directory: Path, names: Sequence[str] = (), *, progress: evaluate.Pr
         progress: called with the entries done, all that are run, and how many of them failed.
 
     Returns:
-        The sections of the entries that were asked for, in the page's order; of one that failed it says why.
+        The sections of these entries, in the order of the page; the section of one that failed says why.
 
     Raises:
-        InputError: no such entry; the directory cannot be written, or holds such a file of somebody else's.
+        InputError: no such entry; the directory cannot be written, or has a file of such a name that is not a study's.
     """
     folder = directory / FOLDER
-    asked = _chosen(names)
+    chosen = _chosen(names)
     with STUDY.opened(directory):
         folder.mkdir(exist_ok=True)
-        found = _side_by_side(asked, folder.absolute(), progress)
-        shown = {name: found.get(name) or page.kept(folder / name) for name in ENTRIES}
+        computed = _side_by_side(chosen, folder.absolute(), progress)
+        shown = {name: computed.get(name) or page.kept(folder / name) for name in ENTRIES}
         sections = [section for section in shown.values() if section is not None]
         STUDY.write(directory, {PAGE: page.render(TITLE, f"{SUMMARY}\n{RULE}", sections)})
-    return Sections({name: found[name] for name in asked})
+    return Sections({name: computed[name] for name in chosen})
 
 
 def _chosen(names: Sequence[str]) -> list[str]:
-    """Entries of these names and of the groups with these names, in the page's order; all of them without a name.
+    """Names of the entries with these names and in groups with these names, in the order of the page; by default all.
 
     Raises:
         InputError: no entry or group has such a name.
     """
     for name in names:
         if name not in ENTRIES and name not in GROUPS:
-            known = (*GROUPS, *ENTRIES)
-            raise InputError(f"ENTRY: {name!r} is no entry{suggestion(name, known)}; entries are {', '.join(known)}")
+            names_and_groups = (*GROUPS, *ENTRIES)
+            hint = suggestion(name, names_and_groups)
+            raise InputError(f"ENTRY: {name!r} is no entry{hint}; entries are {', '.join(names_and_groups)}")
     chosen = {entry for name in names for entry in GROUPS.get(name, (name,))}
     return [name for name in ENTRIES if name in chosen or not names]
 
 
 def _side_by_side(names: Sequence[str], folder: Path, progress: evaluate.Progress | None) -> dict[str, page.Section]:
-    """The section of each entry; runs of an earlier start are used again by the entry itself."""
+    """Run entries in parallel: name -> section; each entry uses runs of an earlier start again."""
     cases = [
         evaluate.Computation(name, Task(f"{__name__}:run_entry", {"name": name, "folder": str(folder)}))
         for name in names
     ]
-    found = {}
+    sections = {}
     for name, answer in evaluate.evaluate(cases, progress=progress).items():
         section = None if answer.failed else page.kept(folder / name)
-        found[name] = section or page.Section(name, "", (), failed=answer.failed or "its section cannot be read")
-    return found
+        sections[name] = section or page.Section(name, "", (), failed=answer.failed or "its section cannot be read")
+    return sections
 
 
 def run_entry(name: str, folder: str) -> None:
     """Run one entry in its own folder, and write its section there."""
-    own = Path(folder) / name
-    runs = own / "runs"
+    entry_folder = Path(folder) / name
+    runs = entry_folder / "runs"
     runs.mkdir(parents=True, exist_ok=True)
-    page.keep(ENTRIES[name].build(runs), own)
+    page.keep(ENTRIES[name].build(runs), entry_folder)
 
 
 # --- command ----------------------------------------------------------------------------------------------------------
@@ -116,7 +117,7 @@ ANSWERS = "each entry with its title, its verdicts, and why it failed"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Entries, and the directory."""
+    """Add the arguments of the command."""
     parser.add_argument("entries", metavar="ENTRY", nargs="*", help="entries to run, or `paper` for those of the paper")
     where = parser.add_mutually_exclusive_group(required=True)
     where.add_argument("-o", "--output", metavar="DIR", type=Path, help="new directory, or one to resume")
@@ -130,15 +131,15 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         return CommandResult(0, list(ENTRIES))
     directory = arguments.output
     with count_bar("gallery") as progress:
-        found = gallery(directory, arguments.entries, progress=progress)
+        sections = gallery(directory, arguments.entries, progress=progress)
     rows, plain = [], []
-    for name, section in found.items():
+    for name, section in sections.items():
         counts = section.verdicts
         rows.append([name, *(str(count or "-") for count in counts.values()), "failed" if section.failed else ""])
         plain.append({"name": name, "title": section.title, **counts, "failed": section.failed or None})
     print_table("statements", ["entry", *page.VERDICTS, ""], rows)
-    for name, section in found.items():
+    for name, section in sections.items():
         if section.failed:
             print(f"{name}: failed: {one_line(section.failed)}")
     print(one_line(directory / PAGE))
-    return CommandResult(int(any(section.failed for section in found.values())), plain)
+    return CommandResult(int(any(section.failed for section in sections.values())), plain)

@@ -1,11 +1,11 @@
-"""Brackets of the places where a quantity crosses a level: which values to compute next, and what is known from them.
+"""Brackets of the places where a quantity crosses a level, and the values to compute next.
 
-Everything follows from the values that are known, so a search that was interrupted continues where it was. The range is
-first scanned at equal distances. Between two neighbours of the scan on different sides of the level the bracket is
-halved until it is as narrow as asked for. Then values on either side of it are computed, at distances that grow by
-factors of `APART`: where one is on the wrong side, as happens with a noisy quantity, the bracket includes it. A
-quantity that is undefined in the middle of a bracket is computed at its quarters; where it is undefined there too, the
-bracket stays as wide as it is.
+Everything follows from the computed values, so an interrupted search is resumed. The range is first scanned at equal
+distances. Between two neighbours of the scan on different sides of the level the bracket is halved until it is as
+narrow as required. Then values on either side of it are computed, at distances that grow by factors of `APART`: where a
+value is on the wrong side, as happens with a noisy quantity, the bracket includes it. A quantity that is undefined in
+the middle of a bracket is computed at its quarters; where it is undefined at these, too, the bracket is not narrowed
+further.
 """
 
 import itertools
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 APART = 4.0
 """Ratio of the distances from a bracket at which its neighbourhood is checked."""
 
-Known = Mapping[float, float | None]
+Computed = Mapping[float, float | None]
 """Value of the field -> quantity, None where it is undefined."""
 
 
@@ -27,15 +27,15 @@ class SearchedField:
     Attributes:
         low, high: ends of the range, both possible.
         log: whether distances are those of logarithms.
-        whole: whether only whole numbers are possible.
-        points: values of the scan, at most.
-        tolerance: half-width of a bracket over its place at which it is narrow enough.
+        integer: whether only whole numbers are possible.
+        points: largest number of values of the scan.
+        tolerance: required half-width of a bracket over its place.
     """
 
     low: float
     high: float
     log: bool = False
-    whole: bool = False
+    integer: bool = False
     points: int = 9
     tolerance: float = 1e-3
 
@@ -49,19 +49,19 @@ class SearchedField:
         return math.sqrt(low * high) if self.log else 0.5 * (low + high)
 
     def is_narrow(self, low: float, high: float) -> bool:
-        """Whether a bracket is as narrow as asked for."""
-        if self.whole:
+        """Whether a bracket is as narrow as required."""
+        if self.integer:
             return high - low <= 1.0
         return high - low <= 2.0 * self.tolerance * max(abs(low), abs(high), 1e-6 * (self.high - self.low))
 
     def inside(self, low: float, high: float) -> list[float]:
         """The middle of a bracket and its quarters, those that are not its ends."""
-        found = dict.fromkeys(self._between(low, high, part) for part in (0.5, 0.25, 0.75))
-        return [value for value in found if low < value < high]
+        values = dict.fromkeys(self._between(low, high, part) for part in (0.5, 0.25, 0.75))
+        return [value for value in values if low < value < high]
 
     def around(self, low: float, high: float, within: tuple[float, float]) -> list[float]:
-        """Values on either side of a bracket, ever farther from it, within a wider one."""
-        found, part = [], 1.0
+        """Values on either side of a bracket, at growing distances from it, within a wider bracket."""
+        values, part = [], 1.0
         while part < 1e9:
             pair = [
                 value
@@ -70,13 +70,13 @@ class SearchedField:
             ]
             if not pair:
                 break
-            found += pair
+            values += pair
             part *= APART
-        return list(dict.fromkeys(found))
+        return list(dict.fromkeys(values))
 
     def _between(self, low: float, high: float, part: float) -> float:
         value = low * (high / low) ** part if self.log else low + part * (high - low)
-        return float(round(value)) if self.whole else value
+        return float(round(value)) if self.integer else value
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Crossing:
         low, high: all computed values of the field from the scan's neighbour up to ``low`` are on one side of the
             level, all from ``high`` to the next neighbour on the other.
         rises: whether the quantity is below the level at ``low``.
-        slope: of the quantity over the field, between the neighbours in the scan.
+        slope: slope of the quantity over the field, between the neighbours in the scan.
         mixed: whether there are computed values on both sides of the level between ``low`` and ``high``.
         undefined: whether the quantity is undefined at a value between ``low`` and ``high``.
     """
@@ -100,45 +100,45 @@ class Crossing:
     undefined: bool
 
 
-def wanted(known: Known, axis: SearchedField, level: float) -> list[float]:
+def wanted(computed: Computed, axis: SearchedField, level: float) -> list[float]:
     """Values of the field to compute next; none where the search has ended."""
-    scan = [value for value in axis.scan() if value not in known]
+    scan = [value for value in axis.scan() if value not in computed]
     if scan:
         return scan
-    found: list[float] = []
-    for pair in _brackets(known, axis, level):
-        low, high, following = _halved(known, axis, level, pair)
-        found += following or [value for value in axis.around(low, high, pair) if value not in known]
-    return found
+    values: list[float] = []
+    for pair in _brackets(computed, axis, level):
+        low, high, following = _halved(computed, axis, level, pair)
+        values += following or [value for value in axis.around(low, high, pair) if value not in computed]
+    return values
 
 
-def crossings(known: Known, axis: SearchedField, level: float) -> list[Crossing]:
-    """Result once no further value is `wanted`."""
-    return [_crossing(known, pair, level) for pair in _brackets(known, axis, level)]
+def crossings(computed: Computed, axis: SearchedField, level: float) -> list[Crossing]:
+    """Crossings of the level, once no further value is `wanted`."""
+    return [_crossing(computed, pair, level) for pair in _brackets(computed, axis, level)]
 
 
-def _brackets(known: Known, axis: SearchedField, level: float) -> Iterator[tuple[float, float]]:
-    """Neighbours in the scan, of those where the quantity is defined, on different sides of the level."""
-    scan = [value for value in axis.scan() if known[value] is not None]
-    return ((a, b) for a, b in itertools.pairwise(scan) if _above(known, a, level) != _above(known, b, level))
+def _brackets(computed: Computed, axis: SearchedField, level: float) -> Iterator[tuple[float, float]]:
+    """Pairs of neighbours in the scan on different sides of the level; values where it is undefined are left out."""
+    scan = [value for value in axis.scan() if computed[value] is not None]
+    return ((a, b) for a, b in itertools.pairwise(scan) if _above(computed, a, level) != _above(computed, b, level))
 
 
-def _above(known: Known, value: float, level: float) -> bool | None:
-    found = known[value]
-    return None if found is None else found >= level
+def _above(computed: Computed, value: float, level: float) -> bool | None:
+    quantity = computed[value]
+    return None if quantity is None else quantity >= level
 
 
 def _halved(
-    known: Known, axis: SearchedField, level: float, pair: tuple[float, float]
+    computed: Computed, axis: SearchedField, level: float, pair: tuple[float, float]
 ) -> tuple[float, float, list[float]]:
-    """The bracket after all halvings whose values are known, and the value that the next one needs, if any."""
+    """Bracket after all halvings whose values are computed, and the value that the next halving needs, if any."""
     low, high = pair
-    below = _above(known, low, level)
+    below = _above(computed, low, level)
     while not axis.is_narrow(low, high):
         for value in axis.inside(low, high):
-            if value not in known:
+            if value not in computed:
                 return low, high, [value]
-            side = _above(known, value, level)
+            side = _above(computed, value, level)
             if side is not None:
                 low, high = (value, high) if side == below else (low, value)
                 break
@@ -147,13 +147,13 @@ def _halved(
     return low, high, []
 
 
-def _crossing(known: Known, pair: tuple[float, float], level: float) -> Crossing:
-    values = sorted(value for value in known if pair[0] <= value <= pair[1])
-    sides = [_above(known, value, level) for value in values]
+def _crossing(computed: Computed, pair: tuple[float, float], level: float) -> Crossing:
+    values = sorted(value for value in computed if pair[0] <= value <= pair[1])
+    sides = [_above(computed, value, level) for value in values]
     first = next(k for k, side in enumerate(sides) if side != sides[0]) - 1
     last = len(sides) - next(k for k, side in enumerate(reversed(sides)) if side != sides[-1])
     between = sides[first + 1 : last]
-    ends = [known[value] or 0.0 for value in pair]
+    ends = [computed[value] or 0.0 for value in pair]
     return Crossing(
         low=values[first],
         high=values[last],

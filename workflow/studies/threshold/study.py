@@ -1,8 +1,8 @@
 """Find where a quantity crosses a value as a field of the scene varies, with its uncertainty.
 
-A threshold study: scans of the field, brackets that are halved, and what is written.
+A threshold study: scans of the field, brackets that are halved, and files.
 
-| file              | what                                                                     |
+| file              | contents                                                                 |
 |-------------------|--------------------------------------------------------------------------|
 | threshold.csv     | a line for each place where the quantity crosses the value               |
 | points.csv        | the quantity at every computed value of the field                        |
@@ -42,13 +42,13 @@ class Question:
     """Where a quantity of a scene crosses a value.
 
     Attributes:
-        source: what the scene is called in messages.
+        source: name of the scene in messages.
         scene: its plain data.
-        quantity: by the name of a sweep's table.
+        quantity: name of the quantity, as in the table of a sweep.
         level: the value, in the scene's units.
-        field: what varies.
-        axis: where it varies.
-        over: a second field, one threshold for each of its values.
+        field: the varied field.
+        axis: range of the field, and how it is searched.
+        over: a second field, with thresholds for each of its values.
     """
 
     source: str
@@ -61,12 +61,12 @@ class Question:
 
     @property
     def uncertainty(self) -> str:
-        """The quantity's uncertainty; empty where it has none."""
+        """Name of the quantity's uncertainty; empty where it has none."""
         return UNCERTAINTIES.get(self.quantity, "")
 
     def case(self, over: Any, value: float) -> evaluate.Computation:
-        """The scene with values in both fields."""
-        number = int(value) if self.axis.whole else value
+        """Case of the scene with values in both fields."""
+        number = int(value) if self.axis.integer else value
         scene = fields.put_all(self.over.put(self.scene, over), {self.field: number})
         return case(scene, tuple(filter(None, (self.quantity, self.uncertainty))), self.source)
 
@@ -83,8 +83,8 @@ class Threshold:
 
     Attributes:
         over: value of the second field; None without one.
-        place: of the field, the middle of its bracket.
-        uncertainty: half the bracket's width, plus the quantity's own uncertainty over its slope where it has one; None
+        place: value of the field in the middle of the bracket.
+        uncertainty: half the bracket's width, plus the quantity's uncertainty over its slope where it has one; None
             where that is undefined.
         low, high: the bracket: the computed values up to ``low`` are on one side, those from ``high`` on the other, as
             far as the neighbours in the scan.
@@ -117,10 +117,10 @@ class ThresholdResult:
     """Result of a study.
 
     Attributes:
-        question: what was asked.
-        thresholds: all places, by the second field and the field.
+        question: the question.
+        thresholds: all thresholds, in the order of the second field and the field.
         points: all computed scenes, in that order.
-        refused: value of the second field -> why its first scene that could not be computed is none.
+        refused: value of the second field -> why the first of its scenes that were refused is invalid.
     """
 
     question: Question
@@ -129,48 +129,51 @@ class ThresholdResult:
     refused: dict[Any, str]
 
     def plain(self) -> dict[str, Any]:
-        """For scripts."""
-        asked = self.question
+        """Plain data of the result, for scripts."""
+        question = self.question
         return {
-            "quantity": asked.quantity,
-            "value": asked.level,
-            "field": asked.field,
-            "over": asked.over.name or None,
-            "thresholds": [vars(one) for one in self.thresholds],
+            "quantity": question.quantity,
+            "value": question.level,
+            "field": question.field,
+            "over": question.over.name or None,
+            "thresholds": [vars(threshold) for threshold in self.thresholds],
             "computed": len(self.points),
         }
 
     def missing(self, over: Any) -> str:
         """Why there is no threshold at a value of the second field, in one line."""
-        asked = self.question
-        at = f" at {asked.over.name} = {cell(over)}" if asked.over.name else ""
+        question = self.question
+        at = f" at {question.over.name} = {cell(over)}" if question.over.name else ""
         points = [point for point in self.points if point.over == over]
-        found = [point.quantity for point in points if point.quantity is not None]
+        quantities = [point.quantity for point in points if point.quantity is not None]
         undefined = [point.value for point in points if point.quantity is None]
-        where = f"at {len(points)} values of {asked.field} from {asked.axis.low:g} to {asked.axis.high:g}{at}"
-        if not found:
-            name, _, _ = asked.quantity.partition("@")
+        where = f"at {len(points)} values of {question.field} from {question.axis.low:g} to {question.axis.high:g}{at}"
+        if not quantities:
+            name, _, _ = question.quantity.partition("@")
             reason = self.refused.get(over, f"`granchain help {name}` says when")
-            return f"no threshold: {asked.quantity} is undefined {where} ({reason})"
+            return f"no threshold: {question.quantity} is undefined {where} ({reason})"
         without = f", undefined at {len(undefined)}, {undefined[0]:g} to {undefined[-1]:g}" if undefined else ""
         return (
-            f"no threshold: {asked.quantity} does not cross {asked.level:g}: {min(found):.6g} to {max(found):.6g} "
-            f"{where}{without}"
+            f"no threshold: {question.quantity} does not cross {question.level:g}: {min(quantities):.6g} to "
+            f"{max(quantities):.6g} {where}{without}"
         )
 
     def by_over(self) -> dict[Any, list[Threshold]]:
         """Value of the second field -> its thresholds."""
-        return {over: [one for one in self.thresholds if one.over == over] for over in self.question.over.values}
+        return {
+            over: [threshold for threshold in self.thresholds if threshold.over == over]
+            for over in self.question.over.values
+        }
 
 
 # --- carried out ------------------------------------------------------------------------------------------------------
 
 
 def carry_out(question: Question, directory: Path, jobs: int | None = None) -> ThresholdResult:
-    """Find all places, on all cores; what a directory holds of an earlier start is not computed again.
+    """Find all thresholds, on all cores; scenes of an earlier start are not computed again.
 
     Args:
-        question: what is asked.
+        question: the question.
         directory: made if need be.
         jobs: scenes at a time; None for all cores.
 
@@ -179,75 +182,75 @@ def carry_out(question: Question, directory: Path, jobs: int | None = None) -> T
         RunError: a process was killed.
     """
     axis, level = question.axis, question.level
-    known: dict[Any, dict[float, float | None]] = {over: {} for over in question.over.values}
+    computed: dict[Any, dict[float, float | None]] = {over: {} for over in question.over.values}
     errors: dict[tuple[Any, float], float | None] = {}
     refused: dict[Any, str] = {}
     with STUDY.evaluating(directory, jobs) as evaluated:
-        while plan := [(over, x) for over, values in known.items() for x in wanted(values, axis, level)]:
+        while plan := [(over, x) for over, values in computed.items() for x in wanted(values, axis, level)]:
             answers = evaluated([question.case(over, x) for over, x in plan])
             for (over, x), value in zip(plan, answers, strict=True):
                 quantities = value.get("quantities", {})
-                known[over][x] = quantities.get(question.quantity)
+                computed[over][x] = quantities.get(question.quantity)
                 errors[over, x] = quantities.get(question.uncertainty)
                 if "refused" in value:
                     refused.setdefault(over, value["refused"])
-        found = ThresholdResult(
+        result = ThresholdResult(
             question,
             [
-                _threshold(question, over, one, [errors[over, one.low], errors[over, one.high]])
-                for over, values in known.items()
-                for one in crossings(values, axis, level)
+                _threshold(question, over, crossing, [errors[over, crossing.low], errors[over, crossing.high]])
+                for over, values in computed.items()
+                for crossing in crossings(values, axis, level)
             ],
             [
                 ComputedPoint(over, x, quantity)
-                for over, values in known.items()
+                for over, values in computed.items()
                 for x, quantity in sorted(values.items())
             ],
             refused,
         )
-        tables = {TABLE: to_csv(Threshold, found.thresholds), POINTS: to_csv(ComputedPoint, found.points)}
-        STUDY.write(directory, tables, {FIGURE: _figure(found)})
-    return found
+        tables = {TABLE: to_csv(Threshold, result.thresholds), POINTS: to_csv(ComputedPoint, result.points)}
+        STUDY.write(directory, tables, {FIGURE: _figure(result)})
+    return result
 
 
 def _threshold(question: Question, over: Any, crossing: Crossing, errors: list[float | None]) -> Threshold:
-    """A crossing, given the quantity's uncertainties at both ends of its bracket."""
+    """Threshold of a crossing, from the quantity's uncertainties at both ends of its bracket."""
     uncertainty: float | None = 0.5 * (crossing.high - crossing.low)
     if question.uncertainty:
-        sizes = [one for one in errors if one is not None]
-        own = max(sizes) / abs(crossing.slope) if len(sizes) == 2 else None
-        uncertainty = None if own is None else 0.5 * (crossing.high - crossing.low) + own
+        sizes = [error for error in errors if error is not None]
+        from_quantity = max(sizes) / abs(crossing.slope) if len(sizes) == 2 else None
+        uncertainty = None if from_quantity is None else 0.5 * (crossing.high - crossing.low) + from_quantity
     edges = {name: value for name, value in vars(crossing).items() if name != "slope"}
     return Threshold(over, question.axis.middle(crossing.low, crossing.high), uncertainty, **edges)
 
 
-def _figure(found: ThresholdResult) -> "Figure":
+def _figure(result: ThresholdResult) -> "Figure":
     from analysis.figures.studies import MOST_LINES, Sought, map_figure, swept_figure
     from analysis.figures.studies import StudyAxis as Shown  # matplotlib takes half a second to import
 
-    asked = found.question
-    quantity, field = label(asked.quantity, asked.scene), label(asked.field, asked.scene)
-    if asked.over.is_numeric and found.thresholds:
+    question = result.question
+    quantity, field = label(question.quantity, question.scene), label(question.field, question.scene)
+    if question.over.is_numeric and result.thresholds:
         lines: list[tuple[Any, float | None, float | None]] = []
-        for over, thresholds in found.by_over().items():
-            lines += [(over, one.place, one.uncertainty) for one in thresholds]
+        for over, thresholds in result.by_over().items():
+            lines += [(over, threshold.place, threshold.uncertainty) for threshold in thresholds]
             lines += [] if thresholds else [(over, None, None)]  # a tick at the foot
         over, place, error = map(floats, zip(*lines, strict=True))
         unit = "" if quantity.unit in ("", REDUCED) else f" {quantity.unit}"
         named = f"${quantity.symbol}$" if quantity.symbol else quantity.words
         comma = "," if field.symbol else ""
-        crossing = replace(field, words=f"{field.words} where {named} = {asked.level:g}{unit}{comma}")
-        over_field = Shown(label(asked.over.name, asked.scene), over)
-        return swept_figure(Shown(crossing, place, error), over_field, title=asked.source)
-    values = Shown(quantity, floats([point.quantity for point in found.points]))
-    over_field = Shown(field, floats([point.value for point in found.points]))
-    beside = asked.over.axis([point.over for point in found.points], asked.scene)
-    if beside is not None and len(asked.over.values) > MOST_LINES:
-        return map_figure(values, over_field, beside, asked.source)
+        crossing = replace(field, words=f"{field.words} where {named} = {question.level:g}{unit}{comma}")
+        over_field = Shown(label(question.over.name, question.scene), over)
+        return swept_figure(Shown(crossing, place, error), over_field, title=question.source)
+    values = Shown(quantity, floats([point.quantity for point in result.points]))
+    over_field = Shown(field, floats([point.value for point in result.points]))
+    beside = question.over.axis([point.over for point in result.points], question.scene)
+    if beside is not None and len(question.over.values) > MOST_LINES:
+        return map_figure(values, over_field, beside, question.source)
     places, errors = (
-        floats([getattr(threshold, name) for threshold in found.thresholds]) for name in ("place", "uncertainty")
+        floats([getattr(threshold, name) for threshold in result.thresholds]) for name in ("place", "uncertainty")
     )
-    return swept_figure(values, over_field, beside, asked.source, sought=Sought(asked.level, places, errors))
+    return swept_figure(values, over_field, beside, question.source, sought=Sought(question.level, places, errors))
 
 
 # --- command ----------------------------------------------------------------------------------------------------------
@@ -261,7 +264,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The question, where to, and how."""
+    """Add the arguments of the command."""
     parser.add_argument("scene", metavar="SCENE", help="the scene; its other fields are constant")
     parser.add_argument(
         "--where", metavar="QUANTITY=VALUE", required=True, help="a quantity of `granchain collect`, in its units"
@@ -280,11 +283,11 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print the thresholds; exit code 1 without any, 130 when interrupted, with all that was computed kept."""
     question = _question(arguments)
     try:
-        found = carry_out(question, arguments.output, arguments.jobs)
+        result = carry_out(question, arguments.output, arguments.jobs)
     except KeyboardInterrupt:
         return options.interrupted()
-    _print(found, arguments.output)
-    return CommandResult(0 if found.thresholds else 1, found.plain())
+    _print(result, arguments.output)
+    return CommandResult(0 if result.thresholds else 1, result.plain())
 
 
 def _question(arguments: argparse.Namespace) -> Question:
@@ -295,35 +298,36 @@ def _question(arguments: argparse.Namespace) -> Question:
     over = options.second_field(arguments.over)
     low, high = options.both_ends(ends, "--vary", "FIELD=0.02:0.5")
     try:
-        whole = fields.is_whole(fields.parse(field, plain))
+        integer = fields.is_whole(fields.parse(field, plain))
     except InputError as error:
         raise InputError(f"--vary: {error}") from None
     if not low < high or (arguments.log and low <= 0.0):
         above = ", both above 0 with --log" if arguments.log else ""
         raise InputError(f"--vary: {ends} given; the smaller number first{above}, such as 0.02:0.5")
-    if whole and not (low.is_integer() and high.is_integer()):
+    if integer and not (low.is_integer() and high.is_integer()):
         raise InputError(f"--vary: {field} takes whole numbers; {ends} given")
-    axis = SearchedField(low, high, arguments.log, whole, arguments.points, arguments.tolerance)
+    axis = SearchedField(low, high, arguments.log, integer, arguments.points, arguments.tolerance)
     return Question(name, plain, quantity, options.number(level, "--where", "agree_1=50"), field, axis, over)
 
 
-def _print(found: ThresholdResult, output: Path) -> None:
-    asked = found.question
-    if found.thresholds:
-        head = [heading(name, asked.scene) for name in (asked.over.name, asked.field) if name]
+def _print(result: ThresholdResult, output: Path) -> None:
+    question = result.question
+    if result.thresholds:
+        head = [heading(name, question.scene) for name in (question.over.name, question.field) if name]
+        quantity = heading(question.quantity, question.scene)
         print_table(
-            f"{one_line(asked.source)}: where {heading(asked.quantity, asked.scene)} crosses {asked.level:g}",
-            [*head, "uncertainty", "from", "to", asked.quantity, ""],
-            [[cell(one.over)] * bool(asked.over.name) + _row(one) for one in found.thresholds],
+            f"{one_line(question.source)}: where {quantity} crosses {question.level:g}",
+            [*head, "uncertainty", "from", "to", question.quantity, ""],
+            [[cell(threshold.over)] * bool(question.over.name) + _row(threshold) for threshold in result.thresholds],
         )
-    for over, thresholds in found.by_over().items():
+    for over, thresholds in result.by_over().items():
         if not thresholds:
-            print(one_line(found.missing(over)))
+            print(one_line(result.missing(over)))
     files = ", ".join((TABLE, POINTS, *figure_files(FIGURE)))
-    print(f"{len(found.points)} scenes computed; {one_line(output)}: {files}")
+    print(f"{len(result.points)} scenes computed; {one_line(output)}: {files}")
 
 
-def _row(one: Threshold) -> list[str]:
-    notes = ["both sides alternate"] * one.mixed + ["undefined between"] * one.undefined
-    numbers = [cell(one.place), cell(one.uncertainty, ".2g"), cell(one.low), cell(one.high)]
-    return [*numbers, "rises" if one.rises else "falls", ", ".join(notes)]
+def _row(threshold: Threshold) -> list[str]:
+    notes = ["both sides alternate"] * threshold.mixed + ["undefined between"] * threshold.undefined
+    numbers = [cell(threshold.place), cell(threshold.uncertainty, ".2g"), cell(threshold.low), cell(threshold.high)]
+    return [*numbers, "rises" if threshold.rises else "falls", ", ".join(notes)]

@@ -1,4 +1,4 @@
-"""Settings measured in rounds that take each in turn; what follows: Pareto fronts, orders, and advice in sentences."""
+"""Measurement of settings in rounds, one run of each per round; Pareto fronts, orders and advice that follow."""
 
 import math
 import statistics
@@ -16,13 +16,14 @@ from workflow.studies.trade.settings import LAMMPS, REFERENCE, WINDOW, Interval,
 
 @dataclass
 class MeasuredSetting:
-    """What a setting was found to do.
+    """Errors and times of a setting.
 
     Attributes:
-        errors: largest, by quantity; the same in every call.
-        calls: seconds of the time loop in each call; the first may load or compile.
-        first: seconds of the first call with its start and the computation of errors.
-        left_out: why there are no numbers; empty where there are.
+        setting: the setting.
+        errors: largest error by quantity, the same in every call; velocities in V, arrivals in T.
+        calls: time of the time loop in each call, in s; the first may load or compile.
+        first: time of the first call with its start and the computation of errors, in s.
+        left_out: why the setting was not measured; empty where it was.
     """
 
     setting: Setting
@@ -33,17 +34,17 @@ class MeasuredSetting:
 
     @property
     def measured(self) -> bool:
-        """Whether there are numbers."""
+        """Whether the setting was measured."""
         return bool(self.calls) and not self.left_out
 
     @property
     def repeats(self) -> list[float]:
-        """Seconds of the calls after the first, or of that where it is the only one."""
+        """Times of the calls after the first, in s, or of the first where it is the only one."""
         return self.calls[1:] or self.calls
 
     @property
     def seconds(self) -> float:
-        """Their median."""
+        """Median of the repeats, in s."""
         return statistics.median(self.repeats)
 
 
@@ -55,10 +56,10 @@ class TrialLimits:
     """How often settings are run, and how long that may take.
 
     Attributes:
-        repeats: calls after the first.
-        longest: seconds that one call may take; a setting that would take longer is left out.
-        budget: seconds after which nothing is repeated.
-        clock: seconds.
+        repeats: number of calls after the first.
+        longest: largest time of a call, in s; a setting that would take longer is left out.
+        budget: time after which nothing is repeated, in s.
+        clock: function that returns the time, in s.
     """
 
     repeats: int = 5
@@ -77,14 +78,14 @@ def measure(
     """Run every setting once, for its errors, and then up to ``repeats`` times more, in rounds, for its time.
 
     Args:
-        settings: those of one method in the order of rising effort, if some are to be left out.
-        run: seconds of the time loop; `RunError` where it fails, which is noted.
-        errors: of the run before.
-        limits: of calls and time.
+        settings: settings to measure; those of one method in the order of rising effort, if slow ones may be left out.
+        run: runs a setting and returns the time of the time loop in s; a `RunError` is noted.
+        errors: errors of the previous run, by quantity.
+        limits: limits of calls and time.
         follow: called after every call with all points, the calls done or left out, and their total.
 
     Returns:
-        a point for each setting, in their order.
+        A point for each setting, in their order.
     """
     points = [MeasuredSetting(setting) for setting in settings]
     clock, done, total = limits.clock, 0, len(points) * (1 + limits.repeats)
@@ -109,7 +110,7 @@ def measure(
 
 
 def _expected(setting: Setting, points: Points) -> float:
-    """Seconds of a setting at most: in proportion to those of its engine's setting with the next smaller effort."""
+    """Estimated time of a setting, in s, in proportion to that of its engine's setting with the next smaller effort."""
     smaller = [
         point
         for point in points
@@ -122,37 +123,37 @@ def _expected(setting: Setting, points: Points) -> float:
 # --- what follows -----------------------------------------------------------------------------------------------------
 
 LARGEST = 0.1
-"""Errors from here on say nothing about an order."""
+"""Error in units of V from which on a point is left out of the regression for an order."""
 
 
 WELL_ABOVE = 10.0
-"""Errors over the uncertainty of the reference from which on they are known."""
+"""Ratio of an error to the uncertainty of the reference from which on the error is well known."""
 
 
 @result
 class Order:
-    """Slope of log error over log step."""
+    """Measured order of a method: slope of log error over log step."""
 
     method: str = declare("engine and scheme", digits="")
     order: float = declare("slope by regression", digits=".2f")
-    standard_error: float = declare("of the order", "", "two points", digits=".2f")
+    standard_error: float = declare("standard error of the order", "", "two points", digits=".2f")
     low: float = declare("smallest step of the regression", "time", digits=".4g")
     high: float = declare("largest step of the regression", "time", digits=".4g")
     points: int = declare("number of settings", digits="d")
 
 
 def pareto(points: Points, quantity: str) -> list[MeasuredSetting]:
-    """The points that no other beats in both error and time, in the order of rising time."""
-    known = [point for point in points if point.measured and math.isfinite(point.errors[quantity])]
+    """Pareto front: points that no other beats in both error and time, in the order of rising time."""
+    finite = [point for point in points if point.measured and math.isfinite(point.errors[quantity])]
     front: list[MeasuredSetting] = []
-    for point in sorted(known, key=lambda point: (point.seconds, point.errors[quantity])):
+    for point in sorted(finite, key=lambda point: (point.seconds, point.errors[quantity])):
         if not front or point.errors[quantity] < front[-1].errors[quantity]:
             front.append(point)
     return front
 
 
 def cheapest(points: Points, accuracy: float, floor: float = 0.0) -> MeasuredSetting | None:
-    """The fastest point whose velocities are within the accuracy, the uncertainty of the reference added; or None."""
+    """Fastest point whose error of velocities plus the uncertainty of the reference is within an accuracy, or None."""
     within = [point for point in points if point.measured and point.errors["velocity"] + floor <= accuracy]
     return min(within, key=lambda point: point.seconds, default=None)
 
@@ -161,8 +162,8 @@ def order(points: Points, floor: float) -> Order | None:
     """Order of the velocities of one method whose values are steps; None with fewer than two significant errors.
 
     Args:
-        points: of the method.
-        floor: errors that are not above it are left out, as are those not below `LARGEST`.
+        points: points of the method.
+        floor: error in units of V up to which points are left out, as are those with `LARGEST` or more.
     """
     significant = [point for point in points if point.measured and floor < point.errors["velocity"] < LARGEST]
     steps = np.array([point.setting.value for point in significant])
@@ -180,16 +181,16 @@ def order(points: Points, floor: float) -> Order | None:
 
 @dataclass
 class Findings:
-    """What has been measured of a problem so far.
+    """Measurements of a problem so far.
 
     Attributes:
-        problem: of the scene, at its own time step.
-        truth: the reference; None before it is known.
-        points: of every engine, against the reference.
+        problem: problem of the scene, at its own time step.
+        truth: the reference run; None before it is computed.
+        points: settings of every engine, measured against the reference.
         frames: errors by the time between frames.
-        seconds: wall time.
-        whole: whether it came to its end.
-        notes: what else is to be said.
+        seconds: wall time, in s.
+        complete: whether all settings were measured.
+        notes: further sentences of the report.
     """
 
     problem: Problem
@@ -197,12 +198,12 @@ class Findings:
     points: Points = ()
     frames: Sequence[Interval] = ()
     seconds: float = 0.0
-    whole: bool = False
+    complete: bool = False
     notes: list[str] = field(default_factory=list)
 
     @property
     def comparable(self) -> list[MeasuredSetting]:
-        """Measured points whose errors are those of all beads."""
+        """Measured points whose errors are the largest of all beads."""
         return [point for point in self.points if point.measured and point.setting.method != WINDOW]
 
     def by_method(self) -> dict[str, list[MeasuredSetting]]:
@@ -215,12 +216,12 @@ class Findings:
         return pareto(self.comparable, quantity)
 
     def orders(self) -> list[Order]:
-        """Of each method that has one."""
+        """Orders of the methods that have one."""
         if self.truth is None:
             return []
         floor = WELL_ABOVE * self.truth.floors["velocity"]
         stepped = (points for points in self.by_method().values() if points[0].setting.by_step)
-        return [one for points in stepped if (one := order(points, floor)) is not None]
+        return [measured_order for points in stepped if (measured_order := order(points, floor)) is not None]
 
 
 # --- advice: which setting for which accuracy, and what else is worth choosing ----------------------------------------
@@ -229,17 +230,17 @@ ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8)
 
 
 def sentences(study: Findings) -> list[str]:
-    """Everything that was found, one sentence a line."""
+    """Results of the study, one sentence a line."""
     if study.truth is None:
         return list(study.notes)
-    found = [uncertainty(study.truth)]
-    found += left_out(study)
-    found += [advice(study, study.truth, accuracy) for accuracy in ACCURACIES]
-    return found + suzuki(study) + study.notes
+    lines = [uncertainty(study.truth)]
+    lines += left_out(study)
+    lines += [advice(study, study.truth, accuracy) for accuracy in ACCURACIES]
+    return lines + suzuki(study) + study.notes
 
 
 def uncertainty(truth: Truth) -> str:
-    """The uncertainty of the reference, and which errors are well above it."""
+    """Sentence on the uncertainty of the reference, and on the errors that are well above it."""
     floor = truth.floors["velocity"]
     return (
         f"Uncertainty of the reference: {floor:.1e} V and {truth.floors['arrival']:.1e} T; errors of velocities below "
@@ -248,31 +249,31 @@ def uncertainty(truth: Truth) -> str:
 
 
 def left_out(study: Findings) -> list[str]:
-    """What was not measured, and why, a sentence for each method."""
-    said = []
+    """Sentences on settings that were not measured, and why, one for each method."""
+    lines = []
     for name, several in study.by_method().items():
         if points := [point for point in several if point.left_out]:
             more = f", and {len(points) - 1} more" if len(points) > 1 else ""
-            said.append(f"Left out: {name}, {points[0].setting.label} ({points[0].left_out}){more}.")
-    return said
+            lines.append(f"Left out: {name}, {points[0].setting.label} ({points[0].left_out}){more}.")
+    return lines
 
 
 def advice(study: Findings, truth: Truth, accuracy: float) -> str:
-    """Which engine and settings are the fastest that keep an accuracy of all velocities; and in LAMMPS."""
+    """Sentence on the fastest engine and setting within an accuracy of all velocities, and on the fastest in LAMMPS."""
     points = study.comparable
     if not points:
         return f"{accuracy:.0e}: nothing was measured."
-    own = [point for point in points if point.setting.method != REFERENCE]
-    best, lammps = (cheapest(group, accuracy, truth.floors["velocity"]) for group in (points, own))
+    of_lammps = [point for point in points if point.setting.method != REFERENCE]
+    best, lammps = (cheapest(group, accuracy, truth.floors["velocity"]) for group in (points, of_lammps))
     if best is None:
         return f"{accuracy:.0e}: nothing measured reaches it; the nearest is {_says(_nearest(points), study.problem)}."
-    said = f"{accuracy:.0e}: {_says(best, study.problem)}"
-    if lammps is best or not own:
-        return f"{said}."
+    sentence = f"{accuracy:.0e}: {_says(best, study.problem)}"
+    if lammps is best or not of_lammps:
+        return f"{sentence}."
     if lammps is None:
-        nearest = _says(_nearest(own), study.problem)
-        return f"{said}; no measured time step of LAMMPS reaches it, the nearest is {nearest}."
-    return f"{said}; with LAMMPS {_says(lammps, study.problem)}."
+        nearest = _says(_nearest(of_lammps), study.problem)
+        return f"{sentence}; no measured time step of LAMMPS reaches it, the nearest is {nearest}."
+    return f"{sentence}; with LAMMPS {_says(lammps, study.problem)}."
 
 
 def _nearest(points: list[MeasuredSetting]) -> MeasuredSetting:
@@ -281,15 +282,15 @@ def _nearest(points: list[MeasuredSetting]) -> MeasuredSetting:
 
 def _says(point: MeasuredSetting, problem: Problem) -> str:
     """A setting as a user would ask for it, its error, and its cost."""
-    own, scale, ranks = point.setting.problem, problem.scale, point.setting.ranks
-    step = f"{_dividing(own.timestep * scale.time, own.steps_per_frame)}"
+    problem_of_point, scale, ranks = point.setting.problem, problem.scale, point.setting.ranks
+    step = f"{_dividing(problem_of_point.timestep * scale.time, problem_of_point.steps_per_frame)}"
     if point.setting.method == REFERENCE:
         how = f"{REFERENCE} at a step of {step}{scale.after('time')}"
     else:
-        scheme = "" if own.scheme == "verlet" else f"scheme: {own.scheme}, "
+        scheme = "" if problem_of_point.scheme == "verlet" else f"scheme: {problem_of_point.scheme}, "
         how = f"`{scheme}timestep: {step}`{scale.after('time')}" + (f" on {ranks} ranks" if ranks > 1 else "")
-    if own.every > problem.every * (1.0 + 1e-9):
-        how += f" and frames {own.every * scale.time:.6g} apart"
+    if problem_of_point.every > problem.every * (1.0 + 1e-9):
+        how += f" and frames {problem_of_point.every * scale.time:.6g} apart"
     return f"{how} ({point.errors['velocity']:.1e} V, {point.seconds:.2g} s)"
 
 
@@ -302,7 +303,7 @@ def _dividing(step: float, count: int) -> str:
 
 
 def suzuki(study: Findings) -> list[str]:
-    """From which error on suzuki4 is faster than Verlet in LAMMPS, as a line through Verlet's points has it."""
+    """Sentence on the error below which suzuki4 is faster than Verlet in LAMMPS, by interpolation of the latter."""
     several = study.by_method()
     verlet, suzuki4 = (pareto(several.get(LAMMPS + name, []), "velocity") for name in ("verlet", "suzuki4"))
     x, y = (np.log([(point.errors["velocity"], point.seconds) for point in verlet[::-1]] or [(1.0, 1.0)])).T
@@ -312,8 +313,8 @@ def suzuki(study: Findings) -> list[str]:
     faster = [math.log(point.seconds) < np.interp(math.log(point.errors["velocity"]), x, y) for point in common]
     count = [*faster[::-1], False].index(False)
     if count:
-        found = f"beats Verlet from an error of {common[-count].errors['velocity']:.1e} V on"
+        words = f"beats Verlet from an error of {common[-count].errors['velocity']:.1e} V on"
     else:
         least = common[-1].errors["velocity"]
-        found = f"does not beat Verlet down to an error of {least:.1e} V, the least that both reach here"
-    return [f"In LAMMPS suzuki4 {found}, for the {study.problem.chains * study.problem.beads} beads of this scene."]
+        words = f"does not beat Verlet down to an error of {least:.1e} V, the least that both reach here"
+    return [f"In LAMMPS suzuki4 {words}, for the {study.problem.chains * study.problem.beads} beads of this scene."]

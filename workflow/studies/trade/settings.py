@@ -1,7 +1,7 @@
-"""What a user can choose for a scene: the settings of every engine, from coarse to fine, and how each is run and timed;
-and what errors are measured against: an accurate reference with the scene's frames, on the disk.
+"""Settings of every engine for a scene, from coarse to fine, how each is run and timed, and the reference run.
 
-Times are of an engine's time loop with its frames on the disk, apart from its start.
+The reference run has the scene's frames, written to disk. Times are those of an engine's time loop with the frames
+written to disk, without its start.
 """
 
 import math
@@ -38,13 +38,13 @@ from workflow.runs.engines import write_frames
 
 @dataclass(frozen=True)
 class Setting:
-    """One choice of the user's.
+    """One setting of an engine.
 
     Attributes:
-        method: what varies, with the engine's name before it.
-        value: its step, ranks or rows.
-        problem: with its own time step and frames; LAMMPS's scheme and window are in it.
-        ranks: of LAMMPS.
+        method: the engine, and the scheme or the varied quantity.
+        value: time step in units of T, number of ranks or number of rows.
+        problem: problem with the time step and frames of the setting, and LAMMPS's scheme and window.
+        ranks: number of ranks of LAMMPS.
     """
 
     method: str
@@ -66,25 +66,28 @@ class Setting:
 
     @property
     def engine(self) -> str:
-        """First word of the method."""
+        """Name of the engine, the first word of the method."""
         return self.method.partition(" ")[0]
 
     @property
     def forces(self) -> int:
-        """Evaluations of all forces."""
+        """Number of evaluations of all forces."""
         return self.problem.steps * (BLANES_MOAN.forces_per_step if self.method == REFERENCE else 1)
 
     @property
     def effort(self) -> float:
-        """Work relative to other settings of the engine: the forces of all beads that exist."""
+        """Work relative to other settings of the engine: evaluations of forces times the share of beads simulated."""
         return self.forces * self.problem.rows / self.problem.beads / min(self.ranks, 2)
 
 
 def run(setting: Setting, directory: Path) -> float:
-    """Run a setting with its files in a directory, over those of the one before; seconds of the time loop.
+    """Run a setting in a directory, where its files replace those of the previous setting.
+
+    Returns:
+        Time of the time loop, in s.
 
     Raises:
-        RunError: it failed.
+        RunError: the run failed.
     """
     problem, dump = setting.problem, directory / file_names.DUMP
     dump.unlink(missing_ok=True)
@@ -106,13 +109,13 @@ def run(setting: Setting, directory: Path) -> float:
 # --- settings ---------------------------------------------------------------------------------------------------------
 
 COARSEST = 0.6
-"""Longest step (of a composition: cycle) in the stability bound of velocity Verlet."""
+"""Longest step (of a composition: cycle) over the stability bound of velocity Verlet."""
 
 FINEST = {"verlet": 1024, "suzuki4": 64, "blanes-moan": 64}
-"""Steps, or cycles, in the coarsest one."""
+"""Number of the finest steps, or cycles, in the coarsest one."""
 
 LEAST_FRAMES = 10
-"""Of a run whose step spans several frames of the scene."""
+"""Least number of frames of a run whose step spans several frames of the scene."""
 
 MOST_RANKS = 4
 
@@ -123,43 +126,45 @@ RANKS, WINDOW, REFERENCE = f"{LAMMPS}ranks", f"{LAMMPS}window", "reference blane
 
 
 def settings(problem: Problem) -> list[Setting]:
-    """Everything to be measured for a problem, which has the scene's own frames and time step; that is among them."""
-    by_reference = [Setting(REFERENCE, own.timestep, own) for own in stepped(problem, FINEST["blanes-moan"])]
+    """All settings to measure for a problem with the scene's frames and time step; its own time step is among them."""
+    by_reference = [
+        Setting(REFERENCE, variant.timestep, variant) for variant in stepped(problem, FINEST["blanes-moan"])
+    ]
     if deck.refusal(problem.system):
         return by_reference
     names: tuple[SchemeName, ...] = ("verlet", "suzuki4") if problem.system.holds(Fact.REVERSIBLE) else ("verlet",)
-    found = []
+    by_lammps = []
     for name in names:
         several = stepped(replace(problem, scheme=name), FINEST[name], schemes.cycle(name))
-        several += [problem] * (name == "verlet" and problem.timestep not in [own.timestep for own in several])
-        several.sort(key=lambda own: -own.timestep)
-        found += [Setting(LAMMPS + name, own.timestep, own) for own in several]
-    most = 1 if mpi.launcher() is None else min(MOST_RANKS, mpi.cores(), problem.beads)
-    ranks = [Setting(RANKS, 2**power, problem, ranks=2**power) for power in range(1, most.bit_length())]
+        several += [problem] * (name == "verlet" and problem.timestep not in [variant.timestep for variant in several])
+        several.sort(key=lambda variant: -variant.timestep)
+        by_lammps += [Setting(LAMMPS + name, variant.timestep, variant) for variant in several]
+    most_ranks = 1 if mpi.launcher() is None else min(MOST_RANKS, mpi.cores(), problem.beads)
+    ranks = [Setting(RANKS, 2**power, problem, ranks=2**power) for power in range(1, most_ranks.bit_length())]
     window = [Setting(WINDOW, rows, replace(problem, window=rows)) for rows in windows(problem)]
-    return [*found, *by_reference, *ranks, *window]
+    return [*by_lammps, *by_reference, *ranks, *window]
 
 
 def stepped(problem: Problem, finest: int, stages: int = 1) -> list[Problem]:
-    """The problem with cycles of ever fewer frames, then parts of one, their lengths halved from `COARSEST`.
+    """Problems with cycles of decreasing length, each half of the previous one, from `COARSEST` on.
 
     Args:
-        problem: whose frames and stability bound count; frames are left out where a cycle spans several.
-        finest: cycles in the coarsest one.
-        stages: steps of a cycle.
+        problem: the problem; its frames are left out where a cycle spans several.
+        finest: number of the shortest cycles in the longest one.
+        stages: number of steps of a cycle.
     """
     longest = math.floor(math.log2(COARSEST * stability_bound(problem.system) / problem.every))
     longest = min(longest, max(0, math.floor(math.log2(problem.frames / LEAST_FRAMES))))
-    found = []
+    problems = []
     for power in range(longest, longest - finest.bit_length(), -1):
         frames, steps = 2 ** max(0, power), stages * 2 ** max(0, -power)
         every = problem.every * frames
-        found.append(replace(problem.coarser(frames), timestep=every / steps, steps_per_frame=steps))
-    return found
+        problems.append(replace(problem.coarser(frames), timestep=every / steps, steps_per_frame=steps))
+    return problems
 
 
 def windows(problem: Problem) -> list[int]:
-    """Rows of the windows that are measured; none where a scene can have no window or is too short for one."""
+    """Numbers of rows of the windows to measure; none where a scene can have no window or is too short for one."""
     system = problem.system
     forward = all(velocity > 0.0 and bead <= LEAST_WINDOW - HEADROOM for _, bead, velocity in system.kicks)
     if problem.recorded is not None or not (physics.uniform(system) and forward and system.holds(Fact.FRONT)):
@@ -173,7 +178,7 @@ def windows(problem: Problem) -> list[int]:
 QUANTITIES = ("velocity", "amplitude", "arrival")
 
 GOAL = 1e-10
-"""Uncertainty of velocities beyond which the reference is not refined."""
+"""Uncertainty of velocities in units of V at which the reference is not refined further."""
 
 REFINEMENT = 4
 
@@ -183,10 +188,10 @@ class Truth:
     """The reference run of a problem.
 
     Attributes:
-        problem: with the scene's frames.
-        path: its frames.
-        uncertainty: of its velocities and arrivals.
-        seconds: wall time of the run that was kept.
+        problem: the problem with the scene's frames.
+        path: file of the frames.
+        uncertainty: uncertainty of velocities and arrivals.
+        seconds: wall time of the final refinement, in s.
     """
 
     problem: Problem
@@ -196,22 +201,25 @@ class Truth:
 
     @property
     def floors(self) -> dict[str, float]:
-        """Uncertainty of each quantity."""
-        found = self.uncertainty
-        return {"velocity": found.velocity, "amplitude": found.velocity, "arrival": found.arrival}
+        """Uncertainty of each quantity: velocities and amplitudes in units of V, arrivals in units of T."""
+        uncertainty = self.uncertainty
+        return {"velocity": uncertainty.velocity, "amplitude": uncertainty.velocity, "arrival": uncertainty.arrival}
 
     def errors(self, blocks: Iterable[Trajectory]) -> dict[str, float]:
-        """Largest errors of a run whose frames are among this problem's; infinite where they are undefined.
+        """Largest errors of a run whose frames are among those of this problem; infinite where undefined.
 
-        Of a window, only the rows count that `analysis.compare.common_times.near_the_front` takes to be right.
+        In a run with a window, only rows near the front count (`analysis.compare.common_times.near_the_front`).
+
+        Args:
+            blocks: frames of the run, with displacements and velocities [frame, chain, bead].
         """
         stream = iter(blocks)
         first = next(stream)
         stride = max(1, round(first.problem.every / self.problem.every))
-        own = replace(self.problem, window=first.problem.window)
+        truth_problem = replace(self.problem, window=first.problem.window)
         exact = recording.blocks([self.path], self.problem, stride)
-        found = errors_of(chain([first], stream), (replace(block, problem=own) for block in exact))
-        sizes = {name: found[name].largest if name in found else math.inf for name in QUANTITIES}
+        errors = errors_of(chain([first], stream), (replace(block, problem=truth_problem) for block in exact))
+        sizes = {name: errors[name].largest if name in errors else math.inf for name in QUANTITIES}
         return {name: size if math.isfinite(size) else math.inf for name, size in sizes.items()}
 
 
@@ -219,9 +227,9 @@ def make_truth(problem: Problem, directory: Path, *, seconds: float) -> Truth:
     """Refine the reference until its uncertainty is below `GOAL`, or the next refinement would take too long.
 
     Args:
-        problem: with the scene's frames.
-        directory: for its frames.
-        seconds: wall time that the last refinement may take.
+        problem: the problem with the scene's frames.
+        directory: directory for the frames.
+        seconds: largest wall time of the last refinement, in s.
     """
     path, steps = directory / "reference.bin", None
     reference.run(replace(problem, frames=1))  # compiles what it takes
@@ -230,19 +238,19 @@ def make_truth(problem: Problem, directory: Path, *, seconds: float) -> Truth:
         halving = StepHalving(problem, steps_per_frame=steps)
         if write_frames(path, problem, halving.blocks())["outcome"] != "done":
             raise KeyboardInterrupt
-        found = Truth(problem, path, halving.uncertainty, time.perf_counter() - started)
-        if found.uncertainty.velocity <= GOAL or REFINEMENT * found.seconds > seconds:
-            return found
+        truth = Truth(problem, path, halving.uncertainty, time.perf_counter() - started)
+        if truth.uncertainty.velocity <= GOAL or REFINEMENT * truth.seconds > seconds:
+            return truth
         steps = REFINEMENT * halving.steps_per_frame
 
 
 # --- frames -----------------------------------------------------------------------------------------------------------
 
 NEAR = 0.025
-"""Time between frames (T) at which passages are taken to be exact: to 1e-9 of T and of V."""
+"""Time between frames, in units of T, at which errors of passages are below 1e-9 T and 1e-9 V, and are neglected."""
 
 FARTHEST = 2.0
-"""Time between frames (T) from which on a wave falls between them."""
+"""Time between frames, in units of T, from which on a wave passes a bead between two frames."""
 
 
 @result
@@ -260,30 +268,32 @@ def intervals(problem: Problem) -> list[Interval]:
     halvings = max(1, math.ceil(math.log2(problem.every / NEAR)))
     step = problem.every / 2**halvings
     fine = replace(problem, timestep=step, steps_per_frame=1, frames=problem.frames * 2**halvings)
-    most = min(math.log2(FARTHEST / step), math.log2(fine.frames / LEAST_FRAMES))
-    seldom = [fine.coarser(2**power) for power in range(1 + max(0, math.floor(most)))]
+    coarsest_power = min(math.log2(FARTHEST / step), math.log2(fine.frames / LEAST_FRAMES))
+    seldom = [fine.coarser(2**power) for power in range(1 + max(0, math.floor(coarsest_power)))]
     exact, *others = _passages(fine, seldom)
-    return [_interval(own, found, exact) for own, found in zip(seldom[1:], others, strict=True)][::-1]
+    return [_interval(sampled, peaks, exact) for sampled, peaks in zip(seldom[1:], others, strict=True)][::-1]
 
 
 def _passages(fine: Problem, seldom: list[Problem]) -> Iterator[Peaks]:
-    """The leading pulse at each bead, as several frequencies of frames show it."""
-    finders: list[PeakFinder] = [leading_finder(own) for own in seldom]
+    """Leading pulse at each bead, for several times between frames."""
+    finders: list[PeakFinder] = [leading_finder(problem) for problem in seldom]
     done = 0
     for block in reference.blocks(fine):
-        for own, finder in zip(seldom, finders, strict=True):
-            part = block[-done % own.steps_per_frame :: own.steps_per_frame]
+        for problem, finder in zip(seldom, finders, strict=True):
+            part = block[-done % problem.steps_per_frame :: problem.steps_per_frame]
             if part.frames:
-                finder.add(replace(part, problem=own))
+                finder.add(replace(part, problem=problem))
         done += block.frames
-    return (leading_passages(finder.result(), own).first() for finder, own in zip(finders, seldom, strict=True))
+    return (leading_passages(finder.result(), problem).first() for finder, problem in zip(finders, seldom, strict=True))
 
 
-def _interval(own: Problem, found: Peaks, exact: Peaks) -> Interval:
-    """Errors of what was found; infinite where a passage is missing that does not end with the run."""
-    early = exact.where(exact.time < own.duration - 2.0 * own.every)
-    missing = len(matched(found, early, own.beads)[0]) < len(matched(early, early, own.beads)[0])
-    found, true = matched(found, exact, own.beads)
-    amplitude = float(np.max(np.abs(found.velocity - true.velocity), initial=math.inf if missing else 0.0))
-    arrival = float(np.max(np.abs(found.time - true.time)[sharp(true)], initial=math.inf if missing else 0.0))
-    return Interval(own.every, amplitude, arrival, 24e-6 * own.frames * own.chains * len(own.recorded_beads))
+def _interval(problem: Problem, measured: Peaks, exact: Peaks) -> Interval:
+    """Errors of measured passages; infinite where a passage is missing that does not end with the run."""
+    early = exact.where(exact.time < problem.duration - 2.0 * problem.every)
+    missing = len(matched(measured, early, problem.beads)[0]) < len(matched(early, early, problem.beads)[0])
+    measured, true = matched(measured, exact, problem.beads)
+    amplitude = float(np.max(np.abs(measured.velocity - true.velocity), initial=math.inf if missing else 0.0))
+    arrival = float(np.max(np.abs(measured.time - true.time)[sharp(true)], initial=math.inf if missing else 0.0))
+    return Interval(
+        problem.every, amplitude, arrival, 24e-6 * problem.frames * problem.chains * len(problem.recorded_beads)
+    )

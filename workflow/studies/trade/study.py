@@ -1,8 +1,8 @@
 """Measure error against cost on this machine: time steps, schemes, ranks, windows, frames.
 
-Error against cost of everything that can be chosen for a scene, written as it comes.
+The table of settings is written after each measurement.
 
-| file       | what                                                                                             |
+| file       | contents                                                                                         |
 |------------|--------------------------------------------------------------------------------------------------|
 | trade.csv  | a row for each measured setting: its errors against the reference, and its times                 |
 | frames.csv | a row for each time between frames: errors of amplitudes and arrivals that are read from them    |
@@ -47,10 +47,10 @@ STUDY = Study(
 )
 
 BUDGET = 60.0
-"""Seconds that a study should take; what would take much of it alone is left out."""
+"""Approximate duration of a study, in s; settings that would take a large share of it are left out."""
 
 REPEATS = 5
-"""Calls of a setting after its first."""
+"""Number of calls of a setting after its first."""
 
 _TRUTH, _ENGINES, _LONGEST = 1 / 4, 1 / 2, 1 / 15
 """Shares of the budget: of the reference, of all engines, of one run."""
@@ -68,19 +68,25 @@ class PrintedSetting:
     timestep: float = declare("time step", "time")
     every: float = declare("time between frames", "time")
     velocity_error: float = declare("largest error of a velocity", "V", digits=".1e", head="velocity")
-    amplitude_error: float = declare("the same of the leading pulse's peaks", "V", digits=".1e", head="amplitude")
-    arrival_error: float = declare("the same of its arrivals", "T", digits=".1e", head="arrival")
-    forces: int = declare("evaluations of all forces", digits=".3g")
-    seconds: float = declare("median of the time loop with its frames, first call apart", "s", digits=".3g", head="s")
-    seconds_min: float = declare("least of these", "s", digits=".2g", head="min")
-    seconds_max: float = declare("largest of these", "s", digits=".2g", head="max")
-    first: float = declare("first call with its start", "s", digits=".2g")
+    amplitude_error: float = declare(
+        "largest error of a peak velocity of the leading pulse", "V", digits=".1e", head="amplitude"
+    )
+    arrival_error: float = declare(
+        "largest error of an arrival of the leading pulse", "T", digits=".1e", head="arrival"
+    )
+    forces: int = declare("number of evaluations of all forces", digits=".3g")
+    seconds: float = declare(
+        "median time of the time loop with its frames, without the first call", "s", digits=".3g", head="s"
+    )
+    seconds_min: float = declare("least time of the time loop", "s", digits=".2g", head="min")
+    seconds_max: float = declare("largest time of the time loop", "s", digits=".2g", head="max")
+    first: float = declare("time of the first call with its start", "s", digits=".2g")
     front: str = declare("* on the Pareto front of the velocities' error and time", digits="")
 
 
-def records(found: Findings) -> list[PrintedSetting]:
-    """Of all settings that were measured."""
-    front = found.front("velocity")
+def records(findings: Findings) -> list[PrintedSetting]:
+    """Records of all settings that were measured."""
+    front = findings.front("velocity")
     return [
         PrintedSetting(
             method=point.setting.method,
@@ -93,9 +99,9 @@ def records(found: Findings) -> list[PrintedSetting]:
             seconds_min=min(point.repeats),
             seconds_max=max(point.repeats),
             first=point.first,
-            front="*" if any(point is one for one in front) else "",
+            front="*" if any(point is front_point for front_point in front) else "",
         )
-        for point in found.points
+        for point in findings.points
         if point.measured
     ]
 
@@ -104,7 +110,7 @@ def records(found: Findings) -> list[PrintedSetting]:
 
 
 def plain_problem(scene: Scene) -> Problem:
-    """A scene with its own end and time step, but without the window and the scheme, which are measured.
+    """Problem of a scene with its own end and time step, but without the window and the scheme, which are measured.
 
     Raises:
         InputError: the scene has no end or an unstable time step.
@@ -114,7 +120,7 @@ def plain_problem(scene: Scene) -> Problem:
 
 
 def busy() -> list[str]:
-    """What to say of a machine that has other work to do."""
+    """Sentences for the report where the machine has other work to do."""
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
     if load < BUSY:
         return []
@@ -125,39 +131,39 @@ def study(problem: Problem, directory: Path, *, budget: float = BUDGET) -> Findi
     """Measure everything, or until Ctrl-C, and write it; ``trade.csv`` grows meanwhile.
 
     Args:
-        problem: of a scene.
-        directory: made, or that of an earlier study.
-        budget: seconds that it should take.
+        problem: problem of a scene.
+        directory: made if need be, or that of an earlier study.
+        budget: approximate duration, in s.
 
     Raises:
         InputError: the directory cannot be used.
         RunError: the reference failed.
     """
-    found = Findings(problem, notes=busy())
+    findings = Findings(problem, notes=busy())
     started = time.perf_counter()
     with STUDY.opened(directory), count_bar("trade") as follow:
         try:
             with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as name:
                 _measure(
-                    found, directory, Path(name), TrialLimits(REPEATS, _LONGEST * budget, _ENGINES * budget), follow
+                    findings, directory, Path(name), TrialLimits(REPEATS, _LONGEST * budget, _ENGINES * budget), follow
                 )
-            found.whole = True
+            findings.complete = True
         except KeyboardInterrupt:
-            found.notes.append("Interrupted: not all settings were measured.")
-        found.seconds = time.perf_counter() - started
-        _write(found, directory)
-    STUDY.mark(directory, done=found.whole)
-    return found
+            findings.notes.append("Interrupted: not all settings were measured.")
+        findings.seconds = time.perf_counter() - started
+        _write(findings, directory)
+    STUDY.mark(directory, done=findings.complete)
+    return findings
 
 
-def _measure(found: Findings, directory: Path, work: Path, limits: TrialLimits, follow: Callable[..., None]) -> None:
-    problem = found.problem
+def _measure(findings: Findings, directory: Path, work: Path, limits: TrialLimits, follow: Callable[..., None]) -> None:
+    problem = findings.problem
     follow(0, 1)
-    truth = found.truth = make_truth(problem, work, seconds=_TRUTH / _ENGINES * limits.budget)
+    truth = findings.truth = make_truth(problem, work, seconds=_TRUTH / _ENGINES * limits.budget)
 
     def keep(points: Points, done: int, total: int) -> None:
-        found.points = points
-        STUDY.write(directory, {ENGINES: to_csv(PrintedSetting, records(found), problem.scale)})
+        findings.points = points
+        STUDY.write(directory, {ENGINES: to_csv(PrintedSetting, records(findings), problem.scale)})
         follow(done, total)
 
     measure(
@@ -167,47 +173,47 @@ def _measure(found: Findings, directory: Path, work: Path, limits: TrialLimits, 
         limits,
         keep,
     )
-    found.frames = intervals(problem)
-    STUDY.write(directory, {FRAMES: to_csv(Interval, found.frames, problem.scale)})
+    findings.frames = intervals(problem)
+    STUDY.write(directory, {FRAMES: to_csv(Interval, findings.frames, problem.scale)})
 
 
 # --- report -----------------------------------------------------------------------------------------------------------
 
 
-def _write(found: Findings, directory: Path) -> None:
+def _write(findings: Findings, directory: Path) -> None:
     """Write ``trade.json`` and the figure."""
-    figures = {FIGURE: _figure(found, found.truth)} if found.truth is not None and found.comparable else {}
-    STUDY.write(directory, {REPORT: as_json(report(found)) + "\n"}, figures)
+    figures = {FIGURE: _figure(findings, findings.truth)} if findings.truth is not None and findings.comparable else {}
+    STUDY.write(directory, {REPORT: as_json(report(findings)) + "\n"}, figures)
 
 
-def report(found: Findings) -> dict[str, Any]:
-    """The contents of ``trade.json``; times in the scene's units, errors in V and T."""
-    truth, scale = found.truth, found.problem.scale
+def report(findings: Findings) -> dict[str, Any]:
+    """Contents of ``trade.json``; times in the scene's units, errors in V and T."""
+    truth, scale = findings.truth, findings.problem.scale
     return {
-        "scene": found.problem.name,
-        "whole": found.whole,
-        "seconds": found.seconds,
-        "advice": sentences(found),
+        "scene": findings.problem.name,
+        "whole": findings.complete,
+        "seconds": findings.seconds,
+        "advice": sentences(findings),
         "reference": None if truth is None else {**asdict(truth.uncertainty), "seconds": truth.seconds},
-        "orders": plain(found.orders(), scale),
-        "engines": plain(records(found), scale),
-        "frames": plain(found.frames, scale),
+        "orders": plain(findings.orders(), scale),
+        "engines": plain(records(findings), scale),
+        "frames": plain(findings.frames, scale),
         **provenance(),
     }
 
 
-def _figure(found: Findings, truth: Truth) -> "Figure":
+def _figure(findings: Findings, truth: Truth) -> "Figure":
     from analysis.figures.errors import work_precision_figure  # matplotlib takes a while to import
 
     methods: dict[str, list[dict[str, Any]]] = {}
-    for record in records(found):
+    for record in records(findings):
         name = f"{record.method} (near the front)" if record.method == WINDOW else record.method
         methods.setdefault(name, []).append(vars(record))
     fronts = {
-        quantity: np.array([(point.seconds, point.errors[quantity]) for point in found.front(quantity)])
+        quantity: np.array([(point.seconds, point.errors[quantity]) for point in findings.front(quantity)])
         for quantity in QUANTITIES
     }
-    return work_precision_figure(found.problem, methods, fronts, truth.floors)
+    return work_precision_figure(findings.problem, methods, fronts, truth.floors)
 
 
 # --- command ----------------------------------------------------------------------------------------------------------
@@ -220,7 +226,7 @@ EXAMPLES = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The scene, where to, and how long it may take."""
+    """Add the arguments of the command."""
     parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="directory to make")
     parser.add_argument(
@@ -237,27 +243,27 @@ def execute(arguments: argparse.Namespace) -> int:
     if not (math.isfinite(arguments.budget) and arguments.budget > 0.0):
         raise InputError(f"--budget: {arguments.budget:g} given; a number of seconds above 0")
     problem = plain_problem(library.find(arguments.scene))
-    found = study(problem, arguments.output, budget=arguments.budget)
-    _print(found)
+    findings = study(problem, arguments.output, budget=arguments.budget)
+    _print(findings)
     names = [name for name in STUDY.files if (arguments.output / name).exists()]
     print(f"{one_line(arguments.output)}: {', '.join(names)}")
-    if not found.whole:
+    if not findings.complete:
         raise KeyboardInterrupt
     return 0
 
 
-def _print(found: Findings) -> None:
-    scale = found.problem.scale
+def _print(findings: Findings) -> None:
+    scale = findings.problem.scale
     title = (
-        f"{found.problem.name}: largest errors (V, V, T), wall time (s) of the time loop with its frames; steps in T"
+        f"{findings.problem.name}: largest errors (V, V, T), wall time (s) of the time loop with its frames; steps in T"
     )
     tables = (
-        (title, PrintedSetting, records(found)),
-        ("measured orders, of velocities", Order, found.orders()),
-        ("errors of amplitudes (V) and arrivals (T), by the time between frames", Interval, found.frames),
+        (title, PrintedSetting, records(findings)),
+        ("measured orders, of velocities", Order, findings.orders()),
+        ("errors of amplitudes (V) and arrivals (T), by the time between frames", Interval, findings.frames),
     )
     for title, kind, found_of in tables:
         if found_of:
             print_records(title, kind, found_of, scale)
-    for sentence in sentences(found):
+    for sentence in sentences(findings):
         print(sentence)

@@ -178,7 +178,7 @@ def by_law(method, factor, power, seconds, own=None):
 
 
 def said(points, uncertainty=1e-11, own=None, **more):
-    return sentences(Findings(own or problem(), truth(uncertainty), points, whole=True, **more))
+    return sentences(Findings(own or problem(), truth(uncertainty), points, complete=True, **more))
 
 
 def about(accuracy, words):

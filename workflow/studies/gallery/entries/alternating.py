@@ -24,12 +24,12 @@ def _dimer(ratio: float, beads: int) -> dict[str, object]:
 
 
 def _residuals(results: Results, ratio: float, factors: Iterable[float]) -> list[float]:
-    """Share of the energy that stays in a cell, by the reference, at multiples of a mass ratio."""
+    """Share of the energy that stays in a cell, by the reference, at a mass ratio times factors, [factor]."""
     return [results[f"ratio-{ratio * factor:.4f}"]["reference"].residual(2) for factor in factors]
 
 
 def _least(results: Results, ratio: float) -> float:
-    """Where no energy stays in a cell: near it, the energy grows as the square of the distance, its root linearly."""
+    """Mass ratio at which no energy stays in a cell: the energy grows as the square of the distance from it."""
     ratios = np.array([ratio * factor for factor in AROUND])
     left = np.array(_residuals(results, ratio, AROUND))
     roots = np.roots(np.polyfit(ratios / ratio - 1.0, np.copysign(np.sqrt(left), ratios - ratio), 2))
@@ -37,7 +37,7 @@ def _least(results: Results, ratio: float) -> float:
 
 
 def _anti_resonances(results: Results) -> Statements:
-    """Where the minima lie, and how deep they are."""
+    """Mass ratios of the minima, and residual energies there."""
     for ratio in ANTI_RESONANCES:
         least, left = (
             {"reference": _least(results, ratio)},
@@ -86,14 +86,14 @@ SWEPT = (0.2, 0.24, 0.28, OTHER, 0.4, 0.44, 0.48, 0.52, 0.55, 0.57, 0.61, 0.63, 
 
 
 def _curve(results: Results, cell: int) -> tuple[Floats, Floats]:
-    """Velocity of the heavy bead of a cell over the mass ratio."""
+    """Mass ratios, [ratio], and peak velocities (V) of the heavy bead of a cell, [ratio]."""
     ratio = sorted((*SWEPT, RESONANCE))
-    peak = [results[f"ratio-{one:g}"]["reference"].peak(2 * cell + 1) for one in ratio]
+    peak = [results[f"ratio-{mass_ratio:g}"]["reference"].peak(2 * cell + 1) for mass_ratio in ratio]
     return np.array(ratio), np.array(peak)
 
 
 def _weakest(results: Results, cell: int) -> float:
-    """Where that is smallest: of a parabola through the three lowest neighbours."""
+    """Mass ratio of the smallest peak velocity in a cell, by a parabola through the lowest value and its neighbours."""
     ratio, peak = _curve(results, cell)
     at = int(np.argmin(peak))
     square, slope, _ = np.polyfit(ratio[at - 1 : at + 2], peak[at - 1 : at + 2], 2)
@@ -101,10 +101,11 @@ def _weakest(results: Results, cell: int) -> float:
 
 
 def _resonance(results: Results) -> Statements:
-    """Where the pulse is weakest, after how many cells, and how weak."""
+    """Mass ratio of the weakest pulse, its dependence on the distance, and the attenuation."""
     source, (close, far) = "jayaprakash2013, as quoted", (_weakest(results, cell) for cell in CELLS)
-    here, there = (results[f"ratio-{ratio:g}"] for ratio in (RESONANCE, OTHER))
-    weaker = each(lambda one, other: one.peak(2 * CELLS[1] + 1) / other.peak(2 * CELLS[1] + 1), here, there)
+    resonant, other = (results[f"ratio-{ratio:g}"] for ratio in (RESONANCE, OTHER))
+    bead = 2 * CELLS[1] + 1
+    weaker = each(lambda run, other_run: run.peak(bead) / other_run.peak(bead), resonant, other)
     yield state(
         MeasuredQuantity(
             f"mass ratio of the weakest pulse in cell {CELLS[1]}", {"reference": far}, near(RESONANCE, 0.01), "3"
@@ -202,8 +203,8 @@ def _draw_decorated(axis: Axes, results: Results) -> None:
     """Speed over the radius of the small beads."""
     every = np.linspace(0.15, 0.45, 50)
     axis.plot(every, [_effective(radius, PLAIN) for radius in every], label="effective chain", **PUBLISHED)
-    found = [_cells(results[name]["lammps"]) for name in RADII]
-    axis.plot([*RADII.values()], found, "o", color=COLOURS[0], label="LAMMPS")
+    speeds = [_cells(results[name]["lammps"]) for name in RADII]
+    axis.plot([*RADII.values()], speeds, "o", color=COLOURS[0], label="LAMMPS")
 
 
 DECORATED = Entry(

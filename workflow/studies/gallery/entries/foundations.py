@@ -20,13 +20,13 @@ BEATING: dict[str, Any] = {"chains": 2, "coupling": {"stiffness": 0.1}, "foundat
 
 
 def _returned(run: Ran) -> float:
-    """The least share of chain 2 after the largest."""
+    """Smallest share of the energy in chain 2 after the largest."""
     share = run.flow.share[:, 1]
     return float(share[int(share.argmax()) :].min())
 
 
 def _beats(results: Results) -> Statements:
-    """How much energy is exchanged, and when."""
+    """Largest share of the energy that is exchanged, and its time."""
     runs = results["beats"]
     share = each(lambda run: run.flow.extremes(1)[1][0], runs)
     when = each(lambda run: run.flow.extremes(1)[1][1] * run.problem.scale.time, runs)
@@ -71,14 +71,14 @@ DEPTH = 0.1
 OFFSETS = {
     f"modulated-at-{2.0 + offset:g}": offset for offset in (-0.07, -0.045, -0.03, -0.015, 0.015, 0.03, 0.045, 0.07)
 }
-"""Of the angular frequency of the modulation from 2, twice that of the beads; the runs at 0 are by both engines."""
+"""Scene -> angular frequency of the modulation minus 2, twice that of the beads; both engines run that at 0."""
 
 PERIODS, FRAMES = 12, 4
-"""Of the modulation in a run, and frames in each."""
+"""Number of periods of the modulation in a run, and number of frames in each."""
 
 
 def _first_order(offset: float) -> float:
-    """Rate at which the amplitude grows; 0 outside the resonance."""
+    """Rate of growth of the amplitude, to first order in the depth; 0 outside the resonance."""
     return 0.5 * math.sqrt(max(0.0, (0.5 * DEPTH) ** 2 - offset**2))
 
 
@@ -87,13 +87,13 @@ def _period(offset: float) -> float:
 
 
 def _rate(trace: float, period: float) -> float:
-    """The same from the trace of the matrix that takes a state through a period."""
+    """Rate of growth of the amplitude, from the trace of the matrix that maps a state to that a period later."""
     return math.acosh(max(1.0, 0.5 * abs(trace))) / period
 
 
 @functools.cache
 def _floquet(offset: float) -> float:
-    """The rate from the monodromy matrix of one bead, by scipy's DOP853."""
+    """Rate of growth from the monodromy matrix of one bead, by scipy's DOP853."""
     from scipy.integrate import solve_ivp
 
     period = _period(offset)
@@ -107,7 +107,7 @@ def _floquet(offset: float) -> float:
 
 
 def _modulated(offset: float) -> dict[str, Any]:
-    """Two beads that are kicked alike, so that their contact is never loaded."""
+    """Scene of two beads that are kicked alike, so that their contact is never loaded."""
     period = _period(offset)
     ground = {"stiffness": 1.0, "modulation": {"depth": DEPTH, "frequency": 1.0 / period}}
     kicks = [{"bead": bead, "velocity": 1.0} for bead in (1, 2)]
@@ -122,7 +122,7 @@ CHAIN_ENERGY = 0.668106
 
 
 def _growth(run: Ran) -> float:
-    """States a period apart follow s'' = trace s' - s, whatever the start."""
+    """Rate of growth in a run: states s, s', s'' a period apart satisfy s'' = trace s' - s, whatever the start."""
     velocity = run.trajectory.velocity[::FRAMES, 0, 0]
     middle, sides = velocity[1:-1], velocity[2:] + velocity[:-2]
     period = FRAMES * run.problem.every * run.problem.scale.time
@@ -161,8 +161,8 @@ def _draw_parametric(axis: Axes, results: Results) -> None:
     offsets = np.array([*OFFSETS.values()])
     fine = np.linspace(1.1 * offsets[0], 1.1 * offsets[-1], 400)
     axis.plot(2.0 + fine, [_first_order(offset) for offset in fine], label="first order", **PUBLISHED)
-    found = [_growth(results[name]["reference"]) for name in OFFSETS]
-    axis.plot(2.0 + offsets, found, "o", color=COLOURS[1], label=NAMES["reference"])
+    rates = [_growth(results[name]["reference"]) for name in OFFSETS]
+    axis.plot(2.0 + offsets, rates, "o", color=COLOURS[1], label=NAMES["reference"])
     axis.plot(2.0, _growth(results["resonance"]["lammps"]), "o", color=COLOURS[0], label=NAMES["lammps"])
 
 
@@ -186,16 +186,19 @@ COUPLING, SWEEP = 0.02, 0.8
 
 RATE = 0.002
 RATES = {f"rate-{rate:g}": rate for rate in (0.0007, 0.001, 0.0014, 0.004, 0.008)}
-"""Of that difference: of the runs by both engines, and of those by the reference alone."""
+"""Rates of change of that difference: in runs by both engines, and in those by the reference alone."""
 
 
 def _formula(rate: float) -> float:
-    """Share of the action that stays."""
+    """Share of the action that stays in the chain, by the Landau-Zener formula."""
     return math.exp(-math.pi * COUPLING**2 / (math.sqrt(1.0 + COUPLING) * rate))
 
 
 def _crossing(rate: float, *, mode: bool = True) -> dict[str, Any]:
-    """All beads of chain 1 are kicked alike, so that no contact is loaded; in the mode those of chain 2 are, too."""
+    """Scene in which all beads of chain 1 are kicked alike, and for a pure mode those of chain 2, too.
+
+    No contact is loaded.
+    """
     low, high = 1.0 - 0.5 * SWEEP, 1.0 + 0.5 * SWEEP
     duration = 2.0 * SWEEP / rate
     slower = np.linalg.eigh([[low + COUPLING, -COUPLING], [-COUPLING, high + COUPLING]])[1][:, 0]
@@ -210,9 +213,9 @@ def _crossing(rate: float, *, mode: bool = True) -> dict[str, Any]:
 
 
 def _stays(run: Ran) -> float:
-    """Chain 1 has the slower mode at the start, and the faster one at the end."""
-    found = run.flow.fastest_mode_action
-    return math.nan if found is None else found
+    """Share of the action that stays in chain 1, which has the slower mode at the start, the faster one at the end."""
+    action = run.flow.fastest_mode_action
+    return math.nan if action is None else action
 
 
 def _landau_zener(results: Results) -> Statements:
@@ -248,8 +251,8 @@ def _draw_landau_zener(axis: Axes, results: Results) -> None:
     rates = [*RATES.values()]
     every = np.geomspace(0.5 * rates[0], 2.0 * rates[-1], 100)
     axis.semilogx(every, [_formula(rate) for rate in every], label="Landau-Zener", **PUBLISHED)
-    found = [_stays(results[name]["reference"]) for name in RATES]
-    axis.semilogx(rates, found, "o", color=COLOURS[1], label=NAMES["reference"])
+    shares = [_stays(results[name]["reference"]) for name in RATES]
+    axis.semilogx(rates, shares, "o", color=COLOURS[1], label=NAMES["reference"])
     for name, marker in (("mode", "o"), ("kick", "s")):
         share = _stays(results[name]["lammps"])
         axis.semilogx(RATE, share, marker, color=COLOURS[0], label=f"{NAMES['lammps']}, {name}")

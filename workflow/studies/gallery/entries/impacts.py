@@ -21,7 +21,7 @@ SOURCES = {
 }
 ACCURACY = 1e-5
 WITHIN = 1e-4
-"""Relative deviation from Hertz's theory that is allowed."""
+"""Largest accepted relative deviation from Hertz's theory."""
 
 FRAMES = 400
 """Frames while the spheres touch."""
@@ -32,7 +32,7 @@ DURATION = 0.8 * float(beta(0.4, 0.5))
 
 @dataclass(frozen=True)
 class Impact:
-    """A normal impact of two equal spheres, or of one on a rigid plane, and what Hertz's theory says of it, in SI."""
+    """A normal impact of two equal spheres, or of one on a rigid plane, with its values by Hertz's theory, in SI."""
 
     radius: float
     velocity: float
@@ -48,27 +48,27 @@ class Impact:
 
     @property
     def _constant(self) -> float:
-        """``4/3 E* R*^(1/2)``; two spheres have half the modulus and half the radius."""
+        """Contact constant ``4/3 E* R*^(1/2)``; two spheres have half the modulus and half the radius."""
         modulus = self.modulus / (1.0 - self.ratio**2)
         return 4.0 / 3.0 * modulus * math.sqrt(self.radius) * (1.0 if self.plane else 0.5**1.5)
 
     @property
     def overlap(self) -> float:
-        """Largest overlap."""
+        """Largest overlap in m."""
         return float((1.25 * self._mass * self.velocity**2 / self._constant) ** 0.4)
 
     @property
     def force(self) -> float:
-        """Largest force."""
+        """Largest force in N."""
         return float(self._constant * self.overlap**1.5)
 
     @property
     def duration(self) -> float:
-        """Duration of the contact."""
+        """Duration of the contact in s."""
         return DURATION * self.overlap / self.velocity
 
     def scene(self, **keys: object) -> dict[str, object]:
-        """Two spheres that touch and approach; or one a gap before a plane, and behind it one that it never meets."""
+        """Scene of two spheres that touch and approach, or of one a gap before a plane, with an idle one behind it."""
         material = {"radius": self.radius, "density": self.density, "youngs_modulus": self.modulus}
         common = {"beads": 2, "material": material | {"poisson_ratio": self.ratio}, "accuracy": ACCURACY, **keys}
         every = self.duration / FRAMES
@@ -83,7 +83,7 @@ class Impact:
 
 
 def _readings(run: Ran) -> Readings:
-    """Force between the spheres, or on the plane."""
+    """Readings of the force between the spheres, or on the plane."""
     plane = bool(run.scene.gap)
     return run.forces(contacts=() if plane else (1,), wall=plane)
 
@@ -99,7 +99,7 @@ def _duration(run: Ran) -> float:
 
 
 def _approach(run: Ran) -> Floats:
-    """Approach of the spheres, or to the plane, in m; negative where they do not touch."""
+    """Approach of the spheres, or to the plane, in m, [frame]; negative where they do not touch."""
     first, second = run.trajectory.displacement[:, 0].T * run.problem.scale.length
     return np.asarray(second - run.scene.gap if run.scene.gap else first - second)
 
@@ -130,7 +130,7 @@ class PublishedCurve:
 
 
 def _elastic(impacts: Mapping[str, Impact], curves: Mapping[str, PublishedCurve], results: Results) -> Statements:
-    """Largest forces and durations beside the published ones, and with the largest overlaps beside Hertz's theory."""
+    """Forces and durations against the published ones; forces, durations and overlaps against Hertz's theory."""
     for name, impact in impacts.items():
         curve, runs, material = curves[name], results[name], _words(name)
         force = each(lambda run: _largest(run) / 1000.0, runs)
@@ -207,15 +207,15 @@ PLANE = _entry(
 
 # --- test 3: restitution ----------------------------------------------------------------------------------------------
 
-GIVEN = (0.2, 0.4, 0.6, 0.8, 1.0)
+COEFFICIENTS = (0.2, 0.4, 0.6, 0.8, 1.0)
 MATERIALS = {
     "aluminium-oxide": Impact(radius=0.0025, velocity=3.9, modulus=380e9, ratio=0.23, density=4000.0, plane=True),
     "cast-iron": Impact(radius=0.0025, velocity=3.9, modulus=100e9, ratio=0.25, density=7000.0, plane=True),
 }
 
 
-def _name(material: str, given: float) -> str:
-    return f"{material}-{given:g}"
+def _name(material: str, coefficient: float) -> str:
+    return f"{material}-{coefficient:g}"
 
 
 def _rebound(run: Ran) -> float:
@@ -225,27 +225,31 @@ def _rebound(run: Ran) -> float:
 
 
 def _restitution(results: Results) -> Statements:
-    """Restitution found beside that given."""
+    """Measured restitution against that of the scene."""
     for material in MATERIALS:
-        runs = [results[_name(material, given)] for given in GIVEN]
-        found = [each(_rebound, one) for one in runs]
+        runs = [results[_name(material, coefficient)] for coefficient in COEFFICIENTS]
+        rebounds = [each(_rebound, by_engine) for by_engine in runs]
         worst = {
-            engine: max(abs(one[engine] - given) for one, given in zip(found, GIVEN, strict=True)) for engine in NAMES
+            engine: max(
+                abs(by_engine[engine] - coefficient)
+                for by_engine, coefficient in zip(rebounds, COEFFICIENTS, strict=True)
+            )
+            for engine in NAMES
         }
         yield state(
             MeasuredQuantity("largest deviation", worst, at_most(WITHIN), "1e"),
             derived=f"{_words(material)}: the sphere leaves the plane with the coefficient of restitution that was "
-            f"given, {', '.join(f'{given:g}' for given in GIVEN)}; the dashpot is that of the law `restitution`, whose "
-            "force is tensile at the end of the contact.",
+            f"given, {', '.join(f'{coefficient:g}' for coefficient in COEFFICIENTS)}; the dashpot is that of the law "
+            "`restitution`, whose force is tensile at the end of the contact.",
         )
 
 
 def _draw_restitution(axis: Axes, results: Results) -> None:
-    """Restitution found over that given."""
-    axis.plot(GIVEN, GIVEN, label="as given", **PUBLISHED)
+    """Measured restitution over that of the scene."""
+    axis.plot(COEFFICIENTS, COEFFICIENTS, label="as given", **PUBLISHED)
     for colour, mark, material in zip(COLOURS, "o+", MATERIALS, strict=False):
-        found = [_rebound(results[_name(material, given)]["lammps"]) for given in GIVEN]
-        axis.plot(GIVEN, found, mark, color=colour, label=f"{_words(material)}, LAMMPS")
+        rebounds = [_rebound(results[_name(material, coefficient)]["lammps"]) for coefficient in COEFFICIENTS]
+        axis.plot(COEFFICIENTS, rebounds, mark, color=colour, label=f"{_words(material)}, LAMMPS")
 
 
 RESTITUTION = Entry(
@@ -254,9 +258,9 @@ RESTITUTION = Entry(
     "test 3 of Chung and Ooi.",
     sources={"chung2011": SOURCES["chung2011"]},
     scenes={
-        _name(material, given): impact.scene(damping={"contact": given, "law": "restitution"})
+        _name(material, coefficient): impact.scene(damping={"contact": coefficient, "law": "restitution"})
         for material, impact in MATERIALS.items()
-        for given in GIVEN
+        for coefficient in COEFFICIENTS
     },
     statements=_restitution,
     axes=("coefficient of restitution, given", "coefficient of restitution, found"),

@@ -16,7 +16,7 @@ from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Resul
 
 
 def _weakly_kicked(beads: int, duration: float, **keys: object) -> dict[str, object]:
-    """A chain in which a small wave runs, unless other keys say what acts on it."""
+    """Scene of a chain with a weak kick, unless other keys replace the kick."""
     return chain(beads, duration, timestep=0.01, every=0.25, **{"kick": {"velocity": 1e-3}, **keys})
 
 
@@ -26,13 +26,13 @@ LOADS = {f"load-{load:g}": load for load in (0.1, 0.01, 0.003)}
 
 
 def _wave(run: Ran) -> LoadedWave:
-    found = watch(LoadedPulse(run.problem), run.blocks()).result()
-    assert found is not None
-    return found
+    wave = watch(LoadedPulse(run.problem), run.blocks()).result()
+    assert wave is not None
+    return wave
 
 
 def _precompressed(results: Results) -> Statements:
-    """The wave's speed over that of sound at three force ratios."""
+    """Speed of the wave over that of sound at three force ratios."""
     for name, load in LOADS.items():
         speed, wave = each(lambda run: _wave(run).over_sound, results[name]), _wave(results[name]["reference"])
         required = near(wave.theory, 1e-3, 0.012 * wave.theory)
@@ -74,12 +74,12 @@ PRECOMPRESSED = Entry(
 # --- bands of sound ---------------------------------------------------------------------------------------------------
 
 PLACES = ((0, 1), (1, 0), (1, 1))
-"""End of the acoustic band, beginning and end of the optical one, among the measured edges."""
+"""Indices of the measured edges: end of the acoustic band, beginning and end of the optical one."""
 
 BANDS = ("wavenumber (rad / bead)", "angular frequency (reduced)")
 
 Edge = tuple[float, str, str]
-"""Angular frequency of the edge of a band, what is published of it, and how that follows."""
+"""Angular frequency of the edge of a band, published claim, and its derivation."""
 
 
 def _edges(results: Results, scene: str, edges: Sequence[Edge], source: str) -> Statements:
@@ -87,9 +87,9 @@ def _edges(results: Results, scene: str, edges: Sequence[Edge], source: str) -> 
     resolved = max(each(lambda run: run.spectrum.bin / run.problem.scale.time, results[scene]).values())
     bands = each(lambda run: run.spectrum.measured_bands() / run.problem.scale.time, results[scene])
     for place, (edge, published, derived) in zip(PLACES, edges, strict=True):
-        found = {engine: float(one[place]) for engine, one in bands.items()}
+        frequencies = {engine: float(edges_of_engine[place]) for engine, edges_of_engine in bands.items()}
         yield state(
-            MeasuredQuantity("angular frequency of the edge", found, near(edge, resolved), "4"),
+            MeasuredQuantity("angular frequency of the edge", frequencies, near(edge, resolved), "4"),
             published=published,
             source=source,
             derived=f"{derived}; the spectrum resolves {resolved:.4f}.",
@@ -98,13 +98,13 @@ def _edges(results: Results, scene: str, edges: Sequence[Edge], source: str) -> 
 
 def _draw_bands(axis: Axes, run: Ran, edges: Sequence[Edge], *, exact: bool) -> None:
     """Branches, and the edges of the bands."""
-    found, second = run.spectrum, run.problem.scale.time
+    spectrum, second = run.spectrum, run.problem.scale.time
     for branch, (name, mark) in enumerate((("lower", "o"), ("upper", "s"))):
         look: dict[str, Any] = {"color": COLOURS[branch], "marker": mark, "linestyle": "none", "markersize": 4}
-        axis.plot(found.folded, found.measured[:, branch] / second, label=f"{name} branch (LAMMPS)", **look)
+        axis.plot(spectrum.folded, spectrum.measured[:, branch] / second, label=f"{name} branch (LAMMPS)", **look)
         if exact:
             label = None if branch else "exact branches"
-            axis.plot(found.folded, found.exact[:, branch] / second, color="black", linewidth=0.8, label=label)
+            axis.plot(spectrum.folded, spectrum.exact[:, branch] / second, color="black", linewidth=0.8, label=label)
     edge_words = "derived edges" if exact else "published edges"
     for number, (edge, _, _) in enumerate(edges):
         axis.axhline(edge, label=None if number else edge_words, **PUBLISHED)
@@ -164,11 +164,11 @@ RATIO = -math.exp(-math.acosh(EFFECTIVE * DRIVE**2 / (2.0 * CONTACT) - 1.0))
 
 def _ratio(run: Ran) -> float:
     """Velocity of bead 3 over that of bead 2 at the frequency of the drive, in phase with it."""
-    found = run.trajectory
-    late = found.time > 0.5 * found.time[-1]
-    time = found.time[late]
+    trajectory = run.trajectory
+    late = trajectory.time > 0.5 * trajectory.time[-1]
+    time = trajectory.time[late]
     weight = np.hanning(len(time)) * np.exp(-1j * DRIVE * run.problem.scale.time * time)
-    second, third = (weight @ found.velocity[late, 0, bead] for bead in (1, 2))
+    second, third = (weight @ trajectory.velocity[late, 0, bead] for bead in (1, 2))
     return float((third / second).real)
 
 
@@ -184,8 +184,11 @@ def _resonators(results: Results) -> Statements:
 
 
 def _with_resonators(beads: int, **keys: object) -> dict[str, object]:
-    own = {"precompression": {"force": OVERLAP * math.sqrt(OVERLAP)}, "resonators": {"mass": MASS, "stiffness": SPRING}}
-    return _weakly_kicked(beads, 200, **keys, **own)
+    ingredients = {
+        "precompression": {"force": OVERLAP * math.sqrt(OVERLAP)},
+        "resonators": {"mass": MASS, "stiffness": SPRING},
+    }
+    return _weakly_kicked(beads, 200, **keys, **ingredients)
 
 
 RESONATORS = Entry(
@@ -214,13 +217,13 @@ DEPTHS = np.arange(60.0, 241.0, 20.0)
 
 
 def _phase_velocity(run: Ran) -> float:
-    """Exponent of the speed over depth."""
+    """Exponent of the speed as a power of depth."""
     speed = [run.speed(int(above), int(below)) for above, below in pairwise(DEPTHS)]
     return exponent(np.array(speed), 0.5 * (DEPTHS[1:] + DEPTHS[:-1]))
 
 
 def _gravity(results: Results) -> Statements:
-    """How velocity and speed of a weak pulse change with depth."""
+    """Exponents of velocity and speed of a weak pulse as powers of depth."""
     falls = each(lambda run: exponent(run.peaks(DEPTHS), DEPTHS), results["column"])
     speed = each(_phase_velocity, results["column"])
     between = f"beads {DEPTHS[0]:g} to {DEPTHS[-1]:g}"

@@ -27,7 +27,7 @@ from workflow.studies.gallery.entry import (
 # --- contacts that yield ----------------------------------------------------------------------------------------------
 
 RATIOS = {f"pair-{number}": ratio for number, ratio in enumerate((0.5, 5.0, 50.0, 500.0, 5000.0), 1)}
-"""Velocity of approach over that at which two beads yield."""
+"""Scene -> velocity of approach over that at which two beads yield."""
 
 YIELD = {"yield": {"overlap": 0.1}}
 TWO: dict[str, Any] = {"chains": 2, "coupling": {"stiffness": 0.1}}
@@ -44,7 +44,7 @@ def _restitution(run: Ran) -> float:
 
 
 def _worst(*runs: Ran) -> float:
-    """Largest deviation of the pairs from the closed form."""
+    """Largest deviation of the restitution of the pairs from the closed form."""
     return max(
         abs(_restitution(run) - float(restitution_of(ratio, 1.0)))
         for run, ratio in zip(runs, RATIOS.values(), strict=True)
@@ -52,17 +52,17 @@ def _worst(*runs: Ran) -> float:
 
 
 def _force_exponent(first: int, last: int, run: Ran) -> float:
-    """Of the largest force over the number of the contact."""
-    found = watch(YieldMeter(), run.blocks()).result()
-    assert found is not None
-    return exponent(found[1].force[first - 1 : last - 1], np.arange(float(first), last))
+    """Exponent of the largest force as a power of the number of the contact, from a contact to another."""
+    yields = watch(YieldMeter(), run.blocks()).result()
+    assert yields is not None
+    return exponent(yields[1].force[first - 1 : last - 1], np.arange(float(first), last))
 
 
 def _agree(run: Ran) -> float:
     """Bead from which on the amplitudes of both chains agree to 1 % up to bead 100."""
     waves = (run.waves.of_chain(number) for number in (1, 2))
-    one, other = (wave.peak_velocity[(wave.bead >= 4) & (wave.bead <= 100)] for wave in waves)
-    apart = np.flatnonzero(np.abs(one - other) > 0.005 * (one + other))
+    first, second = (wave.peak_velocity[(wave.bead >= 4) & (wave.bead <= 100)] for wave in waves)
+    apart = np.flatnonzero(np.abs(first - second) > 0.005 * (first + second))
     return float(apart[-1] + 5)
 
 
@@ -113,8 +113,8 @@ def _draw_plastic(axis: Axes, results: Results) -> None:
     every = np.geomspace(0.3, 1e4, 200)
     axis.loglog(every, restitution_of(every, 1.0), label="Thornton, closed form", **PUBLISHED)
     for engine, colour, mark in zip(NAMES, COLOURS, "ox", strict=False):
-        found = [_restitution(results[name][engine]) for name in RATIOS]
-        axis.loglog([*RATIOS.values()], found, mark, color=colour, label=NAMES[engine])
+        restitutions = [_restitution(results[name][engine]) for name in RATIOS]
+        axis.loglog([*RATIOS.values()], restitutions, mark, color=colour, label=NAMES[engine])
 
 
 PLASTIC = Entry(
@@ -143,7 +143,7 @@ BEADS = np.arange(40, 101)
 
 
 def _slope(power: float, coefficient: float, run: Ran) -> float:
-    """Of a power of the peak velocity over beads, over the coefficient of the dashpots."""
+    """Slope of a power of the peak velocity over beads, divided by the coefficient of the dashpots."""
     return float(np.polyfit(BEADS, run.peaks(BEADS) ** power, 1)[0]) / coefficient
 
 
@@ -152,13 +152,13 @@ WHEN = 120.0
 
 
 def _along(run: Ran) -> Floats:
-    """Velocity of the beads some time after the kick."""
+    """Velocity (V) of the beads at the time `WHEN`, [bead]."""
     frame = int(np.argmin(np.abs(run.trajectory.time - WHEN)))
     return np.asarray(run.trajectory.velocity[frame, 0])
 
 
 def _tops(run: Ran) -> list[tuple[int, float]]:
-    """Beads at which that has a maximum, and its value; the first one in front."""
+    """Maxima of the velocity along the chain at the time `WHEN`: bead and velocity (V), the foremost first."""
     row = _along(run)
     tops = np.flatnonzero((row[1:-1] > row[:-2]) & (row[1:-1] >= row[2:]) & (row[1:-1] > 5e-3)) + 1
     return [(int(place) + 1, float(row[place])) for place in tops[::-1]]
@@ -229,7 +229,7 @@ VISCOELASTIC = {f"viscoelastic-{coefficient:g}": coefficient for coefficient in 
 
 
 def _kuwabara_kono(results: Results) -> Statements:
-    """How the peak velocity to the power -1/5 rises."""
+    """Rise of the peak velocity to the power -1/5 along the chain."""
     for name, coefficient in VISCOELASTIC.items():
         rise = each(functools.partial(_slope, -0.2, coefficient), results[name])
         yield state(
@@ -241,7 +241,7 @@ def _kuwabara_kono(results: Results) -> Statements:
 
 
 def _draw_kuwabara_kono(axis: Axes, results: Results) -> None:
-    """The same over distance."""
+    """Peak velocity to the power -1/5 over beads."""
     for place, (name, coefficient) in enumerate(VISCOELASTIC.items()):
         power = results[name]["lammps"].peaks(BEADS) ** -0.2
         axis.plot(BEADS, power, label=f"coefficient {coefficient:g}", **line(place))

@@ -30,19 +30,19 @@ FIRST, LAST = 5, 15
 
 
 def _hard_spheres(taper: float) -> float:
-    """Share of the kick's energy that the last of twenty hard spheres gets, collision by collision."""
+    """Share of the kick's energy that the last of twenty hard spheres gets by successive binary collisions."""
     f = (1.0 - taper) ** 3
     return float((4.0 * f / (1.0 + f) ** 2) ** (BEADS - 1))
 
 
 def _arrives(run: Ran) -> float:
-    """Largest kinetic energy of the last bead, in that of the kick."""
+    """Largest kinetic energy of the last bead over the energy of the kick."""
     mass = physics.mass_of(run.problem.system, slice(None), -1)
     return float(np.max(0.5 * mass * run.trajectory.velocity[:, :, -1] ** 2) / physics.energy(run.problem.system))
 
 
 def _tapered(results: Results) -> Statements:
-    """Energy that arrives, and how velocities grow."""
+    """Energy that arrives, and growth of the velocities."""
     for name, taper in TAPERS.items():
         share = _hard_spheres(taper)
         yield state(
@@ -55,19 +55,19 @@ def _tapered(results: Results) -> Statements:
         )
     falls = {
         f"share at {TAPERS[larger]:.0%} over that at {TAPERS[smaller]:.0%}": each(
-            lambda one, other: _arrives(other) / _arrives(one), results[smaller], results[larger]
+            lambda small, large: _arrives(large) / _arrives(small), results[smaller], results[larger]
         )
         for smaller, larger in pairwise(TAPERS)
     }
     yield state(
-        *(MeasuredQuantity(what, fall, at_most(1.0), "4") for what, fall in falls.items()),
+        *(MeasuredQuantity(name, fall, at_most(1.0), "4") for name, fall in falls.items()),
         derived="The larger the taper, the smaller the share of the energy that arrives.",
     )
     for name, taper in TAPERS.items():
         growth = (2.0 / (1.0 + (1.0 - taper) ** 3)) ** (LAST - FIRST)
-        found = each(lambda run: run.peak(LAST) / run.peak(FIRST), results[name])
+        ratio = each(lambda run: run.peak(LAST) / run.peak(FIRST), results[name])
         yield state(
-            MeasuredQuantity("ratio of the velocities", found, near(growth, 0.01 * growth, 0.2 * growth), "4"),
+            MeasuredQuantity("ratio of the velocities", ratio, near(growth, 0.01 * growth, 0.2 * growth), "4"),
             published="The binary collision approximation gives quantitatively accurate results.",
             source="harbola2009, abstract",
             derived=f"Taper {taper:.0%}: from bead {FIRST} to {LAST} the velocity grows by the factor {growth:.4f}; "
@@ -79,9 +79,9 @@ def _tapered(results: Results) -> Statements:
 def _draw_tapered(axis: Axes, results: Results) -> None:
     """Energy that arrives over the taper."""
     every = np.linspace(0.0, 0.09, 50)
-    axis.plot(every, [_hard_spheres(one) for one in every], label="hard spheres", **PUBLISHED)
-    found = [_arrives(results[name]["lammps"]) for name in TAPERS]
-    axis.plot([*TAPERS.values()], found, "o", color=COLOURS[0], label="LAMMPS")
+    axis.plot(every, [_hard_spheres(taper) for taper in every], label="hard spheres", **PUBLISHED)
+    energies = [_arrives(results[name]["lammps"]) for name in TAPERS]
+    axis.plot([*TAPERS.values()], energies, "o", color=COLOURS[0], label="LAMMPS")
 
 
 TAPERED = Entry(
@@ -112,7 +112,7 @@ BEFORE, BEHIND = 40, 200
 
 
 def _change(run: Ran) -> float:
-    """Of the peak velocity."""
+    """Relative change of the peak velocity across the ramp."""
     return run.peak(BEHIND) / run.peak(BEFORE) - 1.0
 
 
@@ -127,7 +127,7 @@ def _speed_exponent(run: Ran) -> float:
 
 
 def _graded(results: Results) -> Statements:
-    """Velocity, force and speed behind a slow ramp; how much a steeper one scatters."""
+    """Velocity, force and speed behind a slow ramp; change of the velocity by steeper ones."""
     source, slow = "chaunsali2018, abstract", results["ramp-100"]
     yield state(
         MeasuredQuantity("change of the peak velocity", each(_change, slow), near(0.0, 2e-3)),
@@ -192,7 +192,7 @@ def _with_impurity(mass: float) -> dict[str, object]:
 
 
 def _frequency(run: Ran) -> float:
-    """Of the first oscillation of the impurity, while the wave presses on it most."""
+    """Frequency (1 / T) of the first oscillation of the impurity, during the largest load of the wave."""
     first, second = run.passages(PLACE)[:2]
     return float(1.0 / (second - first))
 
@@ -228,7 +228,7 @@ def _impurity(results: Results) -> Statements:
         correction=f"mass^({slope['reference']:.2f}): the lightest bead remains longest within one wave.",
     )
     two, eight = (results[name] for name in HEAVY)
-    weaker = each(lambda one, other: _passed(other) / _passed(one), two, eight)
+    weaker = each(lambda lighter, heavier: _passed(heavier) / _passed(lighter), two, eight)
     yield state(
         MeasuredQuantity("mass 2: transmitted over incident velocity", each(_passed, two), at_most(1.0)),
         MeasuredQuantity("mass 8: the same, over that of mass 2", weaker, at_most(1.0)),

@@ -36,18 +36,18 @@ SLOWEST = 0.25
 """Speed of the slowest pulse that a run of Hertz beads waits for, in units of V: below equal sharing (1/2)."""
 
 LAST_STRAGGLERS = 0.01
-"""The same for rigid beads, some of which first collide with beads behind the pulse."""
+"""Speed of the slowest pulse for rigid beads (V), some of which first collide with beads behind the pulse."""
 
 
 def problem_at(theta: float, kappa: float, row: int, *, every: float = 0.25, slowest: float = SLOWEST) -> Problem:
-    """Two chains in which the pulse passes a row, with ten rows more and the time for a few periods.
+    """Problem of two chains in which the pulse passes a row, with ten rows more and the time for a few periods.
 
     Args:
         theta: omega D / V.
         kappa: stiffness of the springs.
         row: number of the last bead of interest.
         every: time between frames, in units of T.
-        slowest: speed of the slowest pulse to wait for.
+        slowest: speed of the slowest pulse that passes the row within the duration, in units of V.
     """
     omega = math.sqrt(2.0 * kappa)
     gap = theta / omega
@@ -64,7 +64,7 @@ def problem_at(theta: float, kappa: float, row: int, *, every: float = 0.25, slo
 
 
 def rigid_problem(theta: float, row: int) -> Problem:
-    """Rigid beads at some theta until all collisions have happened; kappa = 1/2, so omega = 1 and D = theta."""
+    """Problem of rigid beads at a theta until all have collided; kappa = 1/2, so omega = 1 and D = theta."""
     return problem_at(theta, 0.5, row, slowest=LAST_STRAGGLERS)
 
 
@@ -73,8 +73,8 @@ def rigid_impulses(problem: Problem) -> Impulses:
     return _impulses(problem, collisions.run(problem))
 
 
-def _impulses(problem: Problem, found: collisions.CollisionRun) -> Impulses:
-    return impulses.from_events(problem, Collisions(found.time, found.chain, found.row, found.striker, found.target))
+def _impulses(problem: Problem, run: collisions.CollisionRun) -> Impulses:
+    return impulses.from_events(problem, Collisions(run.time, run.chain, run.row, run.striker, run.target))
 
 
 def hertz_impulses(problem: Problem) -> Impulses:
@@ -90,12 +90,12 @@ def curves(problem: Problem, rows: Sequence[int]) -> list[EngineCurve]:
         "rigid": (collisions.blocks(rigid), _impulses(problem, rigid)),
         "Hertz": (reference.blocks(problem), hertz_impulses(problem)),
     }
-    found = []
-    for name, (blocks, one) in models.items():
+    engine_curves = []
+    for name, (blocks, received) in models.items():
         parts = [(block.time, block.velocity[:, :, place].copy()) for block in blocks]
         time, velocity = (np.concatenate(column) for column in zip(*parts, strict=True))
-        found.append(EngineCurve(name, time, velocity, one.bead, one.first))
-    return found
+        engine_curves.append(EngineCurve(name, time, velocity, received.bead, received.first))
+    return engine_curves
 
 
 # --- the first row ----------------------------------------------------------------------------------------------------
@@ -107,7 +107,7 @@ class FirstRow:
 
     Attributes:
         phase: omega t of the two collisions, [chain].
-        striker, target: velocities before, [chain], in units of V.
+        striker, target: velocities before the collision, [chain], in units of V.
         other_bead: displacement of bead 1 of chain 2 at the first collision, as a share of D.
     """
 
@@ -120,11 +120,11 @@ class FirstRow:
 def first_row(theta: float) -> FirstRow:
     """The first collision of each chain at some theta at which both collide."""
     problem = rigid_problem(theta, 2)
-    found = collisions.run(problem)
-    index = np.array([np.flatnonzero((found.row == 1) & (found.chain == chain))[0] for chain in (1, 2)])
-    start = collisions.sample(found, found.time[index[:1]])
+    run = collisions.run(problem)
+    index = np.array([np.flatnonzero((run.row == 1) & (run.chain == chain))[0] for chain in (1, 2)])
+    start = collisions.sample(run, run.time[index[:1]])
     share = float(start.displacement[0, 1, 0]) / physics.gap(problem.system)
-    return FirstRow(found.time[index].copy(), found.striker[index], found.target[index], share)
+    return FirstRow(run.time[index].copy(), run.striker[index], run.target[index], share)
 
 
 def _sharing_in_the_first_row() -> Statements:
@@ -162,9 +162,10 @@ class Scan:
     """First impulses of rigid rows over theta.
 
     Attributes:
-        theta: [theta].
-        bead: [row], numbers of the beads.
-        difference: of the chains, [theta, row]: (largest - smallest) / mean; 2 where one chain received nothing.
+        theta: omega D / V, [theta].
+        bead: numbers of the beads, [row].
+        difference: difference of the impulses of the chains, (largest - smallest) / mean, [theta, row]; 2 where one
+            chain received nothing.
     """
 
     theta: Floats
@@ -172,16 +173,16 @@ class Scan:
     difference: Floats
 
     def keeping(self, first_bead: int, last_bead: int) -> Floats:
-        """The thetas at which the chains of every row in a range agree."""
+        """Thetas at which the chains agree in every row of a range, [theta]."""
         rows = (self.bead >= first_bead) & (self.bead <= last_bead)
         return self.theta[np.all(self.difference[:, rows] <= AGREE, axis=1)]
 
 
 def scan(thetas: Floats, last_bead: int = 30) -> Scan:
-    """Rigid rows at many thetas; some 2 ms each."""
+    """Compute first impulses of rigid rows at thetas, [theta], up to a last bead; it takes about 2 ms a theta."""
     bead = np.arange(2, last_bead + 1)
     first = [rigid_impulses(rigid_problem(theta, last_bead)).first[:, : len(bead)] for theta in thetas]
-    return Scan(thetas, bead, np.array([relative_difference(one) for one in first]))
+    return Scan(thetas, bead, np.array([relative_difference(received) for received in first]))
 
 
 def sensitivity(thetas: Iterable[float], bead: int = 25) -> Floats:
@@ -189,13 +190,13 @@ def sensitivity(thetas: Iterable[float], bead: int = 25) -> Floats:
 
     Late rows amplify rounding: where this is not small, the impulse is a property of the arithmetic, not of theta.
     """
-    result = []
+    changes = []
     for theta in thetas:
-        one, other = (
+        nominal, perturbed = (
             rigid_impulses(rigid_problem(value, bead)).first[:, bead - 2] for value in (theta, theta * (1.0 + 1e-13))
         )
-        result.append(float(np.max(np.abs(one - other))))
-    return np.array(result)
+        changes.append(float(np.max(np.abs(nominal - perturbed))))
+    return np.array(changes)
 
 
 @cache
@@ -208,10 +209,10 @@ def _partition_of_rigid_beads(rigid: Impulses) -> Statements:
     sensitive = sensitivity(THETAS[:: len(THETAS) // 100])
     at_25, keeping = swept.keeping(25, 25), {"rigid beads": len(swept.keeping(20, 30))}
     median = dict(zip(swept.bead, np.median(swept.difference, axis=0), strict=True))
-    what = "difference of the impulses at the gap of eq. 5"
+    name = "difference of the impulses at the gap of eq. 5"
     apart = {row: {"rigid beads": float(relative_difference(rigid.first)[rigid.row(row)])} for row in ROWS}
     yield state(
-        *(MeasuredQuantity(f"{what}, row {row}", found, at_most(0.01), "3") for row, found in apart.items()),
+        *(MeasuredQuantity(f"{name}, row {row}", difference, at_most(0.01), "3") for row, difference in apart.items()),
         MeasuredQuantity("gaps at which rows 20 to 30 agree within 1%", keeping, at_least(1.0), "0"),
         published="Rigid beads: the pulse is partitioned equally among the chains.",
         source="starosvetsky2013, Figs 8 and 9, rows 5 and 25",
@@ -228,9 +229,9 @@ def _partition_of_rigid_beads(rigid: Impulses) -> Statements:
     )
 
 
-def _pair(label: str, found: Impulses, row: int) -> str:
-    one, other = found.first[:, found.row(row)]
-    return f"{label}: first impulses {one:.3f}, {other:.3f}"
+def _pair(label: str, received: Impulses, row: int) -> str:
+    first, second = received.first[:, received.row(row)]
+    return f"{label}: first impulses {first:.3f}, {second:.3f}"
 
 
 # --- Hertz beads ------------------------------------------------------------------------------------------------------
@@ -241,12 +242,13 @@ LAST = 120
 
 @dataclass(frozen=True)
 class RelativeMode:
-    """The difference of the chains over the rows.
+    """Difference of the impulses of the chains over the rows.
 
     Attributes:
-        bead: [row].
+        bead: numbers of the beads, [row].
         difference: (I_1 - I_2) / (I_1 + I_2) of the first impulses, [row]; NaN where nothing passed.
-        rows_per_e: rows in which its size falls by e, by least squares of its logarithm; inf where it does not fall.
+        rows_per_e: number of rows in which the size of the difference falls by e, by least squares of its logarithm;
+            inf where it does not fall.
         equal_from: first bead from which on the chains agree to `AGREE`; None if they never do, or only at the end.
     """
 
@@ -256,10 +258,10 @@ class RelativeMode:
     equal_from: int | None
 
 
-def relative_mode(found: Impulses, first_bead: int, last_bead: int) -> RelativeMode:
-    """The relative mode of two chains between two rows; fits take every row, so a sign change is a dip in them."""
-    rows = slice(found.row(first_bead), found.row(last_bead) + 1)
-    bead, first = found.bead[rows], found.first[:, rows]
+def relative_mode(received: Impulses, first_bead: int, last_bead: int) -> RelativeMode:
+    """Relative mode of two chains between two rows; the fit takes every row, also those near a change of sign."""
+    rows = slice(received.row(first_bead), received.row(last_bead) + 1)
+    bead, first = received.bead[rows], received.first[:, rows]
     with np.errstate(invalid="ignore", divide="ignore"):
         difference = (first[0] - first[1]) / first.sum(axis=0)
     fitted = np.isfinite(difference) & (difference != 0.0)
@@ -278,7 +280,7 @@ def _both_models() -> tuple[dict[float, Impulses], Impulses]:
 
 
 def _partition_of_hertz_beads(hertz: dict[float, Impulses]) -> Statements:
-    modes = {f"kappa = {kappa:g}": relative_mode(found, 10, LAST) for kappa, found in hertz.items()}
+    modes = {f"kappa = {kappa:g}": relative_mode(received, 10, LAST) for kappa, received in hertz.items()}
     since = {name: math.nan if mode.equal_from is None else mode.equal_from for name, mode in modes.items()}
     yield state(
         MeasuredQuantity("row from which on impulses agree within 1%", since, at_most(LAST), "0"),
@@ -286,7 +288,11 @@ def _partition_of_hertz_beads(hertz: dict[float, Impulses]) -> Statements:
         source="starosvetsky2013, eq. 2, Figs 8 and 9",
         derived=f"{EQUAL} Contacts have a duration, in which the springs act; that equalises the chains.",
         also=[
-            *(_pair(f"kappa = {kappa:g}, row {row}", one, row) for kappa, one in hertz.items() for row in (*ROWS, 100)),
+            *(
+                _pair(f"kappa = {kappa:g}, row {row}", received, row)
+                for kappa, received in hertz.items()
+                for row in (*ROWS, 100)
+            ),
             *(f"{name}: the difference decays by e in {mode.rows_per_e:.1f} rows" for name, mode in modes.items()),
         ],
     )
@@ -300,11 +306,11 @@ class RigidLimit:
     """Gapped Hertz beads at theta = 1 as kappa falls, against rigid ones.
 
     Attributes:
-        kappa: [kappa], falling.
-        bead: [row].
-        rigid: first impulses of rigid beads, [chain, row].
-        hertz: the same of Hertz beads, [kappa, chain, row].
-        difference: largest over the chains, [kappa, row].
+        kappa: stiffnesses of the springs, falling, [kappa].
+        bead: numbers of the beads, [row].
+        rigid: first impulses of rigid beads, [chain, row], in units of m V.
+        hertz: first impulses of Hertz beads, [kappa, chain, row], in units of m V.
+        difference: largest difference of the two over the chains, [kappa, row], in units of m V.
         rate: exponent p of ``difference ~ kappa**p`` of each row, over the last three kappas, [row].
     """
 
@@ -317,7 +323,7 @@ class RigidLimit:
 
 
 def rigid_limit() -> RigidLimit:
-    """The limit in which Hertz beads with gaps become rigid ones, in rows 2 to 4.
+    """Compute the limit in which Hertz beads with gaps become rigid ones, in rows 2 to 4.
 
     A contact lasts about 2.44 T and a period 2 pi / sqrt(2 kappa) T, so their ratio, and with it the difference, falls
     as sqrt(kappa): rate 1/2. At larger kappa a bead may collide in one model only, the more so the farther along the
@@ -333,7 +339,10 @@ def rigid_limit() -> RigidLimit:
 
 def _limit() -> Statements:
     limit = rigid_limit()
-    worst = {f"kappa = {kappa:g}": float(one.max()) for kappa, one in zip(limit.kappa, limit.difference, strict=True)}
+    worst = {
+        f"kappa = {kappa:g}": float(difference.max())
+        for kappa, difference in zip(limit.kappa, limit.difference, strict=True)
+    }
     rates = {f"row {bead}": float(rate) for bead, rate in zip(limit.bead, limit.rate, strict=True)}
     within, rows = at_most(0.01, math.inf), f"rows 2 to {limit.bead[-1]}"
     yield state(
@@ -352,7 +361,7 @@ def _limit() -> Statements:
 
 
 def statements(_: Results) -> Statements:
-    """The gap of eq. 5, rigid beads, Hertz beads, and the one as the limit of the other."""
+    """Statements on the gap of eq. 5, rigid beads, Hertz beads, and rigid beads as a limit of Hertz beads."""
     hertz, rigid = _both_models()
     yield from _sharing_in_the_first_row()
     yield from _partition_of_rigid_beads(rigid)
@@ -363,23 +372,23 @@ def statements(_: Results) -> Statements:
 def pictures(_: Results) -> list[PageFigure]:
     """Figs 8 and 9, the scan and the relative mode."""
     swept, (hertz, rigid) = _scan(), _both_models()
-    found = []
+    figures = []
     for kappa, number in zip(KAPPAS, (8, 9), strict=True):
         problem = problem_at(THETA_OF_EQ_5, kappa, 40, every=0.05)
         caption = f"Fig. {number}: first impulses, and velocities of beads 5 and 25; kappa = {kappa:g}, gap of eq. 5."
-        found.append(drawn(f"fig{number}", engines_figure(problem, ROWS, curves(problem, ROWS)), caption))
+        figures.append(drawn(f"fig{number}", engines_figure(problem, ROWS, curves(problem, ROWS)), caption))
     shown = (5, 25, 30)
     rows, chosen = np.isin(swept.bead, shown), scan(np.array([THETA_OF_EQ_5]))
     published = PublishedPoint("gap of eq. 5", THETA_OF_EQ_5, chosen.difference[0, rows])
     scanned = scan_figure(swept.theta, swept.difference[:, rows], shown, AGREE, published)
-    found.append(drawn("scan", scanned, "Rigid beads: difference of the chains over the gap."))
-    labelled = {"rigid": rigid, **{rf"Hertz, $\kappa$ = {kappa:g}": one for kappa, one in hertz.items()}}
-    modes = {label: relative_mode(one, 2, LAST) for label, one in labelled.items()}
+    figures.append(drawn("scan", scanned, "Rigid beads: difference of the chains over the gap."))
+    labelled = {"rigid": rigid, **{rf"Hertz, $\kappa$ = {kappa:g}": received for kappa, received in hertz.items()}}
+    modes = {label: relative_mode(received, 2, LAST) for label, received in labelled.items()}
     curve = relative_mode_figure([(label, mode.bead, mode.difference) for label, mode in modes.items()])
     caption = (
         "Difference of the chains over the rows, at the gap of eq. 5: it decays for Hertzian beads, not for rigid ones."
     )
-    return [*found, drawn("relative-mode", curve, caption)]
+    return [*figures, drawn("relative-mode", curve, caption)]
 
 
 ENTRY = Entry(

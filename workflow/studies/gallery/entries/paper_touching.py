@@ -24,7 +24,7 @@ COARSE = "The percentages of the paper are multiples of 5; required within half 
 
 
 def statements(results: Results) -> Statements:
-    """On the paper's scenes, then on couplings and numbers of chains beyond them."""
+    """Statements on the paper's scenes, then on couplings and numbers of chains beyond them."""
     runs = {name: results[name] for name, *_ in CASES}
     two, strong, three = runs.values()
     final = each(lambda run: _final(run).value, two)
@@ -55,28 +55,31 @@ def statements(results: Results) -> Statements:
         source=f"{PAPER}, section 2",
         derived="Identical: the peaks differ by at most 1% of their mean.",
         correction=f"At kappa = 0.1 they become so: at bead 55 they still differ by {apart['reference']:.1%}.",
-        also=[f"{name}: {_within('1%', _sharing(one['reference']).agrees_from(0.01))}" for name, one in runs.items()],
+        also=[
+            f"{name}: {_within('1%', _sharing(scene_runs['reference']).agrees_from(0.01))}"
+            for name, scene_runs in runs.items()
+        ],
     )
     lags = {
         f"{name}: difference of the arrivals at bead {bead}": each(functools.partial(_lag, bead), runs[name])
         for name, bead, _, _ in CASES
     }
     yield state(
-        *(MeasuredQuantity(what, lag, at_most(0.1), "4 T") for what, lag in lags.items()),
+        *(MeasuredQuantity(name, lag, at_most(0.1), "4 T") for name, lag in lags.items()),
         published="The waves are synchronised.",
         source=f"{PAPER}, section 2",
         derived="Synchronised: arrivals differ by at most 0.1 T.",
         also=[
             f"{name}, {NAMES[engine]}: uncertainty {run.errors[1]:.0e} T"
-            for name, one in runs.items()
-            for engine, run in one.items()
+            for name, scene_runs in runs.items()
+            for engine, run in scene_runs.items()
         ],
     )
     yield from _beyond(final, each(lambda run: _final(run).value, strong))
 
 
 def _beyond(two: Mapping[str, float], strong: Mapping[str, float]) -> Statements:
-    """On weaker coupling, given the final amplitudes at kappa = 0.1 and 0.5, and on more chains."""
+    """Statements on weaker coupling, from the final amplitudes at kappa = 0.1 and 0.5, and on more chains."""
     weaker = [equipartition_distance(2, kappa) for kappa in (0.01, 0.003)]
     more = [equipartition_distance(chains, 0.1) for chains in range(2, 9)]
     far = {f"kappa = {case.kappa:g}": case.amplitude / two["reference"] for case in weaker}
@@ -106,10 +109,10 @@ def _sharing(run: Ran) -> Sharing:
 
 
 def _final(run: Ran) -> Estimate:
-    """Amplitude over the last half beat, and how far it still varies."""
-    found = _sharing(run).final
-    assert found is not None, "the paper's scenes run far enough"
-    return found
+    """Amplitude over the last half beat, and its variation."""
+    final = _sharing(run).final
+    assert final is not None, "the paper's scenes run far enough"
+    return final
 
 
 def _final_line(run: Ran) -> str:
@@ -141,18 +144,18 @@ def _within(tolerance: str, bead: int | None) -> str:
 
 def pictures(runs: Results) -> list[PageFigure]:
     """The paper's Figs 1 to 6, and the map of the distance to equipartition."""
-    found = []
+    figures = []
     for name, bead, space, time in CASES:
         run = runs[name]["lammps"]
         caption = f"Fig. {space}: velocity in space and time ({name}, LAMMPS)."
-        found.append(drawn(f"fig{space}", spacetime_figure(watch(SpaceTime(run.problem), run.blocks())), caption))
+        figures.append(drawn(f"fig{space}", spacetime_figure(watch(SpaceTime(run.problem), run.blocks())), caption))
         caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
         history = watch(BeadHistory(run.problem, (bead,)), run.blocks())
-        found.append(drawn(f"fig{time}", response_figure(history, run.waves), caption))
+        figures.append(drawn(f"fig{time}", response_figure(history, run.waves), caption))
     cases = [equipartition_distance(chains, kappa) for chains in MAP_CHAINS for kappa in MAP_COUPLINGS]
     caption = "Distance to equipartition and final amplitude over coupling and number of chains (reference integrator)."
-    found.append(drawn("map", distance_map(cases), caption))
-    return found
+    figures.append(drawn("map", distance_map(cases), caption))
+    return figures
 
 
 ENTRY = Entry(

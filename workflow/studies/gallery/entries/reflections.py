@@ -24,21 +24,21 @@ def _after(run: Ran) -> tuple[float, float]:
 
 
 def _lost(run: Ran) -> float:
-    """Share of the energy of a wave that it does not have after the collision."""
+    """Share of the energy of a wave that it loses in the collision."""
     return 1.0 - (_after(run)[1] / run.peak(35)) ** 2
 
 
 def _secondary(run: Ran) -> float:
-    """Velocity of the strongest pulse behind it, where it was last seen."""
+    """Velocity of the strongest pulse behind the wave, in the middle of its path."""
     late = [pulse for pulse in run.pulses(1, 0.003) if pulse.bead[0] > 50 and pulse.peak_velocity.max() < 0.3]
     return max((float(pulse.peak_velocity[len(pulse) // 2]) for pulse in late), default=0.0)
 
 
 def _collision(results: Results) -> Statements:
-    """Energy lost, secondary waves, and the phase shift."""
+    """Energy loss, secondary waves, and phase shift."""
     alone, even, odd = (results[name] for name in ("alone", "even", "odd"))
-    early = each(lambda one, two: one.arrival(PASSED) - _after(two)[0], alone, even)
-    ratio = each(lambda one, other: _secondary(one) / _secondary(other), even, odd)
+    early = each(lambda single, two: single.arrival(PASSED) - _after(two)[0], alone, even)
+    ratio = each(lambda single, other: _secondary(single) / _secondary(other), even, odd)
     secondary_odd = MeasuredQuantity("odd number of beads", each(_secondary, odd), at_least(0.0), "5 V")
     yield state(
         MeasuredQuantity("energy lost by each wave, even number of beads", each(_lost, even), at_most(0.01), "6"),
@@ -96,7 +96,7 @@ MIRRORS = (
     ("rigid", 0.99852, "A rigid flat wall mirrors the collision of equal waves in a contact"),
     ("bead", 0.99978, "A fixed bead mirrors the collision of equal waves on a bead"),
 )
-"""Wall, reflected over incident velocity, and why."""
+"""Wall, reflected over incident velocity, and reason."""
 SEEN = 35
 
 
@@ -108,7 +108,7 @@ def _force_ratio(run: Ran) -> float:
 
 def _back(run: Ran) -> tuple[float, float]:
     """Time from the incident to the reflected pulse at a bead, and the ratio of their velocities."""
-    pulse = max(run.pulses(-1, 0.1), key=lambda one: float(one.peak_velocity.max()))
+    pulse = max(run.pulses(-1, 0.1), key=lambda candidate: float(candidate.peak_velocity.max()))
     at = int(list(pulse.bead).index(SEEN))
     return float(pulse.arrival[at]) - run.arrival(SEEN), float(pulse.peak_velocity[at]) / run.peak(SEEN)
 

@@ -26,7 +26,7 @@ BEAD = 80
 
 
 def _speed(run: Ran) -> float:
-    """Speed of the wave over the fifth root of its velocity."""
+    """Speed of the wave over the fifth root of its velocity, in units of V and T."""
     return float(run.speed(60, 90) / run.peak(75) ** 0.2)
 
 
@@ -39,12 +39,12 @@ def _kicked(results: Results) -> Statements:
     peak = each(lambda run: run.peak(BEAD), runs)
     last = each(lambda run: run.trajectory.velocity[-1, 0, -1], runs)
     first = each(lambda run: run.trajectory.velocity[-1, 0, 0], runs)
-    for what, found, value, published in (
+    for name, velocities, value, published in (
         (leading, peak, 0.682, "The leading solitary wave has the velocity 0.682 V."),
         ("velocity of the last bead at the end", last, 0.986, "The last ball leaves the chain with 0.986 V."),
         ("velocity of bead 1 at the end", first, -0.071, "The impacting ball rebounds with 0.071 V."),
     ):
-        measured = MeasuredQuantity(what, found, near(value, 5e-4), "5 V")
+        measured = MeasuredQuantity(name, velocities, near(value, 5e-4), "5 V")
         yield state(measured, published=published, source="hinch1999, as quoted")
 
 
@@ -75,7 +75,7 @@ HALF = 2.0 * math.acos(0.5**0.25) / math.pi
 
 
 def _train(run: Ran) -> tuple[Floats, Floats, Floats]:
-    """Velocities, speeds and forces of the pulses of a train that pass one bead, [pulse]."""
+    """Velocities (V), speeds (beads / T) and forces (m V / T) of the pulses of a train that pass one bead, [pulse]."""
     before, at = run.train(FAR - 20, 0.1), run.train(FAR, 0.1)
     count = min(len(before), len(at))
     speed = 20.0 / (at.arrival[:count] - before.arrival[:count])
@@ -88,7 +88,7 @@ def _train(run: Ran) -> tuple[Floats, Floats, Floats]:
 
 
 def _nesterenko(results: Results) -> Statements:
-    """Constants of the wave, then the exponents of the train of a heavy striker."""
+    """Constants of the wave, and exponents of the train of a heavy striker."""
     single, train = results["single"], each(_train, results["striker-4"])
     theory, exact = nesterenko(), solitary_wave()
     width = HALF * theory.width
@@ -111,7 +111,7 @@ def _nesterenko(results: Results) -> Statements:
         (0, 0.2, "fifth root of the velocity of the beads"),
         (2, 1.0 / 6.0, "sixth root of the force"),
     ):
-        exponents = {engine: exponent(found[1], found[place]) for engine, found in train.items()}
+        exponents = {engine: exponent(columns[1], columns[place]) for engine, columns in train.items()}
         yield state(
             MeasuredQuantity("exponent", exponents, near(power, 0.002), "4"),
             published=f"The speed grows as the {root}.",
@@ -147,18 +147,18 @@ NESTERENKO = Entry(
 # --- the exact wave ---------------------------------------------------------------------------------------------------
 
 RESOLVED = {"lammps": 1e-11, "reference": 1e-200}
-"""Least velocity that an engine resolves, in units of V: LAMMPS adds overlaps to positions, of which they vanish."""
+"""Least velocity that an engine resolves, in units of V; LAMMPS rounds overlaps with positions."""
 
 SERIES = (2.39536, 0.268529, 0.0061347)
 
 
 def _series(xi: Floats) -> Floats:
-    """Share of its shift that a bead has moved, at a distance ahead of the wave's middle, beads."""
+    """Displacement of a bead over its final one, [frame], at distances (beads) ahead of the wave's middle, [frame]."""
     return np.asarray(0.5 * (1.0 - np.tanh(0.5 * sum(c * xi ** (2 * k + 1) for k, c in enumerate(SERIES)))))
 
 
 def _deviation(run: Ran) -> tuple[Floats, Floats]:
-    """Distance ahead of the wave, and by how much the series is above the share of its shift that `BEAD` has moved."""
+    """Distance of `BEAD` ahead of the wave, and displacement by the series minus that of the run over the final one."""
     xi = run.speed(BEAD - 10, BEAD + 10) * (run.arrival(BEAD) - run.trajectory.time)
     close = np.abs(xi) < 4.0
     shift = solitary_wave().shift_at(run.peak(BEAD))
@@ -166,7 +166,7 @@ def _deviation(run: Ran) -> tuple[Floats, Floats]:
 
 
 def _tail(run: Ran) -> Floats:
-    """By what factor the logarithm of the velocity falls faster from bead to bead ahead of the wave, [bead]."""
+    """Factor by which the logarithm of the velocity falls faster from bead to bead ahead of the wave, [bead]."""
     frame = int(np.argmin(np.abs(run.trajectory.time - run.arrival(BEAD))))
     ahead = np.abs(run.trajectory.velocity[frame, 0, BEAD : BEAD + 9])
     steps = np.diff(np.log(ahead[ahead > RESOLVED[run.engine]]))
@@ -233,16 +233,19 @@ LAUNCHED = {f"launched-{count}": count for count in (2, 3)}
 
 
 def _trains(results: Results) -> Statements:
-    """As many waves as beads; a heavy striker's decrease, nearly geometrically."""
+    """Number of waves, equal to that of the beads launched; nearly geometric decrease after a heavy striker."""
     trains = {name: each(lambda run: run.train(PASSED, LEAST).peak_velocity, runs) for name, runs in results.items()}
-    count = {name: {engine: len(one) for engine, one in found.items()} for name, found in trains.items()}
-    lines = {
-        name: by_engine(found, lambda train: ", ".join(f"{v:.5f}" for v in train) + " V")
-        for name, found in trains.items()
+    count = {
+        name: {engine: len(velocities) for engine, velocities in by_engines.items()}
+        for name, by_engines in trains.items()
     }
-    ratios = {engine: one[1:] / one[:-1] for engine, one in trains["striker-4"].items()}
-    spread = {engine: float(np.ptp(one) / np.mean(one)) for engine, one in ratios.items()}
-    steepest = {engine: float(one.max()) for engine, one in ratios.items()}
+    lines = {
+        name: by_engine(by_engines, lambda train: ", ".join(f"{v:.5f}" for v in train) + " V")
+        for name, by_engines in trains.items()
+    }
+    ratios = {engine: velocities[1:] / velocities[:-1] for engine, velocities in trains["striker-4"].items()}
+    spread = {engine: float(np.ptp(ratio) / np.mean(ratio)) for engine, ratio in ratios.items()}
+    steepest = {engine: float(ratio.max()) for engine, ratio in ratios.items()}
     for name, beads in LAUNCHED.items():
         yield state(
             MeasuredQuantity("number of waves", count[name], near(beads, 0.0), "0"),
