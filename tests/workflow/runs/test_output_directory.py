@@ -215,7 +215,7 @@ def test_more_beads_than_memory_holds_are_refused_beforehand(tmp_path: Path, cap
             scene().plain() | {"chains": 20, "beads": 100_000_000, "limits": {"gigabytes": 1e9, "hours": 1e9}}
         )
     )
-    assert "need 500 GB of memory" in refusal(["run", path, "-o", tmp_path / "run"], capsys)
+    assert "need 2e+03 GB of memory for LAMMPS" in refusal(["run", path, "-o", tmp_path / "run"], capsys)
 
 
 def test_frames_with_the_largest_numbers_end_in_a_line(tmp_path: Path, capsys: Printed) -> None:
