@@ -109,10 +109,12 @@ def energy_figure(problem: Problem, flow: Flow) -> Figure:
                 panel.fill_between(t, centre - spread, centre + spread, alpha=0.15, color=line.get_color(), linewidth=0)
             panel.set_ylabel("centre of the energy (bead),\nband: standard deviation")
         elif flow.action is not None:
-            for mode, action in enumerate(flow.action.T[:MOST_MODES], 1):
-                panel.plot(t, action, label=f"mode {mode}", linestyle=CHAIN_DASHES[mode - 1], linewidth=1.0)
+            actions = flow.action.T[:MOST_MODES]
+            greys = np.linspace(0.0, 0.6, len(actions))  # colours are the chains'
+            for mode, (action, grey) in enumerate(zip(actions, greys, strict=True), 1):
+                panel.plot(t, action, label=f"mode {mode}", linestyle=CHAIN_DASHES[mode - 1], color=str(grey))
             panel.set_ylabel("share of the action")
-            panel.set_ylim(0.0, 1.0)
+            panel.set_ylim(0.0, 1.05)
             panel.legend(title="slowest first", fontsize="small", title_fontsize="small")
     panels[-1].set_xlabel(time.label(Flow, "time"))
     finish(figure, problem, panels, until=float(flow.time[-1]))

@@ -163,7 +163,7 @@ def swept_figure(
     head(figure, "\n".join(textwrap.wrap(title, _TITLE)))
     handles, labels = axis.get_legend_handles_labels()
     for shown, mark, words in (
-        (bool(quantity.error_words), _mark_of("_", markersize=9), quantity.error_words),
+        (_has_bars(quantity), _mark_of("_", markersize=9), quantity.error_words),
         (bool(np.any(quantity.open)), _mark_of("o"), "not settled"),
         (holes > 0, _mark_of("|", markersize=7), "no number"),
         (passed is not None, Patch(color=_SHADED), "no small waves pass"),
@@ -171,6 +171,13 @@ def swept_figure(
         handles, labels = ([*handles, mark], [*labels, words]) if shown else (handles, labels)
     (legend_below if beside is None else legend_beside)(figure, handles, labels)
     return figure
+
+
+def _has_bars(quantity: StudyAxis) -> bool:
+    """Whether any case that has a number has an uncertainty of it, which is drawn as a bar and named in the legend."""
+    if quantity.error is None or not quantity.error_words:
+        return False
+    return bool(np.any(np.isfinite(quantity.error) & np.isfinite(quantity.values)))
 
 
 def _mark_of(marker: str, **look: Any) -> Line2D:
@@ -287,7 +294,7 @@ def _mark(axis: Axes, sought: Sought, over: StudyAxis) -> None:
     )
     for number, (place, error) in enumerate(zip(sought.places.tolist(), sought.errors.tolist(), strict=True)):
         certain = math.isfinite(error) and error > 0.0
-        digits = max(0, -math.floor(math.log10(error))) if certain else 4
+        digits = max(0, 1 - math.floor(math.log10(error))) if certain else 4
         written = f"{place:.{digits}f} \u00b1 {error:.{digits}f}" if certain else f"{place:.4g}"
         label = f"crossing: {over.label.symbol and f'${over.label.symbol}$ = '}{written}"
         bar = error if certain else None

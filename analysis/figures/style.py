@@ -59,6 +59,7 @@ STYLE: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.formatter.useoffset": False,
+    "axes.formatter.use_mathtext": True,
     "legend.frameon": False,
     "savefig.dpi": 200,
     "svg.fonttype": "none",

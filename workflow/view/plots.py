@@ -32,8 +32,11 @@ from analysis.trajectory import Floats
 from lammps_inputs import Problem
 from workflow.view.downsample import Thinned, Units, axis_label, behind
 
-CHAIN_COLOURS = tuple("#44aa99" if colour == "#000000" else colour for colour in ON_PAPER)
-"""Colours of the figures, with teal (Tol) for black, which is not seen in dark mode."""
+_SEEN_ON_DARK = {"#000000": "#44aa99", "#882255": "#aa4499"}
+"""Teal and purple (Tol) for black and wine, which are hard to see in dark mode."""
+
+CHAIN_COLOURS = tuple(_SEEN_ON_DARK.get(colour, colour) for colour in ON_PAPER)
+"""Colours of the figures, of those that are seen in both themes."""
 
 LINE_WIDTH = 1.5
 

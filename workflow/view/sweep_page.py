@@ -66,11 +66,13 @@ source.change.emit();
 const plot = plots[kinds[over.value]];
 const kept = source.data.case.map((_, k) => only.every(({value}, n) => value == "all" || texts[n][k] == value));
 filter.booleans = kept;
-const shown = y.map((value, k) => [x[k] + value, solid[k]]).filter((_, k) => kept[k]);
+const shown = y.map((value, k) => [x[k] + value, solid[k], error[k]]).filter((_, k) => kept[k]);
 const unknown = shown.filter(([value]) => isNaN(value)).length;
 const open = shown.some(([value, full]) => !isNaN(value) && !full);
+const bars = shown.some(([value, _, size]) => !isNaN(value) && size > 0);
 plot.title.text = [
-  ...unknown ? [`${unknown} of ${shown.length} cases have no number here`] : [], ...open ? ["hollow: not settled"] : []
+  ...unknown ? [`${unknown} of ${shown.length} cases have no number here`] : [], ...open ? ["hollow: not settled"] : [],
+  ...bars ? ["bars: uncertainty"] : []
 ].join("; ");
 plot.below[0].axis_label = labels[over.value]; plot.left[0].axis_label = labels[what.value];
 for (const [axis, name] of [[plot.below[0], over.value], [plot.left[0], what.value]])
