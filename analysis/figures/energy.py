@@ -53,17 +53,17 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
 
     Where instants are too far apart to show how energy oscillates, moving means are drawn.
     """
-    most = account.most
-    time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", most)
+    largest = account.most
+    time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", largest)
     layers = [(_WORDS.get(name, name), account.stored[name], colour, "") for name, colour in _STORED.items()]
-    lost = zip(account.losses.items(), _LOST, strict=False)  # there are five at most
-    layers += [(name.replace("lost", "dissipated"), part, colour, "////") for (name, part), colour in lost]
-    width = oscillations_to_average(account.kinetic, most)
+    losses = zip(account.losses.items(), _LOST, strict=False)  # there are five at most
+    layers += [(name.replace("lost", "dissipated"), part, colour, "////") for (name, part), colour in losses]
+    width = oscillations_to_average(account.kinetic, largest)
     figure = new_figure(4.2)
     axis = figure.subplots()
     below, t = np.zeros_like(account.time), account.time * time.worth
     for name, part, colour, hatch in layers:
-        if np.max(np.abs(part)) <= _NOTICED * most:
+        if np.max(np.abs(part)) <= _NOTICED * largest:
             continue
         above = below + moving_mean(part, width) * energy.worth
         axis.fill_between(t, below, above, facecolor=colour, hatch=hatch, edgecolor="white", linewidth=0.0, label=name)

@@ -144,10 +144,10 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
         above.plot(xi, exact.velocity(xi), color="black", linewidth=1.0, label="exact wave")
         below.axhline(0.0, color="black", linewidth=1.0)
         for place, chain in enumerate(chains):
-            found = np.flatnonzero((passages.chain == chain + 1) & (passages.bead == bead))
-            if len(found) == 0:
+            rows = np.flatnonzero((passages.chain == chain + 1) & (passages.bead == bead))
+            if len(rows) == 0:
                 continue
-            row, peak = found[0], passages.peak_velocity[found[0]]
+            row, peak = rows[0], passages.peak_velocity[rows[0]]
             ahead = exact.speed_at(peak) * (passages.arrival[row] - waveforms.time[row])
             inside = np.isfinite(waveforms.velocity[row]) & (np.abs(ahead) <= COMPARED)
             ahead, velocity = ahead[inside], waveforms.velocity[row, inside] / peak
@@ -270,8 +270,8 @@ def passage(time: Floats, size: Floats, peak: float) -> tuple[float, float]:
 def pulses(time: Floats, size: Floats) -> list[tuple[float, float, float]]:
     """The passages of the largest pulses: times of peaks and of the ends around them, at most `MOST_PULSES`, in order.
 
-    A pulse is as large as a tenth of the largest one, has its peak within the record, and its passage takes less than
-    half of the whole time.
+    Times and sizes are [frame], in units of T and of any kind. A pulse is as large as a tenth of the largest one, has
+    its peak within the record, and its passage takes less than half of the whole time.
     """
     inner = (size[1:-1] >= size[:-2]) & (size[1:-1] > size[2:]) & (size[1:-1] > _CLOSE * np.max(size))
     peaks = np.flatnonzero(inner) + 1

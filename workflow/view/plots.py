@@ -109,7 +109,7 @@ def mark(plot: Any, source: ColumnDataSource, chain: int, number: int) -> Any:
 
 
 def largest(x: Floats, y: Floats) -> dict[str, list[float]]:
-    """The point of a line where its value is largest in size, as data of a source; none where all values are NaN."""
+    """Point of a line x, y [point] where its value is largest in size, as data of a source; none where all are NaN."""
     if not np.any(np.isfinite(y)):
         return {"x": [], "y": []}
     place = int(np.nanargmax(np.abs(y)))
@@ -205,7 +205,7 @@ def image_source(part: Thinned, place: int) -> ColumnDataSource:
 
 
 def ends(values: Floats, spacing: float) -> tuple[float, float]:
-    """Ends of an axis on which evenly spaced values stand in the middle of their pixels."""
+    """Ends of an axis on which evenly spaced values [pixel] stand in the middle of their pixels, in their unit."""
     return float(values[0]) - 0.5 * spacing, float(values[-1]) + 0.5 * spacing
 
 

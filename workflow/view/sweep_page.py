@@ -233,7 +233,7 @@ class _Drawing:
 
 
 def _colour(table: SweepTable, data: dict[str, list[Any]]) -> tuple[Any, Any]:
-    """Of the points, by the second varied field, and its bar; one colour and no bar where there is no such field."""
+    """Colour of the points, by the second varied field, and its bar; one colour and no bar without such a field."""
     name = table.fields[1] if len(table.fields) > 1 else ""
     texts = list(dict.fromkeys(map(str, data[name]))) if name else []
     if len(texts) < 2:
@@ -300,7 +300,7 @@ def _drawn(values: list[Any]) -> list[float]:
 
 
 def _shown(value: Any) -> str:
-    """As `_NUMBER` writes it, or about as long."""
+    """Text of a value, about as long as `_NUMBER` writes it."""
     return f"{value:.6g}" if isinstance(value, float) else "" if value is None else str(value)
 
 
