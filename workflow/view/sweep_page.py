@@ -73,7 +73,7 @@ const bars = shown.some(([value, _, size]) => !isNaN(value) && size > 0);
 plot.title.text = [
   ...unknown ? [`${unknown} of ${shown.length} cases have no number here`] : [], ...open ? ["hollow: not settled"] : [],
   ...bars ? ["bars: uncertainty"] : []
-].join("; ");
+].join("; ") || " ";
 plot.below[0].axis_label = labels[over.value]; plot.left[0].axis_label = labels[what.value];
 for (const [axis, name] of [[plot.below[0], over.value], [plot.left[0], what.value]])
   if ("min_interval" in axis.ticker) axis.ticker.min_interval = integers.includes(name) ? 1 : 0;
@@ -259,6 +259,7 @@ def _plot(drawing: _Drawing, kind: str) -> Any:
         tools=TOOLS,
         toolbar_location="above",
         toolbar_sticky=False,
+        title=" ",  # room for the text that follows the choice
         height=400,
         sizing_mode="stretch_width",
         styles={"flex": "1 1 400px"},
