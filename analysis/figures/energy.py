@@ -53,17 +53,17 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
 
     Where instants are too far apart to show how energy oscillates, moving means are drawn.
     """
-    most = account.most
-    time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", most)
+    largest = account.most
+    time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", largest)
     layers = [(_WORDS.get(name, name), account.stored[name], colour, "") for name, colour in _STORED.items()]
-    lost = zip(account.losses.items(), _LOST, strict=False)  # there are five at most
-    layers += [(name.replace("lost", "dissipated"), part, colour, "////") for (name, part), colour in lost]
-    width = oscillations_to_average(account.kinetic, most)
+    losses = zip(account.losses.items(), _LOST, strict=False)  # there are five at most
+    layers += [(name.replace("lost", "dissipated"), part, colour, "////") for (name, part), colour in losses]
+    width = oscillations_to_average(account.kinetic, largest)
     figure = new_figure(4.2)
     axis = figure.subplots()
     below, t = np.zeros_like(account.time), account.time * time.worth
     for name, part, colour, hatch in layers:
-        if np.max(np.abs(part)) <= _NOTICED * most:
+        if np.max(np.abs(part)) <= _NOTICED * largest:
             continue
         above = below + moving_mean(part, width) * energy.worth
         axis.fill_between(t, below, above, facecolor=colour, hatch=hatch, edgecolor="white", linewidth=0.0, label=name)
@@ -109,10 +109,12 @@ def energy_figure(problem: Problem, flow: Flow) -> Figure:
                 panel.fill_between(t, centre - spread, centre + spread, alpha=0.15, color=line.get_color(), linewidth=0)
             panel.set_ylabel("centre of the energy (bead),\nband: standard deviation")
         elif flow.action is not None:
-            for mode, action in enumerate(flow.action.T[:MOST_MODES], 1):
-                panel.plot(t, action, label=f"mode {mode}", linestyle=CHAIN_DASHES[mode - 1], linewidth=1.0)
+            actions = flow.action.T[:MOST_MODES]
+            greys = np.linspace(0.0, 0.6, len(actions))  # colours are the chains'
+            for mode, (action, grey) in enumerate(zip(actions, greys, strict=True), 1):
+                panel.plot(t, action, label=f"mode {mode}", linestyle=CHAIN_DASHES[mode - 1], color=str(grey))
             panel.set_ylabel("share of the action")
-            panel.set_ylim(0.0, 1.0)
+            panel.set_ylim(0.0, 1.05)
             panel.legend(title="slowest first", fontsize="small", title_fontsize="small")
     panels[-1].set_xlabel(time.label(Flow, "time"))
     finish(figure, problem, panels, until=float(flow.time[-1]))

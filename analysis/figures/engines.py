@@ -186,7 +186,7 @@ def relative_mode_figure(curves: Sequence[tuple[str, Integers, Floats]]) -> Figu
     """|I1 - I2| / (I1 + I2) of first impulses along the chains; curves are interrupted where it is below `SMALLEST`.
 
     Args:
-        curves: label, row numbers and values of each model.
+        curves: label, row numbers [row] and values [row] of each model; dimensionless.
     """
     figure = new_figure(3.6)
     axis = figure.subplots()

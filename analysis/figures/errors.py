@@ -137,39 +137,39 @@ MOST_POINTS = 4000
 
 @styled
 def residual_figure(
-    problem: Problem, given: Traces, found: Floats, size: Floats, unit: str = r"$\sigma$", mark: str = ""
+    problem: Problem, measured: Traces, computed: Floats, size: Floats, unit: str = r"$\sigma$", mark: str = ""
 ) -> Figure:
-    """For each channel (the first six) a panel with data and run, and one with their difference, data minus run.
+    """Draw, for each channel (the first six), a panel with data and run, and one with their difference, data minus run.
 
     Args:
-        problem: for name and units.
-        given: the data.
-        found: the run's traces, [row, channel], in the scene's units.
-        size: [channel] what differences are drawn in units of.
-        unit: what that is called.
-        mark: what the title ends in.
+        problem: what was run, for its name and units.
+        measured: traces of the data, [instant, channel], in the scene's units.
+        computed: the run's traces, [instant, channel], in the scene's units.
+        size: [channel] unit in which differences are drawn, in the scene's units.
+        unit: name of that unit.
+        mark: end of the title.
     """
-    count = min(len(given.channels), MOST_CHANNELS)
-    thin = slice(None, None, max(1, len(given.time) // MOST_POINTS))
+    count = min(len(measured.channels), MOST_CHANNELS)
+    thin = slice(None, None, max(1, len(measured.time) // MOST_POINTS))
     scale = problem.scale
-    time = axis_unit(problem, "time", float(given.time[-1]) / scale.time)
+    time = axis_unit(problem, "time", float(measured.time[-1]) / scale.time)
     figure = new_figure(0.8 + 2.2 * count)
     axes = figure.subplots(2 * count, 1, sharex=True, squeeze=False, height_ratios=[2, 1] * count)[:, 0]
-    for place, channel in enumerate(given.channels[:count]):
-        own = float(getattr(scale, channel.quantity))
-        axis = axis_unit(problem, channel.quantity, float(np.nanmax(np.abs(given.values[:, place]))) / own)
-        at, worth = given.time[thin] / scale.time * time.worth, axis.worth / own
+    for place, channel in enumerate(measured.channels[:count]):
+        scale_unit = float(getattr(scale, channel.quantity))
+        axis = axis_unit(problem, channel.quantity, float(np.nanmax(np.abs(measured.values[:, place]))) / scale_unit)
+        at, worth = measured.time[thin] / scale.time * time.worth, axis.worth / scale_unit
         traces, left = axes[2 * place], axes[2 * place + 1]
-        traces.plot(at, given.values[thin, place] * worth, ".", color="0.6", markersize=2, label="data")
-        traces.plot(at, found[thin, place] * worth, color=CHAIN_COLOURS[0], label="run")
+        traces.plot(at, measured.values[thin, place] * worth, ".", color="0.6", markersize=2, label="data")
+        traces.plot(at, computed[thin, place] * worth, color=CHAIN_COLOURS[0], label="run")
         traces.set_ylabel(f"{channel.name.replace('_', ' ')}\n({axis.symbol})", fontsize=8)
-        left.plot(at, ((given.values - found)[:, place] / size[place])[thin], ".", color="0.3", markersize=2)
+        left.plot(at, ((measured.values - computed)[:, place] / size[place])[thin], ".", color="0.3", markersize=2)
         left.axhline(0.0, color=CHAIN_COLOURS[0], linewidth=0.8)
         left.set_ylabel(f"residual\n/ {unit}", fontsize=8)
     letter(axes[::2])
     axes[-1].set_xlabel(time.label(FrameContent, "time"))
     axes[0].legend(loc="upper right")
-    more = f"; {len(given.channels) - count} more channels" if len(given.channels) > count else ""
+    more = f"; {len(measured.channels) - count} more channels" if len(measured.channels) > count else ""
     head(figure, f"{problem.name}: data and run{more}{mark}")
     return figure
 
@@ -200,8 +200,8 @@ def work_precision_figure(
     Args:
         problem: what was computed.
         curves: all methods by name.
-        fronts: by quantity, the Pareto front over wall time as rows of (seconds, error).
-        floors: by quantity, the error of the reference.
+        fronts: by quantity, the Pareto front over wall time, [point, 2]: seconds and error.
+        floors: by quantity, the uncertainty of the reference (in V or T).
     """
     figure = new_figure(7.6, 9.5)
     (velocity, forces), (amplitude, arrival) = figure.subplots(2, 2)
@@ -223,7 +223,7 @@ def work_precision_figure(
 
 
 def _column(curve: Curve, name: str) -> Floats:
-    values = np.array([one[name] for one in curve], dtype=np.float64)
+    values = np.array([setting[name] for setting in curve], dtype=np.float64)
     return np.maximum(values, LEAST) if name.endswith("error") else values
 
 

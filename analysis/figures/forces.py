@@ -105,7 +105,7 @@ def yield_figure(problem: Problem, table: YieldTable) -> Figure:
         axes[0].plot(law.contact, fitted, label=rf"$\propto n^{{{law.exponent:.3f}}}$", **look)
     axes[0].set_ylabel(force.label(YieldTable, "force", "largest force"))
     axes[1].set_ylabel(length.label(YieldTable, "permanent", "permanent overlap"))
-    axes[1].set_xlabel("contact")
+    axes[1].set_xlabel("contact $n$")
     for axis in axes:
         axis.set_xscale("log")
         axis.set_yscale("log")

@@ -70,14 +70,14 @@ class BeadHistory:
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames of the run."""
-        kept = slice(-self._seen % self._stride, None, self._stride)
+        frames = slice(-self._seen % self._stride, None, self._stride)
         self._seen += block.frames
         self.until = float(block.time[-1])
-        time, seen = block.time[kept].copy(), block.velocity[kept][:, self.chains]
+        time, velocities = block.time[frames].copy(), block.velocity[frames][:, self.chains]
         column = self._columns - (block.first - 1)
-        there = (column >= 0) & (column < seen.shape[2])
+        recorded = (column >= 0) & (column < velocities.shape[2])
         velocity = np.where(column < 0, np.nan, np.zeros((len(time), len(self.chains), len(column))))
-        velocity[..., there] = seen[:, :, column[there]]
+        velocity[..., recorded] = velocities[:, :, column[recorded]]
         self._time.append(time)
         self._velocity.append(velocity)
 
@@ -93,7 +93,7 @@ class BeadHistory:
 
 
 class SpaceTime(BeadHistory):
-    """The same of as many recorded beads and frames as a picture can show, at most `MAX_PIXELS` each."""
+    """Velocity of as many recorded beads and frames as a picture can show, at most `MAX_PIXELS` each."""
 
     def __init__(self, problem: Problem) -> None:
         beads = problem.recorded_beads[:: max(1, -(-len(problem.recorded_beads) // MAX_PIXELS))]
@@ -187,18 +187,24 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     return figure
 
 
-def moving_part(beads: Integers | Floats, moves: Flags, whole: tuple[float, float]) -> tuple[float, float]:
-    """Ends of the axis of beads: all, or those that move with as many around if they are less than half."""
-    seen = np.flatnonzero(moves)
-    if len(seen) == 0 or 2 * (seen[-1] + 1 - seen[0]) >= len(beads):
-        return whole
-    step, more = beads[1] - beads[0], (seen[-1] + 1 - seen[0]) // 2
-    low, high = max(0, seen[0] - more), min(len(beads) - 1, seen[-1] + more)
+def moving_part(beads: Integers | Floats, moves: Flags, all_beads: tuple[float, float]) -> tuple[float, float]:
+    """Ends of the axis of beads: all, or those that move with as many around if they are less than half.
+
+    Args:
+        beads: [bead] their numbers, or places on the axis, evenly spaced.
+        moves: [bead] whether it is seen to move.
+        all_beads: ends of the axis that shows all.
+    """
+    moving = np.flatnonzero(moves)
+    if len(moving) == 0 or 2 * (moving[-1] + 1 - moving[0]) >= len(beads):
+        return all_beads
+    step, more = beads[1] - beads[0], (moving[-1] + 1 - moving[0]) // 2
+    low, high = max(0, moving[0] - more), min(len(beads) - 1, moving[-1] + more)
     return float(beads[low] - 0.5 * step), float(beads[high] + 0.5 * step)
 
 
 def signed_root(value: Floats) -> Floats:
-    """Square root of the size, with the sign."""
+    """Square root of the size of each value [...], with its sign."""
     return np.asarray(np.sign(value) * np.sqrt(np.abs(value)))
 
 

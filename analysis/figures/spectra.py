@@ -26,7 +26,7 @@ from lammps_inputs import Problem
 MOST_BEADS = 8
 
 DEEPEST = 1e-8
-"""Smallest amplitude that is drawn, over the largest."""
+"""Lower end of the axis of amplitudes, over the largest; what is smaller lies below the axis."""
 
 
 @styled
@@ -39,7 +39,7 @@ def spectra_figure(problem: Problem, spectra: VelocitySpectra) -> Figure:
     figure = new_figure(max(2.8, 1.0 + 1.6 * count))
     axes = np.atleast_1d(figure.subplots(count, 1, sharex=True, sharey=True))
     for place, axis in enumerate(axes):
-        height = np.maximum(spectra.amplitude[:, chains, place] * velocity.worth, DEEPEST * top)
+        height = spectra.amplitude[:, chains, place] * velocity.worth
         draw_chains(axis, chains, spectra.frequency * frequency.worth, height)
         axis.set_yscale("log")
         for number, drive in enumerate(spectra.drive):
@@ -61,26 +61,29 @@ HIGHEST = 1.25
 
 
 @styled
-def dispersion_figure(problem: Problem, found: Map) -> Figure:
+def dispersion_figure(problem: Problem, spectrum: Map) -> Figure:
     """The map of the chain with the largest excitation; exact branches as lines, borders of the bands dotted."""
-    edges = found.cell.bands()
+    edges = spectrum.cell.bands()
     unit = axis_unit(problem, "frequency", float(edges.max()))
     worth = unit.worth
     bands = edges * worth
-    shown = found.frequency * worth <= HIGHEST * bands.max()
-    step = found.wavenumber[1] - found.wavenumber[0]
+    shown = spectrum.frequency * worth <= HIGHEST * bands.max()
+    step = spectrum.wavenumber[1] - spectrum.wavenumber[0]
+    power, last = spectrum.power[shown], spectrum.wavenumber[-1]
+    if last + 0.75 * step < math.pi:  # -pi, at the left edge, is pi, too
+        power, last = np.concatenate([power, power[:, :1]], axis=1), last + step
     figure = new_figure(4.8, 6.4)
     axis = figure.subplots()
     image = axis.imshow(
-        np.log10(np.maximum(found.power[shown], 10.0**-DECADES)),
+        np.log10(np.maximum(power, 10.0**-DECADES)),
         origin="lower",
         aspect="auto",
         interpolation="nearest",
         extent=(
-            found.wavenumber[0] - 0.5 * step,
-            found.wavenumber[-1] + 0.5 * step,
-            -0.5 * found.bin * worth,
-            (found.frequency[shown][-1] + 0.5 * found.bin) * worth,
+            spectrum.wavenumber[0] - 0.5 * step,
+            last + 0.5 * step,
+            -0.5 * spectrum.bin * worth,
+            (spectrum.frequency[shown][-1] + 0.5 * spectrum.bin) * worth,
         ),
         cmap="magma",
         vmin=-DECADES,
@@ -90,11 +93,12 @@ def dispersion_figure(problem: Problem, found: Map) -> Figure:
     q = np.linspace(-math.pi, math.pi, 401)
     dashes: Any = {"linestyle": "--", "linewidth": 0.9}
     dots: Any = {"linestyle": ":", "linewidth": 1.0}
-    axis.plot(q, found.cell.branches(q) * worth, color="white", **dashes)
+    for look in ({"color": "black", "linewidth": 2.4}, {"color": "white", **dashes}):  # seen on all colours of the map
+        axis.plot(q, spectrum.cell.branches(q) * worth, **look)
     for edge in np.unique(bands.round(12)):
         axis.axhline(edge, color="0.7", **dots)
     axis.set_xlim(-math.pi, math.pi)
-    axis.set_ylim(0.0, min(HIGHEST * bands.max(), float(found.frequency[-1]) * worth))
+    axis.set_ylim(0.0, min(HIGHEST * bands.max(), float(spectrum.frequency[-1]) * worth))
     axis.set_xticks(
         [-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi], [r"$-\pi$", r"$-\pi/2$", "0", r"$\pi/2$", r"$\pi$"]
     )
@@ -102,7 +106,7 @@ def dispersion_figure(problem: Problem, found: Map) -> Figure:
     axis.set_ylabel(unit.label(Branches, "frequency", "angular frequency"))
     bar = figure.colorbar(image, ax=axis)
     bar.set_label(r"$\log_{10}$ (power / maximum)")
-    chain = f"; chain {found.chain}" if problem.chains > 1 else ""
+    chain = f"; chain {spectrum.chain}" if problem.chains > 1 else ""
     head(figure, f"{title(problem)}{chain}")
     # white on the map
     legend_below(

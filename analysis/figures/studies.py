@@ -79,29 +79,29 @@ class StudyAxis:
     @property
     def open(self) -> Flags:
         """Cases that have a number which may yet change."""
-        found = np.isfinite(self.values)
-        return found & self.unsettled if self.unsettled is not None else np.zeros_like(found)
+        defined = np.isfinite(self.values)
+        return defined & self.unsettled if self.unsettled is not None else np.zeros_like(defined)
 
     @property
     def prefixed(self) -> tuple["StudyAxis", float]:
-        """The same with a prefix before an SI unit, such that numbers are short; and the factor."""
+        """Axis with a prefix before its SI unit, such that numbers are short; and the factor."""
         label, worth = self.label.prefixed(largest_of(self.values))
         error = None if self.error is None else self.error * worth
         return replace(self, label=label, values=self.values * worth, error=error), worth
 
 
 def largest_of(values: Floats) -> float:
-    """Size of the largest finite number; 0 where there is none."""
+    """Size of the largest finite value [case]; 0 where there is none."""
     return float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
 
 
 def logarithmic(values: ArrayLike) -> bool:
     """Whether distinct values are rather spaced by a factor than by a difference."""
-    found = np.unique(np.asarray(values, dtype=np.float64))
-    found = found[np.isfinite(found)]
-    if len(found) < 3 or found[0] <= 0.0 or found[-1] / found[0] < 3.0:
+    distinct = np.unique(np.asarray(values, dtype=np.float64))
+    distinct = distinct[np.isfinite(distinct)]
+    if len(distinct) < 3 or distinct[0] <= 0.0 or distinct[-1] / distinct[0] < 3.0:
         return False
-    factors, differences = np.diff(np.log(found)), np.diff(found)
+    factors, differences = np.diff(np.log(distinct)), np.diff(distinct)
     return bool(factors.max() * differences.min() < differences.max() * factors.min())
 
 
@@ -163,7 +163,7 @@ def swept_figure(
     head(figure, "\n".join(textwrap.wrap(title, _TITLE)))
     handles, labels = axis.get_legend_handles_labels()
     for shown, mark, words in (
-        (bool(quantity.error_words), _mark_of("_", markersize=9), quantity.error_words),
+        (_has_bars(quantity), _mark_of("_", markersize=9), quantity.error_words),
         (bool(np.any(quantity.open)), _mark_of("o"), "not settled"),
         (holes > 0, _mark_of("|", markersize=7), "no number"),
         (passed is not None, Patch(color=_SHADED), "no small waves pass"),
@@ -171,6 +171,13 @@ def swept_figure(
         handles, labels = ([*handles, mark], [*labels, words]) if shown else (handles, labels)
     (legend_below if beside is None else legend_beside)(figure, handles, labels)
     return figure
+
+
+def _has_bars(quantity: StudyAxis) -> bool:
+    """Whether any case that has a number has an uncertainty of it, which is drawn as a bar and named in the legend."""
+    if quantity.error is None or not quantity.error_words:
+        return False
+    return bool(np.any(np.isfinite(quantity.error) & np.isfinite(quantity.values)))
 
 
 def _mark_of(marker: str, **look: Any) -> Line2D:
@@ -237,13 +244,13 @@ def _contours(axis: Axes, columns: Floats, rows: Floats, grid: Floats, *, log: b
 
 
 @styled
-def histogram_figure(label: Label, bins: Histogram, found: Statistics, title: str = "") -> Figure:
+def histogram_figure(label: Label, bins: Histogram, statistics: Statistics, title: str = "") -> Figure:
     """Histogram of a quantity, with its mean, the standard error of that, and the median.
 
     Args:
         label: of the quantity.
         bins: number of values in each bin.
-        found: statistics of the values.
+        statistics: mean, standard error and quantiles of the values.
         title: for the top.
     """
     label, worth = label.prefixed(largest_of(np.array([bins.low[0], bins.high[-1]])))
@@ -253,11 +260,11 @@ def histogram_figure(label: Label, bins: Histogram, found: Statistics, title: st
     if len(bins.low) == 1:  # all values are equal
         edges = _edges(edges[:1])
     axis.stairs(bins.count, edges, fill=True, color="0.8")
-    axis.axvline(found.mean * worth, color=_BLUE, label="mean")
-    if math.isfinite(found.standard_error):
-        low, high = ((found.mean + sign * found.standard_error) * worth for sign in (-1.0, 1.0))
+    axis.axvline(statistics.mean * worth, color=_BLUE, label="mean")
+    if math.isfinite(statistics.standard_error):
+        low, high = ((statistics.mean + sign * statistics.standard_error) * worth for sign in (-1.0, 1.0))
         axis.axvspan(low, high, color=_BLUE, alpha=0.25, linewidth=0.0, label="standard error of the mean")
-    axis.axvline(found.q50 * worth, color=CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="median")
+    axis.axvline(statistics.q50 * worth, color=CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="median")
     axis.set_xlabel(label.mathtext)
     axis.set_ylabel("number of cases")
     axis.yaxis.set_major_locator(MaxNLocator(integer=True))
@@ -287,7 +294,7 @@ def _mark(axis: Axes, sought: Sought, over: StudyAxis) -> None:
     )
     for number, (place, error) in enumerate(zip(sought.places.tolist(), sought.errors.tolist(), strict=True)):
         certain = math.isfinite(error) and error > 0.0
-        digits = max(0, -math.floor(math.log10(error))) if certain else 4
+        digits = max(0, 1 - math.floor(math.log10(error))) if certain else 4
         written = f"{place:.{digits}f} \u00b1 {error:.{digits}f}" if certain else f"{place:.4g}"
         label = f"crossing: {over.label.symbol and f'${over.label.symbol}$ = '}{written}"
         bar = error if certain else None
@@ -316,9 +323,9 @@ def _over_decades(values: Floats) -> bool:
     return len(finite) > 0 and bool(finite.min() > 0.0 and finite.max() / finite.min() > 30.0)
 
 
-def _line(axis: Axes, quantity: StudyAxis, over: StudyAxis, here: Flags, level: int = 0, **look: Any) -> bool:
+def _line(axis: Axes, quantity: StudyAxis, over: StudyAxis, cases: Flags, level: int = 0, **look: Any) -> bool:
     """Draw some cases; those without a number as ticks below, on a level for each line. Whether there are any."""
-    chosen = np.flatnonzero(here)[np.argsort(over.values[here], kind="stable")]
+    chosen = np.flatnonzero(cases)[np.argsort(over.values[cases], kind="stable")]
     x, y = over.values[chosen], quantity.values[chosen]
     axis.plot(x, y, markersize=5, **look)
     missing = x[~np.isfinite(y)]
@@ -337,9 +344,9 @@ def _line(axis: Axes, quantity: StudyAxis, over: StudyAxis, here: Flags, level: 
         marks = {"color": look["color"], "marker": look["marker"], "markerfacecolor": "white", "linestyle": "none"}
         axis.plot(x[hollow], y[hollow], markersize=5, zorder=3, **marks)
     if quantity.error is not None:
-        known = np.isfinite(quantity.error[chosen])
-        bars = quantity.error[chosen][known]
-        axis.errorbar(x[known], y[known], bars, fmt="none", ecolor=look["color"], elinewidth=0.9, capsize=2.5)
+        certain = np.isfinite(quantity.error[chosen])
+        bars = quantity.error[chosen][certain]
+        axis.errorbar(x[certain], y[certain], bars, fmt="none", ecolor=look["color"], elinewidth=0.9, capsize=2.5)
     return len(missing) > 0
 
 
@@ -450,10 +457,10 @@ def _single(height: float) -> Axes:
     return axis
 
 
-def _finished(axis: Axes, x: Label, y: Label, what: Objective | None = None) -> Figure:
+def _finished(axis: Axes, x: Label, y: Label, objective: Objective | None = None) -> Figure:
     """The figure, with its labels, SI units with a prefix, and a legend above the axes, where it hides nothing."""
-    if what is not None and what.beside is not None:
-        axis.axhline(what.beside, color=CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="set against")
+    if objective is not None and objective.beside is not None:
+        axis.axhline(objective.beside, color=CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="set against")
     for setting, label in ((axis.xaxis, x), (axis.yaxis, y)):
         shown, worth = label.prefixed(largest_of(np.asarray(setting.get_data_interval())))
         setting.set_label_text(shown.mathtext)
@@ -466,49 +473,54 @@ def _finished(axis: Axes, x: Label, y: Label, what: Objective | None = None) -> 
 
 
 @styled
-def history_figure(what: Objective, values: Floats) -> Figure:
-    """Every design that keeps the limits (NaN: one that does not), in the order of the search, and the best so far."""
+def history_figure(objective: Objective, values: Floats) -> Figure:
+    """Objective [design] of every design in the order of the search (NaN: outside the limits), and the best so far."""
     axis = _single(3.2)
     number = np.arange(1, len(values) + 1)
     axis.plot(number, values, ".", color="0.7", markersize=3, label="designs")
-    best = what.sign * np.fmin.accumulate(what.sign * values)
+    best = objective.sign * np.fmin.accumulate(objective.sign * values)
     axis.plot(number, best, color=CHAIN_COLOURS[0], drawstyle="steps-post", label="best so far")
-    return _finished(axis, Label("design"), what.label, what)
+    return _finished(axis, Label("design"), objective.label, objective)
 
 
-def front(one: Floats, other: Floats) -> Integers:
-    """Places of pairs of which none other is smaller in both, by the first."""
-    order = np.lexsort((other, one))
-    lowest = np.minimum.accumulate(np.concatenate([[np.inf], other[order][:-1]]))
-    return np.asarray(order[other[order] < lowest])
+def front(first: Floats, second: Floats) -> Integers:
+    """Places of the pairs [pair] of which no other is smaller in both, in ascending order of the first number."""
+    order = np.lexsort((second, first))
+    lowest = np.minimum.accumulate(np.concatenate([[np.inf], second[order][:-1]]))
+    return np.asarray(order[second[order] < lowest])
 
 
 @styled
-def front_figure(what: Objective, values: Floats, label: Label, others: Floats) -> Figure:
-    """Two quantities of every design, and those that are best for some value of the second, large or small."""
-    known = np.isfinite(values) & np.isfinite(others)
-    x, y = others[known], values[known]
+def front_figure(objective: Objective, values: Floats, label: Label, others: Floats) -> Figure:
+    """Objective and a second quantity [design], with the Pareto fronts to small and large values of the second."""
+    both_defined = np.isfinite(values) & np.isfinite(others)
+    x, y = others[both_defined], values[both_defined]
     axis = _single(3.2)
     axis.plot(x, y, ".", color="0.7", markersize=3, label="designs")
-    for sign, colour, way in ((1.0, CHAIN_COLOURS[0], "left"), (-1.0, CHAIN_COLOURS[2], "right")):
-        best = front(what.sign * y, sign * x)
+    for sign, colour, side in ((1.0, CHAIN_COLOURS[0], "left"), (-1.0, CHAIN_COLOURS[2], "right")):
+        best = front(objective.sign * y, sign * x)
         order = best[np.argsort(x[best])]
-        axis.plot(x[order], y[order], "o-", color=colour, markersize=4, label=f"front to the {way}")
-    return _finished(axis, label, what.label, what)
+        axis.plot(x[order], y[order], "o-", color=colour, markersize=4, label=f"front to the {side}")
+    return _finished(axis, label, objective.label, objective)
 
 
 @styled
-def members_figure(what: Objective, best: float, members: Sequence[float]) -> Figure:
-    """The objective of designs that are made a little wrong."""
+def members_figure(objective: Objective, best: float, members: Sequence[float]) -> Figure:
+    """Histogram of the objective over designs within manufacturing tolerances."""
     axis = _single(2.6)
     axis.hist(members, bins=max(5, len(members) // 4), color="0.8")
     axis.axvline(best, color=CHAIN_COLOURS[0], label="as designed")
-    return _finished(axis, what.label, Label("number of members"))
+    return _finished(axis, objective.label, Label("number of members"))
 
 
 @styled
 def wall_figure(curves: Sequence[tuple[str, Floats, Floats]], time: Label, force: Label) -> Figure:
-    """Force of all chains together on their far wall over time; a name, times and forces for each curve."""
+    """Force of all chains together on their far wall over time.
+
+    Args:
+        curves: name, times [instant] and forces [instant] of each, in the units of the labels.
+        time, force: labels of the axes.
+    """
     axis = _single(3.0)
     for place, (name, times, forces) in enumerate(curves):
         axis.plot(times, forces, color=CHAIN_COLOURS[place], linestyle=CHAIN_DASHES[place], label=name)

@@ -59,6 +59,7 @@ STYLE: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.formatter.useoffset": False,
+    "axes.formatter.use_mathtext": True,
     "legend.frameon": False,
     "savefig.dpi": 200,
     "svg.fonttype": "none",
@@ -217,8 +218,8 @@ def shown_chains(problem: Problem, *, panels: bool = False) -> list[int]:
         problem: what is drawn.
         panels: whether each chain has a panel of its own; of a lattice there can be more then.
     """
-    most = MAX_PANELS_OF_LATTICE if panels and grid(problem) is not None else MAX_PANELS
-    if problem.chains <= most:
+    most_chains = MAX_PANELS_OF_LATTICE if panels and grid(problem) is not None else MAX_PANELS
+    if problem.chains <= most_chains:
         return list(range(problem.chains))
     by_kick = sorted(physics.excitations(problem.system), key=lambda kick: -abs(kick[2]))
     chosen = list(dict.fromkeys(chain - 1 for chain, _, _ in by_kick))[:MAX_PANELS]
@@ -278,20 +279,21 @@ def _coupling(problem: Problem) -> str:
         for strain in (0.0, 1.0)
     )
     rows = np.flatnonzero(np.any((still != 0.0) | (pulled != 0.0), axis=0)) + 1
-    there = still[:, rows - 1]
-    least, largest = float(np.min(there)), float(np.max(there))
+    at_rest = still[:, rows - 1]
+    least, largest = float(np.min(at_rest)), float(np.max(at_rest))
     symbol = "\\kappa" if problem.scale.time == 1.0 else "\\kappa = k T^2 / m"
-    said = f"${symbol}$ = {largest:.4g}" if least == largest else f"${symbol}$ = {least:.3g} to {largest:.3g}"
-    known = all(isinstance(link.law, spring.Linear | spring.Duffing) for link in problem.system.across)
-    said += (" and cubic" if known else ", nonlinear") if np.any(pulled != still) else ""
-    said += f" in rows {rows[0]} to {rows[-1]}" if len(rows) < problem.beads else ""
-    return ", ".join([said, *(link.shape for link in problem.system.across if link.shape)])
+    text = f"${symbol}$ = {largest:.4g}" if least == largest else f"${symbol}$ = {least:.3g} to {largest:.3g}"
+    polynomial = all(isinstance(link.law, spring.Linear | spring.Duffing) for link in problem.system.across)
+    text += (" and cubic" if polynomial else ", nonlinear") if np.any(pulled != still) else ""
+    text += f" in rows {rows[0]} to {rows[-1]}" if len(rows) < problem.beads else ""
+    return ", ".join([text, *(link.shape for link in problem.system.across if link.shape)])
 
 
 def draw_chain(axis: Axes, place: int, chain: int, x: Floats | Integers, y: Floats) -> None:
     """Draw one line in the look of a chain (counted from 0) in a place, with marks where there are few numbers.
 
-    A number between two that are NaN is a dot, for no line leads to it.
+    Positions x [place] and values y [place] are in the units of the axes. A number between two that are NaN is a dot,
+    for no line leads to it.
     """
     colour = CHAIN_COLOURS[place % len(CHAIN_COLOURS)]
     few = len(x) <= FEW_NUMBERS
@@ -361,13 +363,13 @@ def finish(
 
 
 def evenly_spaced(beads: Integers) -> bool:
-    """Whether all beads are equally far apart; a single one is not."""
+    """Whether all beads [bead], ascending numbers, are equally far apart; a single one is not."""
     steps = np.diff(beads)
     return len(steps) > 0 and bool(np.all(steps == steps[0]))
 
 
 def name_columns(axis: Axes, beads: Integers) -> None:
-    """Write bead numbers under columns of one width, or under some of them: beads that are not evenly spaced."""
+    """Write numbers of beads [bead] that are not evenly spaced under columns of one width, or under some of them."""
     named = np.unique(np.linspace(0, len(beads) - 1, min(len(beads), _MOST_LABELS)).round().astype(int))
     axis.set_xticks(named.tolist(), labels=[str(beads[place]) for place in named])
     axis.set_xlabel("recorded bead")

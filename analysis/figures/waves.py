@@ -79,6 +79,7 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
         axes[-1].set_ylabel(unit.label(FrameContent, "lag", f"lag behind\nchain {shared.kicked + 1},"))
     axes[-1].set_xlabel("bead" if direction > 0 else f"bead, counted from bead {problem.beads}")
     axes[-1].xaxis.get_major_locator().set_params(integer=True)
+    axes[-1].set_xlim(left=max(0.0, axes[-1].get_xlim()[0]))  # there are no beads below 1
     finish(figure, problem, axes)
     return figure
 
@@ -143,10 +144,10 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
         above.plot(xi, exact.velocity(xi), color="black", linewidth=1.0, label="exact wave")
         below.axhline(0.0, color="black", linewidth=1.0)
         for place, chain in enumerate(chains):
-            found = np.flatnonzero((passages.chain == chain + 1) & (passages.bead == bead))
-            if len(found) == 0:
+            rows = np.flatnonzero((passages.chain == chain + 1) & (passages.bead == bead))
+            if len(rows) == 0:
                 continue
-            row, peak = found[0], passages.peak_velocity[found[0]]
+            row, peak = rows[0], passages.peak_velocity[rows[0]]
             ahead = exact.speed_at(peak) * (passages.arrival[row] - waveforms.time[row])
             inside = np.isfinite(waveforms.velocity[row]) & (np.abs(ahead) <= COMPARED)
             ahead, velocity = ahead[inside], waveforms.velocity[row, inside] / peak
@@ -247,18 +248,21 @@ _MARGIN = 2.0
 """Time shown before and after a passage at least, in units of T."""
 
 
-_LONGEST = 6.0
-"""Time shown after a peak at most, in that shown before it."""
+_LONGEST = 3.0
+"""Time shown at most after a bead has slowed to half its velocity at the peak, in that shown before the peak."""
 
 
 def passage(time: Floats, size: Floats, peak: float) -> tuple[float, float]:
     """The ends of the time around a peak in which a size [frame] is large."""
     top = int(np.argmin(np.abs(time - peak)))
     slow = np.flatnonzero(size <= _CLOSE * size[top])
+    half = np.flatnonzero(size <= 0.5 * size[top])
     first, last = slow[slow < top], slow[slow > top]
     low = float(time[first[-1]] if len(first) else time[0])
     high = float(time[last[0]] if len(last) else time[-1])
-    high = min(high, peak + _LONGEST * (peak - low))
+    slowed = half[half > top]
+    if len(slowed):  # else the record ends before
+        high = min(high, float(time[slowed[0]]) + _LONGEST * (peak - low))
     margin = max(_MARGIN, 0.3 * (high - low))
     return low - margin, high + margin
 
@@ -266,8 +270,8 @@ def passage(time: Floats, size: Floats, peak: float) -> tuple[float, float]:
 def pulses(time: Floats, size: Floats) -> list[tuple[float, float, float]]:
     """The passages of the largest pulses: times of peaks and of the ends around them, at most `MOST_PULSES`, in order.
 
-    A pulse is as large as a tenth of the largest one, has its peak within the record, and its passage takes less than
-    half of the whole time.
+    Times and sizes are [frame], in units of T and of any kind. A pulse is as large as a tenth of the largest one, has
+    its peak within the record, and its passage takes less than half of the whole time.
     """
     inner = (size[1:-1] >= size[:-2]) & (size[1:-1] > size[2:]) & (size[1:-1] > _CLOSE * np.max(size))
     peaks = np.flatnonzero(inner) + 1
@@ -282,4 +286,5 @@ def pulses(time: Floats, size: Floats) -> list[tuple[float, float, float]]:
 
 def time_title(problem: Problem, event: str, time: float, unit: AxisUnit) -> str:
     """Text over a panel: the event from which its axis of time counts, and when it is."""
-    return f"{event} {time * unit.worth:.4g}{f' {unit.symbol}' if problem.scale.si else ''}"
+    digits = f"{time * unit.worth:#.4g}".rstrip(".")
+    return f"{event} {digits}{f' {unit.symbol}' if problem.scale.si else ''}"

@@ -451,6 +451,7 @@ def drawn(table: SweepTable, quantity: str, over: str, beside: str | None = None
         placed.numbers(quantity),
         None if error is None else placed.numbers(error),
         placed.unsettled(quantity),
+        "uncertainty",
     )
     title = ", ".join(filter(None, (table.scene, title)))
     if len(axes) == 2:

@@ -65,7 +65,7 @@ class Thinned:
 
     @property
     def spacing(self) -> float:
-        """Between two neighbouring places."""
+        """Distance between two neighbouring places, in beads or recorded beads."""
         return float(self.places[1] - self.places[0]) if len(self.beads) > 1 else 1.0
 
     @property
@@ -74,7 +74,7 @@ class Thinned:
         return float(self.time[1] - self.time[0]) if len(self.time) > 1 else 1.0
 
     def measured(self, units: Mapping[str, AxisUnit]) -> "Thinned":
-        """The same in units of time, velocity, length, force and energy."""
+        """Thinned run with its arrays in units of the page, such as ms and mm/s."""
         kinds = {name: name for name in ("time", "velocity", "force", "energy")}
         kinds |= {"displacement": "length", "overlap": "length"}
         return replace(self, **{name: getattr(self, name) * units[kind].worth for name, kind in kinds.items()})
@@ -85,7 +85,7 @@ def thinned(
     blocks: Iterable[Trajectory],
     chains: list[int],
     *,
-    most: int = MOST_NUMBERS,
+    most_numbers: int = MOST_NUMBERS,
     deforms: bool = True,
 ) -> Thinned:
     """Every n-th bead and m-th frame of some chains.
@@ -94,29 +94,29 @@ def thinned(
         problem: what was run.
         blocks: all of its frames.
         chains: which to keep, counted from 0.
-        most: numbers that are kept of each kind, about.
+        most_numbers: numbers that are kept of each kind, about.
         deforms: whether beads have overlaps and forces.
     """
     recorded = problem.recorded_beads
     beads = slice(None, None, max(1, -(-len(recorded) // MOST_BEADS)))
     numbers = (problem.frames + 1) * len(chains)
-    known = numbers * problem.rows_a_frame // beads.step
-    stride = max(1, -(-known // most), -(-numbers * len(recorded[beads]) // MOST_HELD))
+    recorded_numbers = numbers * problem.rows_a_frame // beads.step
+    stride = max(1, -(-recorded_numbers // most_numbers), -(-numbers * len(recorded[beads]) // MOST_HELD))
     parts: list[tuple[Floats, ...]] = []
     nearest: list[Integers] = []  # number of the kept frame that each of some velocities is nearest to
     fastest: list[Floats] = []
-    seen = 0
+    frames_read = 0
     for block in blocks:
-        frames = _whole(block[-seen % stride :: stride])
+        frames = _whole(block[-frames_read % stride :: stride])
         parts.append(
             (frames.time, _energy(frames)[:, chains], *(values[:, chains, beads] for values in _of(frames, deforms)))
         )
-        near = (np.arange(seen, seen + block.frames) + stride // 2) // stride
+        near = (np.arange(frames_read, frames_read + block.frames) + stride // 2) // stride
         near, first = np.unique(near, return_index=True)
         largest = replace(block, displacement=block.displacement[first], velocity=_largest(block.velocity, first))
         nearest.append(near)
         fastest.append(_whole(largest).velocity[:, chains, beads])
-        seen += block.frames
+        frames_read += block.frames
     time, energy, *values = (np.concatenate(kind) for kind in zip(*parts, strict=True))
     near = np.minimum(np.concatenate(nearest), len(time) - 1)  # the last frames are nearer to one that would follow
     values.append(_largest(np.concatenate(fastest), np.unique(near, return_index=True)[1]))
@@ -136,12 +136,12 @@ def thinned(
 
 
 def _whole(frames: Trajectory) -> Trajectory:
-    """The same frames of all rows, where a window follows the pulse; NaN where it has left."""
+    """Frames of all rows, also where a window follows the pulse; NaN where it has left."""
     return frames if frames.problem.window is None else frames.on(1, frames.problem.beads, behind=np.nan)
 
 
 def _largest(values: Floats, first: NDArray[np.intp]) -> Floats:
-    """Of the frames from each first one to the next, the value of largest size; NaN where all are."""
+    """Value of the largest size among the frames from each first one to the next; NaN where all are NaN."""
     highest, lowest = np.fmax.reduceat(values, first, axis=0), np.fmin.reduceat(values, first, axis=0)
     return np.asarray(np.where(highest >= -lowest, highest, lowest))
 
@@ -157,7 +157,7 @@ def _of(frames: Trajectory, deforms: bool) -> tuple[Floats, Floats, Floats]:
 
 
 def _energy(frames: Trajectory) -> Floats:
-    """Of each chain's beads, [frame, chain]."""
+    """Energy of each chain's beads, [frame, chain]; NaN where not all beads are recorded."""
     if not frames.problem.whole:
         return np.full(frames.velocity.shape[:2], np.nan)
     return np.asarray(motion.bead_energy(frames.system, frames.displacement, frames.velocity).sum(axis=-1))

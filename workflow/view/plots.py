@@ -32,8 +32,11 @@ from analysis.trajectory import Floats
 from lammps_inputs import Problem
 from workflow.view.downsample import Thinned, Units, axis_label, behind
 
-CHAIN_COLOURS = tuple("#44aa99" if colour == "#000000" else colour for colour in ON_PAPER)
-"""Colours of the figures, with teal (Tol) for black, which is not seen in dark mode."""
+_SEEN_ON_DARK = {"#000000": "#44aa99", "#882255": "#aa4499"}
+"""Teal and purple (Tol) for black and wine, which are hard to see in dark mode."""
+
+CHAIN_COLOURS = tuple(_SEEN_ON_DARK.get(colour, colour) for colour in ON_PAPER)
+"""Colours of the figures, of those that are seen in both themes."""
 
 LINE_WIDTH = 1.5
 
@@ -106,7 +109,7 @@ def mark(plot: Any, source: ColumnDataSource, chain: int, number: int) -> Any:
 
 
 def largest(x: Floats, y: Floats) -> dict[str, list[float]]:
-    """The point of a line where its value is largest in size, as data of a source; none where all values are NaN."""
+    """Point of a line x, y [point] where its value is largest in size, as data of a source; none where all are NaN."""
     if not np.any(np.isfinite(y)):
         return {"x": [], "y": []}
     place = int(np.nanargmax(np.abs(y)))
@@ -202,7 +205,7 @@ def image_source(part: Thinned, place: int) -> ColumnDataSource:
 
 
 def ends(values: Floats, spacing: float) -> tuple[float, float]:
-    """Ends of an axis on which evenly spaced values stand in the middle of their pixels."""
+    """Ends of an axis on which evenly spaced values [pixel] stand in the middle of their pixels, in their unit."""
     return float(values[0]) - 0.5 * spacing, float(values[-1]) + 0.5 * spacing
 
 

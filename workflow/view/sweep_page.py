@@ -66,12 +66,14 @@ source.change.emit();
 const plot = plots[kinds[over.value]];
 const kept = source.data.case.map((_, k) => only.every(({value}, n) => value == "all" || texts[n][k] == value));
 filter.booleans = kept;
-const shown = y.map((value, k) => [x[k] + value, solid[k]]).filter((_, k) => kept[k]);
+const shown = y.map((value, k) => [x[k] + value, solid[k], error[k]]).filter((_, k) => kept[k]);
 const unknown = shown.filter(([value]) => isNaN(value)).length;
 const open = shown.some(([value, full]) => !isNaN(value) && !full);
+const bars = shown.some(([value, _, size]) => !isNaN(value) && size > 0);
 plot.title.text = [
-  ...unknown ? [`${unknown} of ${shown.length} cases have no number here`] : [], ...open ? ["hollow: not settled"] : []
-].join("; ");
+  ...unknown ? [`${unknown} of ${shown.length} cases have no number here`] : [], ...open ? ["hollow: not settled"] : [],
+  ...bars ? ["bars: uncertainty"] : []
+].join("; ") || " ";
 plot.below[0].axis_label = labels[over.value]; plot.left[0].axis_label = labels[what.value];
 for (const [axis, name] of [[plot.below[0], over.value], [plot.left[0], what.value]])
   if ("min_interval" in axis.ticker) axis.ticker.min_interval = integers.includes(name) ? 1 : 0;
@@ -231,7 +233,7 @@ class _Drawing:
 
 
 def _colour(table: SweepTable, data: dict[str, list[Any]]) -> tuple[Any, Any]:
-    """Of the points, by the second varied field, and its bar; one colour and no bar where there is no such field."""
+    """Colour of the points, by the second varied field, and its bar; one colour and no bar without such a field."""
     name = table.fields[1] if len(table.fields) > 1 else ""
     texts = list(dict.fromkeys(map(str, data[name]))) if name else []
     if len(texts) < 2:
@@ -257,6 +259,7 @@ def _plot(drawing: _Drawing, kind: str) -> Any:
         tools=TOOLS,
         toolbar_location="above",
         toolbar_sticky=False,
+        title=" ",  # room for the text that follows the choice
         height=400,
         sizing_mode="stretch_width",
         styles={"flex": "1 1 400px"},
@@ -298,7 +301,7 @@ def _drawn(values: list[Any]) -> list[float]:
 
 
 def _shown(value: Any) -> str:
-    """As `_NUMBER` writes it, or about as long."""
+    """Text of a value, about as long as `_NUMBER` writes it."""
     return f"{value:.6g}" if isinstance(value, float) else "" if value is None else str(value)
 
 

@@ -234,7 +234,7 @@ def _cited(runs: Iterable[RunDirectory]) -> list[str]:
 
 
 def _computed(directory: RunDirectory) -> str:
-    """By which engine, when and where a run was computed, as far as it recorded that."""
+    """Sentence on the engine, time and machine by which a run was computed, as far as it recorded them."""
     job, engine = directory.job, ENGINES[directory.engine].title
     if directory.engine == LAMMPS.name:
         engine = f"{engine} {job.lammps or job.versions.get('lammps', '')}".rstrip()
@@ -248,12 +248,12 @@ def _left_out(problem: Problem, part: Thinned) -> list[str]:
     apart = problem.every * part.frame_stride
     time = axis_unit(problem, "time", apart)
     distance = f"{apart * time.worth:.3g} {time.symbol}" if problem.scale.si else f"{apart:.3g} T"
-    kept = [
+    parts = [
         f"{len(part.chains)} of {problem.chains} chains" if len(part.chains) < problem.chains else "",
         f"one bead in {part.bead_stride}" if part.bead_stride > 1 else "",
         f"one frame in {part.frame_stride}, {distance} apart" if part.frame_stride > 1 else "",
     ]
-    lines = [f"Shown: {', '.join(filter(None, kept))}; each number is the run's own."] if any(kept) else []
+    lines = [f"Shown: {', '.join(filter(None, parts))}; each number is the run's own."] if any(parts) else []
     if part.frame_stride > 1:
         lines.append(
             "Each velocity is the largest in size around its frame, so that no peak is lost;"

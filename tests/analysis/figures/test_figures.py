@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from small_problems import problem as small
 from synthetic_waves import reference, surveyed
 
@@ -12,8 +13,8 @@ from analysis.contacts import YieldTable
 from analysis.figures.energy import budget_figure, energy_figure
 from analysis.figures.forces import yield_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, round_ticks, spacetime_figure
-from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, axis_unit, shown_chains
-from analysis.figures.waves import distance_figure, pulses, response_figure, shape_figure
+from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, AxisUnit, axis_unit, shown_chains
+from analysis.figures.waves import distance_figure, passage, pulses, response_figure, shape_figure, time_title
 from analysis.sharing.energies import Flow
 from analysis.sharing.survey import survey
 from analysis.trajectory import blocks
@@ -149,7 +150,7 @@ def test_beside_the_whole_run_the_passage_of_the_leading_pulse_of_the_kicked_cha
     at = found.waves.at(50)
     assert y.max() == pytest.approx(at.peak_velocity[0], abs=2e-3)
     assert abs(x[np.argmax(y)]) < 0.5
-    assert near.get_title(loc="left") == f"(b) arrival {at.arrival[0]:.4g}"
+    assert near.get_title(loc="left") == f"(b) arrival {at.arrival[0]:#.4g}"
     assert near.get_xlabel() == "time after arrival\nin chain 1 (reduced)"
 
 
@@ -158,7 +159,22 @@ def test_the_passage_is_that_of_the_leading_pulse_also_where_a_later_one_is_larg
     first = surveyed(trajectory).waves
     late = replace(trajectory, velocity=trajectory.velocity - 2.0 * trajectory.velocity[::-1])
     _, near = response_figure(history(late, (15,)), first).axes
-    assert near.get_title(loc="left") == f"(b) arrival {first.at(15).arrival[0]:.4g}"
+    assert near.get_title(loc="left") == f"(b) arrival {first.at(15).arrival[0]:#.4g}"
+
+
+def test_the_passage_of_a_pulse_with_a_plateau_is_shown_to_its_end():
+    time = np.arange(0.0, 60.0, 0.1)
+    rise, fall = (0.5 * (1.0 + np.tanh(2.0 * (time - instant))) for instant in (20.0, 30.0))
+    low, high = passage(time, rise - fall, 20.0)
+    assert low < 19.0
+    assert 31.0 < high < 40.0
+
+
+def test_the_time_over_a_panel_has_four_digits_also_where_they_are_zeros():
+    problem = small()
+    unit = AxisUnit(1.0, "reduced")
+    titles = [time_title(problem, "arrival", time, unit) for time in (21.0, 124.0, 1397.2)]
+    assert titles == ["arrival 21.00", "arrival 124.0", "arrival 1397"]
 
 
 def test_where_no_pulse_leads_there_is_no_passage_beside_the_whole_run():
@@ -247,6 +263,16 @@ def test_oscillations_that_instants_do_not_resolve_are_drawn_as_means(period, me
     top = y[(y > 0.0) & (x > 50.0) & (x < 350.0)]
     assert ("mean over" in axis.get_ylabel()) == mean
     assert np.ptp(top) == pytest.approx(0.8 * (not mean), abs=0.01)
+
+
+def test_modes_are_grey_as_colours_are_those_of_chains():
+    problem = reference(2, 0.1, 10, 8.0).problem
+    time, values = np.arange(3.0), np.add.outer(np.arange(3.0), np.arange(2.0))
+    flow = Flow(time, values / 10.0, np.zeros(3), values, 0.1 * values, action=values / 10.0)
+    modes = energy_figure(problem, flow).axes[-1].get_lines()
+    colours = {to_rgb(line.get_color()) for line in modes}
+    assert len(colours) == 2
+    assert all(len(set(colour)) == 1 for colour in colours)
 
 
 def test_a_panel_that_is_constant_is_left_out_of_the_energy():

@@ -130,6 +130,15 @@ def test_the_spectra_figure_has_each_bead_chain_and_drive_where_it_says(problem)
         assert drive.get_xdata()[0] == pytest.approx(0.07 * hertz)
 
 
+def test_amplitudes_below_the_axis_of_a_spectrum_are_not_drawn_at_its_end(problem):
+    amplitude = np.full((3, CHAINS, 1), 0.5)
+    amplitude[1:] = 1e-12
+    spectra = VelocitySpectra((3,), 2.0, np.arange(3.0), amplitude, np.empty(0), np.zeros((1, CHAINS, 1)))
+    (axis,) = spectra_figure(problem, spectra).axes
+    for _, line in all_shown(axis, problem):
+        assert np.all(line.get_ydata()[1:] < axis.get_ylim()[0])
+
+
 def test_the_dispersion_figure_has_power_and_branches_where_its_axes_say(problem):
     cell = UnitCell(np.array([[1.0]]), np.array([[2.25]]), np.zeros((1, 1, 1)))  # omega = 3 |sin(q / 2)|
     wavenumber = np.arange(-4, 4) * math.pi / 4.0
@@ -143,6 +152,7 @@ def test_the_dispersion_figure_has_power_and_branches_where_its_axes_say(problem
     worth = 1.0 / problem.scale.time / unit_on(axis.get_ylabel(), problem, "rad/s")
     (image,) = axis.get_images()
     values, (left, right, bottom, top) = np.asarray(image.get_array()), image.get_extent()
+    assert left < -math.pi < math.pi < right  # the edges of the zone are covered
     row, column = np.unravel_index(np.argmax(values), values.shape)
     assert left + (column + 0.5) * (right - left) / values.shape[1] == pytest.approx(wavenumber[6])
     assert bottom + (row + 0.5) * (top - bottom) / values.shape[0] == pytest.approx(frequency[4] * worth)

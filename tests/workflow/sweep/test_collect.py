@@ -5,6 +5,7 @@ import itertools
 import json
 import os
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -291,7 +292,7 @@ def test_a_value_that_is_sought_and_the_places_where_it_is_are_marked_in_the_uni
     assert set(level.get_ydata()) == {100.0}
     (mark,) = axis.containers
     assert mark.lines[0].get_xydata().tolist() == [[1.5, 100.0]]
-    assert legend(figure) == ["value sought: 100", "crossing: $k$ = 1.50 \u00b1 0.01"]
+    assert legend(figure) == ["value sought: 100", "crossing: $k$ = 1.500 \u00b1 0.010"]
     assert axis.get_xlabel() == "stiffness $k$ (kN/m)"
 
 
@@ -347,6 +348,21 @@ def test_a_field_of_more_values_than_lines_is_refused_with_the_limit_and_drawn_a
         collecting.drawn(found, "speed", "gap", "beads")
     mesh = collecting.drawn(found, "speed", "gap,beads").axes[0].collections[0]
     assert mesh.get_array().shape == (MOST_LINES + 1, 2)
+
+
+def test_a_crossing_has_two_digits_of_its_uncertainty_which_is_not_rounded_down_to_one():
+    x, sought = np.array([0.1, 0.2, 0.4]), Sought(20.0, np.array([0.215314]), np.array([0.00015]))
+    figure = swept_figure(StudyAxis(Label("bead"), 100.0 * x), StudyAxis(Label("stiffness"), x), sought=sought)
+    assert legend(figure)[1] == "crossing: 0.21531 \u00b1 0.00015"
+
+
+def test_the_legend_names_the_bars_of_a_collected_quantity_where_there_are_any():
+    case = {"outcome": "done", "state": "equipartitioned", "amplitude": 0.3, "amplitude_uncertainty": 0.1}
+    rows = [{**case, "gap": gap} for gap in (0.1, 0.2)]
+    found = collecting.SweepTable(["gap"], rows, False)
+    assert "uncertainty" in legend(collecting.drawn(found, "amplitude", "gap"))
+    unknown = [{**row, "amplitude_uncertainty": None} for row in rows]
+    assert "uncertainty" not in legend(collecting.drawn(replace(found, rows=unknown), "amplitude", "gap"))
 
 
 def test_uncertainties_are_bars_and_cases_that_are_not_settled_are_hollow():

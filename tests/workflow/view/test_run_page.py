@@ -176,7 +176,7 @@ def test_thinning_in_time_keeps_the_velocity_of_largest_size_around_each_frame(s
     problem = hit(duration=4.8)
     run, frames = made(problem), problem.frames + 1
     blocks = [run[:3], run[3:4], run[4:17], run[17:]]
-    part = thinned(problem, blocks, [1], most=-(-frames * 6 // stride))
+    part = thinned(problem, blocks, [1], most_numbers=-(-frames * 6 // stride))
     assert part.frame_stride == stride
     assert np.array_equal(part.time, run.time[::stride])
     last = len(part.time) - 1
@@ -190,7 +190,7 @@ def test_thinning_in_time_keeps_the_velocity_of_largest_size_around_each_frame(s
 def test_what_a_window_has_left_does_not_make_frames_fewer():
     problem = hit(beads=600, duration=3.0, window=64)
     run = replace(made(problem, rows=64), first=301)
-    part = thinned(problem, [run], [0, 1], most=(problem.frames + 1) * 2 * 64)
+    part = thinned(problem, [run], [0, 1], most_numbers=(problem.frames + 1) * 2 * 64)
     assert (part.bead_stride, part.frame_stride) == (2, 1)
     assert np.isnan(part.velocity[:, :, :150]).all()
     assert np.array_equal(part.velocity[0, :, 150:182], run.velocity[:, 0, ::2])
@@ -270,7 +270,7 @@ def test_axes_of_beads_have_ticks_at_whole_numbers_only(lattice):
 def test_a_page_says_how_far_apart_frames_are_that_cannot_follow_a_pulse(material):
     problem = hit(duration=4.8, material=material)
     for stride, said in ((1, False), (3, False), (8, True)):
-        part = thinned(problem, [made(problem)], [0, 1], most=-(-(problem.frames + 1) * 12 // stride))
+        part = thinned(problem, [made(problem)], [0, 1], most_numbers=-(-(problem.frames + 1) * 12 // stride))
         told, apart = " ".join(_left_out(problem, part)), part.frame_stride * problem.every
         distance = f"{apart:.3g} T" if material is None else f"{apart * problem.scale.time * 1e6:.3g} \N{MICRO SIGN}s"
         assert f"{distance} apart, too far" in told or not said

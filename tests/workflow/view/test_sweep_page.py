@@ -4,7 +4,7 @@ import math
 
 import pytest
 from bokeh.document import Document
-from bokeh.models import ColorBar, DataTable
+from bokeh.models import ColorBar, DataTable, Plot
 
 from lammps_inputs.units import Label
 from workflow.sweep.collect import QUANTITIES, SweepTable
@@ -54,6 +54,11 @@ def test_points_have_bars_of_their_uncertainty_and_are_hollow_where_chains_have_
     (column,) = (one for one in shown(rows).select_one({"type": DataTable}).columns if one.field == "amplitude")
     assert "&plusmn;" in column.formatter.template
     assert "amplitude_uncertainty" in column.formatter.template
+
+
+def test_the_plot_has_room_for_notes_between_its_toolbar_and_its_axes(page):
+    for plot in page.select({"type": Plot}):
+        assert plot.title.text  # of an empty one Bokeh's layout has no height, also when it is set later
 
 
 def test_cases_link_to_their_page_or_else_their_first_figure_or_nowhere():

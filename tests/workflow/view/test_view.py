@@ -325,6 +325,8 @@ def test_the_page_of_a_sweep_draws_any_column_over_any_other(tmp_path, look):
         model(page, "plot log", "it.title.text")
         == f"{agree.count(None)} of 3 cases have no number here; hollow: not settled"
     )
+    page.evaluate("() => { Bokeh.documents[0].get_model_by_name('column').value = 'amplitude'; }")
+    assert model(page, "plot log", "it.title.text").endswith("hollow: not settled; bars: uncertainty")
     page.evaluate("() => { Bokeh.documents[0].get_model_by_name('over').value = 'steps'; }")
     assert model(page, "top", "it.children[0].name") == "plot linear"
     assert model(page, "plot linear", "it.below[0].axis_label") == table.label("steps").plain
