@@ -102,7 +102,7 @@ def label(name: str, scene: dict[str, Any]) -> Label:
 
 
 def mass_of(scene: Scene) -> float:
-    """Of all beads, in the scene's units."""
+    """Mass of all beads, in the scene's units."""
     system, scale = scene.system, scene.scale
     return float(np.sum(np.broadcast_to(system.mass, (system.chains, system.beads)))) * scale.mass
 

@@ -198,7 +198,7 @@ class Final(Estimate):
 
 @result
 class AmplitudeRange:
-    """Of amplitudes over some beads."""
+    """Range of amplitudes over some beads."""
 
     first: int = declare("first bead of the second half of the way")
     last: int = declare("last bead")
@@ -208,7 +208,7 @@ class AmplitudeRange:
 
 @result
 class EnergyShare:
-    """Of the energy input, in the leading waves at the last clear bead."""
+    """Share of the energy input in the leading waves at the last clear bead."""
 
     exact: float | None = declare(
         "energy of exact waves of these amplitudes",

@@ -105,7 +105,7 @@ class CollectColumn:
 
     @property
     def label(self) -> str:
-        """Of an axis; empty for text."""
+        """Words on an axis; empty for text."""
         return self.column.label
 
     def unit(self, *, si: bool) -> str:

@@ -50,11 +50,11 @@ class BudgetFinding(Finding):
 
     @property
     def drawable(self) -> bool:
-        """Over time, of more than one instant."""
+        """Whether there is more than one instant."""
         return len(self.found.time) > 1
 
     def draw(self) -> "Figure":
-        """Over time."""
+        """The account over time."""
         from analysis.figures.energy import budget_figure
 
         return budget_figure(self.problem, self.found)
@@ -111,14 +111,14 @@ class Energy(Finding):
             yield f"share of the action in the fastest mode of the rows at the end: {flow.fastest_mode_action:.6f}"
 
     def draw(self) -> "Figure":
-        """Over time."""
+        """Shares of the chains over time."""
         from analysis.figures.energy import energy_figure
 
         return energy_figure(self.problem, self.found)
 
     @classmethod
     def measure(cls, run: Recorded) -> Measure | None:
-        """Of all beads, where no pulse keeps its shape."""
+        """Energies of runs of all beads in which no pulse keeps its shape."""
         problem = run.problem
         if not problem.whole or problem.system.holds(Fact.PULSE):
             return None
@@ -158,7 +158,7 @@ class Cells(Finding):
 
     @classmethod
     def measure(cls, run: Recorded) -> Measure | None:
-        """Of all beads, where a pulse stays together and no sound runs."""
+        """Energies of runs of all beads in which a pulse stays together and no sound runs."""
         problem, scene = run.problem, run.scene
         system = problem.system
         if (

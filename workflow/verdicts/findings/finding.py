@@ -61,7 +61,7 @@ class Finding:
         return f"<{self.key} of {self.problem.name}, in the scene's units: {self.plain()}>"
 
     def plain(self) -> Any:
-        """The same in the scene's units."""
+        """What was found, in the scene's units."""
         return quantity.plain(self.found, self.problem.scale)
 
     def said(self) -> "Iterator[str | PrintedTable]":

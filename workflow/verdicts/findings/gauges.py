@@ -83,7 +83,7 @@ class ForcesFinding(Finding):
                     yield f"{gauge.name}, chain {chain + 1}: {', '.join(said)}"
 
     def _cells(self, one: Reading, names: Iterable[str]) -> list[str]:
-        """Of the printed table, by the names of the quantities."""
+        """Cells of the printed table, by the names of the quantities."""
         cells = {name: quantity.written(one, name, self.problem.scale, ".6g") for name in names}
         cells["dwell"] = "-"
         if np.isfinite(one.at) and np.isfinite(one.dwell):
@@ -122,7 +122,7 @@ class ForcesFinding(Finding):
         return ", ".join(places[:MOST_CHAINS]) + more
 
     def _unfinished(self) -> Iterator[str]:
-        """Of every gauge at which a force still differs from that at rest at the end of the record."""
+        """A line on the gauges at which a force still differs from that at rest at the end of the record."""
         readings, scale = self.readings, self.problem.scale
         last = np.where(np.isfinite(readings.last), readings.last, 0.0)
         inside = [
@@ -141,18 +141,18 @@ class ForcesFinding(Finding):
         )
 
     def rows(self) -> ForceTable:
-        """Over time."""
+        """Forces over time."""
         return self.readings.table()
 
     def draw(self) -> "Figure":
-        """Over time."""
+        """Forces over time."""
         from analysis.figures.forces import force_figure
 
         return force_figure(self.problem, self.readings)
 
     @classmethod
     def measure(cls, run: Recorded) -> Measure | None:
-        """Of what the scene names; rigid beads feel none."""
+        """Forces at the gauges that the scene names; rigid beads feel none."""
         wanted, problem = run.scene.output.forces, run.problem
         if wanted is None or not run.deforms:
             return None
@@ -184,7 +184,7 @@ def _said(found: Reflection, *, coupled: bool) -> str:
 
 @dataclass(frozen=True, repr=False)
 class SpectraFinding(Finding):
-    """Of the velocity."""
+    """Spectra of the velocities of chosen beads."""
 
     key, kind, figure = "spectra", SpectralLines, "spectra"
     table = "spectra.csv", SpectrumTable
@@ -221,7 +221,7 @@ class SpectraFinding(Finding):
 
     @classmethod
     def measure(cls, run: Recorded) -> Measure | None:
-        """Of what the scene names."""
+        """Spectra of the beads that the scene names."""
         wanted, problem = run.scene.output.spectra, run.problem
         if wanted is None:
             return None
@@ -246,7 +246,7 @@ class FarEndFinding(Finding):
 
     @classmethod
     def measure(cls, run: Recorded) -> Measure | None:
-        """Of all beads, if they are elastic."""
+        """The far end of runs of all beads, if these are elastic."""
         problem = run.problem
         if not problem.whole or not run.deforms:
             return None
@@ -263,12 +263,12 @@ class ContactsFinding(Finding):
     found: ContactOverlaps
 
     def said(self) -> Iterator[str]:
-        """With a warning where Hertz's law ends."""
+        """The largest force, with a warning where Hertz's law ends."""
         yield from self.found.lines()
 
     @classmethod
     def measure(cls, run: Recorded) -> Measure | None:
-        """Of elastic spheres with a material; where frames do not show overlaps, what they may be at most."""
+        """Contacts of elastic spheres with a material; where frames show no overlaps, what they may be at most."""
         problem = run.problem
         if not has_contacts(run.scene, run.problem, deforms=run.deforms):
             return None
@@ -319,7 +319,7 @@ class PlasticContacts(Finding):
 
     @classmethod
     def measure(cls, run: Recorded) -> Measure | None:
-        """Of all beads."""
+        """Contacts of runs of all beads."""
         problem = run.problem
         if not problem.memory_columns:
             return None

@@ -54,7 +54,7 @@ class DispersionFinding(Finding):
 
     @classmethod
     def measure(cls, run: Recorded) -> Measure | None:
-        """Under a static load."""
+        """Dispersion of chains under a static load."""
         problem = run.problem
         if not physics.loaded(problem.system):
             return None
@@ -85,7 +85,7 @@ class SoundFinding(Finding):
     """Distance of neighbouring beads at rest, in m; None where there is no one such distance."""
 
     def said(self) -> Iterator[str]:
-        """In one line."""
+        """Speed of sound and the pulse in one line."""
         scale, wave, found = self.problem.scale, self.found.pulse, bands(self.problem.system)
         if physics.ground_springs(self.problem.system):
             line = "sound: long waves do not run, for springs to the ground hold the beads"
@@ -110,7 +110,7 @@ class SoundFinding(Finding):
 
     @classmethod
     def measure(cls, run: Recorded) -> Measure | None:
-        """Under a static load; the pulse where it stays together, of all beads."""
+        """Sound under a static load; the pulse where it stays together and all beads are recorded."""
         problem = run.problem
         if not physics.loaded(problem.system):
             return None
