@@ -56,13 +56,13 @@ class Account:
     ground: Floats = declare("energy of the springs to the ground, and of weights", "energy")
     walls: Floats = declare("energy of the contacts with walls", "energy")
     resonators: Floats = declare("energy of the resonators: kinetic, and of their springs", "energy")
-    lost: dict[str, Floats] = declare("energy dissipated until then, by the name of the dashpots", "energy")
+    dissipated: dict[str, Floats] = declare("energy dissipated until then, by the name of the dashpots", "energy")
 
     @property
     @derived("energy")
     def missing(self) -> Floats:
         """Energy input until then, less the energy stored then and dissipated until then, [instant]."""
-        return np.asarray(self.energy_input - sum(self.stored.values()) - sum(self.lost.values()))
+        return np.asarray(self.energy_input - sum(self.stored.values()) - sum(self.dissipated.values()))
 
     @property
     @derived(
@@ -91,8 +91,8 @@ class Account:
 
     @property
     def losses(self) -> dict[str, Floats]:
-        """Energy dissipated until then, each [instant], by names such as ``lost in contact damping``."""
-        return {f"lost in {name.replace('_', ' ')}": part for name, part in self.lost.items()}
+        """Energy dissipated until then, each [instant], by names such as ``dissipated in contact damping``."""
+        return {f"dissipated in {name.replace('_', ' ')}": part for name, part in self.dissipated.items()}
 
     @property
     def most(self) -> float:
@@ -148,7 +148,7 @@ class EnergyBudget:
         system = self._problem.system
         names = (*physics.dashpot_names(system), "plastic contacts" if physics.remembering(system) else None)
         by_dashpot = {name: part for name, part in zip(names, lost, strict=True) if name is not None}
-        return Account(time, energy_input, **dict(zip(STORED, stored, strict=True)), lost=by_dashpot)
+        return Account(time, energy_input, **dict(zip(STORED, stored, strict=True)), dissipated=by_dashpot)
 
 
 STORED = ("kinetic", "contacts", "springs", "ground", "walls", "resonators")

@@ -80,10 +80,10 @@ class Yielded:
 
     contacts: int = declare("number of contacts with a permanent overlap", column="contacts with a permanent overlap")
     permanent: float = declare("largest permanent overlap", "length", symbol="d_r", column="largest permanent overlap")
-    lost: float = declare(
-        "energy lost in contacts of beads over the energy input of the kicks",
+    dissipated: float = declare(
+        "energy dissipated in contacts of beads over the energy input of the kicks",
         undefined="a push or drive supplies energy",
-        column="energy lost in plastic contacts / energy input",
+        column="energy dissipated in plastic contacts / energy input",
     )
     decay: float = declare(
         "exponent of the largest force of the contacts of the kicked chain over their number, fitted over the second "
@@ -105,7 +105,7 @@ class YieldTable:
     opened: Integers = declare(
         "whether it has begun to open, 0 or 1; of one that has not the record ends before its largest overlap"
     )
-    lost: Floats = declare("energy lost by yielding", "energy")
+    dissipated: Floats = declare("energy dissipated by yielding", "energy")
 
 
 class YieldMeter:
@@ -142,7 +142,7 @@ class YieldMeter:
             force=force.ravel(),
             permanent=permanent.ravel(),
             opened=opened.ravel().astype(np.int64),
-            lost=lost.ravel(),
+            dissipated=lost.ravel(),
         )
         kicked = physics.largest_excitation(system)[0] - 1
         acted_on = physics.acted_on(system)
@@ -151,7 +151,7 @@ class YieldMeter:
             Yielded(
                 contacts=int(np.count_nonzero(permanent > 0.0)),
                 permanent=float(np.max(permanent)),
-                lost=float("nan") if acted_on else float(np.sum(lost)) / physics.energy(system),
+                dissipated=float("nan") if acted_on else float(np.sum(lost)) / physics.energy(system),
                 decay=float("nan") if decay is None else decay.exponent,
             ),
             table,

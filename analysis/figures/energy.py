@@ -57,7 +57,7 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
     time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", largest)
     layers = [(_WORDS.get(name, name), account.stored[name], colour, "") for name, colour in _STORED.items()]
     losses = zip(account.losses.items(), _LOST, strict=False)  # there are five at most
-    layers += [(name.replace("lost", "dissipated"), part, colour, "////") for (name, part), colour in losses]
+    layers += [(name, part, colour, "////") for (name, part), colour in losses]
     width = oscillations_to_average(account.kinetic, largest)
     figure = new_figure(4.2)
     axis = figure.subplots()

@@ -157,9 +157,9 @@ def account_of(problem, motion, cuts=()):
 @pytest.mark.parametrize("cuts", [(), (1, 7, 30)])
 def test_what_is_lost_is_told_by_the_name_of_what_takes_it(cuts):
     account = account_of(of_keys(**PLAIN), lambda t: (0.0 * t, 0.5 + 0.0 * t), cuts)
-    assert sorted(account.lost) == ["bead_damping", "coupling_damping"]
-    np.testing.assert_allclose(account.lost["coupling_damping"], 0.2 * account.time)
-    np.testing.assert_allclose(account.lost["bead_damping"], 0.3 * account.time)
+    assert sorted(account.dissipated) == ["bead_damping", "coupling_damping"]
+    np.testing.assert_allclose(account.dissipated["coupling_damping"], 0.2 * account.time)
+    np.testing.assert_allclose(account.dissipated["bead_damping"], 0.3 * account.time)
     np.testing.assert_allclose(account.energy_input, 0.5 + 0.7 * account.time)  # the kick has the energy 1/2
     np.testing.assert_allclose(account.stored["kinetic"], 16 * 0.5 * 0.5**2)
 
@@ -197,30 +197,32 @@ def test_of_a_long_run_every_so_manieth_frame_and_the_last_count_wherever_blocks
 def test_the_sentence_is_in_the_scenes_units_and_names_the_largest_part_first(si):
     scale = make_scale(2.0, 3.0, 0.1, si=si)
     parts = NONE | {"kinetic": np.array([4.0, 1.0]), "springs": np.array([0.0, 0.5])}
-    account = Account(np.array([0.0, 7.0]), np.array([4.0, 4.0]), **parts, lost={"bead_damping": np.array([0.0, 2.5])})
+    account = Account(
+        np.array([0.0, 7.0]), np.array([4.0, 4.0]), **parts, dissipated={"bead_damping": np.array([0.0, 2.5])}
+    )
     joule, second = (" J", " s") if si else ("", "")
     assert account.sentence(scale) == (
         f"energy input {4.0 * scale.energy:.6g}{joule} until t = {7.0 * scale.time:.6g}{second}, of which "
-        "62.50% lost in bead damping, 25.00% kinetic, 12.50% springs"
+        "62.50% dissipated in bead damping, 25.00% kinetic, 12.50% springs"
     )
     assert plain(account, scale)["time"] == [0.0, 7.0 * scale.time]
-    assert plain(account, scale)["lost"] == {"bead_damping": [0.0, 2.5 * scale.energy]}
-    open_account = replace(account, lost={"bead_damping": np.array([0.0, 1.0])})
+    assert plain(account, scale)["dissipated"] == {"bead_damping": [0.0, 2.5 * scale.energy]}
+    open_account = replace(account, dissipated={"bead_damping": np.array([0.0, 1.0])})
     assert plain(open_account, scale)["missing"] == pytest.approx([0.0, 1.5 * scale.energy])
 
 
 def test_parts_of_the_energy_input_add_up_to_it_also_where_a_static_load_has_done_work():
     parts = NONE | {"kinetic": np.array([1.0, 0.5]), "contacts": np.array([0.0, -0.25]), "walls": np.array([0.0, 1e-9])}
-    account = Account(np.array([0.0, 7.0]), np.ones(2), **parts, lost={"plastic contacts": np.array([0.0, 0.75])})
+    account = Account(np.array([0.0, 7.0]), np.ones(2), **parts, dissipated={"plastic contacts": np.array([0.0, 0.75])})
     said = account.sentence(make_scale(1.0, 1.0, 1.0, si=False))
-    assert said.endswith("of which 75.00% lost in plastic contacts, 50.00% kinetic, -25.00% contacts")
+    assert said.endswith("of which 75.00% dissipated in plastic contacts, 50.00% kinetic, -25.00% contacts")
 
 
 @pytest.mark.parametrize(("left", "shares"), [(0.005, True), (0.003, False)])
 def test_of_what_a_drive_took_back_no_shares_are_told(left, shares):
     """From a thousandth of the most on that it had put in."""
     parts, scale = NONE | {"kinetic": np.array([4.0, left])}, make_scale(2.0, 3.0, 0.1, si=True)
-    said = Account(np.array([0.0, 7.0]), np.array([4.0, left]), **parts, lost={}).sentence(scale)
+    said = Account(np.array([0.0, 7.0]), np.array([4.0, left]), **parts, dissipated={}).sentence(scale)
     assert said.endswith("of which 100.00% kinetic" if shares else f", at most {4.0 * scale.energy:.6g} J before")
 
 

@@ -61,8 +61,8 @@ def test_the_budget_of_lammps_closes_to_the_error_of_the_run_however_far_apart_i
         missing, account = budget(done.directory.blocks(coarse), keeper)
         assert missing < 2.0 * done.check.velocity
         assert keeper.uncertainty < 0.1 * done.check.velocity
-        assert account.lost["contact_damping"][-1] > 0.2
-        assert np.all(np.diff(account.lost["contact_damping"]) >= 0.0)
+        assert account.dissipated["contact_damping"][-1] > 0.2
+        assert np.all(np.diff(account.dissipated["contact_damping"]) >= 0.0)
 
 
 @pytest.mark.slow
@@ -83,7 +83,7 @@ def test_the_budget_of_the_reference_closes_to_1e_9_however_far_apart_frames_are
     problem = damped(every=every).problem()
     missing, account = budget(engine.blocks(problem, steps_per_frame=round(400 * every)))
     assert missing < 1e-9
-    assert sum(lost[-1] for lost in account.lost.values()) > 0.05
+    assert sum(lost[-1] for lost in account.dissipated.values()) > 0.05
 
 
 @pytest.mark.slow
@@ -259,12 +259,12 @@ def test_the_budget_tells_what_walls_take_and_closes(column: CompletedRun) -> No
     problem = column.directory.problem
     missing, account = budget(engine.blocks(problem, steps_per_frame=40))
     assert missing < 1e-9
-    assert account.lost["right_wall_damping"][-1] > 5e-3
-    assert np.all(np.diff(account.lost["right_wall_damping"]) >= -1e-15)
+    assert account.dissipated["right_wall_damping"][-1] > 5e-3
+    assert np.all(np.diff(account.dissipated["right_wall_damping"]) >= -1e-15)
     missing, seen = budget(column.directory.blocks(20), Accountant(problem.coarser(20)))
     assert missing < 2.0 * column.check.velocity
-    for name, lost in account.lost.items():
-        assert seen.lost[name][-1] == pytest.approx(lost[-1], abs=2.0 * column.check.velocity)
+    for name, lost in account.dissipated.items():
+        assert seen.dissipated[name][-1] == pytest.approx(lost[-1], abs=2.0 * column.check.velocity)
 
 
 @pytest.mark.slow

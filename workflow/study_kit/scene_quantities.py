@@ -53,7 +53,7 @@ KNOWN = (
 )
 """Quantities that a design may be about."""
 
-_OF_SHARING = ("amplitude", "agree_10", "agree_1", "in_step_1", "beat_length")
+_OF_SHARING = ("amplitude", "agree_10", "agree_1", "synchronised_1", "beat_length")
 
 PARTICIPATION = "participation"
 
@@ -197,7 +197,7 @@ def _quick(
             "amplitude": None if final is None else final.value,
             "agree_10": found.agrees_from(0.1),
             "agree_1": found.agrees_from(0.01),
-            "in_step_1": found.in_step_from(0.01),
+            "synchronised_1": found.in_step_from(0.01),
             "beat_length": None if beat is None else beat.value,
         }
     if last is not None and problem.whole:

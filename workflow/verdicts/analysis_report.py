@@ -259,7 +259,7 @@ class Equipartition:
         "bead from which on the difference of the chains' arrivals, latest - earliest over the time in which the wave "
         f"passes (at half its height), stays below 0.1, 0.01 and 0.001 {COUNTED}",
         undefined=NO_AGREEMENT,
-        columns=(QuantityColumn("in_step_1", "bead from which arrivals agree to 1 %", "0.01"),),
+        columns=(QuantityColumn("synchronised_1", "bead from which arrivals agree to 1 %", "0.01"),),
     )
     final: Final | None = declare(
         "asymptotic amplitude of the leading waves: mean over chains and the last half beat",

@@ -235,7 +235,7 @@ def test_lammps_finds_the_forces_along_a_chain(tmp_path):
     assert done.check.velocity < 2.5e-5
     found = analyse(done.directory, figures=False)
     assert found.conservation.energy_drift < 1e-4
-    assert found.conservation.budget.result().lost["plastic contacts"][-1] == pytest.approx(lost, abs=1e-5)
+    assert found.conservation.budget.result().dissipated["plastic contacts"][-1] == pytest.approx(lost, abs=1e-5)
 
 
 @pytest.mark.slow
@@ -306,10 +306,10 @@ def test_an_analysis_has_permanent_overlaps_forces_and_a_decay_but_no_final_ampl
     assert report["equipartition"]["final"] is None
     table = np.genfromtxt(tmp_path / "run" / "plastic.csv", delimiter=",", names=True)
     assert table["force"][[0, 9, 49]] == pytest.approx([0.492414, 0.140577, 0.054380], abs=6e-7)
-    assert np.sum(table["lost"]) == pytest.approx(0.475548, abs=6e-7)
+    assert np.sum(table["dissipated"]) == pytest.approx(0.475548, abs=6e-7)
     law = Thornton(1.0, 0.1, table["overlap"])
     np.testing.assert_allclose(table["permanent"], law.permanent(*law), atol=1e-14)
-    assert report["plastic"]["lost"] == pytest.approx(2.0 * 0.475548, abs=2e-6)
+    assert report["plastic"]["dissipated"] == pytest.approx(2.0 * 0.475548, abs=2e-6)
     assert -0.6 < report["plastic"]["decay"] < -0.2
     assert done.conservation.energy_drift < 3e-8
 

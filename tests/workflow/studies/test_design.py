@@ -294,7 +294,7 @@ def test_a_number_at_the_end_of_its_range_is_at_a_bound(variable, value, bound):
 
 
 PAIR = {"chains": 2, "beads": 60, "coupling": {"stiffness": 0.3}, "kick": {"velocity": 1}, "duration": 90}
-OF_WAVES = ("amplitude", "agree_10", "agree_1", "in_step_1", "beat_length", "energy_share")
+OF_WAVES = ("amplitude", "agree_10", "agree_1", "synchronised_1", "beat_length", "energy_share")
 DIMER = {
     "beads": 30,
     "kinds": {"a": {}, "b": {"mass": 0.6}},
@@ -310,7 +310,7 @@ YIELDING = {"beads": 12, "contact": {"yield": {"overlap": 0.2}}, "kick": {"veloc
     [
         (PAIR, (*OF_WAVES, "delay", "transmitted_energy")),
         (DIMER, ("residual_energy", "peak_velocity@20")),
-        (YIELDING, ("permanent", "lost")),
+        (YIELDING, ("permanent", "dissipated")),
     ],
     ids=["waves", "cells", "yielding"],
 )

@@ -35,7 +35,7 @@ RECORD = {
     "check": {"velocity": 1e-4, "amplitude": 1e-5, "arrival": 1e-3, "seconds": 9.0},
 }
 EXPECTED = {
-    "amplitude": 0.34, "amplitude_uncertainty": 0.01, "agree_10": 20, "agree_1": 40, "in_step_1": 45,
+    "amplitude": 0.34, "amplitude_uncertainty": 0.01, "agree_10": 20, "agree_1": 40, "synchronised_1": 45,
     "beat_length": 12.0, "beat_length_uncertainty": 0.5, "energy_share": 0.98, "energy_share_uncertainty": 2e-6,
     "state": "beating",
     "bead": 54, "arrival": 71.0, "peak_velocity": 0.32, "speed": 0.75, "residual_energy": 0.002,
