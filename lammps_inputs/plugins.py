@@ -20,6 +20,9 @@ from lammps_inputs.errors import InputError
 DISTRIBUTION = "granchain"
 """Distribution whose parts come first."""
 
+NEEDED = ("ingredients", "materials", "scenes", "quantities")
+"""Kinds without which nothing works; studies may be absent."""
+
 
 @functools.cache
 def declared(kind: str) -> dict[str, EntryPoint]:
@@ -29,7 +32,7 @@ def declared(kind: str) -> dict[str, EntryPoint]:
         InputError: granchain is not installed, or two distributions declare the same name.
     """
     points = sorted(entry_points(group=f"granchain.{kind}"), key=lambda point: (_provider(point), point.name))
-    if not any(_provider(point) == "" for point in points):
+    if kind in NEEDED and not any(_provider(point) == "" for point in points):
         raise InputError(
             f"granchain: its installation declares no {kind}; install it again: `pip install -e .` in its sources, or "
             "`pip install --force-reinstall --no-deps granchain`"
