@@ -20,7 +20,7 @@ def point(name, value, distribution):
 
 
 def declare(monkeypatch, *points):
-    monkeypatch.setattr(plugins, "entry_points", lambda group: points)
+    monkeypatch.setattr(plugins, "entry_points", lambda group: points)  # noqa: ARG005
     return plugins.declared.__wrapped__
 
 
@@ -41,12 +41,12 @@ def test_an_installation_without_what_is_needed_is_refused_with_what_to_do(monke
 
 def test_a_name_that_two_distributions_declare_is_refused_with_both(monkeypatch):
     declared = declare(monkeypatch, point("a", "x:A", "granchain"), point("a", "y:A", "other"))
-    with pytest.raises(InputError, match="'a' is declared twice .*: x:A of granchain and y:A of other; uninstall one"):
+    with pytest.raises(InputError, match=r"'a' is declared twice .*: x:A of granchain and y:A of other; uninstall one"):
         declared("ingredients")
 
 
 def test_a_part_of_another_distribution_that_cannot_be_imported_is_named(monkeypatch):
     broken = point("a", "no_such_module:A", "other")
-    monkeypatch.setattr(plugins, "declared", lambda kind: {"a": broken})
-    with pytest.raises(InputError, match="other: no_such_module:A, declared as 'a' of granchain.studies, cannot be"):
+    monkeypatch.setattr(plugins, "declared", lambda kind: {"a": broken})  # noqa: ARG005
+    with pytest.raises(InputError, match=r"other: no_such_module:A, declared as 'a' of granchain\.studies, cannot be"):
         plugins.load("studies", "a")
