@@ -51,8 +51,8 @@ CATALOGUE: dict[str, Solid] = {
     "ptfe": Solid(1.46e9, 0.46, 2178.0, "daraio2005", "Polytetrafluoroethylene"),
 }
 
-for _name in plugins.declared("materials"):
-    CATALOGUE |= plugins.load("materials", _name)
+for _solids in plugins.loaded("materials").values():
+    CATALOGUE |= _solids
 
 if TYPE_CHECKING:
     Name = str

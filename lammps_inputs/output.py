@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, field_validator
 
 from lammps_inputs import physics, strict_yaml
-from lammps_inputs.ingredients.base import Count, Positive, ScenePart, SceneParts
+from lammps_inputs.ingredients.base import Count, Positive, SceneContext, ScenePart
 from lammps_inputs.units import Label, Unit
 
 
@@ -42,7 +42,7 @@ class Forces(ScenePart):
     def _ascending(cls, value: Any) -> Any:
         return None if value is None else tuple(sorted(each_once(value, ", or leave it out")))
 
-    def refuse(self, scene: SceneParts) -> None:
+    def refuse(self, scene: SceneContext) -> None:
         """Refuse places that do not exist, or whose beads are not recorded.
 
         Raises:
@@ -75,7 +75,7 @@ class Forces(ScenePart):
                 raise ValueError(f"output.forces.{key}: needs beads {missing} too; add them to output.beads")
 
 
-def _not_recorded(scene: SceneParts, beads: Iterable[int]) -> str:
+def _not_recorded(scene: SceneContext, beads: Iterable[int]) -> str:
     """Ten at most of these that the scene does not record; empty where there are none."""
     recorded = scene.output.beads
     return "" if recorded == "all" else ", ".join(map(str, sorted(set(beads) - set(recorded))[:10]))
@@ -98,7 +98,7 @@ class Spectra(ScenePart):
     def _named(cls, value: Any) -> Any:
         return each_once(value)
 
-    def refuse(self, scene: SceneParts) -> None:
+    def refuse(self, scene: SceneContext) -> None:
         """Refuse beads that do not exist or are not recorded, and times after the end.
 
         Raises:
@@ -148,7 +148,7 @@ class Output(ScenePart):
     def _ascending(cls, value: Any) -> Any:
         return value if value == "all" else tuple(sorted(each_once(value, ", or `all`")))
 
-    def refuse(self, scene: SceneParts) -> None:
+    def refuse(self, scene: SceneContext) -> None:
         """Refuse what the scene does not have, and what needs more to be recorded.
 
         Raises:

@@ -25,13 +25,19 @@ NEEDED = ("ingredients", "materials", "scenes", "quantities")
 
 
 @functools.cache
+def _all_points() -> Any:
+    """Entry points of all distributions, to `select` from; looking through these takes some ten milliseconds."""
+    return entry_points()
+
+
+@functools.cache
 def declared(kind: str) -> dict[str, EntryPoint]:
     """Name -> entry point of one kind, such as ``studies``: granchain's, then those of others, each sorted by name.
 
     Raises:
         InputError: granchain is not installed, or two distributions declare the same name.
     """
-    points = sorted(entry_points(group=f"granchain.{kind}"), key=lambda point: (_provider(point), point.name))
+    points = sorted(_all_points().select(group=f"granchain.{kind}"), key=lambda point: (_provider(point), point.name))
     if kind in NEEDED and not any(_provider(point) == "" for point in points):
         raise InputError(
             f"granchain: its installation declares no {kind}; install it again: `pip install -e .` in its sources, or "
@@ -65,6 +71,15 @@ def load(kind: str, name: str) -> Any:
             f"{_provider(point)}: {point.value}, declared as {name!r} of granchain.{kind}, cannot be imported "
             f"({type(error).__name__}: {error}); mend or uninstall it"
         ) from error
+
+
+def loaded(kind: str) -> dict[str, Any]:
+    """Name -> what its entry point names, in the order of `declared`.
+
+    Raises:
+        InputError: see `declared` and `load`.
+    """
+    return {name: load(kind, name) for name in declared(kind)}
 
 
 def _provider(point: EntryPoint) -> str:

@@ -41,7 +41,7 @@ class ScenePart(BaseModel):
     """A valid value in YAML, shown where something else than keys and values is given."""
 
 
-class SceneParts(Protocol):
+class SceneContext(Protocol):
     """A scene as its ingredients see it: counts, units and its other parts (`lammps_inputs.scene.BaseScene`)."""
 
     @property
@@ -172,7 +172,7 @@ def refuse_other_count(key: str, values: Any, chains: int, *, noun: str = "numbe
         raise ValueError(f"{key}: {len(values)} {noun} for {chains} chains; one, or one for each")
 
 
-def refuse_outside(key: str, place: Any, scene: SceneParts) -> None:
+def refuse_outside(key: str, place: Any, scene: SceneContext) -> None:
     """Refuse a bead, of attributes ``chain`` and ``bead``, outside the array.
 
     Raises:
@@ -223,14 +223,14 @@ class Ingredient(ScenePart):
         """Content of a scene's file with that of the files that it names, which are beside it, in the folder."""
         return value
 
-    def refuse(self, scene: SceneParts) -> None:
+    def refuse(self, scene: SceneContext) -> None:
         """Refuse what the scene's other parts make impossible.
 
         Raises:
             ValueError: naming the key, what was found and what to do.
         """
 
-    def refuse_system(self, scene: SceneParts, system: System) -> None:
+    def refuse_system(self, scene: SceneContext, system: System) -> None:
         """Refuse what all ingredients together make impossible, after each has passed `refuse` alone.
 
         Raises:
@@ -241,7 +241,7 @@ class Ingredient(ScenePart):
         """Publications of the models that it has chosen."""
         return self.sources
 
-    def links(self, scene: SceneParts) -> tuple[Link, ...]:  # noqa: ARG002
+    def links(self, scene: SceneContext) -> tuple[Link, ...]:  # noqa: ARG002
         """The links that it makes, dimensionless; none where its numbers come to nothing."""
         return ()
 
@@ -267,19 +267,19 @@ class Ingredient(ScenePart):
         """Key that changes the strength of the contacts along the chains; empty where none does."""
         return ""
 
-    def strengths(self, scene: SceneParts) -> Parameter:  # noqa: ARG002
+    def strengths(self, scene: SceneContext) -> Parameter:  # noqa: ARG002
         """Factors on the strengths of the contacts, a number or [chain, contact]."""
         return 1.0
 
-    def dampers(self, scene: SceneParts) -> tuple[Link, ...]:  # noqa: ARG002
+    def dampers(self, scene: SceneContext) -> tuple[Link, ...]:  # noqa: ARG002
         """Links with laws of damping (`lammps_inputs.laws.dashpot`), dimensionless; they store no energy."""
         return ()
 
-    def inner(self, scene: SceneParts) -> Inner | None:  # noqa: ARG002
+    def inner(self, scene: SceneContext) -> Inner | None:  # noqa: ARG002
         """Atoms beside the beads that it adds, dimensionless."""
         return None
 
-    def lacks(self, scene: SceneParts) -> frozenset[Fact]:
+    def lacks(self, scene: SceneContext) -> frozenset[Fact]:
         """Facts that no longer hold in this scene."""
         return self.takes_away if self.links(scene) else frozenset()
 
@@ -287,7 +287,7 @@ class Ingredient(ScenePart):
         """Speed of a bead of this mass that it sets in motion, in the scene's units: a measure of V."""
         return 0.0
 
-    def static(self, scene: SceneParts, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
+    def static(self, scene: SceneContext, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
         """Force at rest, dimensionless: a number, or [chain, bead + 1] from before the first bead to behind the last.
 
         Args:
@@ -296,10 +296,10 @@ class Ingredient(ScenePart):
         """
         return 0.0
 
-    def loads(self, scene: SceneParts) -> tuple[Load, ...]:  # noqa: ARG002
+    def loads(self, scene: SceneContext) -> tuple[Load, ...]:  # noqa: ARG002
         """The forces from outside that it makes, dimensionless."""
         return ()
 
-    def motions(self, scene: SceneParts) -> tuple[Motion, ...]:  # noqa: ARG002
+    def motions(self, scene: SceneContext) -> tuple[Motion, ...]:  # noqa: ARG002
         """The beads whose motion it gives, dimensionless."""
         return ()

@@ -18,7 +18,7 @@ from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, by_formula, plastic
-from lammps_inputs.ingredients.base import Phase, Positive, Rows, ScenePart, SceneParts, Seed, Spread
+from lammps_inputs.ingredients.base import Phase, Positive, Rows, SceneContext, ScenePart, Seed, Spread
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power
@@ -130,7 +130,7 @@ Exponent = Annotated[
 """A number for all contacts, a list with one for each, or a list of such lists, one a chain."""
 
 
-def _refuse_values(key: str, strength: Any, scene: SceneParts) -> None:
+def _refuse_values(key: str, strength: Any, scene: SceneContext) -> None:
     """Refuse a strength that does not fit the chains.
 
     Raises:
@@ -199,7 +199,7 @@ class Contact(by_formula.ByFormula):
             raise ValueError("should have one number for each contact of each chain")
         return value
 
-    def refuse(self, scene: SceneParts) -> None:
+    def refuse(self, scene: SceneContext) -> None:
         """Refuse units that do not fit, what is known of spheres only, and profiles that do not fit the chains."""
         if not self.model_fields_set:
             raise ValueError(f"contact: names nothing; valid: `contact: {self.example}`")
@@ -236,7 +236,7 @@ class Contact(by_formula.ByFormula):
             return HERTZ if self._powers is not None else float(np.max(self.exponent))
         return 1.0 if self.yields.linear else HERTZ
 
-    def _refuse_exponents(self, scene: SceneParts) -> None:
+    def _refuse_exponents(self, scene: SceneContext) -> None:
         """Refuse what is said for contacts of one exponent only."""
         keys = ("material", "walls", "gravity", "precompression", "window", "taper")
         others = [key for key in keys if scene.part(key)]
@@ -251,7 +251,7 @@ class Contact(by_formula.ByFormula):
                 "them out"
             )
 
-    def _refuse_formula(self, force: Force, scene: SceneParts) -> None:
+    def _refuse_formula(self, force: Force, scene: SceneContext) -> None:
         """Refuse what is said twice, and forces at rest that nothing holds."""
         self.refuse_beside("contact", "exponent", "stiffness", "yield")
         kind = self._kind
@@ -279,7 +279,7 @@ class Contact(by_formula.ByFormula):
                     "of them out"
                 )
 
-    def refuse_system(self, scene: SceneParts, system: System) -> None:
+    def refuse_system(self, scene: SceneContext, system: System) -> None:
         """Refuse what is known of spheres only, and formulas where they have no value."""
         for link in system.along:
             if isinstance(link.law, AlongChains):
@@ -324,7 +324,7 @@ class Contact(by_formula.ByFormula):
         values = {"contact.strength": self.strength, "contact.force": self.force, "contact.exponent": self._powers}
         return next((key for key, value in values.items() if value is not None), "")
 
-    def strengths(self, scene: SceneParts) -> Parameter:
+    def strengths(self, scene: SceneContext) -> Parameter:
         """Strengths of the profile, at the overlap by which lengths are measured."""
         factors: Parameter = 1.0
         if self.strength is not None:
@@ -356,7 +356,7 @@ class Contact(by_formula.ByFormula):
         """How a formula counts s, and whether it is cut where beads are apart, as other contacts are."""
         return FormulaKind(cut=True) if self.formula is None else by_formula.kind_of_contact(self.formula, self.tension)
 
-    def lacks(self, scene: SceneParts) -> frozenset[Fact]:  # noqa: ARG002
+    def lacks(self, scene: SceneContext) -> frozenset[Fact]:  # noqa: ARG002
         """Linear contacts disperse any pulse; all that are harder at first than spheres begin abruptly.
 
         What acts at a distance transmits sound.

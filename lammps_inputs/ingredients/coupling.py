@@ -12,8 +12,8 @@ from lammps_inputs.ingredients.base import (
     Cubic,
     Row,
     Rows,
+    SceneContext,
     ScenePart,
-    SceneParts,
     Stiffness,
     ends,
     in_rows,
@@ -91,7 +91,7 @@ class Coupling(by_formula.ByFormula):
     force: str | None = None
     """Force as a formula of s, odd, with its parameters as keys beside it; in place of `stiffness` and `cubic`."""
 
-    def refuse(self, scene: SceneParts) -> None:
+    def refuse(self, scene: SceneContext) -> None:
         """Refuse what does not fit the chains, springs that are practically rigid, and rows that differ in a window."""
         by_edge = bool(self._named) and all(len(edge) == 3 for edge in self._named)
         if self.formula is not None:
@@ -126,7 +126,7 @@ class Coupling(by_formula.ByFormula):
         by_formula.refuse_unrest("coupling", force)
         by_formula.refuse_even("coupling", force)
 
-    def refuse_system(self, scene: SceneParts, system: System) -> None:
+    def refuse_system(self, scene: SceneContext, system: System) -> None:
         """Refuse cubic springs over distances at which LAMMPS's lose their digits, and formulas without a value."""
         for link in system.across:
             if isinstance(link.law, AcrossChains):
@@ -159,7 +159,7 @@ class Coupling(by_formula.ByFormula):
                 raise ValueError(f"{key}: chains {pair[0]} and {pair[1]} are tied twice; add the stiffnesses up")
             pairs.add(pair)
 
-    def links(self, scene: SceneParts) -> tuple[Across, ...]:
+    def links(self, scene: SceneContext) -> tuple[Across, ...]:
         """Links across the chains; none where no two chains are tied by any spring."""
         edges = self._edges(scene.chains)
         if self.formula is not None and by_formula.multiple_of_strain(self.formula) is None:
@@ -175,7 +175,7 @@ class Coupling(by_formula.ByFormula):
         pairs = tuple((lower, higher) for (lower, higher, _), tied in zip(edges, holds, strict=True) if tied)
         return (Across("coupling", law, edges=pairs, grid=self._grid),)
 
-    def _by_formula(self, force: Force, edges: list[Any], scene: SceneParts) -> tuple[Across, ...]:
+    def _by_formula(self, force: Force, edges: list[Any], scene: SceneContext) -> tuple[Across, ...]:
         if not edges:
             return ()
         strength = 1.0 if self.rows is None else in_rows(1.0, self.rows, (len(edges), scene.beads))
@@ -207,7 +207,7 @@ class Coupling(by_formula.ByFormula):
             pairs += [(0, chains - 1)] if self.topology == "ring" and chains > 2 else []
         return [(lower, higher, None) for lower, higher in sorted(pairs)]
 
-    def _stiffness(self, edges: list[tuple[int, int, float | None]], scene: SceneParts) -> float | Floats:
+    def _stiffness(self, edges: list[tuple[int, int, float | None]], scene: SceneContext) -> float | Floats:
         """Dimensionless linear stiffness: a number, or [edge, row] where it differs."""
         shared: Any = 0.0 if self.stiffness is None else self.stiffness
         if self.formula is not None:
@@ -218,11 +218,11 @@ class Coupling(by_formula.ByFormula):
         by_edge = [shared if stiffness is None else stiffness for _, _, stiffness in edges]
         return self._table(by_edge if any(edge[2] is not None for edge in edges) else [shared], edges, scene, 1.0)
 
-    def _cubic(self, edges: list[tuple[int, int, float | None]], scene: SceneParts) -> float | Floats:
+    def _cubic(self, edges: list[tuple[int, int, float | None]], scene: SceneContext) -> float | Floats:
         """Dimensionless cubic stiffness: a number, or [edge, row] where it differs."""
         return self._table([self.cubic or 0.0], edges, scene, 1.0 / scene.scale.length**2)
 
-    def _table(self, values: list[Any], edges: list[Any], scene: SceneParts, unit: float) -> float | Floats:
+    def _table(self, values: list[Any], edges: list[Any], scene: SceneContext, unit: float) -> float | Floats:
         """Dimensionless values of all edges, or of each, a number or [row], in the rows that have springs."""
         table = np.reshape(np.stack(np.broadcast_arrays(*values)) / (unit * scene.scale.stiffness), (len(values), -1))
         if self.rows in (None, (1, scene.beads)) and np.ptp(table) == 0.0:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws, physics
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Coefficient, Ingredient, NotNegative, SceneParts
+from lammps_inputs.ingredients.base import Coefficient, Ingredient, NotNegative, SceneContext
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import masses_and_strengths
 from lammps_inputs.laws import Parameter
@@ -77,7 +77,7 @@ class Damping(Ingredient):
     coupling: Annotated[Coefficient | None, Label("damping coefficient of the coupling", "c_{12}")] = None
     """Coefficient c12 of a dashpot parallel to every spring between chains."""
 
-    def refuse(self, scene: SceneParts) -> None:
+    def refuse(self, scene: SceneContext) -> None:
         """Refuse what says nothing, or more than there is, and what runs in pieces that start again."""
         if self.contact is None:
             for key in ("law", "tension"):
@@ -110,7 +110,7 @@ class Damping(Ingredient):
                     f"damping: {largest:.3g} in dimensionless units{where}; at most {MOST:g}, where beads stick"
                 )
 
-    def refuse_system(self, scene: SceneParts, system: System) -> None:  # noqa: ARG002
+    def refuse_system(self, scene: SceneContext, system: System) -> None:  # noqa: ARG002
         """Refuse contacts and masses with which LAMMPS's dashpots are others."""
         if self.contact and not isinstance(system.mass, float):
             if self.law == "viscoelastic":
@@ -146,7 +146,7 @@ class Damping(Ingredient):
         """Publications of the law of the contacts' dashpots."""
         return () if self.contact is None else SOURCES[self.law or "linear"]
 
-    def dampers(self, scene: SceneParts) -> tuple[Link, ...]:
+    def dampers(self, scene: SceneContext) -> tuple[Link, ...]:
         """Dashpots of contacts, springs and beads."""
         dampers: list[Link] = []
         loss = self._loss(scene)
@@ -162,7 +162,7 @@ class Damping(Ingredient):
             dampers.append(Ground("bead_damping", laws.dimensionless(Dashpot(self.beads), scene.scale)))
         return tuple(dampers)
 
-    def lacks(self, scene: SceneParts) -> frozenset[Fact]:
+    def lacks(self, scene: SceneContext) -> frozenset[Fact]:
         """Energy, and what goes with it; momentum by drag on beads; order 2 by all other dashpots."""
         dampers = self.dampers(scene)
         taken = {Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE} if dampers else set()
@@ -172,7 +172,7 @@ class Damping(Ingredient):
             taken.add(Fact.SECOND_ORDER)
         return frozenset(taken)
 
-    def _loss(self, scene: SceneParts) -> ContactLoss | None:
+    def _loss(self, scene: SceneContext) -> ContactLoss | None:
         """Dimensionless dashpot law of the contacts; None if they are undamped."""
         if not self.contact or (self.law == "restitution" and self.contact >= 1.0):
             return None
@@ -191,7 +191,7 @@ class Damping(Ingredient):
             return Viscoelastic(self.contact / unit * scale.length**0.5, tensile_limit)
         return ContactDashpot(self.contact / unit, tensile_limit)
 
-    def _at_wall(self, wall: Wall, scene: SceneParts) -> WallDashpot:
+    def _at_wall(self, wall: Wall, scene: SceneContext) -> WallDashpot:
         """Dashpot of a wall: it dissipates the share of the speed, or has the share of the force, that contacts do.
 
         The dashpot of a viscoelastic contact is in proportion to its stiffness (Brilliantov et al. 1996).
@@ -212,10 +212,12 @@ class Damping(Ingredient):
         return WallDashpot(of[1.0], of[2.0], of[HERTZ], tensile_limit)
 
 
-def _walls(scene: SceneParts) -> tuple[Wall, ...]:
-    return () if scene.walls is None else scene.walls.links(scene)  # type: ignore[attr-defined]
+def _walls(scene: SceneContext) -> tuple[Wall, ...]:
+    walls = scene.part("walls")
+    return () if walls is None else walls.links(scene)
 
 
-def _springs(scene: SceneParts) -> tuple[Across, ...]:
-    links = () if scene.coupling is None else scene.coupling.links(scene)  # type: ignore[attr-defined]
+def _springs(scene: SceneContext) -> tuple[Across, ...]:
+    coupling = scene.part("coupling")
+    links = () if coupling is None else coupling.links(scene)
     return tuple(link for link in links if isinstance(link, Across))

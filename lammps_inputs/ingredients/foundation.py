@@ -16,7 +16,7 @@ from lammps_inputs import laws, strict_yaml
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, by_formula
-from lammps_inputs.ingredients.base import Cubic, Phase, Positive, Rows, ScenePart, SceneParts, Stiffness
+from lammps_inputs.ingredients.base import Cubic, Phase, Positive, Rows, SceneContext, ScenePart, Stiffness
 from lammps_inputs.laws.formula_law import ToGround
 from lammps_inputs.laws.spring import Duffing, Linear, Varying
 from lammps_inputs.links import Ground
@@ -119,7 +119,7 @@ class Foundation(by_formula.ByFormula):
         parametric = ("landau1976",) if self.modulation is not None else ()
         return (*self.sources, *(("zener1932", "novotny2010") if ramps else ()), *parametric)
 
-    def refuse(self, scene: SceneParts) -> None:
+    def refuse(self, scene: SceneContext) -> None:
         """Refuse what does not fit the chains."""
         if self.formula is not None:
             self.refuse_beside("foundation", "stiffness", "cubic", "modulation")
@@ -158,7 +158,7 @@ class Foundation(by_formula.ByFormula):
             if isinstance(stiffness, GroundRamp):
                 yield f"foundation.stiffness{f'[{number}]' * several}", stiffness
 
-    def links(self, scene: SceneParts) -> tuple[Ground, ...]:
+    def links(self, scene: SceneContext) -> tuple[Ground, ...]:
         """Springs of the beads to the ground; cubic ones are separate from those that ramp or are modulated."""
         cubic = self._values(self.cubic, scene)
         named: dict[str, Any]
@@ -174,18 +174,18 @@ class Foundation(by_formula.ByFormula):
         present = {name: law for name, law in named.items() if any(map(np.any, law[:2]))}
         return tuple(Ground(name, laws.dimensionless(law, scene.scale)) for name, law in present.items())
 
-    def refuse_system(self, scene: SceneParts, system: System) -> None:
+    def refuse_system(self, scene: SceneContext, system: System) -> None:
         """Refuse formulas where they have no value."""
         for link in system.ground:
             if isinstance(link.law, ToGround):
                 by_formula.refuse_reach("foundation", link.law, system, scene.scale.length)
 
-    def lacks(self, scene: SceneParts) -> frozenset[Fact]:
+    def lacks(self, scene: SceneContext) -> frozenset[Fact]:
         """Facts of `takes_away`, and that a scheme may step back in time, where the stiffness depends on time."""
         varies = any(laws.varies(link.law) for link in self.links(scene))
         return super().lacks(scene) | (frozenset({Fact.REVERSIBLE}) if varies else frozenset())
 
-    def _in_space_and_time(self, scene: SceneParts) -> Linear | Varying:
+    def _in_space_and_time(self, scene: SceneContext) -> Linear | Varying:
         """Linear springs that ramp or are modulated, in the scene's units."""
         of_chains = np.stack([_start_of_ramp(stiffness, scene.beads) for stiffness in self._of_chains], axis=1)
         table = base.in_rows(of_chains, self.rows, (4, scene.chains, scene.beads))
@@ -197,7 +197,7 @@ class Foundation(by_formula.ByFormula):
         phase = math.radians(self.modulation.phase) if self.modulation is not None and depth else 0.0
         return Varying(spring, rate, begin, end, depth, omega, phase)
 
-    def _values(self, stiffness: Any, scene: SceneParts) -> float | NDArray[np.float64]:
+    def _values(self, stiffness: Any, scene: SceneContext) -> float | NDArray[np.float64]:
         """A number, or [chain, bead] where it differs, in the scene's units."""
         if self.rows is None and (not isinstance(stiffness, tuple) or len(set(stiffness)) == 1):
             return float(np.max(stiffness))

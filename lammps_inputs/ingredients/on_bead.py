@@ -15,7 +15,7 @@ from pydantic import Field, field_validator, model_validator
 
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Count, Ingredient, NotNegative, Phase, Positive, SceneParts, refuse_outside
+from lammps_inputs.ingredients.base import Count, Ingredient, NotNegative, Phase, Positive, SceneContext, refuse_outside
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, TimeLaw, make_table
 from lammps_inputs.loads import Load, Motion
 from lammps_inputs.system import System
@@ -49,7 +49,7 @@ class OnBead(Ingredient):
     bead: Count = 1
     """Number of the bead."""
 
-    def refuse(self, scene: SceneParts) -> None:
+    def refuse(self, scene: SceneContext) -> None:
         """Refuse a bead outside the array."""
         refuse_outside(scene.key_of(self), self, scene)
 
@@ -121,7 +121,7 @@ class Push(OnBead):
             raise ValueError(f"peak: a push needs a force (at least 1e-30) ({self.peak:g} given)")
         return self
 
-    def lacks(self, scene: SceneParts) -> frozenset[Fact]:  # noqa: ARG002
+    def lacks(self, scene: SceneContext) -> frozenset[Fact]:  # noqa: ARG002
         """Facts that do not hold: the force depends on time, and on the place of the bead."""
         return frozenset({Fact.FRONT, Fact.REVERSIBLE})
 
@@ -129,7 +129,7 @@ class Push(OnBead):
         """Speed of a free bead after the impulse of the force's size."""
         return self._law(1.0, 1.0).total / mass
 
-    def loads(self, scene: SceneParts) -> tuple[Load, ...]:
+    def loads(self, scene: SceneContext) -> tuple[Load, ...]:
         """The push, dimensionless."""
         return (Load(self.chain, self.bead, self._law(scene.scale.time, scene.scale.force)),)
 
@@ -168,7 +168,7 @@ class Drive(OnBead):
             raise ValueError(f"displacement: give either displacement or force ({reason})")
         return self
 
-    def refuse(self, scene: SceneParts) -> None:
+    def refuse(self, scene: SceneContext) -> None:
         """Refuse a bead outside the array, too, and what does not go with motion for ever."""
         super().refuse(scene)
         if self.displacement is not None and any(
@@ -177,7 +177,7 @@ class Drive(OnBead):
             key = scene.key_of(self)
             raise ValueError(f"{key}.displacement: says how the bead moves, so it cannot be kicked; drive another bead")
 
-    def refuse_system(self, scene: SceneParts, system: System) -> None:
+    def refuse_system(self, scene: SceneContext, system: System) -> None:
         """Refuse what else would move a bead whose motion is given."""
         if self.displacement is None:
             return
@@ -190,7 +190,7 @@ class Drive(OnBead):
                 "one of them out"
             )
 
-    def lacks(self, scene: SceneParts) -> frozenset[Fact]:  # noqa: ARG002
+    def lacks(self, scene: SceneContext) -> frozenset[Fact]:  # noqa: ARG002
         """Facts that do not hold: no pulse leads, time matters, and what moves a bead takes up any momentum."""
         taken = {Fact.PULSE, Fact.FRONT, Fact.REVERSIBLE}
         return frozenset(taken if self.displacement is None else {*taken, Fact.MOMENTUM})
@@ -201,14 +201,14 @@ class Drive(OnBead):
             return self.displacement * self._omega
         return (self.force or 0.0) / (mass * self._omega)
 
-    def loads(self, scene: SceneParts) -> tuple[Load, ...]:
+    def loads(self, scene: SceneContext) -> tuple[Load, ...]:
         """The force, dimensionless."""
         if self.force is None:
             return ()
         law = Sine(self.force / scene.scale.force, self._omega * scene.scale.time, math.radians(self.phase))
         return (Load(self.chain, self.bead, law),)
 
-    def motions(self, scene: SceneParts) -> tuple[Motion, ...]:
+    def motions(self, scene: SceneContext) -> tuple[Motion, ...]:
         """The motion, dimensionless."""
         if self.displacement is None:
             return ()

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from lammps_inputs.ingredients.base import Positive, ScenePart, SceneParts
+from lammps_inputs.ingredients.base import Positive, SceneContext, ScenePart
 from lammps_inputs.ingredients.material import Material
 from lammps_inputs.ingredients.unequal import sizes_and_moduli, yield_strengths
 from lammps_inputs.laws import Law, Parameter
@@ -59,20 +59,20 @@ class Yield(ScenePart):
             raise ValueError(f"contact.yield.{wanted}: is missing; valid: `yield: {example}`")
 
 
-def given(scene: SceneParts) -> Yield | None:
+def given(scene: SceneContext) -> Yield | None:
     """Law of contacts that yield by `contact.yield`; None where the scene names none."""
     contact = scene.part("contact")
     return None if contact is None else contact.yields
 
 
-def key(scene: SceneParts) -> str:
+def key(scene: SceneContext) -> str:
     """Key that makes contacts yield; empty where none does."""
     if scene.material is not None and scene.material.yield_strength is not None:
         return "material.yield_strength"
     return "contact.yield" if given(scene) is not None else ""
 
 
-def refuse(scene: SceneParts) -> None:
+def refuse(scene: SceneContext) -> None:
     """Refuse what is not known of contacts that yield.
 
     Raises:
@@ -125,7 +125,7 @@ def refuse(scene: SceneParts) -> None:
             )
 
 
-def law_of(scene: SceneParts, strength: Parameter, size: Parameter, modulus: Parameter, softer: Parameter) -> Law:
+def law_of(scene: SceneContext, strength: Parameter, size: Parameter, modulus: Parameter, softer: Parameter) -> Law:
     """The dimensionless law of contacts that yield.
 
     Args:
@@ -153,7 +153,7 @@ def overlap_at_yield(ball: Material | None) -> float | None:
     return (math.pi * YIELD_PRESSURE * ball.yield_strength / (2.0 * modulus)) ** 2 * 0.5 * ball.radius
 
 
-def between(scene: SceneParts, strength: Parameter) -> Law | None:
+def between(scene: SceneContext, strength: Parameter) -> Law | None:
     """Law of the contacts between beads; None where they do not yield."""
     if not key(scene):
         return None

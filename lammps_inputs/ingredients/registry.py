@@ -16,9 +16,7 @@ from lammps_inputs.ingredients.base import Ingredient
 OWN_INGREDIENTS = "GRANCHAIN_INGREDIENTS"
 """Environment variable that names modules with a user's own ingredients."""
 
-INGREDIENTS: dict[str, type[Ingredient]] = {
-    name: plugins.load("ingredients", name) for name in plugins.declared("ingredients")
-}
+INGREDIENTS: dict[str, type[Ingredient]] = plugins.loaded("ingredients")
 """Key of the scene -> what may stand there."""
 
 

@@ -14,7 +14,7 @@ from pydantic import field_validator
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, unequal
-from lammps_inputs.ingredients.base import Coefficient, Ingredient, Inner, NotNegative, Rows, SceneParts, Stiffness
+from lammps_inputs.ingredients.base import Coefficient, Ingredient, Inner, NotNegative, Rows, SceneContext, Stiffness
 from lammps_inputs.ingredients.damping import MOST
 from lammps_inputs.laws.dashpot import Dashpot
 from lammps_inputs.laws.spring import Linear
@@ -57,7 +57,7 @@ class Resonators(Ingredient):
 
     _from_list = field_validator("mass", "stiffness", "damping", mode="before")(strict_yaml.as_tuple)
 
-    def refuse(self, scene: SceneParts) -> None:
+    def refuse(self, scene: SceneContext) -> None:
         """Refuse what does not fit the chains, masses that are none, and those beside which a bead is at rest."""
         part = scene.key_of(self)
         for key in ("mass", "stiffness", "damping"):
@@ -90,7 +90,7 @@ class Resonators(Ingredient):
                 f"{FASTEST:g}, where it moves with its bead"
             )
 
-    def inner(self, scene: SceneParts) -> Inner | None:
+    def inner(self, scene: SceneContext) -> Inner | None:
         """A line of masses for each chain."""
         mass, stiffness, damping = self._of_chains(scene)
         present = (mass > 0.0) & (stiffness > 0.0)
@@ -104,7 +104,7 @@ class Resonators(Ingredient):
         name = scene.key_of(self).replace("[", "_").rstrip("]")
         return Inner(table, (Across(name, spring, edges=edges),), dampers)
 
-    def lacks(self, scene: SceneParts) -> frozenset[Fact]:
+    def lacks(self, scene: SceneContext) -> frozenset[Fact]:
         """Exact solitary waves; a leading pulse where resonators are too slow; with dashpots what these take."""
         inner = self.inner(scene)
         if inner is None:
@@ -117,7 +117,7 @@ class Resonators(Ingredient):
             taken |= {Fact.ENERGY, Fact.REVERSIBLE, Fact.SECOND_ORDER}
         return frozenset(taken)
 
-    def _of_chains(self, scene: SceneParts) -> tuple[Floats, Floats, Floats]:
+    def _of_chains(self, scene: SceneContext) -> tuple[Floats, Floats, Floats]:
         """Dimensionless mass, stiffness and damping, each [chain]."""
         scale = scene.scale
         of = [
@@ -127,6 +127,6 @@ class Resonators(Ingredient):
         damping: Floats = np.asarray(laws.dimensionless(Dashpot(of[2]), scale).coefficient)
         return of[0] / scale.mass, of[1] / scale.stiffness, damping
 
-    def _in_rows(self, of_chain: Floats, scene: SceneParts) -> Floats:
+    def _in_rows(self, of_chain: Floats, scene: SceneContext) -> Floats:
         """[chain, bead], 0 where no resonator is."""
         return base.in_rows(of_chain[:, np.newaxis], self.rows, (scene.chains, scene.beads))

@@ -15,8 +15,8 @@ from lammps_inputs import materials
 from lammps_inputs.ingredients.base import (
     Count,
     Positive,
+    SceneContext,
     ScenePart,
-    SceneParts,
     Seed,
     Spread,
     refuse_other_count,
@@ -171,12 +171,12 @@ Taper = Annotated[float, Field(ge=0, lt=1), PURE]
 """Share by which each bead's radius is smaller than that of the one before; masses follow as the cube."""
 
 
-def unlike(scene: SceneParts) -> bool:
+def unlike(scene: SceneContext) -> bool:
     """Whether the scene says how beads differ."""
     return any(scene.part(key) is not None for key in KEYS)
 
 
-def masses_and_strengths(scene: SceneParts) -> tuple[float | Floats, float | Floats]:
+def masses_and_strengths(scene: SceneContext) -> tuple[float | Floats, float | Floats]:
     """Masses of the beads, [chain, bead], and strengths of the contacts, [chain, contact], in the reference bead's.
 
     Numbers where all are the same; only masses that are all 1 are.
@@ -212,7 +212,7 @@ def masses_and_strengths(scene: SceneParts) -> tuple[float | Floats, float | Flo
     )
 
 
-def sizes_and_moduli(scene: SceneParts) -> tuple[float | Floats, float | Floats]:
+def sizes_and_moduli(scene: SceneContext) -> tuple[float | Floats, float | Floats]:
     """Radius and plane modulus of two equal beads whose contact is as that of two neighbours, [chain, contact]."""
     if not unlike(scene):
         return 1.0, 1.0
@@ -221,7 +221,7 @@ def sizes_and_moduli(scene: SceneParts) -> tuple[float | Floats, float | Floats]
     return size, 2.0 / (1.0 / modulus[:, :-1] + 1.0 / modulus[:, 1:])
 
 
-def with_its_like(scene: SceneParts, bead: int) -> float | Floats:
+def with_its_like(scene: SceneContext, bead: int) -> float | Floats:
     """Strength of the contact of a bead (from 0, or the end) of every chain, [chain], with another like it."""
     if not unlike(scene):
         return 1.0
@@ -229,18 +229,18 @@ def with_its_like(scene: SceneParts, bead: int) -> float | Floats:
     return np.asarray(modulus[:, bead] * np.sqrt(radius[:, bead]))
 
 
-def modulus(scene: SceneParts, bead: int) -> float | Floats:
+def modulus(scene: SceneContext, bead: int) -> float | Floats:
     """Plane modulus of a bead (from 0, or the end) of every chain, [chain], in the reference bead's."""
     return _beads(scene)[2][:, bead] if unlike(scene) else 1.0
 
 
-def yield_strengths(scene: SceneParts) -> float | Floats:
+def yield_strengths(scene: SceneContext) -> float | Floats:
     """Yield strength of the beads, [chain, bead], in the reference bead's; 1 where all are the same."""
     strengths = _beads(scene)[3]
     return 1.0 if np.all(strengths == 1.0) else strengths
 
 
-def _refuse(scene: SceneParts) -> None:
+def _refuse(scene: SceneContext) -> None:
     kinds = scene.kinds or {}
     for kind_name, kind in kinds.items():
         kind.refuse(f"kinds.{kind_name}", scene.material)
@@ -265,29 +265,29 @@ def _refuse(scene: SceneParts) -> None:
         raise ValueError("replace: one bead is replaced twice (a striker is bead 1 of its chain)")
 
 
-def _key_of_replacement(scene: SceneParts, number: int) -> str:
+def _key_of_replacement(scene: SceneContext, number: int) -> str:
     """Key in messages, with a number where there is a list of several."""
     return f"replace[{number}]" if len(scene.replace or ()) > 1 else "replace"
 
 
-def _rows(scene: SceneParts) -> tuple[tuple[str, ...], ...]:
+def _rows(scene: SceneContext) -> tuple[tuple[str, ...], ...]:
     """The pattern of each chain; none without."""
     if not scene.pattern:
         return ()
     return scene.pattern if isinstance(scene.pattern[0], tuple) else (scene.pattern,) * scene.chains
 
 
-def radii(scene: SceneParts) -> Floats:
+def radii(scene: SceneContext) -> Floats:
     """Radius of each bead, [chain, bead], over that of the reference bead."""
     return _beads(scene)[1]
 
 
-def moduli(scene: SceneParts) -> Floats:
+def moduli(scene: SceneContext) -> Floats:
     """Plane modulus of each bead, [chain, bead], over that of the reference bead."""
     return _beads(scene)[2]
 
 
-def _beads(scene: SceneParts) -> tuple[Floats, Floats, Floats, Floats]:
+def _beads(scene: SceneContext) -> tuple[Floats, Floats, Floats, Floats]:
     """Masses, radii, plane moduli and yield strengths, each [chain, bead]."""
     shape = (scene.chains, scene.beads)
     numbers = np.ones((4, *shape))

@@ -17,7 +17,7 @@ from lammps_inputs import laws, materials
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import plastic
-from lammps_inputs.ingredients.base import Ingredient, Positive, ScenePart, SceneParts
+from lammps_inputs.ingredients.base import Ingredient, Positive, SceneContext, ScenePart
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import BeadKind as Bead
 from lammps_inputs.ingredients.unequal import modulus, radii, unlike, with_its_like, yield_strengths
@@ -66,7 +66,7 @@ class Walls(Ingredient):
     right: Annotated[Kind | None, Label("right wall")] = None
     """Wall behind the last beads; none if omitted."""
 
-    def refuse(self, scene: SceneParts) -> None:
+    def refuse(self, scene: SceneContext) -> None:
         """Refuse what is no wall."""
         if self.left is None and self.right is None:
             raise ValueError("walls: name left, right or both: bead, flat, rigid, {stiffness: ...} or {material: ...}")
@@ -98,7 +98,7 @@ class Walls(Ingredient):
         blocks = (kind.material for kind in (self.left, self.right) if isinstance(kind, Face))
         return (*self.sources, *dict.fromkeys(materials.CATALOGUE[name].source for name in blocks if name))
 
-    def links(self, scene: SceneParts) -> tuple[Wall, ...]:
+    def links(self, scene: SceneContext) -> tuple[Wall, ...]:
         """Links of the beads at the ends with each wall."""
         walls = []
         for key, side, last in (("left", -1.0, 0), ("right", 1.0, -1)):
@@ -116,7 +116,7 @@ class Walls(Ingredient):
         return tuple(walls)
 
 
-def _yielding(kind: Kind, strength: NDArray[np.float64], scene: SceneParts, bead: int) -> Law | None:
+def _yielding(kind: Kind, strength: NDArray[np.float64], scene: SceneContext, bead: int) -> Law | None:
     """Law of a wall beside a bead (from 0, or the end) whose contacts yield; None where contacts are elastic."""
     if not plastic.key(scene):
         return None
@@ -135,7 +135,7 @@ def _yielding(kind: Kind, strength: NDArray[np.float64], scene: SceneParts, bead
     return plastic.law_of(scene, strength, radius, plane_modulus, soft)
 
 
-def _law(key: str, strength: NDArray[np.float64], scene: SceneParts) -> Law:
+def _law(key: str, strength: NDArray[np.float64], scene: SceneContext) -> Law:
     """Law of the contacts, with this strength.
 
     Raises:
@@ -151,7 +151,7 @@ def _law(key: str, strength: NDArray[np.float64], scene: SceneParts) -> Law:
     return law
 
 
-def _strength(kind: Kind, scene: SceneParts, bead: int) -> float | NDArray[np.float64]:
+def _strength(kind: Kind, scene: SceneContext, bead: int) -> float | NDArray[np.float64]:
     """Dimensionless strength of a wall beside a bead (from 0, or the end), [chain] where the beads there differ."""
     if not isinstance(kind, Face):
         return STRENGTHS[kind] * with_its_like(scene, bead)

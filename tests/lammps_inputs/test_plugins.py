@@ -1,7 +1,7 @@
 """Parts that distributions declare as entry points: which there are, in which order, and what is refused."""
 
 from dataclasses import dataclass
-from importlib.metadata import EntryPoint
+from importlib.metadata import EntryPoint, EntryPoints
 
 import pytest
 
@@ -16,11 +16,11 @@ class Distribution:
 
 
 def point(name, value, distribution):
-    return EntryPoint(name, value, "granchain.any")._for(Distribution(distribution))
+    return EntryPoint(name, value, "granchain.ingredients")._for(Distribution(distribution))
 
 
 def declare(monkeypatch, *points):
-    monkeypatch.setattr(plugins, "entry_points", lambda group: points)  # noqa: ARG005
+    monkeypatch.setattr(plugins, "_all_points", lambda: EntryPoints(points))
     return plugins.declared.__wrapped__
 
 

@@ -161,12 +161,7 @@ def run(
     """Run a scene in a new directory: `prepare_run`, then `run_prepared`.
 
     Args:
-        scene: what to compute.
-        directory: new or empty, or an earlier run's with ``overwrite``.
-        engine: "lammps", "reference" for the in-house integrator, or "collisions" for rigid beads.
-        ranks: MPI ranks of LAMMPS.
-        overwrite: whether an earlier run's files may be replaced.
-        force: whether LAMMPS may run with a time step above the stability bound.
+        scene, directory, engine, ranks, overwrite, force: see `prepare_run`.
         progress: called now and then with the steps done and the bead that the front has reached.
         options: see `RunningOptions`.
 

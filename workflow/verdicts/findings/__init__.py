@@ -7,5 +7,5 @@ analysis (`workflow.verdicts.analyse`) and of what `analyze` prints does not kno
 from lammps_inputs import plugins
 from workflow.verdicts.findings.finding import Finding
 
-FINDINGS: tuple[type[Finding], ...] = tuple(plugins.load("quantities", name) for name in plugins.declared("quantities"))
+FINDINGS: tuple[type[Finding], ...] = tuple(plugins.loaded("quantities").values())
 """In the order in which they are printed."""

@@ -14,7 +14,7 @@ BELOW = {
     "analysis": {"lammps_inputs"},
     "workflow": {"lammps_inputs", "analysis"},
 }
-STAIRS = {  # the lowest first
+LAYERS = {  # the lowest first
     "lammps_inputs": ("laws", "ingredients", "limits", "decks", "slurm"),
     "analysis": ("files", "shape", "tracking", "mda", "compare", "sharing", "gauges", "figures"),
     "workflow": (
@@ -98,16 +98,19 @@ def imports_of(package: str, place: str) -> set[str]:
     return set().union(*(within(file.read_text(encoding="utf-8"), package) for file in files)) - {place}
 
 
-@pytest.mark.parametrize(("package", "room"), [(package, room) for package, rooms in STAIRS.items() for room in rooms])
-def test_a_subpackage_imports_none_above_it(package, room):
-    stairs = STAIRS[package]
-    assert imports_of(package, room) & set(stairs[stairs.index(room) :]) == set()
+@pytest.mark.parametrize(
+    ("package", "subpackage"),
+    [(package, subpackage) for package, subpackages in LAYERS.items() for subpackage in subpackages],
+)
+def test_a_subpackage_imports_none_above_it(package, subpackage):
+    layers = LAYERS[package]
+    assert imports_of(package, subpackage) & set(layers[layers.index(subpackage) :]) == set()
 
 
-@pytest.mark.parametrize("package", STAIRS)
+@pytest.mark.parametrize("package", LAYERS)
 def test_subpackages_and_modules_import_one_another_in_no_circle(package):
     loose = [path.stem for path in (ROOT / package).glob("*.py") if path.stem != "__init__"]
-    places = {*loose, *STAIRS[package]}
+    places = {*loose, *LAYERS[package]}
     TopologicalSorter({place: imports_of(package, place) & places for place in places}).prepare()
 
 
@@ -137,19 +140,19 @@ def test_the_walk_over_modules_sees_imports_for_types_and_within_functions(sourc
     assert modules_imported(source, {"workflow.runs", "workflow.runs.run"}) == {name}
 
 
-@pytest.mark.parametrize("package", STAIRS)
+@pytest.mark.parametrize("package", LAYERS)
 def test_every_folder_of_a_package_is_listed_and_has_a_docstring(package):
     folders = {path.name for path in (ROOT / package).iterdir() if any(path.glob("*.py"))}
-    assert folders == set(STAIRS[package])
-    for room in folders:
-        assert ast.get_docstring(ast.parse((ROOT / package / room / "__init__.py").read_text(encoding="utf-8")))
+    assert folders == set(LAYERS[package])
+    for subpackage in folders:
+        assert ast.get_docstring(ast.parse((ROOT / package / subpackage / "__init__.py").read_text(encoding="utf-8")))
 
 
-@pytest.mark.parametrize("package", STAIRS)
+@pytest.mark.parametrize("package", LAYERS)
 def test_the_developer_guide_of_a_package_names_its_subpackages_and_modules(package):
     text = (ROOT / package / "DEVELOPING.md").read_text(encoding="utf-8")
     modules = [path.name for path in (ROOT / package).glob("*.py") if path.stem != "__init__"]
-    assert [name for name in (*STAIRS[package], *modules) if f"`{name}`" not in text] == []
+    assert [name for name in (*LAYERS[package], *modules) if f"`{name}`" not in text] == []
 
 
 @pytest.mark.parametrize(
