@@ -6,15 +6,17 @@ never find an energy, and is stopped after some time (`lammps_inputs.laws.expres
 
 import ast
 import json
+import math
 import resource
 import sys
+import time
 from typing import Any
 
 STRAIN, SQUARE = "s", "s_squared"
 
 
-PATIENCE = 5
-"""Seconds of processor time; what is not found by then is not known."""
+TIME_LIMIT = 10
+"""Seconds of processor time from the end of sympy's import; an energy that is not found by then is not known."""
 
 
 def symbols_of(signs: dict[str, int], sympy: Any) -> dict[str, Any]:
@@ -49,9 +51,11 @@ def read(node: ast.AST, symbols: dict[str, Any], sympy: Any) -> Any:
 
 def main() -> None:
     """Answer a request: ``{"force": text, "signs": {name: -1, 0 or 1}, "exponents": {name: number as text}}``."""
-    resource.setrlimit(resource.RLIMIT_CPU, (PATIENCE, PATIENCE))
     import sympy
 
+    # the first import after an installation compiles all of sympy, which may take as long as the integral
+    limit = math.ceil(time.process_time()) + TIME_LIMIT
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
     request = json.loads(sys.stdin.read())
     s, q = sympy.Symbol(STRAIN, real=True), sympy.Symbol(SQUARE, positive=True)
     symbols = symbols_of(request["signs"], sympy) | {STRAIN: s, "pi": sympy.pi}

@@ -210,6 +210,13 @@ def test_an_energy_that_is_no_smooth_formula_of_the_strain_squared_is_refused_fo
 
 
 @pytest.mark.slow
+@pytest.mark.slow  # seconds, in which Python compiles all of sympy
+def test_an_energy_is_found_although_sympy_was_never_imported_before(tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONPYCACHEPREFIX", str(tmp_path))
+    expression.derived.cache_clear()
+    assert expression.derived("k*s/sqrt(1+(s/s0)**2)", (("k", 1), ("s0", 1)), ()).even
+
+
 def test_a_scene_keeps_its_formula_and_parameters_and_no_default_beside_them():
     plain = scene(coupling=SATURATING).plain()
     assert plain["coupling"] == SATURATING
