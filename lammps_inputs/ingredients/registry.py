@@ -16,11 +16,28 @@ from lammps_inputs.ingredients.base import Ingredient
 OWN_INGREDIENTS = "GRANCHAIN_INGREDIENTS"
 """Environment variable that names modules with a user's own ingredients."""
 
-INGREDIENTS: dict[str, type[Ingredient]] = plugins.loaded("ingredients")
-"""Key of the scene -> what may stand there."""
+
+def _is_ingredient(key: object, kind: object) -> bool:
+    return isinstance(key, str) and key.isidentifier() and isinstance(kind, type) and issubclass(kind, Ingredient)
 
 
-def _own(module: str) -> dict[str, type[Ingredient]]:
+def _of_distributions() -> dict[str, type[Ingredient]]:
+    """Ingredients that installed distributions declare.
+
+    Raises:
+        InputError: one of them is no class of an ingredient, or its name cannot be a key of a scene.
+    """
+    ingredients = plugins.loaded("ingredients")
+    for key, kind in ingredients.items():
+        if not _is_ingredient(key, kind):
+            raise InputError(
+                f"granchain.ingredients: {key} = {plugins.declared('ingredients')[key].value} should be a key of a "
+                "scene and a class derived from lammps_inputs.ingredients.Ingredient, such as `bed = beds:Bed`"
+            )
+    return ingredients
+
+
+def _of_module(module: str) -> dict[str, type[Ingredient]]:
     """The ingredients of a user's module.
 
     Raises:
@@ -34,10 +51,7 @@ def _own(module: str) -> dict[str, type[Ingredient]]:
             f"{OWN_INGREDIENTS}: {module!r} is no module with a dictionary INGREDIENTS on Python's path ({reason}); "
             f"valid: `{OWN_INGREDIENTS}=mine,theirs` where mine.py and theirs.py are found by `import`"
         ) from error
-    if not isinstance(ingredients, dict) or not all(
-        isinstance(key, str) and key.isidentifier() and isinstance(kind, type) and issubclass(kind, Ingredient)
-        for key, kind in ingredients.items()
-    ):
+    if not isinstance(ingredients, dict) or not all(_is_ingredient(*item) for item in ingredients.items()):
         raise InputError(
             f"{OWN_INGREDIENTS}: INGREDIENTS of {module!r} should hold keys of a scene and classes derived from "
             'lammps_inputs.ingredients.Ingredient, such as {"bed": Bed}'
@@ -45,8 +59,10 @@ def _own(module: str) -> dict[str, type[Ingredient]]:
     return ingredients
 
 
+INGREDIENTS: dict[str, type[Ingredient]] = _of_distributions()
+"""Key of the scene -> what may stand there."""
 for _module in filter(None, (name.strip() for name in os.environ.get(OWN_INGREDIENTS, "").split(","))):
-    INGREDIENTS |= _own(_module)
+    INGREDIENTS |= _of_module(_module)
 
 
 def environment_of_children() -> dict[str, str]:

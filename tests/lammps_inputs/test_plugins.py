@@ -6,6 +6,7 @@ from importlib.metadata import EntryPoint, EntryPoints
 import pytest
 
 from lammps_inputs import InputError, plugins
+from lammps_inputs.ingredients import registry
 
 
 @dataclass(frozen=True)
@@ -50,3 +51,9 @@ def test_a_part_of_another_distribution_that_cannot_be_imported_is_named(monkeyp
     monkeypatch.setattr(plugins, "declared", lambda kind: {"a": broken})  # noqa: ARG005
     with pytest.raises(InputError, match=r"other: no_such_module:A, declared as 'a' of granchain\.studies, cannot be"):
         plugins.load("studies", "a")
+
+
+def test_what_a_distribution_declares_as_an_ingredient_is_refused_unless_it_is_a_class_of_one(monkeypatch):
+    monkeypatch.setattr(plugins, "declared", lambda kind: {"bed": point("bed", "math:pi", "other")})  # noqa: ARG005
+    with pytest.raises(InputError, match=r"^granchain\.ingredients: bed = math:pi should be a key of a scene and a"):
+        registry._of_distributions()
