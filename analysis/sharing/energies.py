@@ -52,7 +52,7 @@ class Flow:
 
     time: Floats = declare("time of some frames", "time", symbol="t")
     share: Floats = declare(
-        "energy of each chain (kinetic, contacts, ground) over that of all chains, [instant][chain]",
+        "energy of each chain (kinetic, contacts, ground) over that of all chains, [instant, chain]",
         undefined="no chain has energy, as at the start of a push",
     )
     between: Floats = declare(
@@ -60,11 +60,11 @@ class Flow:
         "drives and springs that vary)",
         undefined="the input is not positive, or that work is not known",
     )
-    centre: Floats = declare("mean bead number of the chain's energy, [instant][chain]", "beads", NO_CENTRE)
+    centre: Floats = declare("mean bead number of the chain's energy, [instant, chain]", "beads", NO_CENTRE)
     spread: Floats = declare("standard deviation of the bead number of the chain's energy", "beads", NO_CENTRE)
     action: Floats | None = declare(
         "action (energy over angular frequency) of each mode of the rows over that of all modes, slowest mode first, "
-        "[instant][mode]",
+        "[instant, mode]",
         undefined=f"{NO_MODES}; at instants at which a contact is loaded",
         default=None,
     )
