@@ -21,6 +21,12 @@ ENGINES = [LAMMPS, SCHEMES["verlet"], REFERENCE]
 OF_ENGINE, OF_REFERENCE = "engine", "reference integrator"
 """Subjects of `of_scene`: publications of LAMMPS and its scheme, and of the reference."""
 
+TITLE = "Shock pulses in single and weakly coupled granular chains"
+"""What the software is cited as, after its name."""
+
+YEAR = 2026
+"""Year of the version that ``pyproject.toml`` names."""
+
 LINKS = {"doi": "doi", "eprint": "arXiv"}
 """Field of an entry that leads to the publication -> its prefix."""
 
@@ -31,6 +37,14 @@ def bibtex() -> dict[str, str]:
     page = (importlib.resources.files("lammps_inputs") / "references.bib").read_text(encoding="utf-8")
     entries = [entry.strip() for entry in re.split(r"^(?=@)", page, flags=re.M) if entry]
     return {entry.partition("{")[2].partition(",")[0]: entry for entry in entries}
+
+
+def software(version: str) -> str:
+    """BibTeX entry of this software; ``CITATION.cff`` says the same to hosts of repositories."""
+    return (
+        f"@software{{granchain,\n  author = {{{{The granchain authors}}}},\n  title = {{granchain: {TITLE}}},\n"
+        f"  version = {{{version}}},\n  license = {{MIT}},\n  year = {{{YEAR}}},\n}}"
+    )
 
 
 def text(key: str) -> str:

@@ -1,10 +1,12 @@
 """What `granchain help` prints is the scene reference, whose tables are those of the types."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import key_tables
 import pytest
+import yaml
 
 import lammps_inputs
 from lammps_inputs import handbook, installed_scenes, library, references
@@ -115,3 +117,14 @@ def test_examples_are_valid_scenes(example, tmp_path):
     base |= {"walls": {"left": "bead", "right": "bead"}} if "between walls" in example else {}
     scene = base | library.load_plain(tmp_path / "scene.yaml")
     assert library.from_plain(scene, "SCENES.md").beads
+
+
+def test_the_software_is_cited_alike_by_hosts_of_repositories_and_by_the_command():
+    root = Path(lammps_inputs.__file__).parents[1]
+    project = tomllib.loads((root / "pyproject.toml").read_text())["project"]
+    cff = yaml.safe_load((root / "CITATION.cff").read_text())
+    assert (cff["title"], cff["version"], cff["license"]) == (project["name"], project["version"], project["license"])
+    entry = references.software(project["version"])
+    assert f"version = {{{cff['version']}}}" in entry
+    assert cff["authors"][0]["name"] in entry
+    assert str(references.YEAR) in (root / "LICENSE").read_text()

@@ -21,9 +21,9 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     cited = references.of_scene(library.find(arguments.scene))
     if arguments.bibtex:
         wanted = dict.fromkeys(key for keys in cited.values() for key in keys)
-        print("\n".join(references.bibtex()[key] for key in wanted))
+        print("\n".join([references.software(version("granchain")), *(references.bibtex()[key] for key in wanted)]))
         return CommandResult(0, cited)
-    print(f"software: granchain {version('granchain')}")
+    print(f"software: The granchain authors, granchain {version('granchain')}, {references.TITLE}")
     for subject, keys in cited.items():
         for key in keys:
             print(f"{subject}: {references.text(key)}")
