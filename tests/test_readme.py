@@ -1,4 +1,4 @@
-"""The README shows what there is."""
+"""README and gallery show what there is."""
 
 import io
 import re
@@ -16,10 +16,9 @@ from analysis.trajectory import watch
 from lammps_inputs import installed_scenes
 from workflow.formats import written_as
 
-README, SCENES = (
-    (Path(__file__).parents[1] / page).read_text(encoding="utf-8") for page in ("README.md", "lammps_inputs/SCENES.md")
-)
-SHOWN = set(re.findall(r"\]\([./]*\.github/([\w/-]+)\.png\)", README + SCENES))
+PAGES = ("README.md", "lammps_inputs/GALLERY.md", "lammps_inputs/SCENES.md", "analysis/README.md")
+README, GALLERY, *REFERENCES = ((Path(__file__).parents[1] / page).read_text(encoding="utf-8") for page in PAGES)
+SHOWN = set(re.findall(r"\]\([./]*\.github/([\w/-]+)\.png\)", "".join((README, GALLERY, *REFERENCES))))
 OTHERS = {"trade", "view"}  # of one machine's speed, and of a page in a browser
 
 
@@ -49,4 +48,4 @@ def test_bars_of_colours_have_the_colours_of_the_figure():
     "name", [name for name in installed_scenes.installed() if not name.startswith(("one-", "two-", "three-"))]
 )
 def test_every_scene_of_an_ingredient_stands_in_the_gallery(name):
-    assert f"`{name}`" in README
+    assert f"`{name}`" in GALLERY

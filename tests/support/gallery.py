@@ -1,8 +1,8 @@
-"""Draws the pictures of the README: ``python tests/support/gallery.py [NAME...]``, all of them or some.
+"""Draws the pictures of README.md and GALLERY.md: ``python tests/support/gallery.py [NAME...]``, all of them or some.
 
 Each is a figure of ``granchain run SCENE -o DIR`` and ``granchain analyze DIR --width INCHES``. Those of the gallery
-are drawn for the width at which the README shows them, 280 pixels: some panels, few ticks. A new picture is a line in
-`PICTURES` and a cell in the README, or a place in SCENES.md.
+are drawn for the width at which the pages show them, 280 pixels: some panels, few ticks. A new picture is a line in
+`PICTURES` and a cell in GALLERY.md, or a place in SCENES.md.
 """
 
 import io
