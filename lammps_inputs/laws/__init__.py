@@ -34,7 +34,7 @@ the layout of the beads in LAMMPS. Nothing here depends on scenes or problems.
 
 import functools
 from collections.abc import Hashable, Iterator
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, get_args, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,7 +140,7 @@ class ContactState:
 def _declared(kind: Hashable) -> tuple[str, ContactState] | None:
     """Name of the parameter of a class of laws that is the state of contacts, and its kind; None without one."""
     for name, hint in get_type_hints(kind, include_extras=True).items():
-        for declaration in getattr(hint, "__metadata__", ())[1:]:
+        for declaration in get_args(hint)[1:]:  # of `Annotated`
             if isinstance(declaration, ContactState):
                 return name, declaration
     return None
