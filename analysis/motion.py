@@ -11,7 +11,7 @@ import numpy as np
 
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import System, laws, physics
-from lammps_inputs.links import partners
+from lammps_inputs.links import Link, partners
 
 
 def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
@@ -147,6 +147,20 @@ def acceleration(
     return result
 
 
+def contact_law(block: Trajectory, link: Link, frame: Integers, chain: Integers, place: Integers) -> Any:
+    """Law of chosen links along chains or to the ground, in the state of their contacts at frames.
+
+    Args:
+        block: frames.
+        link: links.
+        frame, chain, place: [...] positions of frames, chains, and links along the last axis of their arrays, from 0.
+    """
+    law = laws.at(link.law, chain, place)
+    if block.contact_state is None or not laws.has_state(law):
+        return law
+    return laws.at_state(law, block.contact_state[frame, chain, place + physics.first_state(link)])
+
+
 def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> tuple[Floats, Floats]:
     """Second and third derivative of displacement at chosen (frame, chain, bead) positions of a block.
 
@@ -163,15 +177,11 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         exists = (other >= 0) & (other < x.shape[2])
         other = np.where(exists, other, bead)
         for contact in system.along:
-            law, place = contact.law, np.clip(np.minimum(row, row + side), 0, problem.beads - 2)
-            if laws.differs(law):
-                law = laws.at(law, chain, place)
-            if block.memory is not None:
-                law = laws.with_memory(law, block.memory[frame, chain, place + 1])
+            law = contact_law(block, contact, frame, chain, np.clip(np.minimum(row, row + side), 0, problem.beads - 2))
             overlap = side * (bead_x - x[frame, chain, other]) - contact.gap
             closing = side * (bead_v - v[frame, chain, other])
             acceleration -= np.where(exists, side * laws.force(law, overlap), 0.0)
-            law = on_its_branch(law, closing)
+            law = laws.on_branch(law, closing)
             rate -= np.where(exists, side * laws.stiffness(law, overlap) * closing, 0.0)
         for spring in (*system.across, *system.inner_links):
             for edge, partner in partners(spring.edges, x.shape[1], side):
@@ -180,14 +190,12 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
                 acceleration -= laws.force(law, bead_x - other_x)  # none where a chain is its own partner
                 rate -= laws.stiffness(law, bead_x - other_x) * (bead_v - other_v)
     for ground in system.ground:
-        law, strain = laws.at(ground.law, chain, row), ground.strain(bead_x)
-        if block.memory is not None:  # of walls
-            law = laws.with_memory(law, block.memory[frame, chain, row + (ground.side > 0.0)])
+        law, strain = contact_law(block, ground, frame, chain, row), ground.strain(bead_x)
         if laws.varies(law):
             law = law.now(block.time[frame])
             rate -= law.change(strain, *law)
         acceleration -= ground.side * laws.force(law, strain)
-        rate -= laws.stiffness(on_its_branch(law, ground.side * bead_v), strain) * bead_v
+        rate -= laws.stiffness(laws.on_branch(law, ground.side * bead_v), strain) * bead_v
     for load in system.loads:
         at_bead, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
         acceleration += np.where(at_bead, load.force(time), 0.0)
@@ -204,15 +212,6 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         acceleration = np.where(at_bead, prescribed.acceleration(time), acceleration)
         rate = np.where(at_bead, prescribed.jerk(time), rate)
     return acceleration, rate
-
-
-ROUNDING = 1e-9
-"""Difference from the largest overlap so far, far above rounding, within which an overlap counts as the largest."""
-
-
-def on_its_branch(law: Any, closing: Floats | float) -> Any:
-    """A law with the stiffness of loading where contacts, [...], close at their largest overlap, else of unloading."""
-    return laws.with_memory(law, law.memory - ROUNDING * np.sign(closing)) if laws.remembers(law) else law
 
 
 def strain_and_rates(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:

@@ -58,9 +58,9 @@ class Trajectory:
         first: bead that the last axis begins with; more than 1 in a window that has followed the pulse.
         exchange: [frame, `EXCHANGES`] energy that was exchanged until each frame, in units of m V**2; None where it was
             not counted, or nothing is exchanged.
-        memory: [frame, chain, bead + 1] largest overlap so far of each contact whose force depends on it: of the wall
-            before the first bead, of the contact behind each other bead, of the wall behind the last; None where no
-            force does, or a file holds not all beads.
+        contact_state: [frame, chain, bead + 1] state of each contact whose force depends on one: of the wall before the
+            first bead, of the contact behind each other bead, of the wall behind the last; None where no force does, or
+            a file holds not all beads.
         inner: [frame, 2, line, bead] displacement and velocity of the atoms that are no beads, 0 where there is none;
             None where they were not recorded.
     """
@@ -71,7 +71,7 @@ class Trajectory:
     velocity: Floats
     first: int = 1
     exchange: Floats | None = None
-    memory: Floats | None = None
+    contact_state: Floats | None = None
     inner: Floats | None = None
 
     def __repr__(self) -> str:
@@ -115,32 +115,47 @@ class Trajectory:
         arrays: dict[str, Any] = {name: change(values) for name, values in attributes if isinstance(values, np.ndarray)}
         return replace(self, **arrays)
 
-    def __getitem__(self, frames: slice) -> "Trajectory":
+    def __getitem__(self, frames: slice | Integers) -> "Trajectory":
         """Some frames of this trajectory."""
         return self._each(lambda values: values[frames])
 
     @property
     def system(self) -> System:
-        """The system at the times of these frames; laws whose force depends on the past have their memories."""
+        """The system at the times of these frames; laws whose force depends on a state of each contact have it."""
         return self.system_at(slice(None))
 
     @property
     def forces_known(self) -> bool:
-        """Whether every frame determines the forces on its beads, with what contacts remember."""
-        return self.problem.forces_known or (self.memory is not None and self.problem.recorded is None)
+        """Whether every frame determines the forces on its beads, with the states of contacts."""
+        return self.problem.forces_known or (self.contact_state is not None and self.problem.recorded is None)
 
     def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
-        """Displacements and velocities of all atoms [line, bead], and memories [chain, bead + 1], frame by frame."""
+        """Displacements and velocities of all atoms [line, bead], states of contacts [chain, bead + 1], by frame."""
         for frame, (x, v) in enumerate(zip(*self.atoms, strict=True)):
-            yield x, v, None if self.memory is None else self.memory[frame]
+            yield x, v, None if self.contact_state is None else self.contact_state[frame]
 
-    def system_at(self, frames: slice | int) -> System:
-        """The system at the times of some frames, or of one, with memories where a force depends on the past."""
-        system = physics.at(self.problem.system, self.time[frames])
-        return system if self.memory is None else physics.with_memory(system, self.memory[frames])
+    def system_at(self, frames: slice | int | Integers, time: Floats | None = None) -> System:
+        """The system at the times of some frames, or of one, or at other times, with the states of contacts of frames.
+
+        Args:
+            frames: chosen frames, [entry], or one.
+            time: [..., entry] times in units of T; by default those of the frames.
+        """
+        system = physics.at(self.problem.system, self.time[frames] if time is None else time)
+        return system if self.contact_state is None else physics.at_contact_state(system, self.contact_state[frames])
+
+    def with_motion(self, time: Floats, displacement: Floats, velocity: Floats) -> "Trajectory":
+        """Frames of the same beads at other times, [frame], in the states of contacts of these.
+
+        Args:
+            time: in units of T.
+            displacement, velocity: [frame, line, bead], see `of_atoms`.
+        """
+        moved = of_atoms(self.problem, time, displacement, velocity, self.first)
+        return replace(moved, contact_state=self.contact_state)
 
     def last(self, frames: int = 1) -> "Trajectory":
-        """The last frame or frames, copied, so that they keep no others in memory."""
+        """The last frame or frames, copied, so that they keep no others."""
         return self[-frames:]._each(np.copy)
 
     @cached_property
@@ -201,7 +216,7 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     if parts[0].problem.window is not None:
         first, last = min(part.beads[0] for part in parts), max(part.beads[-1] for part in parts)
         parts = [part.on(int(first), int(last), behind=np.nan) for part in parts]
-    arrays: dict[str, Any] = dict.fromkeys(("exchange", "memory", "inner"))
+    arrays: dict[str, Any] = dict.fromkeys(("exchange", "contact_state", "inner"))
     for field in fields(Trajectory):
         values = [getattr(part, field.name) for part in parts]
         if all(isinstance(array, np.ndarray) for array in values):
@@ -216,16 +231,18 @@ def of_atoms(
     velocity: Floats,
     first: int = 1,
     exchange: Floats | None = None,
-    memory: Floats | None = None,
+    contact_state: Floats | None = None,
 ) -> Trajectory:
     """Frames of arrays [frame, line, bead], the chains' first and those of inner atoms after them, if at all."""
     chains = problem.chains
     inner = np.stack([displacement, velocity], axis=1)[:, :, chains:] if displacement.shape[1] > chains else None
-    return Trajectory(problem, time, displacement[:, :chains], velocity[:, :chains], first, exchange, memory, inner)
+    return Trajectory(
+        problem, time, displacement[:, :chains], velocity[:, :chains], first, exchange, contact_state, inner
+    )
 
 
 def blocks(trajectory: Trajectory) -> Iterator[Trajectory]:
-    """A trajectory in memory as blocks of bounded size, like one that is read from a file."""
+    """A trajectory as blocks of bounded size, like one that is read from a file."""
     size = frames_per_block(trajectory.problem)
     for start in range(0, trajectory.frames, size):
         yield trajectory[start : start + size]
@@ -281,7 +298,7 @@ def mirrored(block: Trajectory) -> Trajectory:
         -block.displacement[..., ::-1],
         -block.velocity[..., ::-1],
         first=1 if block.problem.window is None else mirrored_bead(block.problem, int(block.beads[-1])),
-        memory=None if block.memory is None else block.memory[..., ::-1],
+        contact_state=None if block.contact_state is None else block.contact_state[..., ::-1],
         inner=None if block.inner is None else -block.inner[..., ::-1],
     )
 

@@ -251,30 +251,64 @@ def even(system: System) -> bool:
 
 
 @once
-def remembering(system: System) -> tuple[Along | Wall, ...]:
-    """The contacts and walls whose force depends on the largest overlap so far."""
-    held: tuple[Along | Wall, ...] = (*system.along, *walls(system))
-    return tuple(link for link in held if laws.remembers(link.law))
+def contacts_with_state(system: System) -> tuple[Along | Wall, ...]:
+    """The contacts and walls whose force depends on a state of each (`lammps_inputs.laws.ContactState`).
 
-
-def with_memory(system: System, memory: NDArray[np.float64]) -> System:
-    """The system with other memories, [..., chain, bead + 1]: of the wall before the first bead, of the contact behind
-    each other, and of the wall behind the last.
+    Arrays of states are [..., chain, bead + 1]: of the wall before the first bead, of the contact behind each other,
+    and of the wall behind the last.
     """
-    places = {Along: memory[..., 1:-1], -1.0: memory[..., :-1], 1.0: memory[..., 1:]}
+    touching: tuple[Along | Wall, ...] = (*system.along, *walls(system))
+    return tuple(link for link in touching if laws.has_state(link.law))
+
+
+def first_state(link: Link) -> int:
+    """Place of the state of the first link, of contacts or walls, along the last axis of an array of states."""
+    return int(isinstance(link, Along) or (isinstance(link, Wall) and link.side > 0.0))
+
+
+def state_headings(system: System) -> tuple[str, ...]:
+    """Headings of the columns of frames with the states of contacts: of that behind each bead, and of that ahead.
+
+    The latter is there where a wall is behind the last bead; none without states.
+    """
+    links = contacts_with_state(system)
+    if not links:
+        return ()
+    walled = any(isinstance(link, Wall) and link.side > 0.0 for link in links)
+    heading = laws.state_heading(links[0].law)
+    return (heading, f"{heading}_ahead")[: 1 + walled]
+
+
+def contact_state(system: System) -> NDArray[np.float64]:
+    """States of contacts at the start, [chain, bead + 1]; 0 where there is none."""
+    states = np.zeros((system.chains, system.beads + 1))
+    for link in contacts_with_state(system):
+        if isinstance(link, Along):
+            states[:, 1:-1] = laws.contact_state(link.law)
+        else:
+            end = -1 if link.side > 0.0 else 0
+            at_beads = np.broadcast_to(laws.contact_state(link.law), (system.chains, system.beads))
+            states[:, end] = at_beads[:, end]
+    return states
+
+
+def at_contact_state(system: System, states: NDArray[np.float64]) -> System:
+    """The system at other states of its contacts, [..., chain, bead + 1] (`contacts_with_state`)."""
 
     def at(link: Link) -> Link:
         if not isinstance(link, Along | Wall):
             return link
-        return replace(link, law=laws.with_memory(link.law, places[Along if isinstance(link, Along) else link.side]))
+        first, links = first_state(link), system.beads - isinstance(link, Along)
+        return replace(link, law=laws.at_state(link.law, states[..., first : first + links]))
 
     return replace(system, links=tuple(map(at, system.links)))
 
 
-def lost_by_yielding(system: System) -> Any:
-    """Energy dissipated by contacts and walls, [...], from their memories; NaN where a law has no such function."""
-    lost = (link.law.lost(*link.law) if hasattr(link.law, "lost") else np.nan for link in remembering(system))
-    return sum((np.sum(energy, axis=(-2, -1)) if np.ndim(energy) else energy for energy in lost), 0.0)
+def dissipated_by_contacts(system: System) -> Any:
+    """Energy dissipated by contacts and walls, [...], in their states; 0.0 where they have none."""
+    links = contacts_with_state(system)
+    energies = [link.law.dissipated(*link.law) for link in links]  # type: ignore[attr-defined]
+    return sum((np.sum(energy, axis=(-2, -1)) if np.ndim(energy) else energy for energy in energies), 0.0)
 
 
 def contact_loss(system: System) -> ContactLoss | None:
@@ -332,14 +366,15 @@ def at(system: System, time: Any) -> System:
 # --- dashpots ---------------------------------------------------------------------------------------------------------
 
 
-def dashpot_names(system: System) -> tuple[str | None, ...]:
-    """Names of the dashpots along, across, to the ground and of walls; None where there are none."""
+def dissipation_names(system: System) -> tuple[str | None, ...]:
+    """Names of what dissipates: dashpots along, across, to the ground and of walls, contacts; None where none does."""
 
     def names(kind: type[Link]) -> list[str]:
         walled = kind is Wall
         return [x.name for x in system.dampers if isinstance(x, kind) and isinstance(x, Wall) == walled]
 
-    return tuple(" and ".join(dict.fromkeys(names(kind))) or None for kind in (Along, Across, Ground, Wall))
+    dashpots = (" and ".join(dict.fromkeys(names(kind))) or None for kind in (Along, Across, Ground, Wall))
+    return (*dashpots, "plastic contacts" if contacts_with_state(system) else None)
 
 
 def velocity_at_full_steps(system: System) -> bool:

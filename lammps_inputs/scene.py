@@ -456,10 +456,7 @@ class BaseScene(ScenePart):
         inner_mass, inner_links, inner_dampers = self._inner
         borne = physics.with_inner(mass, inner_mass, self.chains)
         static = sum((ingredient.static(self, borne) for ingredient in self.ingredients), np.float64(0.0))
-        if any(laws.remembers(link.law) for link in touching):
-            laws.refuse_incomplete(touching[0].law)
-            taken |= {Fact.FRAMES, Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE}
-            taken |= set() if plastic.key(self) else {Fact.MOMENTUM}
+        taken |= plastic.taken_away(self, touching[0].law)
         system = System(
             chains=self.chains,
             beads=self.beads,

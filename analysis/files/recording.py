@@ -89,7 +89,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
         for start in range(first, dump.n_frames, size * stride):
             chosen = slice(start, start + size * stride, stride)
             time = dump.steps[chosen] / problem.steps_per_frame * problem.every
-            values = dump.read(chosen.start, chosen.stop, chosen.step, columns=columns(problem))
+            values = dump.read(chosen.start, chosen.stop, chosen.step, columns=problem.columns)
             try:
                 yield from of_frames(problem, time, values)
             except ValueError as error:
@@ -102,11 +102,6 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
             warnings.warn(CutDumpWarning(f"{empty}; it is passed over"), stacklevel=2)
 
 
-def columns(problem: Problem) -> tuple[str, ...]:
-    """The columns of a dump that `of_frames` needs."""
-    return ("x", "vx", *problem.memory_columns) if problem.window is None else ("mol", "x", "vx")
-
-
 def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajectory]:
     """Frames as a block of all recorded beads, or of a window, as a block for each place that it stands at.
 
@@ -116,7 +111,7 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
     Args:
         problem: what was run.
         time: [frame] in units of T.
-        values: [frame, column, atom], see `columns`; the array is changed in place.
+        values: [frame, column, atom], see `Problem.columns`; the array is changed in place.
 
     Raises:
         ValueError: the molecules are not rows of a window.
@@ -127,7 +122,7 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
     values = values.reshape(len(time), -1, *atom_ids(problem).shape)
     if problem.window is None:
         values[:, 0] -= rest_positions(problem)
-        yield Trajectory(problem, time, values[:, 0], values[:, 1], memory=_memory(values[:, 2:]))
+        yield Trajectory(problem, time, values[:, 0], values[:, 1], contact_state=_contact_state(values[:, 2:]))
         return
     tail = values[:, 0].min(axis=(1, 2)).astype(np.int64)
     for frames in np.split(np.arange(len(time)), np.flatnonzero(np.diff(tail)) + 1):
@@ -139,7 +134,7 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
         yield Trajectory(problem, time[frames], displacement, ordered[:, 2], first=int(row[0]))
 
 
-def _memory(columns: Floats) -> Floats | None:
+def _contact_state(columns: Floats) -> Floats | None:
     """[frame, chain, bead + 1] from the columns of a dump; None where it has none."""
     if not columns.shape[1]:
         return None
@@ -190,21 +185,21 @@ class Writer:
         self._rest = rest_of_atoms(problem)
         self._timestep = problem.timestep
         self._place = slice(None) if problem.lines == problem.chains else ids - 1
-        self._names = " ".join(("id", "x", "vx", *problem.memory_columns))
-        self._rows = np.empty((len(ids), 3 + len(problem.memory_columns)), dtype="<f8")
+        self._names = " ".join(("id", "x", "vx", *problem.state_columns))
+        self._rows = np.empty((len(ids), 3 + len(problem.state_columns)), dtype="<f8")
         self._rows[:, 0] = ids
         width = 2.0 * (problem.layout.diameter + physics.gap(problem.system))
         self._lateral = (-width, width * problem.lines, -width, width)
         self._file = Path(path).open("wb")  # noqa: SIM115  closed by `close`
 
-    def append(self, step: int, displacement: Floats, velocity: Floats, memory: Floats | None = None) -> None:
+    def append(self, step: int, displacement: Floats, velocity: Floats, contact_state: Floats | None = None) -> None:
         """Write one frame.
 
         Args:
             step: number of the time step.
             displacement: [chain, recorded bead], the lines of inner atoms after the chains (`Trajectory.atoms`).
             velocity: [chain, recorded bead], with the lines of inner atoms.
-            memory: [chain, bead + 1], where forces depend on it.
+            contact_state: [chain, bead + 1] states of contacts, where forces depend on them.
 
         Raises:
             ValueError: an array has another shape.
@@ -216,8 +211,8 @@ class Writer:
         rows[:, 1] = self._rest + displacement.ravel()[self._place]
         rows[:, 2] = velocity.ravel()[self._place]
         for place in range(3, rows.shape[1]):
-            assert memory is not None
-            rows[:, place] = memory[:, place - 3 : memory.shape[1] + place - 4].ravel()
+            assert contact_state is not None
+            rows[:, place] = contact_state[:, place - 3 : contact_state.shape[1] + place - 4].ravel()
         x = rows[:, 1]
         box = (x.min(), x.max(), *self._lateral)
         head = header(step, step * self._timestep, x.size, box, self._names)

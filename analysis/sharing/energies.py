@@ -25,7 +25,6 @@ from analysis.between_frames import (
     interpolated,
     moments_of_chains,
     steps_from,
-    system_at,
 )
 from analysis.conservation import energy_input
 from analysis.quantity import declare, result
@@ -286,7 +285,7 @@ class EnergyShares:
         time, x, v = moments_of_chains(block, frame, step, beads)
         x, v = x[..., : self.problem.chains, :], v[..., : self.problem.chains, :]
         first = block.first + beads.start
-        system = system_at(block, frame, time)
+        system = block.system_at(frame, time)
         kinetic = motion.kinetic_energy(system, v, first)
         contacts = motion.contact_energy(system, x, first)
         total = np.sum(kinetic, axis=-1) + np.sum(contacts, axis=-1)

@@ -429,8 +429,8 @@ def resolved(shared: Sharing, system: System) -> bool:
 
 def dissipates(system: System) -> bool:
     """Whether contacts or beads lose energy, or contacts yield, so that every pulse decays as long as it runs."""
-    along, _, ground, _ = physics.dashpot_names(system)
-    return along is not None or ground is not None or bool(physics.remembering(system))
+    along, _, ground, _, contacts = physics.dissipation_names(system)
+    return any(name is not None for name in (along, ground, contacts))
 
 
 def runs_exact_waves(system: System) -> bool:

@@ -4,15 +4,16 @@ The continued run is bit for bit the uninterrupted one, on any number of ranks. 
 owns them and in which order their forces are added up is settled once, with the beads at rest. So a restart holds the
 beads at rest: each one's place is parked in its ``vy``, which is zero by construction, and is taken from there when
 LAMMPS has settled everything as at the start. The forces at those places are computed by a step in which no bead moves.
-With damping they are those of velocities of half a step before, and of contacts that yield those of memories before the
+With damping they are those of velocities of half a step before, and of contacts that yield those of overlaps before the
 step, so they are kept, too, in ``vz``.
 
 Frames of a continued run stand in ``chains.dump.bin``, ``chains.dump.2.bin``, ``chains.dump.3.bin`` and so on; the
 first one that a step stands in counts.
 """
 
-from lammps_inputs import file_names, physics, scheme, static_load, window
+from lammps_inputs import file_names, scheme, static_load, window
 from lammps_inputs.decks import deck
+from lammps_inputs.facts import Fact
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.system import System
@@ -127,9 +128,9 @@ _GIVEN_FORCES = (
 
 def _keeps_forces(system: System) -> bool:
     """Whether forces at present places are not those that LAMMPS computes there: of velocities of half a step before,
-    or of memories before this step.
+    or of the largest overlaps before this step.
     """
-    return bool(system.dampers or physics.remembering(system))
+    return bool(system.dampers or not system.holds(Fact.FRAMES))
 
 
 def onward_lines(problem: Problem, *, timings: bool = True) -> list[str]:

@@ -1,4 +1,4 @@
-"""LAMMPS input for a scene: ``in.chains`` and ``data.chains``, rendered in memory and written once.
+"""LAMMPS input for a scene: ``in.chains`` and ``data.chains``, rendered and written once.
 
 The deck is the equation of motion and nothing else: what the scene does not name leaves no line. It runs with a stock
 ``lmp`` (GRANULAR; MOLECULE for coupled chains, CLASS2 for cubic springs, DPD-BASIC for damped ones) from the 29Sep2021
@@ -36,9 +36,6 @@ from lammps_inputs.units import Scale, sphere_density
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import Scene
-
-COLUMNS = ("id", "x", "vx")
-WINDOW_COLUMNS = ("id", "mol", "x", "vx")
 
 START = (
     "units lj                         # dimensionless",
@@ -160,8 +157,8 @@ def _of_links(problem: Problem) -> tuple[DeckLines, ...]:
 
 def _of_link(link: Link, layout: Layout) -> DeckLines:
     """The law's own lines; contacts whose law spells no dashpots of its own have them beside."""
-    if isinstance(link, Wall):
-        return DeckLines() if laws.remembers(link.law) else wall_lines(link, layout)
+    if isinstance(link, Wall) and _kind(link) != "at_wall":
+        return wall_lines(link, layout)
     lines: DeckLines = getattr(link.law, _kind(link))(link if isinstance(link, Across) else link.name, layout)
     damped = isinstance(link, Along) and layout.contact_loss is not None
     return dashpot.beside(lines, layout) if damped and not lines.damped else lines
@@ -172,8 +169,7 @@ def refusal(system: System) -> str:
     try:
         _refuse_unknown(system)
         for link in system.links:
-            differs = laws.differs(link.law) or laws.remembers(link.law)
-            if hasattr(link.law, "derived") or (isinstance(link, Along) and differs):
+            if hasattr(link.law, "derived") or isinstance(link, Along):
                 _of_link(link, Layout(system))
     except ValueError as error:
         return str(error)
@@ -189,9 +185,9 @@ def _refuse_unknown(system: System) -> None:
 
 def _kind(link: Link) -> str:
     """Lines that LAMMPS has for a law on such a link."""
-    if isinstance(link, Wall) and not laws.remembers(link.law):
-        return "wall" if hasattr(link.law, "wall") else "exponent"
-    return "along" if isinstance(link, Along | Wall) else "across" if isinstance(link, Across) else "ground"
+    if isinstance(link, Wall):
+        return next((name for name in ("at_wall", "wall") if hasattr(link.law, name)), "exponent")
+    return "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
 
 
 def interactions(problem: Problem) -> list[list[str]]:
@@ -298,7 +294,7 @@ def _types(problem: Problem) -> AtomTypes | None:
 
 def columns(problem: Problem) -> tuple[str, ...]:
     """Columns of the dump."""
-    return (*COLUMNS, *problem.memory_columns) if problem.window is None else WINDOW_COLUMNS
+    return ("id", *problem.columns)
 
 
 def _tied(system: System) -> bool:

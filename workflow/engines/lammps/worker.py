@@ -208,7 +208,7 @@ def fault(
         return None
     energy = float(motion.energy(system, displacement, velocity, first)) + elsewhere
     change = energy / physics.energy(system) - 1.0
-    if change > ENERGY_TOLERANCE and (system.loads or system.dampers or physics.remembering(system)):
+    if change > ENERGY_TOLERANCE and (system.loads or system.dampers or not system.holds(Fact.FRAMES)):
         bound = "the largest possible work of the pushes" if system.loads else "the energy input"
         return f"the energy is {100.0 * change:.3g}% above {bound}; {_remedy(problem)}"
     if system.holds(Fact.ENERGY) and not system.loads and abs(change) > ENERGY_TOLERANCE:
