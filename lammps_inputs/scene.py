@@ -572,7 +572,8 @@ class BaseScene(ScenePart):
         )
 
     def __repr__(self) -> str:
-        return f"<scene {self.name}: {self.chains} x {self.beads} beads>"
+        chains = "1 chain" if self.chains == 1 else f"{self.chains} chains"
+        return f"<scene {self.name}: {chains} of {self.beads} beads>"
 
     __str__ = __repr__
 

@@ -5,13 +5,12 @@ where one leading pulse ends and another one leads.
 """
 
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.columns import Columns
-from analysis.quantity import declare, declared, result, table
+from analysis.quantity import declare, declared, in_units, result
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, local_speed, track_pulses
 from analysis.tracking.succession import Change, changes, numbers
@@ -63,30 +62,25 @@ class Waves(Columns):
         chains, beads = (len(np.unique(numbers)) for numbers in (self.chain, self.bead))
         return f"<leading pulses of {chains} chains at {beads} beads: {', '.join(self.arrays())}>"
 
-    def measured(self, scale: Scale) -> "Waves":
+    def measured(self, scale: Scale) -> Self:
         """Waves in the units of a scene."""
-        columns = dict(zip(declared(Waves), table(self, scale).values(), strict=False))
+        columns = {
+            name: in_units(getattr(self, name), quantity.unit, scale)
+            for name, (quantity, _) in declared(type(self)).items()
+        }
         return replace(self, **columns, time=self.time * scale.time)
-
-    def array(self) -> NDArray[np.void]:
-        """Structured array, [wave], of these columns, dimensionless."""
-        columns = self.arrays()
-        made = np.zeros(len(self), dtype=[(name, column.dtype) for name, column in columns.items()])
-        for name, column in columns.items():
-            made[name] = column
-        return made
 
     @property
     def ends(self) -> Integers:
         """Positions, [end], of entries after which another pulse of the chain leads; entries are sorted by bead."""
         return np.flatnonzero((np.diff(self.chain) == 0) & (np.diff(self.pulse) != 0))
 
-    def at(self, bead: int) -> "Waves":
-        """The chains' leading pulses at one bead."""
+    def at(self, bead: int) -> Self:
+        """Entries of all chains at one bead, numbered from 1."""
         return self.where(self.bead == bead)
 
-    def of_chain(self, chain: int) -> "Waves":
-        """One chain's leading pulse at all beads."""
+    def of_chain(self, chain: int) -> Self:
+        """Entries of one chain, numbered from 1, at all beads that its leading pulse reached."""
         return self.where(self.chain == chain)
 
 

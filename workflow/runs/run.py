@@ -45,18 +45,32 @@ class CompletedRun:
 
     @property
     def trajectory(self) -> Trajectory:
-        """All frames, dimensionless; read from the disk when asked for."""
+        """All frames, in units of V, T and L, read from the disk when they are asked for.
+
+        Its arrays are ``time`` [frame], ``displacement`` and ``velocity`` [frame, chain, bead], float64.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "frames", engine="reference").trajectory
+            >>> frames.velocity[0, 0, :3]  # the kick
+            array([1., 0., 0.])
+        """
         return self.directory.trajectory
 
     @property
     def si(self) -> FramesInUnits:
-        """All frames in the scene's units."""
+        """All frames in the scene's units: SI where it has a material, else reduced units; arrays as `trajectory`'s.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "in-units", engine="reference").si
+            >>> frames.velocity.ndim, len(frames.time) == len(frames.velocity)
+            (3, True)
+        """
         return self.trajectory.measured()
 
     def __repr__(self) -> str:
         job, problem = self.directory.job, self.directory.problem
-        error = "" if self.check is None else f", error {self.check.velocity:.1e} V"
-        return f"<run {problem.name} in {self.directory.path}: {self.outcome}, {job.engine}{error}>"
+        error = "" if self.check is None else f", error of velocities {self.check.velocity:.1e} V"
+        return f"<run of {problem.name} in {self.directory.path}: {self.outcome}, computed by {job.engine}{error}>"
 
     def _repr_html_(self) -> str:
         record = self.directory.job.plain()

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Group:
     """Statistics of a quantity over the cases of a sweep that have the same values in some fields.
 
@@ -35,6 +35,12 @@ class Group:
     fields: dict[str, Any]
     statistics: Statistics
     histogram: Histogram
+
+    def __repr__(self) -> str:
+        numbers = self.statistics
+        at = "".join(f", {name} = {value}" for name, value in self.fields.items())
+        spread = f"mean {numbers.mean:.6g}, standard error {numbers.standard_error:.2g}"
+        return f"<statistics of {self.quantity} over {numbers.values} cases{at}: {spread}>"
 
     def plain(self) -> dict[str, Any]:
         """Quantity, fields and statistics for JSON; what is undefined is None."""

@@ -1,0 +1,76 @@
+"""Examples in the docstrings of `granchain` and of what its functions return: they run, and print what is written."""
+
+import doctest
+import inspect
+
+import pytest
+
+import granchain
+from analysis.trajectory import FramesInUnits, Trajectory
+from workflow.runs.check import Check
+from workflow.runs.run import CompletedRun
+from workflow.runs.run_directory import RunDirectory
+
+SWEEP = {"scene": "one-chain", "vary": {"kick.velocity": [1.0, 2.0]}, "engine": "reference"}
+STEEL = {
+    "name": "steel",
+    "beads": 12,
+    "material": {"name": "steel", "radius": 4.76e-3},
+    "kick": {"velocity": 0.4},
+    "duration": 2e-4,
+}
+
+CLASSES = (
+    *(kind for name in granchain.__all__ if inspect.isclass(kind := getattr(granchain, name))),
+    CompletedRun,
+    RunDirectory,
+    Trajectory,
+    FramesInUnits,
+    Check,
+)
+FUNCTIONS = [function for name in granchain.__all__ if inspect.isfunction(function := getattr(granchain, name))]
+
+
+def examples():
+    """Name of an object -> its examples."""
+    finder = doctest.DocTestFinder(exclude_empty=True, recurse=False)
+    objects = {"granchain": granchain} | {f"granchain.{function.__name__}": function for function in FUNCTIONS}
+    for kind in CLASSES:
+        objects[kind.__name__] = kind
+        members = {name: value for name, value in vars(kind).items() if not name.startswith("_")}
+        objects |= {f"{kind.__name__}.{name}": value for name, value in members.items() if inspect.getdoc(value)}
+    return {
+        name: tests[0]
+        for name, thing in objects.items()
+        if (tests := finder.find(getattr(thing, "__func__", thing), name, module=False, globs={})) and tests[0].examples
+    }
+
+
+EXAMPLES = examples()
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A directory with the runs `out` and `steel` and the sweep `swept`."""
+    path = tmp_path_factory.mktemp("examples")
+    granchain.run("two-chains", path / "out")
+    granchain.run(STEEL, path / "steel", engine="reference")
+    granchain.sweep(SWEEP, path / "swept", jobs=1)
+    return path
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("pool_here", "lammps_here")
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_example_prints_what_is_written(name, place, monkeypatch):
+    monkeypatch.chdir(place)
+    lines = []
+    test = EXAMPLES[name]
+    test.globs = {"granchain": granchain}
+    doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test, out=lines.append)
+    assert lines == []
+
+
+def test_every_function_has_an_example():
+    missing = {f"granchain.{function.__name__}" for function in FUNCTIONS} - set(EXAMPLES)
+    assert missing == set()
