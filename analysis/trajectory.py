@@ -178,6 +178,12 @@ class Trajectory:
     def bead(self, number: int) -> int:
         """Position of a bead (counted from 1) along the last axis.
 
+        Args:
+            number: number of the bead.
+
+        Returns:
+            The position, from 0.
+
         Raises:
             ValueError: the bead was not recorded.
         """
@@ -189,6 +195,12 @@ class Trajectory:
 
 def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     """One trajectory of consecutive blocks.
+
+    Args:
+        blocks: consecutive frames.
+
+    Returns:
+        All frames in one trajectory.
 
     Raises:
         ValueError: there is no block.

@@ -533,6 +533,13 @@ class BaseScene(ScenePart):
         """Scene with every default written out; resolving twice changes nothing.
 
         The time step is that of the rule; one that keeps an accuracy is found by `workflow.prepare.settings`.
+
+        Returns:
+            The scene.
+
+        Examples:
+            >>> granchain.load("two-chains").resolved().output.every
+            0.1
         """
         every, steps = self._cadence()
         output = self.output.model_copy(update={"every": every})
@@ -542,9 +549,16 @@ class BaseScene(ScenePart):
     def problem(self) -> Problem:
         """The dimensionless problem at V = 1.
 
+        Returns:
+            The problem, in units of V, T, L and the mass of a bead.
+
         Raises:
             ValueError: the scene ends at a bead, or asks for an accuracy; `workflow.prepare.settings.with_settings`
                 finds the duration and the time step.
+
+        Examples:
+            >>> granchain.load("two-chains").problem().frames
+            1920
         """
         if self.duration is None:
             raise ValueError(
@@ -581,7 +595,15 @@ class BaseScene(ScenePart):
         return html.text(strict_yaml.dump(self.plain()))
 
     def plain(self) -> dict[str, Any]:
-        """Nested plain data for YAML, without what the scene does not name."""
+        """Nested plain data for YAML, without what the scene does not name.
+
+        Returns:
+            The keys and values, of mappings, lists, numbers and text.
+
+        Examples:
+            >>> granchain.load("two-chains").plain()["coupling"]
+            {'model': 'linear', 'stiffness': 0.1}
+        """
         data = self.model_dump(mode="json", exclude_none=True)
         keys = [key for key in BaseScene.model_fields if key in data]
         keys[keys.index("kick") : keys.index("kick")] = [key for key in INGREDIENTS if key in data]

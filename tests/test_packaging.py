@@ -27,7 +27,7 @@ def built(tmp_path_factory):
     place = tmp_path_factory.mktemp("built")
     run("git", "clone", "-q", ROOT, place / "source")
     code = f"import hatchling.build as made; print(made.build_sdist({str(place)!r}))"
-    run(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "hatchling>=1.27")
+    run(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "hatchling>=1.27", "editables")
     environment = {"PYTHONPATH": str(place / "backend"), "PATH": "/usr/bin:/bin"}
     sdist = place / run(sys.executable, "-c", code, cwd=place / "source", env=environment).split()[-1]
     run(sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", place, sdist)

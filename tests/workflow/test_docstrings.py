@@ -2,11 +2,16 @@
 
 import doctest
 import inspect
+from functools import cached_property
+from types import FunctionType
 
 import pytest
 
 import granchain
+from analysis.columns import Columns
+from analysis.tracking.leading_waves import Waves
 from analysis.trajectory import FramesInUnits, Trajectory
+from lammps_inputs.scene import BaseScene
 from workflow.runs.check import Check
 from workflow.runs.run import CompletedRun
 from workflow.runs.run_directory import RunDirectory
@@ -27,6 +32,9 @@ CLASSES = (
     Trajectory,
     FramesInUnits,
     Check,
+    Waves,
+    Columns,
+    BaseScene,
 )
 FUNCTIONS = [function for name in granchain.__all__ if inspect.isfunction(function := getattr(granchain, name))]
 
@@ -71,6 +79,18 @@ def test_the_example_prints_what_is_written(name, place, monkeypatch):
     assert lines == []
 
 
-def test_every_function_has_an_example():
-    missing = {f"granchain.{function.__name__}" for function in FUNCTIONS} - set(EXAMPLES)
-    assert missing == set()
+def test_every_function_and_what_results_have_is_shown_by_an_example():
+    shown = {f"granchain.{function.__name__}" for function in FUNCTIONS}
+    for kind in (granchain.Run, CompletedRun, granchain.Analysis, granchain.Validation, granchain.SweepTable):
+        shown |= public(kind)
+    for kind in (granchain.Group, granchain.WavesTable, Waves, Columns):
+        shown |= public(kind)
+    data_frames = {"SweepTable.pandas", "WavesTable.pandas"}  # pandas need not be installed
+    assert shown - set(EXAMPLES) == data_frames
+
+
+def public(kind):
+    """Names of the methods and properties that a class defines."""
+    made = {name: value for name, value in vars(kind).items() if not name.startswith("_")}
+    callables = (FunctionType, property, cached_property)
+    return {f"{kind.__name__}.{name}" for name, value in made.items() if isinstance(value, callables)}

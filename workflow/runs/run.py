@@ -138,6 +138,9 @@ def prepare_run(
         force: whether LAMMPS may run with a time step above the stability bound.
         source: what the user calls the scene, for messages; by default its name.
 
+    Returns:
+        What `run_prepared` begins with; nothing is written yet.
+
     Raises:
         InputError: the directory, engine, number of ranks or time step cannot be used, or the run is too large.
     """
@@ -175,9 +178,17 @@ def run(
     """Run a scene in a new directory: `prepare_run`, then `run_prepared`.
 
     Args:
-        scene, directory, engine, ranks, overwrite, force: see `prepare_run`.
+        scene: what to compute.
+        directory: new or empty, or an earlier run's with ``overwrite``.
+        engine: see `prepare_run`.
+        ranks: MPI ranks of LAMMPS.
+        overwrite: whether an earlier run's files may be replaced.
+        force: whether LAMMPS may run with a time step above the stability bound.
         progress: called now and then with the steps done and the bead that the front has reached.
-        options: see `RunningOptions`.
+        **options: see `RunningOptions`.
+
+    Returns:
+        The run, done or interrupted.
 
     Raises:
         InputError: the directory, engine, number of ranks or time step cannot be used.
@@ -195,7 +206,10 @@ def run_prepared(
     Args:
         ready: see `prepare_run`.
         progress: called now and then with the steps done and the bead that the front has reached.
-        options: see `RunningOptions`.
+        **options: see `RunningOptions`.
+
+    Returns:
+        The run, done or interrupted.
 
     Raises:
         InputError: the directory has been taken meanwhile.
@@ -267,6 +281,9 @@ def carry_out(
         check: as of `run`.
         progress: as of `run`.
         spent: wall time of earlier attempts, which this one continues.
+
+    Returns:
+        The run, done or interrupted.
 
     Raises:
         InputError: something in the directory that it would write to is a link.

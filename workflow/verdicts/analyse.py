@@ -46,11 +46,12 @@ LARGEST = 1e100
 
 @dataclass(frozen=True, repr=False)
 class Analysis:
-    """What was found in a run.
+    """Waves, pulses and energies of a run, as ``analysis.json`` and the tables hold them.
 
     Attributes:
-        survey: the waves, pulses, energies and the verdict, dimensionless.
-        conservation: energy, momentum, frames seen.
+        problem: what was run; ``problem.scale`` turns dimensionless numbers into the scene's units.
+        survey: waves, pulses, energies and the verdict, in units of V, T and L.
+        conservation: drifts of energy and momentum, number of frames.
         complete: whether the dump holds every frame that the scene asks for.
         tables: CSV files written.
         figures: files drawn.
@@ -75,6 +76,9 @@ class Analysis:
         """Leading wave of each chain at each bead: the table of ``waves.csv``, in the scene's units.
 
         Dimensionless, in units of V and T, are ``survey.waves``.
+
+        Returns:
+            The table, [wave]; undefined numbers are NaN.
 
         Examples:
             >>> analysis = granchain.analyze("out")
@@ -115,6 +119,9 @@ def analyse(
         tolerances: within which a pulse is called solitary; by default 1% each.
         arrival: what counts as the arrival of a wave; by default the maximum where it is sharp, see
             `analysis.tracking.leading_waves.usual_arrival`.
+
+    Returns:
+        The analysis; its tables and figures are in the directory.
 
     Raises:
         InputError: no frames, frames that hold what is no number, or a bead that was not recorded.

@@ -33,17 +33,7 @@ TOO_COARSE = "frames are so far apart that its uncertainty exceeds a twentieth o
 
 @result
 class WavesTable(Waves):
-    """Leading wave of each chain at each bead that it reached: the columns of ``waves.csv``, each [wave].
-
-    Entries are sorted by chain, then bead. Every column is an attribute; NaN is undefined.
-
-    Examples:
-        >>> waves = granchain.analyze("out").waves
-        >>> waves.of_chain(2).at(60).peak_velocity.round(2)
-        array([0.36])
-        >>> waves.columns[:5]
-        ['chain', 'bead', 'pulse', 'arrival', 'peak_velocity']
-    """
+    """Leading wave of each chain at each bead that it reached: ``waves.csv``, sorted by chain, then bead."""
 
     lag: Floats = declare("arrival behind the wave of the kicked chain", "time", "either arrival is undefined")
     width: Floats = declare(
@@ -70,12 +60,22 @@ class WavesTable(Waves):
     wave_energy_error: Floats = declare(
         "uncertainty of ``wave_energy`` by the time between frames", "energy", "as ``wave_energy``"
     )
-    scale: Scale = DIMENSIONLESS
-    """Units that the numbers are in."""
+    scale: Scale = DIMENSIONLESS  # of the numbers
 
     @property
     def columns(self) -> list[str]:
-        """Names of the columns, in the order of ``waves.csv``: errors stand last."""
+        """Names of the columns in the order of ``waves.csv``; each is an attribute, an array [wave].
+
+        Returns:
+            The names; errors stand last.
+
+        Examples:
+            >>> waves = granchain.analyze("out").waves
+            >>> waves.columns[:5]
+            ['chain', 'bead', 'pulse', 'arrival', 'peak_velocity']
+            >>> waves.of_chain(2).at(60).peak_velocity.round(2)
+            array([0.36])
+        """
         return sorted(declared(WavesTable), key=lambda name: name.endswith("_error"))
 
     def __repr__(self) -> str:
@@ -90,7 +90,19 @@ class WavesTable(Waves):
         return html.table(title, [self.heading(name) for name in self.columns], rows)
 
     def measured(self, scale: Scale) -> Self:
-        """Table of dimensionless waves in the units of a scene."""
+        """Table of dimensionless waves in the units of a scene.
+
+        Args:
+            scale: units of the scene, of a `Problem`.
+
+        Returns:
+            The table, whose ``scale`` is that of the scene.
+
+        Examples:
+            >>> analysis = granchain.analyze("steel")
+            >>> f"{analysis.survey.waves.arrival[1]:.2f} T = {analysis.waves.arrival[1]:.2e} s"
+            '1.88 T = 2.77e-05 s'
+        """
         return replace(super().measured(scale), scale=scale)
 
     def heading(self, name: str) -> str:
@@ -138,7 +150,15 @@ class WavesTable(Waves):
         return pd.DataFrame(self.array()).rename(columns={name: self.heading(name) for name in self.columns})
 
     def to_csv(self) -> str:
-        """Text of ``waves.csv``; numbers read back exactly, and an undefined number is empty."""
+        """Text of ``waves.csv``; numbers read back exactly, and an undefined number is empty.
+
+        Returns:
+            The text.
+
+        Examples:
+            >>> granchain.analyze("out").waves.to_csv().splitlines()[0][:16]
+            'chain,bead,pulse'
+        """
         return to_csv({self.heading(name): getattr(self, name) for name in self.columns})
 
 

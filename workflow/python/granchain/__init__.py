@@ -152,7 +152,15 @@ class Run(running.CompletedRun):
     """
 
     def view(self) -> Page:
-        """Write its page and display it; see `view`."""
+        """Write its page, see `view`; needs Bokeh.
+
+        Returns:
+            The page, which a notebook displays.
+
+        Examples:
+            >>> granchain.run("one-chain", "seen", engine="reference").view()
+            <page seen/view.html>
+        """
         return view(self)
 
 
