@@ -276,7 +276,15 @@ class BaseScene(ScenePart):
 
     @property
     def unlikely(self) -> list[str]:
-        """Warnings of unlikely values, each with the unit or key that was probably meant."""
+        """Warnings of unlikely values, each with the unit or key that was probably meant.
+
+        Returns:
+            The warnings; none in a plausible scene.
+
+        Examples:
+            >>> granchain.load("two-chains").unlikely
+            []
+        """
         warnings = list(self._unlikely_solids())
         if self.material is not None and self.gap > FAR * self.material.radius:
             ratio = self.gap / self.material.radius
@@ -369,7 +377,15 @@ class BaseScene(ScenePart):
 
     @property
     def scale(self) -> Scale:
-        """Sizes of the dimensionless units in this scene's units."""
+        """Sizes of the dimensionless units in this scene's units.
+
+        Returns:
+            V, T, L and the mass of a bead, in SI or reduced units.
+
+        Examples:
+            >>> f"T = {granchain.load('two-chains-steel').scale.time:.2e} s"
+            'T = 1.22e-05 s'
+        """
         ball, velocity = self.material, self._speed()
         exponent, constant = self.contact_scale
         if ball is None:
@@ -379,7 +395,15 @@ class BaseScene(ScenePart):
 
     @property
     def units(self) -> str:
-        """Values of V, T, L and of the coupling's kappa, in one line; V is the largest excitation (MODEL.md)."""
+        """Values of V, T, L and of the coupling's kappa, in one line; V is the largest excitation (MODEL.md).
+
+        Returns:
+            The line.
+
+        Examples:
+            >>> granchain.load("two-chains").units
+            'units: V = 1 (kick velocity), T = 1, L = 1, kappa = 0.1 (reduced units)'
+        """
         scale, system = self.scale, self.system
         excitations = [(key, speed) for key, speed in self._speeds() if speed > 0.0]
         key, _ = max(excitations, key=lambda excitation: excitation[1])
