@@ -80,14 +80,32 @@ class Trajectory:
 
     @property
     def beads(self) -> Integers:
-        """Numbers of the beads along the last axis, [bead] counted from 1."""
+        """Numbers of the beads along the last axis, [bead] counted from 1.
+
+        Returns:
+            The numbers, counted from 1.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "run-beads", engine="reference").trajectory
+            >>> frames.beads[:3]
+            array([1, 2, 3])
+        """
         if self.problem.window is None:
             return self.problem.recorded_beads
         return np.arange(self.first, self.first + self.velocity.shape[2])
 
     @property
     def frames(self) -> int:
-        """Number of frames."""
+        """Number of frames.
+
+        Returns:
+            The number.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "run-frames", engine="reference").trajectory
+            >>> frames.frames == len(frames.time)
+            True
+        """
         return len(self.time)
 
     @property
@@ -105,7 +123,16 @@ class Trajectory:
         return every * max(1, round(float(self.time[1] - self.time[0]) / every))
 
     def measured(self) -> FramesInUnits:
-        """Time, displacement and velocity of these frames in the scene's units."""
+        """Time, displacement and velocity of these frames in the scene's units.
+
+        Returns:
+            The frames, in SI or reduced units.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "run-measured", engine="reference").trajectory
+            >>> frames.measured().velocity.shape == frames.velocity.shape
+            True
+        """
         scale = self.problem.scale
         return FramesInUnits(self.time * scale.time, self.displacement * scale.length, self.velocity * scale.velocity)
 
@@ -193,8 +220,19 @@ class Trajectory:
     def bead(self, number: int) -> int:
         """Position of a bead (counted from 1) along the last axis.
 
+        Args:
+            number: number of the bead.
+
+        Returns:
+            The position, from 0.
+
         Raises:
             ValueError: the bead was not recorded.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "run-bead", engine="reference").trajectory
+            >>> frames.bead(10)
+            9
         """
         positions = np.flatnonzero(self.beads == number)
         if len(positions) == 0:
@@ -204,6 +242,12 @@ class Trajectory:
 
 def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     """One trajectory of consecutive blocks.
+
+    Args:
+        blocks: consecutive frames.
+
+    Returns:
+        All frames in one trajectory.
 
     Raises:
         ValueError: there is no block.

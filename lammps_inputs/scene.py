@@ -276,7 +276,15 @@ class BaseScene(ScenePart):
 
     @property
     def unlikely(self) -> list[str]:
-        """Warnings of unlikely values, each with the unit or key that was probably meant."""
+        """Warnings of unlikely values, each with the unit or key that was probably meant.
+
+        Returns:
+            The warnings; none in a plausible scene.
+
+        Examples:
+            >>> granchain.load("two-chains").unlikely
+            []
+        """
         warnings = list(self._unlikely_solids())
         if self.material is not None and self.gap > FAR * self.material.radius:
             ratio = self.gap / self.material.radius
@@ -369,7 +377,15 @@ class BaseScene(ScenePart):
 
     @property
     def scale(self) -> Scale:
-        """Sizes of the dimensionless units in this scene's units."""
+        """Sizes of the dimensionless units in this scene's units.
+
+        Returns:
+            V, T, L and the mass of a bead, in SI or reduced units.
+
+        Examples:
+            >>> f"T = {granchain.load('two-chains-steel').scale.time:.2e} s"
+            'T = 1.22e-05 s'
+        """
         ball, velocity = self.material, self._speed()
         exponent, constant = self.contact_scale
         if ball is None:
@@ -379,7 +395,15 @@ class BaseScene(ScenePart):
 
     @property
     def units(self) -> str:
-        """Values of V, T, L and of the coupling's kappa, in one line; V is the largest excitation (MODEL.md)."""
+        """Values of V, T, L and of the coupling's kappa, in one line; V is the largest excitation (MODEL.md).
+
+        Returns:
+            The line.
+
+        Examples:
+            >>> granchain.load("two-chains").units
+            'units: V = 1 (kick velocity), T = 1, L = 1, kappa = 0.1 (reduced units)'
+        """
         scale, system = self.scale, self.system
         excitations = [(key, speed) for key, speed in self._speeds() if speed > 0.0]
         key, _ = max(excitations, key=lambda excitation: excitation[1])
@@ -530,6 +554,13 @@ class BaseScene(ScenePart):
         """Scene with every default written out; resolving twice changes nothing.
 
         The time step is that of the rule; one that keeps an accuracy is found by `workflow.prepare.settings`.
+
+        Returns:
+            The scene.
+
+        Examples:
+            >>> granchain.load("two-chains").resolved().output.every
+            0.1
         """
         every, steps = self._cadence()
         output = self.output.model_copy(update={"every": every})
@@ -539,9 +570,16 @@ class BaseScene(ScenePart):
     def problem(self) -> Problem:
         """The dimensionless problem at V = 1.
 
+        Returns:
+            The problem, in units of V, T, L and the mass of a bead.
+
         Raises:
             ValueError: the scene ends at a bead, or asks for an accuracy; `workflow.prepare.settings.with_settings`
                 finds the duration and the time step.
+
+        Examples:
+            >>> granchain.load("two-chains").problem().frames
+            1920
         """
         if self.duration is None:
             raise ValueError(
@@ -569,7 +607,8 @@ class BaseScene(ScenePart):
         )
 
     def __repr__(self) -> str:
-        return f"<scene {self.name}: {self.chains} x {self.beads} beads>"
+        chains = "1 chain" if self.chains == 1 else f"{self.chains} chains"
+        return f"<scene {self.name}: {chains} of {self.beads} beads>"
 
     __str__ = __repr__
 
@@ -577,7 +616,15 @@ class BaseScene(ScenePart):
         return html.text(strict_yaml.dump(self.plain()))
 
     def plain(self) -> dict[str, Any]:
-        """Nested plain data for YAML, without what the scene does not name."""
+        """Nested plain data for YAML, without what the scene does not name.
+
+        Returns:
+            The keys and values, of mappings, lists, numbers and text.
+
+        Examples:
+            >>> granchain.load("two-chains").plain()["coupling"]
+            {'model': 'linear', 'stiffness': 0.1}
+        """
         data = self.model_dump(mode="json", exclude_none=True)
         keys = [key for key in BaseScene.model_fields if key in data]
         keys[keys.index("kick") : keys.index("kick")] = [key for key in INGREDIENTS if key in data]

@@ -4,7 +4,8 @@ import struct
 
 import pytest
 
-from workflow import api, cli, formats
+import granchain
+from workflow import cli, formats
 from workflow.cli import main
 from workflow.sweep import run_sweep
 
@@ -14,7 +15,7 @@ def ran(tmp_path, draw_only):
     """A run of a few beads; of its figures only one is drawn."""
     scene = {"name": "tiny", "beads": 4, "kick": {"velocity": 1.0}, "duration": 2.0}
     draw_only("response")
-    return api.run(scene, tmp_path / "run", engine="reference").directory.path
+    return granchain.run(scene, tmp_path / "run", engine="reference").directory.path
 
 
 def drawn(path):

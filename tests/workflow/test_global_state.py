@@ -16,12 +16,13 @@ import sys
 import threading
 import warnings
 from pathlib import Path
+from types import FunctionType
 
 import measured
 import numpy as np
 import pytest
 
-from workflow import api
+import granchain
 from workflow.cli import main
 from workflow.studies.fit import study as fit
 
@@ -34,21 +35,22 @@ DESIGN = {"scene": SCENE, "vary": {"beads": {"from": 6, "to": 8}}, "minimize": "
 DESIGN |= {"verify": 1}
 
 CALLS = {
-    "load": lambda _, __: api.load("two-chains"),
-    "run": lambda path, _: api.run(SCENE, path / "new"),
-    "analyse": lambda _, run: api.analyse(run, figures=True),
-    "validate": lambda _, run: api.validate(run),
-    "universe": lambda _, run: [*(ts.frame for ts in api.universe(run).trajectory), gc.collect()],
-    "collect": lambda _, run: api.collect(run.parent),
-    "plot": lambda _, run: api.plot(api.collect(run.parent), "peak_velocity", "kick.velocity"),
-    "statistics": lambda _, run: api.statistics(api.collect(run.parent), "peak_velocity"),
-    "view": lambda _, run: api.view(run),
-    "sweep": lambda path, _: api.sweep(SWEEP, path / "new", jobs=2),
-    "fit": lambda path, _: api.fit(
+    "load": lambda _, __: granchain.load("two-chains"),
+    "run": lambda path, _: granchain.run(SCENE, path / "new"),
+    "analyze": lambda _, run: granchain.analyze(run, figures=True),
+    "deck": lambda path, _: granchain.deck(SCENE, path / "new"),
+    "validate": lambda _, run: granchain.validate(run),
+    "universe": lambda _, run: [*(ts.frame for ts in granchain.universe(run).trajectory), gc.collect()],
+    "collect": lambda _, run: granchain.collect(run.parent),
+    "plot": lambda _, run: granchain.plot(granchain.collect(run.parent), "peak_velocity", "kick.velocity"),
+    "statistics": lambda _, run: granchain.statistics(granchain.collect(run.parent), "peak_velocity"),
+    "view": lambda _, run: granchain.view(run),
+    "sweep": lambda path, _: granchain.sweep(SWEEP, path / "new", jobs=2),
+    "fit": lambda path, _: granchain.fit(
         measured.scene(), measured.table(path / "t.csv"), ["kick.velocity"], path / "new", lammps=False, offset=0.0
     ),
-    "design": lambda path, _: api.design(DESIGN, path / "new", jobs=1),
-    "gallery": lambda path, _: api.gallery(path / "new", ["tapered"]),
+    "design": lambda path, _: granchain.design(DESIGN, path / "new", jobs=1),
+    "gallery": lambda path, _: granchain.gallery(path / "new", ["tapered"]),
     "main, done": lambda path, _: main(["run", "one-chain", "-o", str(path / "new"), "--engine", "reference"]),
     "main, refused": lambda path, _: main(["analyze", str(path)]),
     "main, help": lambda _, __: explained(),
@@ -100,12 +102,12 @@ def ran(tmp_path_factory):
     for name in LIBRARIES:
         importlib.import_module(name)
     path = tmp_path_factory.mktemp("ran") / "sweep"
-    api.sweep(SWEEP, path, jobs=1)
+    granchain.sweep(SWEEP, path, jobs=1)
     return next(path.glob("*/run.json")).parent
 
 
 def test_every_public_function_is_asked():
-    functions = {getattr(api, name).__name__ for name in api.__all__ if not isinstance(getattr(api, name), type)}
+    functions = {name for name in dir(granchain) if isinstance(getattr(granchain, name), FunctionType)}
     assert {name for name in CALLS if not name.startswith("main")} == functions
 
 

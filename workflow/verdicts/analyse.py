@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,7 @@ from analysis.sharing.equipartition import runs_exact_waves
 from analysis.sharing.impulses import Impulses, from_events
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
-from analysis.tracking.leading_waves import Arrival, Waves
+from analysis.tracking.leading_waves import Arrival
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Trajectory, along_the_way, direction_of
 from lammps_inputs import InputError, Problem, html, physics
@@ -28,7 +29,7 @@ from workflow.runs.engines import ENGINES
 from workflow.runs.files import EVENTS, write_figure, write_json, write_text
 from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
-from workflow.verdicts.analysis_report import REPORT, WAVES, report, waves_csv
+from workflow.verdicts.analysis_report import REPORT, WAVES, WavesTable, report, waves_table
 from workflow.verdicts.findings import FINDINGS, energy
 from workflow.verdicts.findings.finding import Finding, Recorded
 from workflow.verdicts.pulse_table import pulse_table
@@ -45,11 +46,12 @@ LARGEST = 1e100
 
 @dataclass(frozen=True, repr=False)
 class Analysis:
-    """What was found in a run.
+    """Waves, pulses and energies of a run, as ``analysis.json`` and the tables hold them.
 
     Attributes:
-        survey: the waves, pulses, energies and the verdict, dimensionless.
-        conservation: energy, momentum, frames seen.
+        problem: what was run; ``problem.scale`` turns dimensionless numbers into the scene's units.
+        survey: waves, pulses, energies and the verdict, in units of V, T and L.
+        conservation: drifts of energy and momentum, number of frames.
         complete: whether the dump holds every frame that the scene asks for.
         tables: CSV files written.
         figures: files drawn.
@@ -69,20 +71,29 @@ class Analysis:
     altered: bool
     findings: dict[str, Finding]
 
-    @property
-    def waves(self) -> Waves:
-        """The leading pulse at every bead, dimensionless."""
-        return self.survey.waves
+    @cached_property
+    def waves(self) -> WavesTable:
+        """Leading wave of each chain at each bead: the table of ``waves.csv``, in the scene's units.
 
-    @property
-    def si(self) -> Waves:
-        """The leading pulse at every bead, in the scene's units."""
-        return self.waves.measured(self.problem.scale)
+        Dimensionless, in units of V and T, are ``survey.waves``.
+
+        Returns:
+            The table, [wave]; undefined numbers are NaN.
+
+        Examples:
+            >>> analysis = granchain.analyze("out")
+            >>> analysis.waves
+            <leading waves of 2 chains at 120 beads: 240 rows, reduced units>
+            >>> analysis.waves.arrival.shape
+            (240,)
+        """
+        return waves_table(self.survey)
 
     def __repr__(self) -> str:
         several = self.problem.chains > 1
-        what = self.survey.verdict.sentence if several else f"pulses tracked: {len(self.survey.pulses)}"
-        return f"<analysis of {self.problem.name}: {what}>"
+        count = len(self.survey.pulses)
+        pulses = "no pulse was tracked" if count == 0 else f"{count} pulse{'s were' if count > 1 else ' was'} tracked"
+        return f"<analysis of {self.problem.name}: {self.survey.verdict.sentence if several else pulses}>"
 
     def _repr_html_(self) -> str:
         drawn = ", ".join(path.name for path in self.figures)
@@ -108,6 +119,9 @@ def analyse(
         tolerances: within which a pulse is called solitary; by default 1% each.
         arrival: what counts as the arrival of a wave; by default the maximum where it is sharp, see
             `analysis.tracking.leading_waves.usual_arrival`.
+
+    Returns:
+        The analysis; its tables and figures are in the directory.
 
     Raises:
         InputError: no frames, frames that hold what is no number, or a bead that was not recorded.
@@ -207,7 +221,7 @@ def _write(
 
     ``pictures`` of velocity in space and time, and of beads; without them nothing is drawn.
     """
-    tables = {WAVES: waves_csv(found)}
+    tables = {WAVES: waves_table(found).to_csv()}
     makers = {} if pictures is None else _makers(found, *pictures)
     for one in findings.values():
         if one.table is not None and (rows := one.rows()) is not None:

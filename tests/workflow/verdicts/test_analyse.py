@@ -23,7 +23,7 @@ from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.gallery.entries.paper_gapped import hertz_impulses, problem_at, relative_mode
 from workflow.verdicts.analyse import analyse
-from workflow.verdicts.analysis_report import waves_csv
+from workflow.verdicts.analysis_report import waves_table
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -107,7 +107,7 @@ def test_waves_csv_of_an_si_scene_names_its_units(found):
     units = {"arrival": "s", "peak_velocity": "m/s", "speed": "beads/s", "lag": "s"}
     units |= {"chain_energy": "J", "wave_energy": "J", "arrival_error": "s", "peak_velocity_error": "m/s"}
     units |= {"chain_energy_error": "J", "wave_energy_error": "J"}
-    head, *lines = waves_csv(survey).splitlines()
+    head, *lines = waves_table(survey).to_csv().splitlines()
     assert head.split(",") == [f"{name} ({units[name]})" if name in units else name for name in COLUMNS]
     assert float(lines[0].split(",")[3]) == found.waves.arrival[0] * scale.time
 
