@@ -3,7 +3,8 @@
 Scenes may be given by name, as a file, as plain data or as a `Scene`; directories as text or paths, or as the `Run`
 that is in them. `analyse` does what the command ``analyze`` does. Mistakes raise `InputError`, failures `RunError`;
 nothing ends the interpreter. A notebook displays results as tables and figures. On a terminal and in a notebook long
-work has a progress bar.
+work has a progress bar. Studies that are installed have functions here, too: `fit`, `design` and `gallery` are
+granchain's own (entry points ``granchain.api``, see `lammps_inputs.plugins`).
 """
 
 import os
@@ -13,11 +14,11 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from lammps_inputs import InputError, Scene, library
+from lammps_inputs import InputError, Scene, library, plugins
 from workflow.errors import RunError
 from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import count_bar, progress_bar
+from workflow.screen import progress_bar
 from workflow.sweep import collect as collecting
 from workflow.sweep import file
 from workflow.sweep.collect import SweepTable, named_fields
@@ -32,10 +33,6 @@ from workflow.view import need_bokeh
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from workflow.studies.design.result import DesignResult
-    from workflow.studies.fit.result import Fit
-    from workflow.studies.gallery.study import Sections
-
 __all__ = [
     "InputError",
     "NotebookFigure",
@@ -45,9 +42,6 @@ __all__ = [
     "analyse",
     "analyze",
     "collect",
-    "design",
-    "fit",
-    "gallery",
     "load",
     "plot",
     "run",
@@ -56,6 +50,7 @@ __all__ = [
     "universe",
     "validate",
     "view",
+    *plugins.declared("api"),
 ]
 
 
@@ -98,6 +93,17 @@ class Run(running.CompletedRun):
     def view(self) -> Page:
         """Write its page, see `view`."""
         return view(self)
+
+
+def __getattr__(name: str) -> Any:
+    """Function of a study, which an installed distribution declares; imported when it is first used."""
+    if name not in plugins.declared("api"):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return plugins.load("api", name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
 
 
 AnyScene = Scene | Mapping[str, Any] | Path | str
@@ -143,7 +149,7 @@ def run(
     if not isinstance(ranks, int):
         raise InputError(f"ranks: {ranks!r} given; a whole number, 1 or more")
     ready = running.prepare_run(
-        load(scene), _path(directory), engine=engine, ranks=ranks, overwrite=overwrite, source="scene"
+        load(scene), as_path(directory), engine=engine, ranks=ranks, overwrite=overwrite, source="scene"
     )
     with progress_bar(ready.scene.name, ready.problem) as progress:
         done = running.run_prepared(ready, check=check, progress=progress)
@@ -227,7 +233,7 @@ def sweep(
         if isinstance(definition, Mapping)
         else file.load(Path(definition))
     )
-    end = carry_out(read, _path(directory), processes=jobs, check=check)
+    end = carry_out(read, as_path(directory), processes=jobs, check=check)
     if end.interrupted:
         raise RunError("interrupted: completed cases remain; the same call runs the rest")
     return collect(directory)
@@ -243,7 +249,7 @@ def collect(directory: Path | str, at_beads: Sequence[str] = ()) -> SweepTable:
     Raises:
         InputError: there are none.
     """
-    return collecting.collect(_path(directory), at_beads)
+    return collecting.collect(as_path(directory), at_beads)
 
 
 def statistics(table: SweepTable, quantity: str, over: str | None = None) -> list[Group]:
@@ -276,77 +282,6 @@ def plot(table: SweepTable, quantity: str, over: str, beside: str | None = None)
     return NotebookFigure(collecting.drawn(table, quantity, over, beside))
 
 
-def fit(
-    scene: AnyScene,
-    against: Path | str,
-    free: Sequence[str],
-    directory: Path | str,
-    *,
-    offset: float | None = None,
-    lammps: bool = True,
-) -> "Fit":
-    """Estimate fields of a scene from measured traces, with confidence intervals where a test of fit is passed.
-
-    Writes the same files as ``granchain fit``.
-
-    Args:
-        scene: its values are the start of the search.
-        against: table of traces in the scene's units.
-        free: fields to estimate, such as ``["coupling.stiffness", "kick.velocity"]``.
-        directory: created if it does not exist.
-        offset: by how much the table's times are later than the scene's; None to estimate it, too.
-        lammps: whether to run the fitted scene in LAMMPS.
-
-    Raises:
-        InputError: the scene, the table or a field cannot be used.
-        RunError: LAMMPS failed.
-    """
-    from workflow.studies.fit import study  # each of these takes a while to import
-
-    names = [free] if isinstance(free, str) else list(free)
-    source = str(scene) if isinstance(scene, str | Path) else "scene"
-    return study.fit(
-        load(scene).plain(), Path(against), names, _path(directory), source=source, offset=offset, lammps=lammps
-    )
-
-
-def design(
-    definition: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None
-) -> "DesignResult":
-    """Find the scene that minimises or maximises a quantity within bounds, on all cores; resumes an interrupted call.
-
-    Args:
-        definition: a design file, or its content as a mapping.
-        directory: new, or resumed.
-        jobs: designs at a time; as many as there are cores by default.
-
-    Raises:
-        InputError: the file is invalid, or no design is within its limits.
-        RunError: LAMMPS failed.
-    """
-    from workflow.studies.design import file as designs
-    from workflow.studies.design import study
-
-    wanted = (
-        designs.from_plain(dict(definition), Path("design"))
-        if isinstance(definition, Mapping)
-        else designs.load(Path(definition))
-    )
-    return study.carry_out(wanted, _path(directory), jobs)
-
-
-def gallery(directory: Path | str, names: Sequence[str] = ()) -> "Sections":
-    """Compute published results and compare them with the publications, as ``index.html``; all entries, or those named.
-
-    Raises:
-        InputError: there is no such entry, or the directory cannot be used.
-    """
-    from workflow.studies.gallery import study
-
-    with count_bar("gallery") as progress:
-        return study.gallery(_path(directory), [names] if isinstance(names, str) else names, progress=progress)
-
-
 def view(run_or_sweep: AnyRun) -> Page:
     """Write the page of a run or a sweep.
 
@@ -358,17 +293,17 @@ def view(run_or_sweep: AnyRun) -> Page:
 
     if isinstance(run_or_sweep, running.CompletedRun):
         run_or_sweep = run_or_sweep.directory
-    path = run_or_sweep.path if isinstance(run_or_sweep, RunDirectory) else _path(run_or_sweep)
+    path = run_or_sweep.path if isinstance(run_or_sweep, RunDirectory) else as_path(run_or_sweep)
     return Page(write.write(path))
 
 
 def _directory(run: AnyRun) -> RunDirectory:
     if isinstance(run, running.CompletedRun):
         return run.directory
-    return run if isinstance(run, RunDirectory) else RunDirectory(_path(run))
+    return run if isinstance(run, RunDirectory) else RunDirectory(as_path(run))
 
 
-def _path(path: object) -> Path:
+def as_path(path: object) -> Path:
     """A directory as the user gave it.
 
     Raises:

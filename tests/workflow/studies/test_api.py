@@ -1,0 +1,36 @@
+"""Functions of studies for scripts and notebooks: in `workflow.api`, and without effect on the rest of the process."""
+
+import measured
+import pytest
+from global_state import SCENE, assert_state_remains
+
+from lammps_inputs import plugins
+from workflow import api
+from workflow.studies.fit import study as fit
+
+DESIGN = {"scene": SCENE, "vary": {"beads": {"from": 6, "to": 8}}, "minimize": "mass", "also": ["peak_velocity"]}
+DESIGN |= {"verify": 1}
+
+CALLS = {
+    "fit": lambda path: api.fit(
+        measured.scene(), measured.table(path / "t.csv"), ["kick.velocity"], path / "new", lammps=False, offset=0.0
+    ),
+    "design": lambda path: api.design(DESIGN, path / "new", jobs=1),
+    "gallery": lambda path: api.gallery(path / "new", ["tapered"]),
+}
+
+
+def test_every_function_of_a_study_is_called_here_and_listed_with_the_others():
+    own = {name for name, point in plugins.declared("api").items() if point.module.startswith("workflow.studies.")}
+    assert own == CALLS.keys()
+    assert own <= set(api.__all__)
+    assert own <= set(dir(api))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CALLS)
+def test_the_state_of_the_process_is_as_before(name, tmp_path, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")  # bars of progress have threads
+    for count in ("STARTS", "BEGUN"):  # of a fit, which is no better for it
+        monkeypatch.setattr(fit, count, 1)
+    assert_state_remains(lambda: CALLS[name](tmp_path), tmp_path)
