@@ -1,6 +1,6 @@
 """Functions of studies for scripts and notebooks: in `workflow.api`, and without effect on the rest of the process."""
 
-import measured
+import numpy as np
 import pytest
 from global_state import SCENE, assert_state_remains
 
@@ -11,9 +11,19 @@ from workflow.studies.fit import study as fit
 DESIGN = {"scene": SCENE, "vary": {"beads": {"from": 6, "to": 8}}, "minimize": "mass", "also": ["peak_velocity"]}
 DESIGN |= {"verify": 1}
 
+
+def table(directory):
+    """A table of the velocities of one bead in a run."""
+    trajectory = api.run(SCENE, directory / "run", engine="reference").trajectory
+    path = directory / "table.csv"
+    rows = np.column_stack([trajectory.time, trajectory.velocity[:, 0, 3]])
+    np.savetxt(path, rows, delimiter=",", header="time,velocity_1_4", comments="")
+    return path
+
+
 CALLS = {
     "fit": lambda path: api.fit(
-        measured.scene(), measured.table(path / "t.csv"), ["kick.velocity"], path / "new", lammps=False, offset=0.0
+        {**SCENE, "kick": {"velocity": 1.05}}, table(path), ["kick.velocity"], path / "new", lammps=False, offset=0.0
     ),
     "design": lambda path: api.design(DESIGN, path / "new", jobs=1),
     "gallery": lambda path: api.gallery(path / "new", ["tapered"]),
