@@ -66,7 +66,7 @@ def test_a_width_that_no_figure_has_is_refused_in_one_line_with_an_example(ran, 
 
 def test_every_command_that_writes_figures_takes_their_width():
     drawing = [name for name in cli.COMMANDS if getattr(cli.module_of(name), "DRAWS", False)]
-    assert {"analyze", "collect", "fit", "sweep", "threshold", "trade", "validate"} <= set(drawing)
+    assert {"analyze", "collect", "sweep", "validate"} <= set(drawing)
     for name in drawing:
         assert "--width INCHES" in help_of(name)
 
