@@ -54,7 +54,7 @@ def compiled(function: F, **options: Any) -> F:
         _config.CACHE_DIR = before
 
 
-def inner(function: F) -> F:
+def called_by_compiled(function: F) -> F:
     """The function compiled for calls by compiled ones alone: what Python needs to call it takes long to compile."""
     return compiled(function, no_cpython_wrapper=True)
 
@@ -80,7 +80,7 @@ def ieee(function: F) -> F:
     return compiled(function, **_IEEE)
 
 
-def ieee_inner(function: F) -> F:
+def ieee_called_by_compiled(function: F) -> F:
     """The function with IEEE arithmetic, compiled for calls by compiled ones alone."""
     return compiled(function, no_cpython_wrapper=True, **_IEEE)
 

@@ -82,7 +82,7 @@ def render_continuation(problem: Problem) -> str:
             *deck.neighbour_lines(problem),
             "read_restart ${restart}          # x: places at rest; vy: present places",
             *deck.number_fix(problem),
-            *deck.inner_lines(problem),
+            *deck.group_lines(problem),
         ],
         *deck.interactions(problem),
         [

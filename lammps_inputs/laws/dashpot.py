@@ -76,8 +76,8 @@ class Dashpot(NamedTuple):
         Beads of neighbouring chains differ by their type; the cutoff is between that of a row and those beside it.
         """
         name = link.name
-        if layout.is_inner(link):
-            return self._inside(link, layout)
+        if layout.system.is_tie(link):
+            return self._tie(link, layout)
         types = np.repeat(1 + np.arange(layout.chains)[:, np.newaxis] % 2, layout.beads, axis=1)
         pressed = float(np.max(laws.rest(layout.system.along[0].law)))
         apart = layout.diameter + layout.gap
@@ -93,8 +93,8 @@ class Dashpot(NamedTuple):
             ),
         )
 
-    def _inside(self, link: LinksAcross, layout: BeadLayout) -> DeckLines:
-        """A force against the velocity of each inner atom and its bead relative to each other.
+    def _tie(self, link: LinksAcross, layout: BeadLayout) -> DeckLines:
+        """A force against the velocity of each tied atom and its bead relative to each other.
 
         LAMMPS has no dashpots in bonds. The two are a chunk of atoms, of which the sum of the velocities is known.
         """
@@ -105,9 +105,9 @@ class Dashpot(NamedTuple):
         ]
         for kind, ((coefficient,), atoms) in enumerate(atoms_by_value(self, (len(link.edges), beads)), 1):
             name, ranges = f"{link.name}{number}_{kind}", [list(map(int, ids.split(":"))) for ids in atoms.split()]
-            inner = " ".join(f"{first + apart * beads}:{last + apart * beads}" for first, last in ranges)
+            tied = " ".join(f"{first + apart * beads}:{last + apart * beads}" for first, last in ranges)
             lines += [
-                f"group {name} id {atoms} {inner}",
+                f"group {name} id {atoms} {tied}",
                 f"variable {name}_pair atom id-{apart * beads}*(id>{layout.chains * beads})",
                 f"compute {name}_pair {name} chunk/atom v_{name}_pair nchunk once ids once",
                 f"variable {name}_own atom vx",
