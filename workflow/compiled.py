@@ -26,6 +26,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import event
+from numba.core.dispatcher import Dispatcher
 
 from lammps_inputs.ingredients.registry import INGREDIENTS
 from workflow import screen
@@ -128,7 +129,7 @@ def digest(functions: Iterable[Any]) -> str:
     waiting, done = list(functions), set()
     while waiting:
         value = waiting.pop()
-        value = getattr(value, "py_func", value)
+        value = value.py_func if isinstance(value, Dispatcher) else value
         if not isinstance(value, FunctionType | ModuleType) or value in done:
             continue
         done.add(value)

@@ -20,7 +20,7 @@ The dashpot of a wall is one of the contacts': any of the three, so that coeffic
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -222,6 +222,14 @@ def alpha(share: float, exponent: float = 1.5) -> float:
     return float(np.sqrt(2.0 * (exponent + 1.0))) * loss / float(np.hypot(np.pi, loss))
 
 
+@runtime_checkable
+class LimitedInTension(Protocol):
+    """A law of damping of contacts, whose tensile force may be limited."""
+
+    tensile_limit: Parameter
+    """Strength of the contact where tension is cut, else `NO_LIMIT`."""
+
+
 def damping(law: Any, strain: Any, rate: Any) -> Any:
     """Force of a law of damping on links."""
     return law.damping(strain, rate, *law)
@@ -234,7 +242,7 @@ def resistance(law: Any, strain: Any) -> Any:
 
 def cut(law: Any) -> bool:
     """Whether a law of damping cuts tension, so that its force does not follow from the strain and its rate alone."""
-    return bool(np.min(getattr(law, "tensile_limit", NO_LIMIT)) < NO_LIMIT)
+    return isinstance(law, LimitedInTension) and bool(np.min(law.tensile_limit) < NO_LIMIT)
 
 
 def lets_go(law: Any, strain: Any, rate: Any) -> Any:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from lammps_inputs import laws, physics
 from lammps_inputs.laws import Law, dashpot
 from lammps_inputs.laws.in_time import Sine
+from lammps_inputs.laws.spring import Varying
 from lammps_inputs.links import Across, Along, Wall, largest_eigenvalue
 from lammps_inputs.scheme import LARGEST_PHASE, SchemeName
 from lammps_inputs.system import System
@@ -29,7 +30,7 @@ def fastest(system: System) -> float:
     """Angular frequency, at most, of any motion; energy bounds how stiff a contact can get."""
     endless = (load.law.omega for load in system.loads if isinstance(load.law, Sine))
     elastic = float(np.sqrt(_contacts(system) + _springs(system)))
-    modulated = (getattr(link.law, "omega", 0.0) for link in system.ground)
+    modulated = (link.law.omega for link in system.ground if isinstance(link.law, Varying))
     return max((elastic, *endless, *modulated, *(motion.omega for motion in system.motions)))
 
 

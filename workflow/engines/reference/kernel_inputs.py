@@ -265,7 +265,7 @@ def make_memory(system: System) -> Floats:
 
 def _one_number(law: Any) -> tuple[str, ...]:
     """Parameters of a law that are one number for all links, also for lines without links."""
-    return getattr(law, "one_number", ())
+    return law.one_number if isinstance(law, laws.WithOneNumber) else ()
 
 
 def _relative(apart: str) -> tuple[str, str]:
