@@ -44,9 +44,8 @@ def energy(system: System, displacement: Floats, velocity: Floats, first: int = 
     beads = slice(system.chains)
     x, v = displacement[..., beads, :], velocity[..., beads, :]
     total = 0.5 * np.sum(_weighed(system, v * v, first), axis=(-2, -1))
-    for link in system.links:
-        if not system.is_tie(link):
-            total += np.sum(link.energy(x, first), axis=(-2, -1))
+    for link in system.links_of_chains:
+        total += np.sum(link.energy(x, first), axis=(-2, -1))
     return np.asarray(total + further_energy(system, displacement, velocity))
 
 

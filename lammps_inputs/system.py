@@ -10,7 +10,7 @@ What follows from a system is in `lammps_inputs.physics`; where LAMMPS has its b
 | V                  | largest of the excitations | L / T; 1 by construction |
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -69,14 +69,30 @@ class System:
         return tuple(link for link in self.links if isinstance(link, Across))
 
     @cached_property
+    def links_of_chains(self) -> tuple[Link, ...]:
+        """The links but for the ties of further lines of atoms."""
+        return tuple(link for link in self.links if not self.is_tie(link))
+
+    @cached_property
     def couplings(self) -> tuple[Across, ...]:
         """The links across that couple chains with each other."""
-        return tuple(link for link in self.across if not self.is_tie(link))
+        return tuple(link for link in self.links_of_chains if isinstance(link, Across))
 
     @cached_property
     def ties(self) -> tuple[Across, ...]:
         """The links across that tie further lines of atoms."""
         return tuple(link for link in self.across if self.is_tie(link))
+
+    def on(self, rows: NDArray[np.int64]) -> "System":
+        """The system at chosen rows, [row] counted from 0; kicks, loads and motions keep the numbers of their beads."""
+        return replace(
+            self,
+            beads=len(rows),
+            links=tuple(link.on(rows) for link in self.links),
+            dampers=tuple(link.on(rows) for link in self.dampers),
+            mass=self.mass if isinstance(self.mass, float) else self.mass[:, rows],
+            further_mass=None if self.further_mass is None else self.further_mass[:, rows],
+        )
 
     def is_tie(self, link: Link) -> bool:
         """Whether a link ties atoms of further lines, not only beads of chains."""

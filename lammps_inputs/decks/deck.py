@@ -147,9 +147,8 @@ def spelling(problem: Problem) -> list[DeckLines]:
 
 def _spelled(system: System) -> tuple[Link, ...]:
     """The links that have lines of their own, in the order of these; dashpots of contacts and walls are with those."""
-    springs = (link for link in system.links if not system.is_tie(link))
     dampers = (link for link in system.dampers if not isinstance(link, Along | Wall))
-    return (*springs, *dampers, *system.ties)
+    return (*system.links_of_chains, *dampers, *system.ties)
 
 
 @functools.lru_cache(maxsize=1)  # types of atoms that distinguish contacts take a second of many beads
