@@ -155,10 +155,10 @@ STORED = ("kinetic", "contacts", "springs", "ground", "walls", "resonators")
 
 
 def _stored(system: System, x: Floats, v: Floats) -> dict[str, Floats]:
-    resonators = np.broadcast_to(motion.inner_energy(system, x, v), len(x))
+    resonators = np.broadcast_to(motion.further_energy(system, x, v), len(x))
     x, v = x[:, : system.chains], v[:, : system.chains]
     kinetic = motion.kinetic_energy(system, v).sum(axis=(-2, -1))
-    kinds = (system.along, system.across, physics.ground_springs(system), physics.walls(system))
+    kinds = (system.along, system.couplings, physics.ground_springs(system), physics.walls(system))
     stored = [sum((link.energy(x).sum(axis=(-2, -1)) for link in links), np.zeros(len(x))) for links in kinds]
     return dict(zip(STORED, [kinetic, *stored, resonators], strict=True))
 
@@ -214,7 +214,8 @@ class Conservation:
         )
         if not system.dampers and not system.holds(Fact.ENERGY) and system.holds(Fact.FRAMES):
             energy[:] = np.nan
-        balanced = physics.exchanges(system) or not system.holds(Fact.FRAMES) or system.inner_mass is not None
+        further = physics.lines(system) > system.chains
+        balanced = physics.exchanges(system) or not system.holds(Fact.FRAMES) or further
         if balanced:
             self._balanced(block, energy)
         if not system.holds(Fact.MOMENTUM):

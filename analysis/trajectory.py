@@ -61,8 +61,8 @@ class Trajectory:
         contact_state: [frame, chain, bead + 1] state of each contact whose force depends on one: of the wall before the
             first bead, of the contact behind each other bead, of the wall behind the last; None where no force does, or
             a file holds not all beads.
-        inner: [frame, 2, line, bead] displacement and velocity of the atoms that are no beads, 0 where there is none;
-            None where they were not recorded.
+        further_lines: [frame, 2, line, bead] displacement and velocity of lines of atoms that are no beads, 0 where
+            there is none; None where they were not recorded.
     """
 
     problem: Problem
@@ -72,7 +72,7 @@ class Trajectory:
     first: int = 1
     exchange: Floats | None = None
     contact_state: Floats | None = None
-    inner: Floats | None = None
+    further_lines: Floats | None = None
 
     def __repr__(self) -> str:
         until = f"to t = {self.time[-1]:.6g} T" if len(self.time) else "none yet"
@@ -110,11 +110,17 @@ class Trajectory:
 
     @property
     def atoms(self) -> tuple[Floats, Floats]:
-        """Displacement and velocity, each [frame, line, bead], of the beads and the inner atoms after them."""
+        """Displacement and velocity, each [frame, line, bead], of the chains and further lines after them."""
         x, v = self.displacement, self.velocity
-        if self.inner is None:
+        if self.further_lines is None:
             return x, v
-        return np.concatenate([x, self.inner[:, 0]], axis=1), np.concatenate([v, self.inner[:, 1]], axis=1)
+        further_x, further_v = self.further_lines[:, 0], self.further_lines[:, 1]
+        return np.concatenate([x, further_x], axis=1), np.concatenate([v, further_v], axis=1)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every frame holds all lines of atoms that the system has."""
+        return self.further_lines is not None or physics.lines(self.problem.system) == self.problem.chains
 
     @property
     def spacing(self) -> float:
@@ -260,7 +266,7 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     if parts[0].problem.window is not None:
         first, last = min(part.beads[0] for part in parts), max(part.beads[-1] for part in parts)
         parts = [part.on(int(first), int(last), behind=np.nan) for part in parts]
-    arrays: dict[str, Any] = dict.fromkeys(("exchange", "contact_state", "inner"))
+    arrays: dict[str, Any] = dict.fromkeys(("exchange", "contact_state", "further_lines"))
     for field in fields(Trajectory):
         values = [getattr(part, field.name) for part in parts]
         if all(isinstance(array, np.ndarray) for array in values):
@@ -277,11 +283,11 @@ def of_atoms(
     exchange: Floats | None = None,
     contact_state: Floats | None = None,
 ) -> Trajectory:
-    """Frames of arrays [frame, line, bead], the chains' first and those of inner atoms after them, if at all."""
+    """Frames of arrays [frame, line, bead], the chains' first and further lines after them, if at all."""
     chains = problem.chains
-    inner = np.stack([displacement, velocity], axis=1)[:, :, chains:] if displacement.shape[1] > chains else None
+    further = np.stack([displacement, velocity], axis=1)[:, :, chains:] if displacement.shape[1] > chains else None
     return Trajectory(
-        problem, time, displacement[:, :chains], velocity[:, :chains], first, exchange, contact_state, inner
+        problem, time, displacement[:, :chains], velocity[:, :chains], first, exchange, contact_state, further
     )
 
 
@@ -325,8 +331,7 @@ def mirrored_problem(problem: Problem) -> Problem:
             links=tuple(link.mirrored() for link in system.links),
             dampers=tuple(link.mirrored() for link in system.dampers),
             mass=physics.mass_of(system, Ellipsis, slice(None, None, -1)),
-            inner_mass=None if system.inner_mass is None else system.inner_mass[:, ::-1],
-            inner_links=tuple(link.mirrored() for link in system.inner_links),
+            further_mass=None if system.further_mass is None else system.further_mass[:, ::-1],
             loads=tuple(load.mirrored(mirrored_bead(problem, load.bead)) for load in system.loads),
             motions=tuple(motion.mirrored(mirrored_bead(problem, motion.bead)) for motion in system.motions),
         ),
@@ -343,7 +348,7 @@ def mirrored(block: Trajectory) -> Trajectory:
         -block.velocity[..., ::-1],
         first=1 if block.problem.window is None else mirrored_bead(block.problem, int(block.beads[-1])),
         contact_state=None if block.contact_state is None else block.contact_state[..., ::-1],
-        inner=None if block.inner is None else -block.inner[..., ::-1],
+        further_lines=None if block.further_lines is None else -block.further_lines[..., ::-1],
     )
 
 

@@ -41,7 +41,7 @@ class Problem:
 
     @property
     def lines(self) -> int:
-        """Lines of atoms in a frame: the chains, and those of inner atoms where all beads are recorded."""
+        """Lines of atoms in a frame: the chains, and further lines after them where all beads are recorded."""
         return physics.lines(self.system) if self.recorded is None else self.system.chains
 
     @property

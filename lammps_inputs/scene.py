@@ -16,7 +16,7 @@ from lammps_inputs import scheme as schemes
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import contacts, plastic
-from lammps_inputs.ingredients.base import Count, Ingredient, Positive, ScenePart, refuse_outside
+from lammps_inputs.ingredients.base import Count, FurtherAtoms, Ingredient, Positive, ScenePart, refuse_outside
 from lammps_inputs.ingredients.material import Material
 from lammps_inputs.ingredients.registry import INGREDIENTS, OWN_INGREDIENTS
 from lammps_inputs.ingredients.unequal import (
@@ -182,17 +182,21 @@ class BaseScene(ScenePart):
         system = self.system
         for ingredient in self.ingredients:
             ingredient.refuse_system(self, system)
-        if system.inner_mass is not None and plastic.key(self):
-            key = plastic.key(self)
-            raise ValueError(
-                f"{key}: contacts that yield are not known beside {self._inner_key}; leave one of them out"
-            )
-        if system.inner_mass is not None and self.window is not None:
-            raise ValueError(f"window: {self._inner_key} behind it keep moving; leave the window out")
+        self._check_further_atoms()
         self._check_motion(system)
         self.output.refuse(self)
         self._check_times()
         return self
+
+    def _check_further_atoms(self) -> None:
+        """Refuse what is not known beside lines of atoms that are no beads."""
+        for key, _ in self._further_atoms:
+            if plastic.key(self):
+                raise ValueError(
+                    f"{plastic.key(self)}: contacts that yield are not known beside {key}; leave one of them out"
+                )
+            if self.window is not None:
+                raise ValueError(f"window: {key} behind it keep moving; leave the window out")
 
     def _check_window(self) -> None:
         """Refuse a window where what leaves it matters."""
@@ -477,23 +481,22 @@ class BaseScene(ScenePart):
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(self)}
         taken |= {Fact.SECOND_ORDER} if any(in_time.jumps(load.law) for load in loads) else set()
-        inner_mass, inner_links, inner_dampers = self._inner
-        borne = physics.with_inner(mass, inner_mass, self.chains)
-        static = sum((ingredient.static(self, borne) for ingredient in self.ingredients), np.float64(0.0))
+        further_mass, ties, dashpots = self._in_lines([atoms for _, atoms in self._further_atoms])
         taken |= plastic.taken_away(self, touching[0].law)
         system = System(
             chains=self.chains,
             beads=self.beads,
             kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kicks),
             mass=mass,
-            links=(*touching, *made),
+            further_mass=further_mass,
+            links=(*touching, *made, *ties),
             lacks=frozenset(taken),
             loads=loads,
             motions=motions,
-            dampers=(*(link for ingredient in self.ingredients for link in ingredient.dampers(self)), *inner_dampers),
-            inner_mass=inner_mass,
-            inner_links=inner_links,
+            dampers=(*(link for ingredient in self.ingredients for link in ingredient.dampers(self)), *dashpots),
         )
+        borne = physics.mass_with_tied(system)
+        static = sum((ingredient.static(self, borne) for ingredient in self.ingredients), np.float64(0.0))
         if not np.any(static):
             return system
         try:
@@ -502,30 +505,28 @@ class BaseScene(ScenePart):
             raise ValueError(f"{self._loaded_by}: {error}") from None
 
     @property
-    def _inner(self) -> tuple[Floats | None, tuple[Across, ...], tuple[Across, ...]]:
-        """Masses of all atoms beside the beads, their links and dashpots.
+    def _further_atoms(self) -> list[tuple[str, FurtherAtoms]]:
+        """Lines of atoms that ingredients add to the chains, each with the key of its ingredient."""
+        each = [(key, ingredient.further_atoms(self)) for key, ingredient in self.named]
+        return [(key, atoms) for key, atoms in each if atoms is not None]
+
+    def _in_lines(self, each: list[FurtherAtoms]) -> tuple[Floats | None, tuple[Across, ...], tuple[Across, ...]]:
+        """Masses of all atoms that ingredients add, [line, bead], their ties and dashpots.
 
         Lines of one ingredient stand in those of another whose places are free, else after them.
         """
         masses = np.zeros((0, self.beads))
-        links: list[Across] = []
+        ties: list[Across] = []
         dampers: list[Across] = []
-        for ingredient in self.ingredients:
-            if (inner := ingredient.inner(self)) is None:
-                continue
-            first = 0
-            while np.any(masses[first : first + len(inner.mass)] * inner.mass[: max(0, len(masses) - first)]):
-                first += len(inner.mass)
-            masses = np.pad(masses, ((0, max(0, first + len(inner.mass) - len(masses))), (0, 0)))
-            masses[first : first + len(inner.mass)] += inner.mass
-            links += [link.counted_on(self.chains, first) for link in inner.links]
-            dampers += [link.counted_on(self.chains, first) for link in inner.dampers]
-        return (masses if len(masses) else None), tuple(links), tuple(dampers)
-
-    @property
-    def _inner_key(self) -> str:
-        """Key of the first ingredient that adds atoms to the beads."""
-        return next(key for key, ingredient in self.named if ingredient.inner(self) is not None)
+        for atoms in each:
+            first, count = 0, len(atoms.mass)
+            while np.any(masses[first : first + count] * atoms.mass[: max(0, len(masses) - first)]):
+                first += count
+            masses = np.pad(masses, ((0, max(0, first + count - len(masses))), (0, 0)))
+            masses[first : first + count] += atoms.mass
+            ties += [link.counted_on(self.chains, first) for link in atoms.ties]
+            dampers += [link.counted_on(self.chains, first) for link in atoms.dampers]
+        return (masses if len(masses) else None), tuple(ties), tuple(dampers)
 
     @property
     def _loaded_by(self) -> str:

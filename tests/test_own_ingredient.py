@@ -28,7 +28,7 @@ import numpy as np
 from pydantic import Field
 
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient, Inner, Positive
+from lammps_inputs.ingredients.base import FurtherAtoms, Ingredient, Positive
 from lammps_inputs.laws import Parameter, Pure, dimensionless, formula
 from lammps_inputs.laws.plastic import LargestOverlap
 from lammps_inputs.laws.spring import Linear
@@ -121,10 +121,10 @@ class Masses(Ingredient):
     mass: Positive
     stiffness: Positive
 
-    def inner(self, scene):
+    def further_atoms(self, scene):
         edges = tuple((chain, scene.chains + chain) for chain in range(scene.chains))
         link = Across("masses", Linear(self.stiffness / scene.scale.stiffness), edges=edges)
-        return Inner(np.full((scene.chains, scene.beads), self.mass / scene.scale.mass), (link,))
+        return FurtherAtoms(np.full((scene.chains, scene.beads), self.mass / scene.scale.mass), (link,))
 
     def lacks(self, scene):
         return self.takes_away

@@ -67,7 +67,7 @@ def of_recorded(trajectory: Trajectory, problem: Problem) -> Trajectory:
         problem=problem,
         displacement=trajectory.displacement[:, :, columns],
         velocity=trajectory.velocity[:, :, columns],
-        inner=None,
+        further_lines=None,
     )
 
 

@@ -43,7 +43,7 @@ def rest_of_atoms(problem: Problem) -> Floats:
 
 
 def all_ids(problem: Problem) -> Integers:
-    """Numbers of all atoms of a frame, [atom] ascending: the recorded beads, and inner atoms where all beads are."""
+    """Numbers of all atoms of a frame, [atom] ascending: the recorded beads, or all lines of atoms with all beads."""
     return physics.atom_ids(problem.system) if problem.lines > problem.chains else atom_ids(problem).ravel()
 
 
@@ -117,7 +117,7 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
         ValueError: the molecules are not rows of a window.
     """
     if problem.lines > problem.chains:
-        yield _with_inner_atoms(problem, time, values)
+        yield _of_all_lines(problem, time, values)
         return
     values = values.reshape(len(time), -1, *atom_ids(problem).shape)
     if problem.window is None:
@@ -142,8 +142,8 @@ def _contact_state(columns: Floats) -> Floats | None:
     return np.concatenate([behind, ahead[..., -1:]], axis=-1)
 
 
-def _with_inner_atoms(problem: Problem, time: Floats, values: Floats) -> Trajectory:
-    """Frames of all beads and inner atoms; places without one are at rest."""
+def _of_all_lines(problem: Problem, time: Floats, values: Floats) -> Trajectory:
+    """Frames of all lines of atoms; places without an atom are at rest."""
     lines = problem.lines
     full = np.zeros((*values.shape[:2], lines * problem.beads))
     place = all_ids(problem) - 1
@@ -179,7 +179,7 @@ class Writer:
     """
 
     def __init__(self, path: Path | str, problem: Problem) -> None:
-        """Begin a dump of the recorded beads, and of inner atoms with all of them; an existing file is replaced."""
+        """Begin a dump of the recorded beads, or of all atoms with all of them; an existing file is replaced."""
         self._shape = problem.lines, problem.rows_a_frame
         ids = all_ids(problem)
         self._rest = rest_of_atoms(problem)
@@ -197,8 +197,8 @@ class Writer:
 
         Args:
             step: number of the time step.
-            displacement: [chain, recorded bead], the lines of inner atoms after the chains (`Trajectory.atoms`).
-            velocity: [chain, recorded bead], with the lines of inner atoms.
+            displacement: [line, recorded bead], further lines of atoms after the chains (`Trajectory.atoms`).
+            velocity: [line, recorded bead], with the same lines.
             contact_state: [chain, bead + 1] states of contacts, where forces depend on them.
 
         Raises:

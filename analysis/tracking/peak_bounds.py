@@ -186,7 +186,7 @@ def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: 
 
 def _of_wall(law: Any, loss: Any, chain: Integers, bead: Integers, overlap: Floats, rate: Floats) -> Forces:
     """Exponent in time with which each force of a wall begins, and the force at this overlap and rate, [bead]."""
-    power = getattr(law, "exponent", None)
+    power = laws.exponent(law)
     yield power or 1.5, laws.whole_force(law, overlap) if power is None else law.strength * overlap**power
     if loss is not None:
         yield _of_dashpot(laws.at(loss, chain, bead)._replace(rest=0.0), overlap, rate)

@@ -62,9 +62,8 @@ def render_continuation(problem: Problem) -> str:
     Variables to set: ``restart``, the file to read; ``dump`` (and ``snapshots``), the file to write frames to, of a new
     name each time; ``steps``, the last step of the whole run.
     """
-    system = problem.system
     dumps = ["frames"] if problem.frames_per_snapshot is None else ["frames", "snapshots"]
-    again, forces = f"lmp -in {file_names.CONTINUE}", _keeps_forces(system)
+    again = f"lmp -in {file_names.CONTINUE}"
     sections = [
         [
             f"# {problem.name}, continued from a restart: bitwise the same result, on any number of ranks",
@@ -83,15 +82,15 @@ def render_continuation(problem: Problem) -> str:
             *deck.neighbour_lines(problem),
             "read_restart ${restart}          # x: places at rest; vy: present places",
             *deck.number_fix(problem),
-            *deck.inner_lines(problem),
+            *deck.group_lines(problem),
         ],
         *deck.interactions(problem),
         [
-            *static_load.stop_lines(system),
+            *static_load.stop_lines(problem.system),
             "group free empty",
             "group free clear                 # the restart of a continued run holds this group",
             *deck.motion_lines(problem, "free"),
-            *static_load.go_on_lines(system),
+            *static_load.go_on_lines(problem.system),
         ],
         *([] if problem.window is None else [window.setup_lines(problem, continued=True)]),
         [
@@ -100,23 +99,29 @@ def render_continuation(problem: Problem) -> str:
             *(f"dump_modify {dump} delay $(step)" for dump in dumps),
             *(f'if "$(version) < {_TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
         ],
-        [
-            "# setup with the beads at rest (neighbours, ranks, order); then forces at their present places",
-            "timestep ${timestep}",
-            *(_GIVEN_FORCES if forces else []),
-            "variable before equal $(step-1)",
-            "reset_timestep 0                 # resets the time, which the next line sets to that of the step",
-            "reset_timestep ${before}",
-            *deck.moved_lines(problem),
-            "run 0 post no",
-            *_FROM_REST,
-            "run 1 pre no post no",
-            *(["group given clear", "set group all vz 0.0"] if forces else []),
-            "group free union all",
-        ],
+        _setup_lines(problem),
         onward_lines(problem),
     ]
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
+
+
+def _setup_lines(problem: Problem) -> list[str]:
+    """LAMMPS commands that set up a continued run with the beads at rest, and put them where they are."""
+    forces = _keeps_forces(problem.system)
+    return [
+        "# setup with the beads at rest (neighbours, ranks, order); then forces at their present places",
+        "timestep ${timestep}",
+        *(_GIVEN_FORCES if forces else []),
+        "variable before equal $(step-1)",
+        "reset_timestep 0                 # resets the time, which the next line sets to that of the step",
+        "reset_timestep ${before}",
+        *deck.moved_lines(problem),
+        "run 0 post no",
+        *_FROM_REST,
+        "run 1 pre no post no",
+        *(["group given clear", "set group all vz 0.0"] if forces else []),
+        "group free union all",
+    ]
 
 
 _GIVEN_FORCES = (

@@ -34,7 +34,7 @@ the layout of the beads in LAMMPS. Nothing here depends on scenes or problems.
 
 import functools
 from collections.abc import Hashable, Iterator
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, get_args, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, get_args, get_type_hints, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,14 @@ class Law(Protocol):
 
     def __iter__(self) -> Iterator[Any]:
         """Iterate over the parameters."""
+
+
+@runtime_checkable
+class WithOneNumber(Protocol):
+    """A law with parameters that are the same for all links, and keep their value where there is no link."""
+
+    one_number: tuple[str, ...]
+    """Names of these parameters."""
 
 
 def force(law: Law, strain: Any) -> Any:

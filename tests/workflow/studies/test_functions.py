@@ -1,4 +1,4 @@
-"""Functions of studies for scripts and notebooks: in the module `granchain`, and without effect on the rest of the process."""
+"""Functions of studies in the module `granchain`: all are listed there, and none affects the rest of the process."""
 
 import numpy as np
 import pytest

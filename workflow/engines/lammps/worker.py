@@ -186,7 +186,7 @@ def fault(
 
     Args:
         problem: what is computed.
-        displacement: [line, row] of the chains and of inner atoms after them, in units of L.
+        displacement: [line, row] of the chains and of further lines of atoms, in units of L.
         velocity: [line, row], in units of V.
         first: bead that the rows begin with.
         elsewhere: energy of the beads that are not in these rows, in units of m V**2.

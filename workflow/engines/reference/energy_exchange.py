@@ -104,9 +104,9 @@ def _velocity_of_state(block: Trajectory) -> Floats:
         return v
     impulses = np.zeros_like(v)
     for damper in system.dampers:
-        positions = x if physics.is_inner(system, damper) else block.displacement
-        damper.drive(impulses[..., : positions.shape[-2], :], damper.given(positions))
-    impulses /= physics.mass_of_atoms(system)
+        lines = damper.lines_among(system.chains)
+        damper.drive(impulses[..., lines, :], damper.given(x[..., lines, :]))
+    impulses /= physics.masses(system, absent=np.inf)
     for motion in system.motions:
         impulses[..., motion.chain - 1, motion.bead - 1] = 0.0
     return np.asarray(v - impulses)

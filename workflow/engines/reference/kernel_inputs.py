@@ -145,7 +145,7 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     inverse = _inverse_mass(system, step if as_lammps and physics.velocity_at_full_steps(system) else 0.0)
     terms = Terms(
         contacts=tuple(taken.term(link.law, *between, first=2, state_at="[k]") for link in system.along),
-        across=taken.terms((*system.across, *system.inner_links)),
+        across=taken.terms(system.across),
         ground=taken.terms(system.ground),
         dampers=(
             tuple(taken.term(link.law, *between, first=2) for link in ends[Along]),
@@ -188,7 +188,7 @@ class _Parameters:
                 parameters.append(f"contact_state{state_at}")
                 continue
             if self._lines > chains and label not in _one_number(law):
-                # inner atoms have none of it: without parameters a law exerts no force
+                # of chains alone: without parameters a law exerts no force on further lines
                 value = np.broadcast_to(value, (chains, self._system.beads + 1 - first))
             differs = np.ndim(value) > 0
             name = self.add(label, self._laid(value, first) if differs else float(value))
@@ -251,7 +251,7 @@ class _Parameters:
 
 def _one_number(law: Any) -> tuple[str, ...]:
     """Parameters of a law that are one number for all links, also for lines without links."""
-    return getattr(law, "one_number", ())
+    return law.one_number if isinstance(law, laws.WithOneNumber) else ()
 
 
 def _relative(apart: str) -> tuple[str, str]:
@@ -266,7 +266,7 @@ def _shape(load: Load | Motion) -> tuple[Any, ...]:
 
 def _inverse_mass(system: System, step: float) -> Floats | None:
     """One over the masses, 0 of beads whose motion is given; None where all are 1. With a step, as in LAMMPS."""
-    mass = physics.mass_of_atoms(system)
+    mass = physics.masses(system, absent=np.inf)
     if step:
         more = sum(float(np.max(dashpot.resistance(link.law, 0.0))) for link in system.dampers)
         mass = np.array(np.broadcast_to(mass, (physics.lines(system), system.beads)))

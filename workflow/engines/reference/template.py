@@ -21,7 +21,7 @@ HEAD = '''
 # sources of the laws: {digest}
 from numpy import isnan, uint64
 
-from workflow.compiled import compiled, inlined, inner
+from workflow.compiled import called_by_compiled, compiled, inlined
 from workflow.engines.reference.common import displaced, maximum, over_the_way
 {imports}
 
@@ -217,14 +217,14 @@ for k in range(low, high):
 """
 
 TRAVEL = '''
-@inner
+@called_by_compiled
 def travel(x, p, time, duration, low, high):
     """How much farther free beads drift under loads in a duration."""
     {parameters}
     {travels}
 
 
-@inner
+@called_by_compiled
 def give(v, p, time, duration, low, high):
     """How much faster they get."""
     {parameters}
@@ -232,7 +232,7 @@ def give(v, p, time, duration, low, high):
 '''
 
 LOAD = '''
-@inner
+@called_by_compiled
 def load(a, p, time, low, high):
     """Add loads at a time to accelerations."""
     {parameters}
@@ -240,7 +240,7 @@ def load(a, p, time, low, high):
 '''
 
 DRAG = '''
-@inner
+@called_by_compiled
 def {name}({arguments}, p, squeeze, drag, low, high):
     """{what} of all dashpots on the beads of rows that can move, into ``drag``; beads beside them are at rest."""
     {parameters}
