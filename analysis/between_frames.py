@@ -17,7 +17,8 @@ import numpy as np
 
 from analysis import hermite, motion
 from analysis.trajectory import Floats, Integers, Trajectory, joined
-from lammps_inputs import Problem, System, physics
+from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
 
 STEP = 1e-3
 """Time from one moment to the next, as a share of that between frames."""
@@ -89,10 +90,10 @@ class Instants:
 def steps_from(block: Trajectory) -> tuple[float, float]:
     """Time from one moment to the next beside the first and beside the second of two frames, towards each other.
 
-    Contacts that yield know the largest overlap so far and none before, so that their moments are after both frames.
+    Where frames determine no forces without the past, those just before them are unknown: then both are after frames.
     """
     step = STEP * block.spacing
-    return step, -step if block.memory is None else step
+    return step, -step if block.problem.system.holds(Fact.FRAMES) else step
 
 
 def moments(x: Floats, v: Floats, acceleration: Floats, rate: Floats, step: Floats) -> tuple[Floats, Floats]:
@@ -127,7 +128,7 @@ def moments_of_chains(block: Trajectory, frame: Integers, step: Floats, beads: s
 
     def acceleration(time: Floats, x: Floats, v: Floats) -> Floats:
         """Acceleration of all atoms, [entry, line, bead]."""
-        return motion.acceleration(system_at(block, frame, time), x, first, time=time, velocity=v)
+        return motion.acceleration(block.system_at(frame, time), x, first, time=time, velocity=v)
 
     start = block.time[frame] + nudge
     x = x + NUDGE / STEP * of_atoms * v
@@ -135,12 +136,6 @@ def moments_of_chains(block: Trajectory, frame: Integers, step: Floats, beads: s
     later = acceleration(start + step, x + of_atoms * (v + 0.5 * of_atoms * now), v + of_atoms * now)
     time = start + np.arange(3.0)[:, np.newaxis] * step
     return time, *moments(x, v, now, (later - now) / of_atoms, of_atoms)
-
-
-def system_at(block: Trajectory, frame: Integers, time: Floats) -> System:
-    """The system at times, [..., entry], with the memories of chosen frames of a block, [entry]."""
-    system = physics.at(block.problem.system, time)
-    return system if block.memory is None else physics.with_memory(system, block.memory[frame])
 
 
 def derivatives(energy: Floats, step: Floats) -> Floats:

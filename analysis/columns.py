@@ -15,14 +15,34 @@ class Columns:
     """Base of dataclasses whose arrays have their entries along the last axis; other fields hold for all entries."""
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Name -> array, [..., entry]."""
+        """Name -> array, [..., entry].
+
+        Returns:
+            The arrays.
+
+        Examples:
+            >>> list(granchain.analyze("out").waves.arrays())[:2]
+            ['chain', 'bead']
+        """
         return {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
 
     def __len__(self) -> int:
         return int(next(value.shape[-1] for value in vars(self).values() if isinstance(value, np.ndarray)))
 
     def where(self, chosen: Flags | Integers | slice | list[int]) -> Self:
-        """The entries that a mask [entry], positions or a slice choose."""
+        """The entries that a mask [entry], positions or a slice choose.
+
+        Args:
+            chosen: mask, positions or slice.
+
+        Returns:
+            The chosen entries.
+
+        Examples:
+            >>> waves = granchain.analyze("out").waves
+            >>> waves.where(waves.bead > 118).bead
+            array([119, 120, 119, 120])
+        """
         return replace(self, **{name: column[..., chosen] for name, column in self.arrays().items()})
 
 

@@ -126,7 +126,7 @@ class EnergyBudget:
         """Take the next frames; energy input, and energy lost, until each of them, [frame]."""
         exchange = block.exchange
         assert exchange is not None
-        yielded = np.broadcast_to(physics.lost_by_yielding(block.system), block.frames)
+        yielded = np.broadcast_to(physics.dissipated_by_contacts(block.system), block.frames)
         energy_input, lost = self._kicked + exchange[:, -1], np.column_stack([exchange[:, :-1], yielded])
 
         def at(frames: slice) -> tuple[Floats, ...]:
@@ -145,10 +145,9 @@ class EnergyBudget:
         if time[-1] < self._last[0][0]:
             time, energy_input, *parts = map(np.append, (time, energy_input, *parts), self._last)
         stored, lost = parts[: len(STORED)], parts[len(STORED) :]
-        system = self._problem.system
-        names = (*physics.dashpot_names(system), "plastic contacts" if physics.remembering(system) else None)
-        by_dashpot = {name: part for name, part in zip(names, lost, strict=True) if name is not None}
-        return Account(time, energy_input, **dict(zip(STORED, stored, strict=True)), dissipated=by_dashpot)
+        names = physics.dissipation_names(self._problem.system)
+        by_name = {name: part for name, part in zip(names, lost, strict=True) if name is not None}
+        return Account(time, energy_input, **dict(zip(STORED, stored, strict=True)), dissipated=by_name)
 
 
 STORED = ("kinetic", "contacts", "springs", "ground", "walls", "resonators")
@@ -156,10 +155,10 @@ STORED = ("kinetic", "contacts", "springs", "ground", "walls", "resonators")
 
 
 def _stored(system: System, x: Floats, v: Floats) -> dict[str, Floats]:
-    resonators = np.broadcast_to(motion.inner_energy(system, x, v), len(x))
+    resonators = np.broadcast_to(motion.further_energy(system, x, v), len(x))
     x, v = x[:, : system.chains], v[:, : system.chains]
     kinetic = motion.kinetic_energy(system, v).sum(axis=(-2, -1))
-    kinds = (system.along, system.across, physics.ground_springs(system), physics.walls(system))
+    kinds = (system.along, system.couplings, physics.ground_springs(system), physics.walls(system))
     stored = [sum((link.energy(x).sum(axis=(-2, -1)) for link in links), np.zeros(len(x))) for links in kinds]
     return dict(zip(STORED, [kinetic, *stored, resonators], strict=True))
 
@@ -213,9 +212,10 @@ class Conservation:
         self.participation = motion.participation(
             motion.bead_energy(block.system_at(-1), block.displacement[-1], velocity[-1])
         )
-        if not system.dampers and not system.holds(Fact.ENERGY) and block.memory is None:
+        if not system.dampers and not system.holds(Fact.ENERGY) and system.holds(Fact.FRAMES):
             energy[:] = np.nan
-        balanced = physics.exchanges(system) or block.memory is not None or system.inner_mass is not None
+        further = physics.lines(system) > system.chains
+        balanced = physics.exchanges(system) or not system.holds(Fact.FRAMES) or further
         if balanced:
             self._balanced(block, energy)
         if not system.holds(Fact.MOMENTUM):

@@ -114,35 +114,40 @@ class YieldMeter:
     def __init__(self) -> None:
         self._last: Trajectory | None = None
 
+    @staticmethod
+    def applies(problem: Problem) -> bool:
+        """Whether frames hold the states of contacts that yield."""
+        return bool(problem.state_columns)
+
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
         self._last = block.last()
 
     def result(self) -> tuple[Yielded, YieldTable] | None:
-        """Permanent overlaps at the last frame so far, and their table; None if no frame has memories of contacts."""
+        """Permanent overlaps at the last frame so far, and their table; None if no frame has states of contacts."""
         last = self._last
-        if last is None or last.memory is None:
+        if last is None or last.contact_state is None:
             return None
         system = last.system_at(-1)
         link = system.along[0]
         law = link.law
         shape = (system.chains, system.beads - 1)
-        memory = last.memory[-1, :, 1:-1]
-        force = np.broadcast_to(laws.whole_force(law, memory), shape)
-        permanent, lost = (
+        largest = laws.turning_overlap(law)
+        force = np.broadcast_to(laws.whole_force(law, largest), shape)
+        permanent, dissipated = (
             np.broadcast_to(find(*law), shape)
-            for find in (law.permanent, law.lost)  # type: ignore[attr-defined]
+            for find in (law.permanent, law.dissipated)  # type: ignore[attr-defined]
         )
         chain, contact = np.indices(shape)
-        opened = (motion.overlaps(system, last.displacement[-1]) < memory) & (memory > 0.0)
+        opened = (motion.overlaps(system, last.displacement[-1]) < largest) & (largest > 0.0)
         table = YieldTable(
             chain=chain.ravel() + 1,
             contact=contact.ravel() + 1,
-            overlap=memory.ravel(),
+            overlap=largest.ravel(),
             force=force.ravel(),
             permanent=permanent.ravel(),
             opened=opened.ravel().astype(np.int64),
-            dissipated=lost.ravel(),
+            dissipated=dissipated.ravel(),
         )
         kicked = physics.largest_excitation(system)[0] - 1
         acted_on = physics.acted_on(system)
@@ -151,7 +156,7 @@ class YieldMeter:
             Yielded(
                 contacts=int(np.count_nonzero(permanent > 0.0)),
                 permanent=float(np.max(permanent)),
-                dissipated=float("nan") if acted_on else float(np.sum(lost)) / physics.energy(system),
+                dissipated=float("nan") if acted_on else float(np.sum(dissipated)) / physics.energy(system),
                 decay=float("nan") if decay is None else decay.exponent,
             ),
             table,

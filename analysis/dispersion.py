@@ -53,9 +53,9 @@ class UnitCell:
     """Unit cell that repeats along the chains: stiffness at rest and masses of a few rows.
 
     Attributes:
-        mass: [line, bead] of the chains, and of inner atoms after them; 0 where there is none.
+        mass: [line, bead] of the chains, and of further lines of atoms after them; 0 where there is none.
         along: [chain, bead] of each bead's contact with the next; the last one's with the next cell.
-        row: [bead, line, line] stiffness of the springs across, to the ground and to inner atoms.
+        row: [bead, line, line] stiffness of the springs across and to the ground.
     """
 
     mass: Floats
@@ -104,7 +104,7 @@ class UnitCell:
     def ratio(self, frequency: float) -> float:
         """Displacement of a bead over that of the one before, in motion of an angular frequency in a gap.
 
-        It is defined for a single chain whose beads, with their inner atoms, are the same. NaN within a band.
+        It is defined for a single chain whose beads, with the atoms tied to them, are the same. NaN within a band.
 
         Raises:
             NoDispersionError: it is another system.
@@ -112,10 +112,10 @@ class UnitCell:
         if self.along.shape != (1, 1):
             raise NoDispersionError("the ratio from bead to bead is known of a single chain of equal beads")
         stiffness = self.row[0] - frequency**2 * np.diag(self.mass[:, 0])
-        inner = np.flatnonzero(self.mass[1:, 0]) + 1
+        tied = np.flatnonzero(self.mass[1:, 0]) + 1
         effective = stiffness[0, 0]
-        if len(inner):
-            effective -= stiffness[0, inner] @ np.linalg.solve(stiffness[np.ix_(inner, inner)], stiffness[inner, 0])
+        if len(tied):
+            effective -= stiffness[0, tied] @ np.linalg.solve(stiffness[np.ix_(tied, tied)], stiffness[tied, 0])
         half = 1.0 + 0.5 * effective / float(self.along[0, 0])
         return math.nan if abs(half) < 1.0 else math.copysign(math.exp(-math.acosh(abs(half))), half)
 
@@ -164,15 +164,14 @@ def cell_of(system: System) -> UnitCell:
     if physics.varying(system):
         raise NoDispersionError("springs to the ground vary in time")
     chains, beads, lines = system.chains, system.beads, physics.lines(system)
-    inner = np.zeros((0, beads)) if system.inner_mass is None else system.inner_mass
-    mass = np.vstack([np.broadcast_to(system.mass, (chains, beads)), inner])
+    mass = np.broadcast_to(physics.masses(system), (lines, beads))
     along = np.zeros((chains, beads))
     for link in system.along:
         along[:, :-1] += laws.stiffness(link.law, 0.0)
     row = np.zeros((beads, lines, lines))
-    for tie in (*system.across, *system.inner_links):
-        stiff = np.broadcast_to(laws.stiffness(tie.law, 0.0), (len(tie.edges), beads))
-        for k, (first, second) in enumerate(tie.edges):
+    for across in system.across:
+        stiff = np.broadcast_to(laws.stiffness(across.law, 0.0), (len(across.edges), beads))
+        for k, (first, second) in enumerate(across.edges):
             for line, partner in ((first, second), (second, first)):
                 row[:, line, line] += stiff[k]
                 row[:, line, partner] -= stiff[k]

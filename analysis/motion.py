@@ -1,8 +1,8 @@
 """The equation of motion on recorded states: acceleration and its rate, energy and momentum, each a sum over links.
 
 All dimensionless. Which links there are, and their laws, is the problem's (`lammps_inputs.links`). Arrays are
-[..., chain, bead] of consecutive beads, which begin with bead ``first``. Where a system has atoms that are no beads,
-energy, momentum and acceleration take [..., line, bead], the lines of these after the chains (`Trajectory.atoms`).
+[..., chain, bead] of consecutive beads, which begin with bead ``first``. Where a system has further lines of atoms,
+energy, momentum and acceleration take [..., line, bead], these lines after the chains (`Trajectory.atoms`).
 """
 
 from typing import Any
@@ -11,7 +11,7 @@ import numpy as np
 
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import System, laws, physics
-from lammps_inputs.links import partners
+from lammps_inputs.links import Link, partners
 
 
 def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
@@ -26,8 +26,9 @@ def rest_overlap(system: System, chain: Integers, contact: Integers) -> Any:
 
 
 def _weighed(system: System, values: Floats, first: int) -> Floats:
-    """Values of beads times their masses."""
-    return values if isinstance(system.mass, float) else values * physics.mass_from(system, first, values)
+    """Values of atoms, [..., line, bead] or of the chains alone, times their masses."""
+    mass = physics.mass_from(system, first, values)
+    return values if isinstance(mass, float) else values * mass
 
 
 def kinetic_energy(system: System, velocity: Floats, first: int = 1) -> Floats:
@@ -36,30 +37,34 @@ def kinetic_energy(system: System, velocity: Floats, first: int = 1) -> Floats:
 
 
 def energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
-    """Total energy of states, [...] from [..., chain, bead]: kinetic, and of every link (eq. 1 integrated).
+    """Total energy of states, [...] from [..., line, bead]: kinetic, and of every link (eq. 1 integrated).
 
-    NaN of beads alone where there are other atoms.
+    NaN of the chains alone where there are further lines of atoms.
     """
     beads = slice(system.chains)
     x, v = displacement[..., beads, :], velocity[..., beads, :]
     total = 0.5 * np.sum(_weighed(system, v * v, first), axis=(-2, -1))
-    for link in system.links:
+    for link in system.links_of_chains:
         total += np.sum(link.energy(x, first), axis=(-2, -1))
-    if system.inner_mass is not None:
-        total += inner_energy(system, displacement, velocity)
-    return np.asarray(total)
+    return np.asarray(total + further_energy(system, displacement, velocity))
 
 
-def inner_energy(system: System, displacement: Floats, velocity: Floats) -> Any:
-    """Energy of the atoms that are no beads and of their links, [...] from [..., line, bead]; NaN of beads alone."""
-    if system.inner_mass is None:
+def further_energy(system: System, displacement: Floats, velocity: Floats) -> Any:
+    """Energy of further lines of atoms and their ties, [...] from [..., line, bead]; NaN of the chains alone."""
+    if physics.lines(system) == system.chains:
         return 0.0
-    if displacement.shape[-2] == system.chains:
-        return np.nan
-    total = 0.5 * np.sum(system.inner_mass * velocity[..., system.chains :, :] ** 2, axis=(-2, -1))
-    for link in system.inner_links:
+    total = 0.5 * _sum_beyond_chains(system, _weighed(system, velocity * velocity, 1))
+    for link in system.ties if displacement.shape[-2] > system.chains else ():
         total += np.sum(link.energy(displacement), axis=(-2, -1))
     return total
+
+
+def _sum_beyond_chains(system: System, values: Floats) -> Any:
+    """Sum over further lines of atoms, [...] of [..., line, bead]: 0 where there are none, NaN of the chains alone."""
+    if physics.lines(system) == system.chains:
+        return 0.0
+    complete = values.shape[-2] > system.chains
+    return np.sum(values[..., system.chains :, :], axis=(-2, -1)) if complete else np.nan
 
 
 def bead_energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
@@ -101,13 +106,10 @@ def static_force(system: System, *contact: Any) -> Any:
 
 
 def momentum(system: System, velocity: Floats) -> Floats:
-    """Total momentum, [...] from [..., chain, bead]; NaN of beads alone where there are other atoms."""
-    total = np.sum(_weighed(system, velocity[..., : system.chains, :], 1), axis=(-2, -1))
-    if system.inner_mass is not None:
-        complete = velocity.shape[-2] > system.chains
-        inner = np.sum(system.inner_mass * velocity[..., system.chains :, :], axis=(-2, -1)) if complete else np.nan
-        total = total + inner
-    return np.asarray(total)
+    """Total momentum, [...] from [..., line, bead]; NaN of the chains alone where there are further lines."""
+    momenta = _weighed(system, velocity, 1)
+    total = np.sum(momenta[..., : system.chains, :], axis=(-2, -1))
+    return np.asarray(total + _sum_beyond_chains(system, momenta))
 
 
 def acceleration(
@@ -118,33 +120,41 @@ def acceleration(
     time: Floats | None = None,
     velocity: Floats | None = None,
 ) -> Floats:
-    """Acceleration of every bead, [..., chain, bead], at states of that shape; every bead must be recorded (eq. 1).
+    """Acceleration of every atom, [..., line, bead], at states of that shape; every atom must be recorded (eq. 1).
 
     Forces from outside are left out where no times, [...], are given, and those of dashpots without velocities.
     """
     result = np.zeros_like(displacement)
-    of_beads = result[..., : system.chains, :]
-    x = displacement[..., : system.chains, :]
     for link in (system if time is None else physics.at(system, time)).links:
-        link.drive(of_beads, link.force(x, first))
-    for link in system.inner_links:
-        link.drive(result, link.force(displacement, first))
+        lines = link.lines_among(system.chains)
+        link.drive(result[..., lines, :], link.force(displacement[..., lines, :], first))
     for damper in system.dampers if velocity is not None else ():
         assert velocity is not None
-        if physics.is_inner(system, damper):
-            damper.drive(result, damper.damping(displacement, velocity, first))
-        else:
-            damper.drive(of_beads, damper.damping(x, velocity[..., : system.chains, :], first))
+        lines = damper.lines_among(system.chains)
+        force = damper.damping(displacement[..., lines, :], velocity[..., lines, :], first)
+        damper.drive(result[..., lines, :], force)
     for load in system.loads if time is not None else ():
         result[..., load.chain - 1, load.bead - first] += load.force(time)
-    if system.inner_mass is not None:
-        rows = slice(first - 1, first - 1 + result.shape[-1])
-        result /= physics.mass_of_atoms(system)[:, rows]  # type: ignore[index]
-    elif not isinstance(system.mass, float):
-        result = result / physics.mass_from(system, first, result)
+    mass = physics.mass_from(system, first, result, absent=np.inf)
+    if not isinstance(mass, float):
+        result = result / mass
     for prescribed in system.motions if time is not None else ():
         result[..., prescribed.chain - 1, prescribed.bead - first] = prescribed.acceleration(time)
     return result
+
+
+def contact_law(block: Trajectory, link: Link, frame: Integers, chain: Integers, place: Integers) -> Any:
+    """Law of chosen links along chains or to the ground, in the state of their contacts at frames.
+
+    Args:
+        block: frames.
+        link: links.
+        frame, chain, place: [...] positions of frames, chains, and links along the last axis of their arrays, from 0.
+    """
+    law = laws.at(link.law, chain, place)
+    if block.contact_state is None or not laws.has_state(law):
+        return law
+    return laws.at_state(law, block.contact_state[frame, chain, place + physics.first_state(link)])
 
 
 def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> tuple[Floats, Floats]:
@@ -163,31 +173,25 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         exists = (other >= 0) & (other < x.shape[2])
         other = np.where(exists, other, bead)
         for contact in system.along:
-            law, place = contact.law, np.clip(np.minimum(row, row + side), 0, problem.beads - 2)
-            if laws.differs(law):
-                law = laws.at(law, chain, place)
-            if block.memory is not None:
-                law = laws.with_memory(law, block.memory[frame, chain, place + 1])
+            law = contact_law(block, contact, frame, chain, np.clip(np.minimum(row, row + side), 0, problem.beads - 2))
             overlap = side * (bead_x - x[frame, chain, other]) - contact.gap
             closing = side * (bead_v - v[frame, chain, other])
             acceleration -= np.where(exists, side * laws.force(law, overlap), 0.0)
-            law = on_its_branch(law, closing)
+            law = laws.on_branch(law, closing)
             rate -= np.where(exists, side * laws.stiffness(law, overlap) * closing, 0.0)
-        for spring in (*system.across, *system.inner_links):
+        for spring in system.across:
             for edge, partner in partners(spring.edges, x.shape[1], side):
                 law = laws.at(spring.law, edge[chain], row) if laws.differs(spring.law) else spring.law
                 other_x, other_v = x[frame, partner[chain], bead], v[frame, partner[chain], bead]
                 acceleration -= laws.force(law, bead_x - other_x)  # none where a chain is its own partner
                 rate -= laws.stiffness(law, bead_x - other_x) * (bead_v - other_v)
     for ground in system.ground:
-        law, strain = laws.at(ground.law, chain, row), ground.strain(bead_x)
-        if block.memory is not None:  # of walls
-            law = laws.with_memory(law, block.memory[frame, chain, row + (ground.side > 0.0)])
+        law, strain = contact_law(block, ground, frame, chain, row), ground.strain(bead_x)
         if laws.varies(law):
             law = law.now(block.time[frame])
             rate -= law.change(strain, *law)
         acceleration -= ground.side * laws.force(law, strain)
-        rate -= laws.stiffness(on_its_branch(law, ground.side * bead_v), strain) * bead_v
+        rate -= laws.stiffness(laws.on_branch(law, ground.side * bead_v), strain) * bead_v
     for load in system.loads:
         at_bead, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
         acceleration += np.where(at_bead, load.force(time), 0.0)
@@ -204,15 +208,6 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         acceleration = np.where(at_bead, prescribed.acceleration(time), acceleration)
         rate = np.where(at_bead, prescribed.jerk(time), rate)
     return acceleration, rate
-
-
-ROUNDING = 1e-9
-"""Difference from the largest overlap so far, far above rounding, within which an overlap counts as the largest."""
-
-
-def on_its_branch(law: Any, closing: Floats | float) -> Any:
-    """A law with the stiffness of loading where contacts, [...], close at their largest overlap, else of unloading."""
-    return laws.with_memory(law, law.memory - ROUNDING * np.sign(closing)) if laws.remembers(law) else law
 
 
 def strain_and_rates(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:
@@ -232,7 +227,7 @@ def _drag_and_rate(block: Trajectory) -> tuple[Floats, Floats]:
     a = acceleration(block.system, x, block.first, time=block.time, velocity=v)
     drag, rate = np.zeros_like(x), np.zeros_like(x)
     for link in problem.system.dampers:
-        lines = slice(None if physics.is_inner(problem.system, link) else problem.chains)
+        lines = link.lines_among(problem.chains)
         lines_x, lines_v, lines_a = (values[:, lines] for values in (x, v, a))
         link.drive(drag[:, lines], link.damping(lines_x, lines_v, block.first))
         link.drive(rate[:, lines], link.damping_rate(lines_x, lines_v, lines_a, block.first))

@@ -58,11 +58,11 @@ class Trajectory:
         first: bead that the last axis begins with; more than 1 in a window that has followed the pulse.
         exchange: [frame, `EXCHANGES`] energy that was exchanged until each frame, in units of m V**2; None where it was
             not counted, or nothing is exchanged.
-        memory: [frame, chain, bead + 1] largest overlap so far of each contact whose force depends on it: of the wall
-            before the first bead, of the contact behind each other bead, of the wall behind the last; None where no
-            force does, or a file holds not all beads.
-        inner: [frame, 2, line, bead] displacement and velocity of the atoms that are no beads, 0 where there is none;
-            None where they were not recorded.
+        contact_state: [frame, chain, bead + 1] state of each contact whose force depends on one: of the wall before the
+            first bead, of the contact behind each other bead, of the wall behind the last; None where no force does, or
+            a file holds not all beads.
+        further_lines: [frame, 2, line, bead] displacement and velocity of lines of atoms that are no beads, 0 where
+            there is none; None where they were not recorded.
     """
 
     problem: Problem
@@ -71,8 +71,8 @@ class Trajectory:
     velocity: Floats
     first: int = 1
     exchange: Floats | None = None
-    memory: Floats | None = None
-    inner: Floats | None = None
+    contact_state: Floats | None = None
+    further_lines: Floats | None = None
 
     def __repr__(self) -> str:
         until = f"to t = {self.time[-1]:.6g} T" if len(self.time) else "none yet"
@@ -80,23 +80,47 @@ class Trajectory:
 
     @property
     def beads(self) -> Integers:
-        """Numbers of the beads along the last axis, [bead] counted from 1."""
+        """Numbers of the beads along the last axis, [bead] counted from 1.
+
+        Returns:
+            The numbers, counted from 1.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "run-beads", engine="reference").trajectory
+            >>> frames.beads[:3]
+            array([1, 2, 3])
+        """
         if self.problem.window is None:
             return self.problem.recorded_beads
         return np.arange(self.first, self.first + self.velocity.shape[2])
 
     @property
     def frames(self) -> int:
-        """Number of frames."""
+        """Number of frames.
+
+        Returns:
+            The number.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "run-frames", engine="reference").trajectory
+            >>> frames.frames == len(frames.time)
+            True
+        """
         return len(self.time)
 
     @property
     def atoms(self) -> tuple[Floats, Floats]:
-        """Displacement and velocity, each [frame, line, bead], of the beads and the inner atoms after them."""
+        """Displacement and velocity, each [frame, line, bead], of the chains and further lines after them."""
         x, v = self.displacement, self.velocity
-        if self.inner is None:
+        if self.further_lines is None:
             return x, v
-        return np.concatenate([x, self.inner[:, 0]], axis=1), np.concatenate([v, self.inner[:, 1]], axis=1)
+        further_x, further_v = self.further_lines[:, 0], self.further_lines[:, 1]
+        return np.concatenate([x, further_x], axis=1), np.concatenate([v, further_v], axis=1)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every frame holds all lines of atoms that the system has."""
+        return self.further_lines is not None or physics.lines(self.problem.system) == self.problem.chains
 
     @property
     def spacing(self) -> float:
@@ -105,7 +129,16 @@ class Trajectory:
         return every * max(1, round(float(self.time[1] - self.time[0]) / every))
 
     def measured(self) -> FramesInUnits:
-        """Time, displacement and velocity of these frames in the scene's units."""
+        """Time, displacement and velocity of these frames in the scene's units.
+
+        Returns:
+            The frames, in SI or reduced units.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "run-measured", engine="reference").trajectory
+            >>> frames.measured().velocity.shape == frames.velocity.shape
+            True
+        """
         scale = self.problem.scale
         return FramesInUnits(self.time * scale.time, self.displacement * scale.length, self.velocity * scale.velocity)
 
@@ -115,32 +148,47 @@ class Trajectory:
         arrays: dict[str, Any] = {name: change(values) for name, values in attributes if isinstance(values, np.ndarray)}
         return replace(self, **arrays)
 
-    def __getitem__(self, frames: slice) -> "Trajectory":
+    def __getitem__(self, frames: slice | Integers) -> "Trajectory":
         """Some frames of this trajectory."""
         return self._each(lambda values: values[frames])
 
     @property
     def system(self) -> System:
-        """The system at the times of these frames; laws whose force depends on the past have their memories."""
+        """The system at the times of these frames; laws whose force depends on a state of each contact have it."""
         return self.system_at(slice(None))
 
     @property
     def forces_known(self) -> bool:
-        """Whether every frame determines the forces on its beads, with what contacts remember."""
-        return self.problem.forces_known or (self.memory is not None and self.problem.recorded is None)
+        """Whether every frame determines the forces on its beads, with the states of contacts."""
+        return self.problem.forces_known or (self.contact_state is not None and self.problem.recorded is None)
 
     def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
-        """Displacements and velocities of all atoms [line, bead], and memories [chain, bead + 1], frame by frame."""
+        """Displacements and velocities of all atoms [line, bead], states of contacts [chain, bead + 1], by frame."""
         for frame, (x, v) in enumerate(zip(*self.atoms, strict=True)):
-            yield x, v, None if self.memory is None else self.memory[frame]
+            yield x, v, None if self.contact_state is None else self.contact_state[frame]
 
-    def system_at(self, frames: slice | int) -> System:
-        """The system at the times of some frames, or of one, with memories where a force depends on the past."""
-        system = physics.at(self.problem.system, self.time[frames])
-        return system if self.memory is None else physics.with_memory(system, self.memory[frames])
+    def system_at(self, frames: slice | int | Integers, time: Floats | None = None) -> System:
+        """The system at the times of some frames, or of one, or at other times, with the states of contacts of frames.
+
+        Args:
+            frames: chosen frames, [entry], or one.
+            time: [..., entry] times in units of T; by default those of the frames.
+        """
+        system = physics.at(self.problem.system, self.time[frames] if time is None else time)
+        return system if self.contact_state is None else physics.at_contact_state(system, self.contact_state[frames])
+
+    def with_motion(self, time: Floats, displacement: Floats, velocity: Floats) -> "Trajectory":
+        """Frames of the same beads at other times, [frame], in the states of contacts of these.
+
+        Args:
+            time: in units of T.
+            displacement, velocity: [frame, line, bead], see `of_atoms`.
+        """
+        moved = of_atoms(self.problem, time, displacement, velocity, self.first)
+        return replace(moved, contact_state=self.contact_state)
 
     def last(self, frames: int = 1) -> "Trajectory":
-        """The last frame or frames, copied, so that they keep no others in memory."""
+        """The last frame or frames, copied, so that they keep no others."""
         return self[-frames:]._each(np.copy)
 
     @cached_property
@@ -178,8 +226,19 @@ class Trajectory:
     def bead(self, number: int) -> int:
         """Position of a bead (counted from 1) along the last axis.
 
+        Args:
+            number: number of the bead.
+
+        Returns:
+            The position, from 0.
+
         Raises:
             ValueError: the bead was not recorded.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "run-bead", engine="reference").trajectory
+            >>> frames.bead(10)
+            9
         """
         positions = np.flatnonzero(self.beads == number)
         if len(positions) == 0:
@@ -189,6 +248,12 @@ class Trajectory:
 
 def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     """One trajectory of consecutive blocks.
+
+    Args:
+        blocks: consecutive frames.
+
+    Returns:
+        All frames in one trajectory.
 
     Raises:
         ValueError: there is no block.
@@ -201,7 +266,7 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     if parts[0].problem.window is not None:
         first, last = min(part.beads[0] for part in parts), max(part.beads[-1] for part in parts)
         parts = [part.on(int(first), int(last), behind=np.nan) for part in parts]
-    arrays: dict[str, Any] = dict.fromkeys(("exchange", "memory", "inner"))
+    arrays: dict[str, Any] = dict.fromkeys(("exchange", "contact_state", "further_lines"))
     for field in fields(Trajectory):
         values = [getattr(part, field.name) for part in parts]
         if all(isinstance(array, np.ndarray) for array in values):
@@ -216,16 +281,18 @@ def of_atoms(
     velocity: Floats,
     first: int = 1,
     exchange: Floats | None = None,
-    memory: Floats | None = None,
+    contact_state: Floats | None = None,
 ) -> Trajectory:
-    """Frames of arrays [frame, line, bead], the chains' first and those of inner atoms after them, if at all."""
+    """Frames of arrays [frame, line, bead], the chains' first and further lines after them, if at all."""
     chains = problem.chains
-    inner = np.stack([displacement, velocity], axis=1)[:, :, chains:] if displacement.shape[1] > chains else None
-    return Trajectory(problem, time, displacement[:, :chains], velocity[:, :chains], first, exchange, memory, inner)
+    further = np.stack([displacement, velocity], axis=1)[:, :, chains:] if displacement.shape[1] > chains else None
+    return Trajectory(
+        problem, time, displacement[:, :chains], velocity[:, :chains], first, exchange, contact_state, further
+    )
 
 
 def blocks(trajectory: Trajectory) -> Iterator[Trajectory]:
-    """A trajectory in memory as blocks of bounded size, like one that is read from a file."""
+    """A trajectory as blocks of bounded size, like one that is read from a file."""
     size = frames_per_block(trajectory.problem)
     for start in range(0, trajectory.frames, size):
         yield trajectory[start : start + size]
@@ -264,8 +331,7 @@ def mirrored_problem(problem: Problem) -> Problem:
             links=tuple(link.mirrored() for link in system.links),
             dampers=tuple(link.mirrored() for link in system.dampers),
             mass=physics.mass_of(system, Ellipsis, slice(None, None, -1)),
-            inner_mass=None if system.inner_mass is None else system.inner_mass[:, ::-1],
-            inner_links=tuple(link.mirrored() for link in system.inner_links),
+            further_mass=None if system.further_mass is None else system.further_mass[:, ::-1],
             loads=tuple(load.mirrored(mirrored_bead(problem, load.bead)) for load in system.loads),
             motions=tuple(motion.mirrored(mirrored_bead(problem, motion.bead)) for motion in system.motions),
         ),
@@ -281,8 +347,8 @@ def mirrored(block: Trajectory) -> Trajectory:
         -block.displacement[..., ::-1],
         -block.velocity[..., ::-1],
         first=1 if block.problem.window is None else mirrored_bead(block.problem, int(block.beads[-1])),
-        memory=None if block.memory is None else block.memory[..., ::-1],
-        inner=None if block.inner is None else -block.inner[..., ::-1],
+        contact_state=None if block.contact_state is None else block.contact_state[..., ::-1],
+        further_lines=None if block.further_lines is None else -block.further_lines[..., ::-1],
     )
 
 

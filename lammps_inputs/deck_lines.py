@@ -89,10 +89,6 @@ class BeadLayout(Protocol):
         """How much farther apart than at rest neighbours that act at a distance come, at most."""
 
     @property
-    def inner_diameter(self) -> float:
-        """Diameter of atoms that are no beads."""
-
-    @property
     def group(self) -> str:
         """LAMMPS's group of all beads."""
 
@@ -120,9 +116,6 @@ class BeadLayout(Protocol):
 
     def apart(self, edge: tuple[int, int]) -> float:
         """Lateral distance of two chains, the lower number first."""
-
-    def is_inner(self, link: Any) -> bool:
-        """Whether a link ties atoms that are no beads."""
 
 
 @dataclass(frozen=True)
@@ -305,13 +298,13 @@ def bonds_by_value(law: Iterable[Any], shape: tuple[int, int]) -> tuple[list[tup
     return [tuple(value) for value in values[nothing:].tolist()], (kind + 1 - nothing).reshape(shape)
 
 
-def whole_contacts(link: LinksAcross, *, inner: bool = False) -> tuple[str, ...]:
+def whole_contacts(link: LinksAcross, *, tie: bool = False) -> tuple[str, ...]:
     """Command that keeps contacts between beads tied by bonds, which LAMMPS leaves out by default; none if not needed.
 
-    Ties of an open row of chains never lead to a bead within reach.
+    Bonds of an open row of chains never lead to a bead within reach; ties of other atoms to beads may.
     """
     return (
         ()
-        if link.open_row and not inner
+        if link.open_row and not tie
         else ("special_bonds lj/coul 1 1 1      # contacts between bonded beads are kept",)
     )

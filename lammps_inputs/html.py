@@ -20,8 +20,8 @@ def table(title: str, head: Sequence[str], rows: Iterable[Sequence[object]]) -> 
 
 
 def _row(tag: str, cells: Sequence[object]) -> str:
-    inner = "".join(f"<{tag} style='{_STYLE}'>{escape(_cell(cell))}</{tag}>" for cell in cells)
-    return f"<tr>{inner}</tr>"
+    row = "".join(f"<{tag} style='{_STYLE}'>{escape(_cell(cell))}</{tag}>" for cell in cells)
+    return f"<tr>{row}</tr>"
 
 
 def _cell(value: object) -> str:

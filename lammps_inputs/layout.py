@@ -80,8 +80,8 @@ class Layout:
         held = (link.law for link in physics.walls(system))
         walls = (2.0 * float(np.max(laws.rest(law) + law.max_strain(total, *law))) for law in held)
         # dashpots between chains act by the distance of two beads
-        damped = any(isinstance(link, Across) and not physics.is_inner(system, link) for link in system.dampers)
-        rows = (rest + 2.0 * laws.max_strain(link.law, total) for link in system.across if damped)
+        damped = any(isinstance(link, Across) and not system.is_tie(link) for link in system.dampers)
+        rows = (rest + 2.0 * laws.max_strain(link.law, total) for link in system.couplings if damped)
         least = max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows)
         return power_of_two_at_least(max(2.0 * least, 4.0 * self.farthest) if 0.0 < self.farthest < np.inf else least)
 
@@ -91,18 +91,14 @@ class Layout:
         return physics.farthest(self.system)
 
     @property
-    def inner_diameter(self) -> float:
+    def diameter_of_others(self) -> float:
         """Diameter of atoms that are no beads, so small that those of two rows, as far apart as beads, never touch."""
         return self.diameter / 8.0
-
-    def is_inner(self, link: Across) -> bool:
-        """Whether a link ties atoms that are no beads."""
-        return physics.is_inner(self.system, link)
 
     @property
     def group(self) -> str:
         """LAMMPS's group of all beads."""
-        return "all" if self.system.inner_mass is None else "beads"
+        return "all" if physics.lines(self.system) == self.chains else "beads"
 
     @property
     def spacing(self) -> float:

@@ -57,6 +57,10 @@ class Link:
         """Strain of each link, [..., link], in units of L, at displacements [..., chain, bead]."""
         raise NotImplementedError
 
+    def lines_among(self, chains: int) -> slice:
+        """Lines of atoms, the chains first, among which these links may be: the chains alone."""
+        return slice(chains)
+
     def on(self, rows: slice | Integers) -> Self:
         """Links among chosen rows, [row], counted from 0; each is taken to be next to the one before."""
         if not laws.differs(self.law):
@@ -163,15 +167,19 @@ class Along(Link):
 
 @dataclass(frozen=True, eq=False)
 class Across(Link):
-    """Links of the beads of a row in two chains, [..., edge, row]. The law's force must be odd in the strain.
+    """Links of the atoms of a row in two lines, [..., edge, row]. The law's force must be odd in the strain.
 
     Attributes:
-        edges: pairs of chains, counted from 0, the lower number first.
+        edges: pairs of chains, or of further lines of atoms after them, counted from 0, the lower number first.
         grid: rows and columns in which the chains stand, numbered row by row, where they are a lattice.
     """
 
     edges: tuple[tuple[int, int], ...] = ()
     grid: tuple[int, int] | None = None
+
+    def lines_among(self, chains: int) -> slice:  # noqa: ARG002
+        """Lines of atoms, the chains first, among which these links may be: all of them."""
+        return slice(None)
 
     def strain(self, displacement: Floats) -> Floats:
         """Displacement of the bead of the lower chain relative to the other, [..., edge, row]."""

@@ -68,6 +68,9 @@ def completed(keys: Any, key: str) -> Any:
         keys: content of the scene, of any type.
         key: key that holds the material's name.
 
+    Returns:
+        The keys, with the constants; what is no mapping as it is.
+
     Raises:
         ValueError: none of the named material's constants would be used, or it has no yield strength.
     """

@@ -36,7 +36,7 @@ def known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def memory() -> int:
+def machine_memory() -> int:
     """Bytes of memory that this machine has; infinite where the system does not report it."""
     try:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")

@@ -50,9 +50,10 @@ def mass_of(system: System, *index: Any) -> Any:
     return system.mass if isinstance(system.mass, float) else system.mass[index]
 
 
-def mass_from(system: System, first: int, array: NDArray[np.float64]) -> Any:
-    """Mass of the beads of an array [..., chain, bead] that begins with bead ``first``."""
-    return mass_of(system, Ellipsis, slice(first - 1, first - 1 + array.shape[-1]))
+def mass_from(system: System, first: int, array: NDArray[np.float64], absent: float = 0.0) -> Any:
+    """Masses of the atoms of an array [..., line, bead], which may hold the chains alone, and begins with ``first``."""
+    mass = masses(system, absent)
+    return mass if isinstance(mass, float) else mass[: array.shape[-2], first - 1 : first - 1 + array.shape[-1]]
 
 
 @once
@@ -68,56 +69,48 @@ def one_kind(system: System) -> bool:
 
 
 def lines(system: System) -> int:
-    """Lines of atoms: the chains, and those of inner atoms."""
-    return system.chains + (0 if system.inner_mass is None else len(system.inner_mass))
+    """Number of lines of atoms: the chains, and further lines after them."""
+    return system.chains if system.further_mass is None else system.chains + len(system.further_mass)
 
 
-def mass_of_atoms(system: System) -> float | NDArray[np.float64]:
-    """[line, bead] with inner atoms after the chains, infinite where there is none; the number where all have it."""
-    if system.inner_mass is None:
+def masses(system: System, absent: float = 0.0) -> float | NDArray[np.float64]:
+    """Masses of all atoms, [line, bead], and ``absent`` at places without one; the number 1 where all have it.
+
+    Forces over masses that are infinite where there is no atom are 0 there.
+    """
+    if system.further_mass is None:
         return system.mass
-    inner = np.where(system.inner_mass > 0.0, system.inner_mass, np.inf)
-    return np.vstack([np.broadcast_to(system.mass, (system.chains, system.beads)), inner])
+    further = np.where(system.further_mass > 0.0, system.further_mass, absent)
+    return np.vstack([np.broadcast_to(system.mass, (system.chains, system.beads)), further])
 
 
-def mass_with_inner(system: System) -> Any:
-    """Masses of beads with the inner atoms that are tied to them and move with them in slow motion, [chain, bead]."""
-    return with_inner(system.mass, system.inner_mass, system.chains)
-
-
-def with_inner(mass: Any, inner: NDArray[np.float64] | None, chains: int) -> Any:
-    """Masses of beads, [chain, bead], with those of inner atoms, [line, bead], if there are any."""
-    if inner is None:
-        return mass
-    total = np.array(np.broadcast_to(mass, (chains, inner.shape[1])), dtype=np.float64)
-    for line, masses in enumerate(inner):
-        total[line % chains] += masses
+def mass_with_tied(system: System) -> float | NDArray[np.float64]:
+    """Masses of beads with the atoms that are tied to them and move with them in slow motion, [chain, bead]."""
+    if system.further_mass is None:
+        return system.mass
+    total = np.array(np.broadcast_to(system.mass, (system.chains, system.beads)), dtype=np.float64)
+    for line, of_line in enumerate(system.further_mass):
+        total[line % system.chains] += of_line
     return total
 
 
 def atom_ids(system: System) -> NDArray[np.int64]:
-    """Numbers of all atoms, [atom], ascending: bead by bead, chain by chain, then the inner atoms in the same order.
+    """Numbers of all atoms, [atom], ascending: line by line, bead by bead.
 
-    The inner atom of bead i of chain j is (lines before + j - 1) * beads + i; numbers without an atom are left out.
+    The atom at place i of line j is (j - 1) * beads + i; numbers without an atom are left out.
     """
-    beads = np.ones((system.chains, system.beads), dtype=bool)
-    present = beads if system.inner_mass is None else np.vstack([beads, system.inner_mass > 0.0])
+    present = np.broadcast_to(masses(system), (lines(system), system.beads))
     return np.asarray(np.flatnonzero(present) + 1, dtype=np.int64)
 
 
-def is_inner(system: System, link: Link) -> bool:
-    """Whether a link across ties inner atoms."""
-    return isinstance(link, Across) and any(higher >= system.chains for _, higher in link.edges)
-
-
 @once
-def slowest_resonator(system: System) -> float:
-    """Least angular frequency of an inner atom on a linear spring, its bead held; infinite where there is none."""
-    slowest = math.inf
-    for link in system.inner_links if system.inner_mass is not None else ():
+def slowest_tied(system: System) -> float:
+    """Least angular frequency of a tied atom on a linear spring, its bead held; infinite where there is none."""
+    slowest, mass_of_line = math.inf, np.broadcast_to(masses(system), (lines(system), system.beads))
+    for link in system.ties:
         if isinstance(link.law, Linear):
             spring = np.broadcast_to(link.law.spring, (len(link.edges), system.beads))
-            mass = system.inner_mass[[other - system.chains for _, other in link.edges]]  # type: ignore[index]
+            mass = mass_of_line[[higher for _, higher in link.edges]]
             present = (spring > 0.0) & (mass > 0.0)
             slowest = min(slowest, math.sqrt(float(np.min(spring[present] / mass[present], initial=math.inf))))
     return slowest
@@ -125,7 +118,7 @@ def slowest_resonator(system: System) -> float:
 
 def why_no_pulse(system: System) -> str:
     """Why there is no leading pulse, where `Fact.PULSE` does not hold."""
-    if (slowest := slowest_resonator(system)) < PULSE_RATE:
+    if (slowest := slowest_tied(system)) < PULSE_RATE:
         return (
             f"resonators of angular frequency {slowest:.3g} / T are slower than a pulse, whose rate is {PULSE_RATE} / T"
         )
@@ -145,8 +138,7 @@ def farthest(system: System) -> float:
 
 def uniform(system: System) -> bool:
     """Whether no law differs from link to link, so that the beads might be more."""
-    alone = isinstance(system.mass, float) and system.inner_mass is None
-    return alone and not any(laws.differs(link.law) for link in system.links)
+    return isinstance(masses(system), float) and not any(laws.differs(link.law) for link in system.links)
 
 
 # --- what sets beads in motion ----------------------------------------------------------------------------------------
@@ -251,30 +243,64 @@ def even(system: System) -> bool:
 
 
 @once
-def remembering(system: System) -> tuple[Along | Wall, ...]:
-    """The contacts and walls whose force depends on the largest overlap so far."""
-    held: tuple[Along | Wall, ...] = (*system.along, *walls(system))
-    return tuple(link for link in held if laws.remembers(link.law))
+def contacts_with_state(system: System) -> tuple[Along | Wall, ...]:
+    """The contacts and walls whose force depends on a state of each (`lammps_inputs.laws.ContactState`).
 
-
-def with_memory(system: System, memory: NDArray[np.float64]) -> System:
-    """The system with other memories, [..., chain, bead + 1]: of the wall before the first bead, of the contact behind
-    each other, and of the wall behind the last.
+    Arrays of states are [..., chain, bead + 1]: of the wall before the first bead, of the contact behind each other,
+    and of the wall behind the last.
     """
-    places = {Along: memory[..., 1:-1], -1.0: memory[..., :-1], 1.0: memory[..., 1:]}
+    touching: tuple[Along | Wall, ...] = (*system.along, *walls(system))
+    return tuple(link for link in touching if laws.has_state(link.law))
+
+
+def first_state(link: Link) -> int:
+    """Place of the state of the first link, of contacts or walls, along the last axis of an array of states."""
+    return int(isinstance(link, Along) or (isinstance(link, Wall) and link.side > 0.0))
+
+
+def state_headings(system: System) -> tuple[str, ...]:
+    """Headings of the columns of frames with the states of contacts: of that behind each bead, and of that ahead.
+
+    The latter is there where a wall is behind the last bead; none without states.
+    """
+    links = contacts_with_state(system)
+    if not links:
+        return ()
+    walled = any(isinstance(link, Wall) and link.side > 0.0 for link in links)
+    heading = laws.state_heading(links[0].law)
+    return (heading, f"{heading}_ahead")[: 1 + walled]
+
+
+def contact_state(system: System) -> NDArray[np.float64]:
+    """States of contacts at the start, [chain, bead + 1]; 0 where there is none."""
+    states = np.zeros((system.chains, system.beads + 1))
+    for link in contacts_with_state(system):
+        if isinstance(link, Along):
+            states[:, 1:-1] = laws.contact_state(link.law)
+        else:
+            end = -1 if link.side > 0.0 else 0
+            at_beads = np.broadcast_to(laws.contact_state(link.law), (system.chains, system.beads))
+            states[:, end] = at_beads[:, end]
+    return states
+
+
+def at_contact_state(system: System, states: NDArray[np.float64]) -> System:
+    """The system at other states of its contacts, [..., chain, bead + 1] (`contacts_with_state`)."""
 
     def at(link: Link) -> Link:
         if not isinstance(link, Along | Wall):
             return link
-        return replace(link, law=laws.with_memory(link.law, places[Along if isinstance(link, Along) else link.side]))
+        first, links = first_state(link), system.beads - isinstance(link, Along)
+        return replace(link, law=laws.at_state(link.law, states[..., first : first + links]))
 
     return replace(system, links=tuple(map(at, system.links)))
 
 
-def lost_by_yielding(system: System) -> Any:
-    """Energy dissipated by contacts and walls, [...], from their memories; NaN where a law has no such function."""
-    lost = (link.law.lost(*link.law) if hasattr(link.law, "lost") else np.nan for link in remembering(system))
-    return sum((np.sum(energy, axis=(-2, -1)) if np.ndim(energy) else energy for energy in lost), 0.0)
+def dissipated_by_contacts(system: System) -> Any:
+    """Energy dissipated by contacts and walls, [...], in their states; 0.0 where they have none."""
+    links = contacts_with_state(system)
+    energies = [link.law.dissipated(*link.law) for link in links]  # type: ignore[attr-defined]
+    return sum((np.sum(energy, axis=(-2, -1)) if np.ndim(energy) else energy for energy in energies), 0.0)
 
 
 def contact_loss(system: System) -> ContactLoss | None:
@@ -332,14 +358,15 @@ def at(system: System, time: Any) -> System:
 # --- dashpots ---------------------------------------------------------------------------------------------------------
 
 
-def dashpot_names(system: System) -> tuple[str | None, ...]:
-    """Names of the dashpots along, across, to the ground and of walls; None where there are none."""
+def dissipation_names(system: System) -> tuple[str | None, ...]:
+    """Names of what dissipates: dashpots along, across, to the ground and of walls, contacts; None where none does."""
 
     def names(kind: type[Link]) -> list[str]:
         walled = kind is Wall
         return [x.name for x in system.dampers if isinstance(x, kind) and isinstance(x, Wall) == walled]
 
-    return tuple(" and ".join(dict.fromkeys(names(kind))) or None for kind in (Along, Across, Ground, Wall))
+    dashpots = (" and ".join(dict.fromkeys(names(kind))) or None for kind in (Along, Across, Ground, Wall))
+    return (*dashpots, "plastic contacts" if contacts_with_state(system) else None)
 
 
 def velocity_at_full_steps(system: System) -> bool:
@@ -352,12 +379,12 @@ def velocity_at_full_steps(system: System) -> bool:
 
 def coupled(system: System) -> bool:
     """Whether any spring between chains exists."""
-    return bool(system.across)
+    return bool(system.couplings)
 
 
 def kappa(system: System) -> float:
     """Stiffness at rest of the springs between chains, the largest if they differ; 0 where there are none."""
-    return max((float(np.max(laws.stiffness(link.law, 0.0))) for link in system.across), default=0.0)
+    return max((float(np.max(laws.stiffness(link.law, 0.0))) for link in system.couplings), default=0.0)
 
 
 def open_row(system: System) -> bool:
@@ -367,7 +394,7 @@ def open_row(system: System) -> bool:
         and not laws.differs(link.law)
         and link.open_row
         and len(link.edges) == system.chains - 1
-        for link in system.across
+        for link in system.couplings
     )
 
 
@@ -376,7 +403,7 @@ def simply_coupled(system: System) -> bool:
 
     Its beads have the mass 1.
     """
-    free = isinstance(system.mass, float) and not system.ground and system.inner_mass is None
+    free = isinstance(masses(system), float) and not system.ground
     return free and open_row(system) and not acted_on(system) and not system.dampers
 
 
@@ -384,7 +411,7 @@ def simply_coupled(system: System) -> bool:
 def groups(system: System) -> tuple[frozenset[int], ...]:
     """Chains, counted from 0, that are tied to each other, directly or by others; each in one group."""
     group = {chain: {chain} for chain in range(system.chains)}
-    for first, second in (edge for link in system.across for edge in link.edges):
+    for first, second in (edge for link in system.couplings for edge in link.edges):
         small, large = sorted((group[first], group[second]), key=len)
         if small is not large:
             large |= small

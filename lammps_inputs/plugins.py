@@ -8,6 +8,7 @@ Those of granchain itself are declared in its ``pyproject.toml`` like those of a
 - ``granchain.quantities``: place in the printed analysis, and name = class derived from
   `workflow.verdicts.findings.Finding`;
 - ``granchain.studies``: command = module with ``add_arguments``, ``execute`` and ``EXAMPLES``;
+- ``granchain.functions``: name in the module ``granchain`` = function for scripts and notebooks, as of a study;
 - ``granchain.schemas``: what `granchain schema` prints = function without arguments.
 """
 

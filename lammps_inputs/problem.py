@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.layout import Layout
-from lammps_inputs.links import Wall
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.system import System
 from lammps_inputs.units import Scale
@@ -42,7 +41,7 @@ class Problem:
 
     @property
     def lines(self) -> int:
-        """Lines of atoms in a frame: the chains, and those of inner atoms where all beads are recorded."""
+        """Lines of atoms in a frame: the chains, and further lines after them where all beads are recorded."""
         return physics.lines(self.system) if self.recorded is None else self.system.chains
 
     @property
@@ -91,15 +90,16 @@ class Problem:
         return self.recorded is None and self.system.holds(Fact.FRAMES)
 
     @property
-    def memory_columns(self) -> tuple[str, ...]:
-        """Columns of a dump with the largest overlap of the contact behind each bead, and of that ahead where a wall is
-        behind the last bead; none where no force depends on them, or not all beads are recorded.
+    def columns(self) -> tuple[str, ...]:
+        """Columns of a dump after the atoms' numbers."""
+        return ("x", "vx", *self.state_columns) if self.window is None else ("mol", "x", "vx")
+
+    @property
+    def state_columns(self) -> tuple[str, ...]:
+        """Columns of a dump with the state of the contact behind each bead, and of that ahead where a wall is behind
+        the last bead; none where no force depends on one, or not all beads are recorded.
         """
-        held = physics.remembering(self.system)
-        if self.recorded is not None or not held:
-            return ()
-        walled = any(isinstance(link, Wall) and link.side > 0.0 for link in held)
-        return ("v_memory", "v_memory_ahead")[: 1 + walled]
+        return physics.state_headings(self.system) if self.recorded is None else ()
 
     @property
     def recorded_beads(self) -> NDArray[np.int64]:

@@ -16,7 +16,7 @@ from lammps_inputs import scheme as schemes
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import contacts, plastic
-from lammps_inputs.ingredients.base import Count, Ingredient, Positive, ScenePart, refuse_outside
+from lammps_inputs.ingredients.base import Count, FurtherAtoms, Ingredient, Positive, ScenePart, refuse_outside
 from lammps_inputs.ingredients.material import Material
 from lammps_inputs.ingredients.registry import INGREDIENTS, OWN_INGREDIENTS
 from lammps_inputs.ingredients.unequal import (
@@ -182,17 +182,21 @@ class BaseScene(ScenePart):
         system = self.system
         for ingredient in self.ingredients:
             ingredient.refuse_system(self, system)
-        if system.inner_mass is not None and plastic.key(self):
-            key = plastic.key(self)
-            raise ValueError(
-                f"{key}: contacts that yield are not known beside {self._inner_key}; leave one of them out"
-            )
-        if system.inner_mass is not None and self.window is not None:
-            raise ValueError(f"window: {self._inner_key} behind it keep moving; leave the window out")
+        self._check_further_atoms()
         self._check_motion(system)
         self.output.refuse(self)
         self._check_times()
         return self
+
+    def _check_further_atoms(self) -> None:
+        """Refuse what is not known beside lines of atoms that are no beads."""
+        for key, _ in self._further_atoms:
+            if plastic.key(self):
+                raise ValueError(
+                    f"{plastic.key(self)}: contacts that yield are not known beside {key}; leave one of them out"
+                )
+            if self.window is not None:
+                raise ValueError(f"window: {key} behind it keep moving; leave the window out")
 
     def _check_window(self) -> None:
         """Refuse a window where what leaves it matters."""
@@ -276,7 +280,15 @@ class BaseScene(ScenePart):
 
     @property
     def unlikely(self) -> list[str]:
-        """Warnings of unlikely values, each with the unit or key that was probably meant."""
+        """Warnings of unlikely values, each with the unit or key that was probably meant.
+
+        Returns:
+            The warnings; none in a plausible scene.
+
+        Examples:
+            >>> granchain.load("two-chains").unlikely
+            []
+        """
         warnings = list(self._unlikely_solids())
         if self.material is not None and self.gap > FAR * self.material.radius:
             ratio = self.gap / self.material.radius
@@ -369,7 +381,15 @@ class BaseScene(ScenePart):
 
     @property
     def scale(self) -> Scale:
-        """Sizes of the dimensionless units in this scene's units."""
+        """Sizes of the dimensionless units in this scene's units.
+
+        Returns:
+            V, T, L and the mass of a bead, in SI or reduced units.
+
+        Examples:
+            >>> f"T = {granchain.load('two-chains-steel').scale.time:.2e} s"
+            'T = 1.22e-05 s'
+        """
         ball, velocity = self.material, self._speed()
         exponent, constant = self.contact_scale
         if ball is None:
@@ -379,7 +399,15 @@ class BaseScene(ScenePart):
 
     @property
     def units(self) -> str:
-        """Values of V, T, L and of the coupling's kappa, in one line; V is the largest excitation (MODEL.md)."""
+        """Values of V, T, L and of the coupling's kappa, in one line; V is the largest excitation (MODEL.md).
+
+        Returns:
+            The line.
+
+        Examples:
+            >>> granchain.load("two-chains").units
+            'units: V = 1 (kick velocity), T = 1, L = 1, kappa = 0.1 (reduced units)'
+        """
         scale, system = self.scale, self.system
         excitations = [(key, speed) for key, speed in self._speeds() if speed > 0.0]
         key, _ = max(excitations, key=lambda excitation: excitation[1])
@@ -453,26 +481,22 @@ class BaseScene(ScenePart):
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(self)}
         taken |= {Fact.SECOND_ORDER} if any(in_time.jumps(load.law) for load in loads) else set()
-        inner_mass, inner_links, inner_dampers = self._inner
-        borne = physics.with_inner(mass, inner_mass, self.chains)
-        static = sum((ingredient.static(self, borne) for ingredient in self.ingredients), np.float64(0.0))
-        if any(laws.remembers(link.law) for link in touching):
-            laws.refuse_incomplete(touching[0].law)
-            taken |= {Fact.FRAMES, Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE}
-            taken |= set() if plastic.key(self) else {Fact.MOMENTUM}
+        further_mass, ties, dashpots = self._in_lines([atoms for _, atoms in self._further_atoms])
+        taken |= plastic.taken_away(self, touching[0].law)
         system = System(
             chains=self.chains,
             beads=self.beads,
             kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kicks),
             mass=mass,
-            links=(*touching, *made),
+            further_mass=further_mass,
+            links=(*touching, *made, *ties),
             lacks=frozenset(taken),
             loads=loads,
             motions=motions,
-            dampers=(*(link for ingredient in self.ingredients for link in ingredient.dampers(self)), *inner_dampers),
-            inner_mass=inner_mass,
-            inner_links=inner_links,
+            dampers=(*(link for ingredient in self.ingredients for link in ingredient.dampers(self)), *dashpots),
         )
+        borne = physics.mass_with_tied(system)
+        static = sum((ingredient.static(self, borne) for ingredient in self.ingredients), np.float64(0.0))
         if not np.any(static):
             return system
         try:
@@ -481,30 +505,28 @@ class BaseScene(ScenePart):
             raise ValueError(f"{self._loaded_by}: {error}") from None
 
     @property
-    def _inner(self) -> tuple[Floats | None, tuple[Across, ...], tuple[Across, ...]]:
-        """Masses of all atoms beside the beads, their links and dashpots.
+    def _further_atoms(self) -> list[tuple[str, FurtherAtoms]]:
+        """Lines of atoms that ingredients add to the chains, each with the key of its ingredient."""
+        each = [(key, ingredient.further_atoms(self)) for key, ingredient in self.named]
+        return [(key, atoms) for key, atoms in each if atoms is not None]
+
+    def _in_lines(self, each: list[FurtherAtoms]) -> tuple[Floats | None, tuple[Across, ...], tuple[Across, ...]]:
+        """Masses of all atoms that ingredients add, [line, bead], their ties and dashpots.
 
         Lines of one ingredient stand in those of another whose places are free, else after them.
         """
         masses = np.zeros((0, self.beads))
-        links: list[Across] = []
+        ties: list[Across] = []
         dampers: list[Across] = []
-        for ingredient in self.ingredients:
-            if (inner := ingredient.inner(self)) is None:
-                continue
-            first = 0
-            while np.any(masses[first : first + len(inner.mass)] * inner.mass[: max(0, len(masses) - first)]):
-                first += len(inner.mass)
-            masses = np.pad(masses, ((0, max(0, first + len(inner.mass) - len(masses))), (0, 0)))
-            masses[first : first + len(inner.mass)] += inner.mass
-            links += [link.counted_on(self.chains, first) for link in inner.links]
-            dampers += [link.counted_on(self.chains, first) for link in inner.dampers]
-        return (masses if len(masses) else None), tuple(links), tuple(dampers)
-
-    @property
-    def _inner_key(self) -> str:
-        """Key of the first ingredient that adds atoms to the beads."""
-        return next(key for key, ingredient in self.named if ingredient.inner(self) is not None)
+        for atoms in each:
+            first, count = 0, len(atoms.mass)
+            while np.any(masses[first : first + count] * atoms.mass[: max(0, len(masses) - first)]):
+                first += count
+            masses = np.pad(masses, ((0, max(0, first + count - len(masses))), (0, 0)))
+            masses[first : first + count] += atoms.mass
+            ties += [link.counted_on(self.chains, first) for link in atoms.ties]
+            dampers += [link.counted_on(self.chains, first) for link in atoms.dampers]
+        return (masses if len(masses) else None), tuple(ties), tuple(dampers)
 
     @property
     def _loaded_by(self) -> str:
@@ -533,6 +555,13 @@ class BaseScene(ScenePart):
         """Scene with every default written out; resolving twice changes nothing.
 
         The time step is that of the rule; one that keeps an accuracy is found by `workflow.prepare.settings`.
+
+        Returns:
+            The scene.
+
+        Examples:
+            >>> granchain.load("two-chains").resolved().output.every
+            0.1
         """
         every, steps = self._cadence()
         output = self.output.model_copy(update={"every": every})
@@ -542,9 +571,16 @@ class BaseScene(ScenePart):
     def problem(self) -> Problem:
         """The dimensionless problem at V = 1.
 
+        Returns:
+            The problem, in units of V, T, L and the mass of a bead.
+
         Raises:
             ValueError: the scene ends at a bead, or asks for an accuracy; `workflow.prepare.settings.with_settings`
                 finds the duration and the time step.
+
+        Examples:
+            >>> granchain.load("two-chains").problem().frames
+            1920
         """
         if self.duration is None:
             raise ValueError(
@@ -572,7 +608,8 @@ class BaseScene(ScenePart):
         )
 
     def __repr__(self) -> str:
-        return f"<scene {self.name}: {self.chains} x {self.beads} beads>"
+        chains = "1 chain" if self.chains == 1 else f"{self.chains} chains"
+        return f"<scene {self.name}: {chains} of {self.beads} beads>"
 
     __str__ = __repr__
 
@@ -580,7 +617,15 @@ class BaseScene(ScenePart):
         return html.text(strict_yaml.dump(self.plain()))
 
     def plain(self) -> dict[str, Any]:
-        """Nested plain data for YAML, without what the scene does not name."""
+        """Nested plain data for YAML, without what the scene does not name.
+
+        Returns:
+            The keys and values, of mappings, lists, numbers and text.
+
+        Examples:
+            >>> granchain.load("two-chains").plain()["coupling"]
+            {'model': 'linear', 'stiffness': 0.1}
+        """
         data = self.model_dump(mode="json", exclude_none=True)
         keys = [key for key in BaseScene.model_fields if key in data]
         keys[keys.index("kick") : keys.index("kick")] = [key for key in INGREDIENTS if key in data]

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws, physics
+from lammps_inputs.facts import Fact
 from lammps_inputs.laws.preloaded import Contact, rest_under, under
 from lammps_inputs.layout import PLACES, Layout
 from lammps_inputs.links import Along, Link, Wall
@@ -110,7 +111,7 @@ def hold_lines(system: System) -> list[str]:
         f"# static load: contact forces at rest {forces}; the resultants found at rest are subtracted",
         "run 0 post no",
     ]
-    if physics.remembering(system):  # fix held stores them (`plastic_lines`): later memories give others at rest
+    if not system.holds(Fact.FRAMES):  # fix held stores them (`plastic_lines`): later frames give others at rest
         return lines
     if not physics.even(system):
         return [

@@ -10,7 +10,7 @@ What follows from a system is in `lammps_inputs.physics`; where LAMMPS has its b
 | V                  | largest of the excitations | L / T; 1 by construction |
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -30,9 +30,11 @@ class System:
     kicks: tuple[tuple[int, int, float], ...]
     """(chain, bead, velocity), counted from 1; the largest |velocity| is 1."""
     links: tuple[Link, ...]
-    """All forces there are; contacts first."""
+    """All forces there are: contacts first, links that tie further lines of atoms last."""
     mass: float | NDArray[np.float64] = 1.0
     """1 where all beads have the reference bead's, else [chain, bead]."""
+    further_mass: NDArray[np.float64] | None = None
+    """[line, bead] of further lines of atoms, which count on from the chains and are tied to beads; 0 without atom."""
     lacks: frozenset[Fact] = frozenset()
     """Facts that do not hold."""
     loads: tuple[Load, ...] = ()
@@ -41,11 +43,6 @@ class System:
     """Beads whose motion is given."""
     dampers: tuple[Link, ...] = ()
     """Forces against velocities: links with laws of damping."""
-
-    inner_mass: NDArray[np.float64] | None = None
-    """[line, bead] of atoms that are no bead of a chain, in lines of as many as a chain has; 0 where there is none."""
-    inner_links: tuple[Across, ...] = ()
-    """Links of these lines, which count on from the chains, with chains and each other; `dampers` may be, too."""
 
     def __eq__(self, other: object) -> bool:
         """Whether all is the same, to the last number of every array."""
@@ -68,8 +65,38 @@ class System:
 
     @cached_property
     def across(self) -> tuple[Across, ...]:
-        """The links across the chains."""
+        """The links across the lines of atoms: the couplings of chains, then the ties of further lines."""
         return tuple(link for link in self.links if isinstance(link, Across))
+
+    @cached_property
+    def links_of_chains(self) -> tuple[Link, ...]:
+        """The links but for the ties of further lines of atoms."""
+        return tuple(link for link in self.links if not self.is_tie(link))
+
+    @cached_property
+    def couplings(self) -> tuple[Across, ...]:
+        """The links across that couple chains with each other."""
+        return tuple(link for link in self.links_of_chains if isinstance(link, Across))
+
+    @cached_property
+    def ties(self) -> tuple[Across, ...]:
+        """The links across that tie further lines of atoms."""
+        return tuple(link for link in self.across if self.is_tie(link))
+
+    def on(self, rows: NDArray[np.int64]) -> "System":
+        """The system at chosen rows, [row] counted from 0; kicks, loads and motions keep the numbers of their beads."""
+        return replace(
+            self,
+            beads=len(rows),
+            links=tuple(link.on(rows) for link in self.links),
+            dampers=tuple(link.on(rows) for link in self.dampers),
+            mass=self.mass if isinstance(self.mass, float) else self.mass[:, rows],
+            further_mass=None if self.further_mass is None else self.further_mass[:, rows],
+        )
+
+    def is_tie(self, link: Link) -> bool:
+        """Whether a link ties atoms of further lines, not only beads of chains."""
+        return isinstance(link, Across) and any(higher >= self.chains for _, higher in link.edges)
 
     @cached_property
     def ground(self) -> tuple[Ground, ...]:

@@ -33,7 +33,8 @@ class BeadColumn(NamedTuple):
 
 def columns(scene: "BaseScene") -> list[BeadColumn]:
     """Columns of all that differs from bead to bead; none where all beads, contacts and springs are alike."""
-    candidates = [*_of_beads(scene), *(column for link in scene.system.links for column in _of_link(link, scene))]
+    links = scene.system.links_of_chains
+    candidates = [*_of_beads(scene), *(column for link in links for column in _of_link(link, scene))]
     return [column for column in candidates if len(np.unique(column.values[np.isfinite(column.values)])) > 1]
 
 

@@ -121,10 +121,11 @@ def test_lammps_tends_to_the_exact_motion_with_its_order(name, done, tmp_path):
 
 def error_of_all_atoms(result, name):
     """Largest error of beads and resonators; the latter by the reference, which is as certain as its run states."""
-    of_beads, inner = error(result, name), result.trajectory.inner
-    if inner is None:
+    of_beads, further = error(result, name), result.trajectory.further_lines
+    if further is None:
         return of_beads
-    return max(of_beads, float(np.max(np.abs(inner[:, 1] - engine.run(scene(name).problem()).inner[:, 1]))))
+    exact_lines = engine.run(scene(name).problem()).further_lines
+    return max(of_beads, float(np.max(np.abs(further[:, 1] - exact_lines[:, 1]))))
 
 
 @pytest.mark.parametrize("name", ALL)

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 TESTS = Path(__file__).parent
 
 OWN = '''
-"""Springs of the fifth power, stiffer contacts, a mass inside each bead, contacts that remember their overlap."""
+"""Springs of the fifth power, stiffer contacts, a mass inside each bead, contacts with a state."""
 
 from typing import Annotated, NamedTuple
 
@@ -28,8 +28,9 @@ import numpy as np
 from pydantic import Field
 
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient, Inner, Positive
+from lammps_inputs.ingredients.base import FurtherAtoms, Ingredient, Positive
 from lammps_inputs.laws import Parameter, Pure, dimensionless, formula
+from lammps_inputs.laws.plastic import LargestOverlap
 from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across, Ground
 from lammps_inputs.units import Dimension
@@ -120,10 +121,10 @@ class Masses(Ingredient):
     mass: Positive
     stiffness: Positive
 
-    def inner(self, scene):
+    def further_atoms(self, scene):
         edges = tuple((chain, scene.chains + chain) for chain in range(scene.chains))
         link = Across("masses", Linear(self.stiffness / scene.scale.stiffness), edges=edges)
-        return Inner(np.full((scene.chains, scene.beads), self.mass / scene.scale.mass), (link,))
+        return FurtherAtoms(np.full((scene.chains, scene.beads), self.mass / scene.scale.mass), (link,))
 
     def lacks(self, scene):
         return self.takes_away
@@ -134,36 +135,36 @@ class Worn(NamedTuple):
 
     strength: Pure
     share: Pure
-    memory: Pure = 0.0
+    largest: LargestOverlap = 0.0
 
     @staticmethod
-    def force(s, strength, share, memory):
-        left = (s - share * memory) / (1.0 - share)
-        return strength * np.maximum(s if s >= memory else left, 0.0) ** 1.5
+    def force(s, strength, share, largest):
+        left = (s - share * largest) / (1.0 - share)
+        return strength * np.maximum(s if s >= largest else left, 0.0) ** 1.5
 
     @staticmethod
-    def energy(s, strength, share, memory):
+    def energy(s, strength, share, largest):
         return 0.4 * strength * np.maximum(s, 0.0) ** 2.5
 
     @staticmethod
-    def stiffness(s, strength, share, memory):
+    def stiffness(s, strength, share, largest):
         return 1.5 * strength / (1.0 - share) * np.sqrt(np.maximum(s, 0.0))
 
     @staticmethod
-    def max_strain(energy, strength, share, memory):
+    def max_strain(energy, strength, share, largest):
         return (2.5 * energy / strength) ** 0.4
 
     @staticmethod
-    def remember(s, strength, share, memory):
-        return max(s, memory)
+    def next_state(s, strength, share, largest):
+        return max(s, largest)
 
     @staticmethod
-    def permanent(strength, share, memory):
-        return share * memory
+    def permanent(strength, share, largest):
+        return share * largest
 
     @staticmethod
-    def lost(strength, share, memory):
-        return 0.4 * share * strength * memory**2.5
+    def dissipated(strength, share, largest):
+        return 0.4 * share * strength * largest**2.5
 
 
 class Wear(Ingredient):
@@ -179,13 +180,13 @@ class Wear(Ingredient):
 
 
 class Incomplete(NamedTuple):
-    """A contact with a memory that does not say where unloading ends."""
+    """A contact with a state that does not say where unloading ends."""
 
     strength: Pure
-    memory: Pure = 0.0
+    largest: LargestOverlap = 0.0
 
     force, energy, stiffness = Worn.force, Worn.energy, Worn.stiffness
-    max_strain, remember = Worn.max_strain, Worn.remember
+    max_strain, next_state = Worn.max_strain, Worn.next_state
 
 
 class Half(Ingredient):
@@ -284,7 +285,7 @@ print(json.dumps({
     "peak": float(peaks.velocity[peaks.bead == 20][0]),
     "refused": refused,
     "rebound": [engine.run(worn, steps_per_frame=steps).velocity[-1, 0].tolist() for steps in (10, 400)],
-    "memories": [engine.make_state(replace(worn, system=system), None).memory.size
+    "states": [engine.make_state(replace(worn, system=system), None).contact_state.size
                  for system in (worn.system, find("two-chains").system)],
 }))
 """
@@ -426,16 +427,16 @@ def test_a_mass_inside_each_bead_acts_alike_in_lammps_and_the_reference_and_stan
     assert found[1]["shape"] == [401, 1, 30]
 
 
-def test_a_contact_that_remembers_its_largest_overlap_gives_two_beads_their_restitution(found):
+def test_a_contact_whose_state_is_its_largest_overlap_gives_two_beads_their_restitution(found):
     """Of the energy 0.4 d**2.5 at the largest overlap d, the share is lost: e**2 = 1 - share."""
     assert "LAMMPS has no such force; use the reference engine" in found[1]["refused"]["worn"]
     coarse, fine = found[1]["rebound"]
     assert coarse == pytest.approx([0.05, 0.95], abs=1e-5)  # the largest overlap is found within the step
     assert fine == pytest.approx([0.05, 0.95], abs=1e-8)
-    assert found[1]["memories"] == [3, 0]
+    assert found[1]["states"] == [3, 0]
 
 
-def test_a_contact_with_a_memory_is_refused_where_it_does_not_say_where_unloading_ends(found):
+def test_a_contact_with_a_state_is_refused_where_it_does_not_say_where_unloading_ends(found):
     (found[0] / "half.yaml").write_text(text("worn", wear=None, half={}))
     done = granchain(found[0], "show", "half.yaml", **own("."))
     assert done.returncode == 2

@@ -27,20 +27,23 @@ def built(tmp_path_factory):
     place = tmp_path_factory.mktemp("built")
     run("git", "clone", "-q", ROOT, place / "source")
     code = f"import hatchling.build as made; print(made.build_sdist({str(place)!r}))"
-    run(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "hatchling>=1.27")
+    run(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "hatchling>=1.27", "editables")
     environment = {"PYTHONPATH": str(place / "backend"), "PATH": "/usr/bin:/bin"}
     sdist = place / run(sys.executable, "-c", code, cwd=place / "source", env=environment).split()[-1]
     run(sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", place, sdist)
     return sdist, next(place.glob("*.whl"))
 
 
-def tracked(*folders):
-    return {name for name in run("git", "ls-files", *folders, cwd=ROOT).split() if "/" in name}
+def installed(*folders):
+    """Files that git knows in some folders, as they are installed."""
+    tracked = run("git", "ls-files", *folders, cwd=ROOT).split()
+    return {name.removeprefix("workflow/python/") for name in tracked if "/" in name}
 
 
 def test_the_wheel_holds_every_file_of_the_packages(built):
-    held = {name for name in zipfile.ZipFile(built[1]).namelist() if name.split("/")[0] in PACKAGES}
-    assert held == tracked(*PACKAGES)
+    held = {name for name in zipfile.ZipFile(built[1]).namelist() if ".dist-info/" not in name}
+    assert held == installed(*PACKAGES)
+    assert {"granchain/__init__.py", "granchain/py.typed"} < held
 
 
 def test_the_sdist_holds_all_there_is_also_tests_change_log_and_pictures(built):
@@ -53,9 +56,29 @@ def test_the_main_job_runs_from_the_wheel_elsewhere(built, tmp_path):
     run(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", tmp_path / "site", built[1])
     # no path of the sources: the interpreter starts elsewhere, and what was installed comes first
     environment = {"PYTHONPATH": str(tmp_path / "site"), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
-    where = "import workflow; print(workflow.__file__)"
-    assert run(sys.executable, "-P", "-c", where, cwd=tmp_path, env=environment).startswith(str(tmp_path))
+    where = "import granchain, workflow; print(granchain.__file__, workflow.__file__)"
+    paths = run(sys.executable, "-P", "-c", where, cwd=tmp_path, env=environment).split()
+    assert all(path.startswith(str(tmp_path)) for path in paths)
     command = (sys.executable, "-P", "-m", "workflow")
     run(*command, "run", "one-chain", "-o", "demo", cwd=tmp_path, env=environment)
     assert "analysis.json" in run(*command, "analyze", "demo", "--no-figures", cwd=tmp_path, env=environment)
     assert "Springs between" in run(*command, "help", "coupling", cwd=tmp_path, env=environment)
+
+
+def test_an_editable_install_has_the_sources_on_the_path_with_the_module_beside_the_packages(built, tmp_path):
+    source = built[0].parent / "source"
+    code = f"import hatchling.build as made; print(made.build_editable({str(tmp_path)!r}))"
+    environment = {"PYTHONPATH": str(built[0].parent / "backend"), "PATH": "/usr/bin:/bin"}
+    wheel = zipfile.ZipFile(tmp_path / run(sys.executable, "-c", code, cwd=source, env=environment).split()[-1])
+    (paths,) = (name for name in wheel.namelist() if name.endswith(".pth"))
+    assert set(wheel.read(paths).decode().split()) == {str(source), str(source / "workflow/python")}
+
+
+def test_type_checkers_see_the_types_of_the_installed_module(built, tmp_path):
+    run(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", tmp_path / "site", built[1])
+    (tmp_path / "script.py").write_text("import granchain\n\nreveal_type(granchain.run)\nreveal_type(granchain.fit)\n")
+    environment = {"MYPYPATH": str(tmp_path / "site"), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+    words = (sys.executable, "-P", "-m", "mypy", "--ignore-missing-imports", "--follow-imports=silent", "script.py")
+    types = run(*words, cwd=tmp_path, env=environment)
+    assert "-> granchain.Run" in types
+    assert "-> workflow.studies.fit.result.Fit" in types

@@ -8,9 +8,41 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 
+DOCUMENTED = (
+    "workflow/python/granchain",
+    "workflow/arguments.py",
+    "workflow/runs/check.py",
+    "workflow/runs/run.py",
+    "workflow/runs/run_directory.py",
+    "workflow/studies/design/result.py",
+    "workflow/studies/design/study.py",
+    "workflow/studies/fit/result.py",
+    "workflow/studies/fit/study.py",
+    "workflow/studies/gallery/study.py",
+    "workflow/sweep/collect.py",
+    "workflow/sweep/statistics.py",
+    "workflow/verdicts/analyse.py",
+    "workflow/verdicts/analysis_report.py",
+    "workflow/verdicts/validate.py",
+    "analysis/compare/difference.py",
+    "analysis/statistics.py",
+    "analysis/tracking/leading_waves.py",
+    "analysis/trajectory.py",
+    "lammps_inputs/materials.py",
+    "lammps_inputs/scene.py",
+)
+"""Where the module `granchain` and what its functions return are defined."""
+
 
 @pytest.mark.slow
 @pytest.mark.parametrize("words", ["mypy", "ruff check .", "ruff format --check ."])
 def test_nothing_is_found_by(words):
     done = subprocess.run([sys.executable, "-m", *words.split()], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+def test_docstrings_that_users_see_have_the_sections_of_what_they_describe():
+    words = ("-m", "pydoclint.main", "--config", "pyproject.toml", *DOCUMENTED)
+    done = subprocess.run([sys.executable, *words], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr

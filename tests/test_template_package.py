@@ -1,4 +1,4 @@
-"""A distribution beside granchain adds a law, an ingredient, a material, a scene, a quantity and a study."""
+"""A distribution beside granchain adds a law, an ingredient, a material, a scene, a quantity, a study, a function."""
 
 import csv
 import json
@@ -87,6 +87,12 @@ def test_its_study_is_a_command(site: Path, tmp_path: Path) -> None:
     assert len(numbers) == 3
     assert np.all(np.isfinite(numbers))
     assert "done" in granchain(site, tmp_path, "status", "hard")
+
+
+def test_its_function_is_one_of_the_module(site: Path, tmp_path: Path) -> None:
+    environment = {"PYTHONPATH": f"{site}:{ROOT}", "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+    code = "import granchain; print('hardness' in dir(granchain), *granchain.hardness('hard', jobs=1))"
+    assert run(sys.executable, "-P", "-c", code, cwd=tmp_path, env=environment) == "True 0.5 1.0 2.0\n"
 
 
 def test_its_law_runs_in_a_job_of_slurm(slurm: Any, site: Path, folder: Path) -> None:

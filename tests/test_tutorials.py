@@ -1,9 +1,7 @@
 """A reader can follow the tutorials: their commands run and print what they quote; the manual's links exist."""
 
-import os
 import re
 import runpy
-import sys
 from pathlib import Path
 
 import pytest
@@ -19,20 +17,19 @@ PACKAGES = ("lammps_inputs", "analysis", "workflow")
 FOLDER = Path(workflow.__file__).parent / "tutorials"
 ROOT = FOLDER.parents[1]
 MANUAL = [ROOT / "README.md", *(page for name in PACKAGES for page in sorted((ROOT / name).rglob("*.md")))]
-PAGES = sorted(path.stem for path in FOLDER.glob("*.md"))
+TUTORIALS = {path.stem: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.md"))}
+PAGES = list(TUTORIALS)
 COMMANDS = FOLDER.parent / "README.md"
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("lammps_here", "pool_here")
-@pytest.mark.parametrize("path", [*(FOLDER / f"{name}.md" for name in PAGES), COMMANDS], ids=lambda path: path.stem)
-def test_the_commands_of_a_page_print_what_it_quotes(path, tmp_path, request):
-    page = path.read_text(encoding="utf-8")
-    environment = dict(os.environ)
-    if "sbatch" in page:
-        environment |= request.getfixturevalue("slurm").environment
-    environment["PATH"] = f"{Path(sys.executable).parent}:{environment['PATH']}"
-    tutorial.follow(page, tmp_path, environment)
+@pytest.mark.parametrize("name", [*(name for name in PAGES if not tutorial.types_studies(TUTORIALS[name])), "README"])
+def test_the_commands_of_a_page_print_what_it_quotes(name, tmp_path, request):
+    sections = tutorial.sections(COMMANDS.read_text(encoding="utf-8"))
+    page = TUTORIALS.get(name) or "".join(section for section in sections if not tutorial.types_studies(section))
+    more = request.getfixturevalue("slurm").environment if "sbatch" in page else {}
+    tutorial.follow(page, tmp_path, tutorial.environment(more))
 
 
 @pytest.mark.slow

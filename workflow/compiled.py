@@ -26,6 +26,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import event
+from numba.core.dispatcher import Dispatcher
 
 from lammps_inputs.ingredients.registry import INGREDIENTS
 from workflow import screen
@@ -54,7 +55,7 @@ def compiled(function: F, **options: Any) -> F:
         _config.CACHE_DIR = before
 
 
-def inner(function: F) -> F:
+def called_by_compiled(function: F) -> F:
     """The function compiled for calls by compiled ones alone: what Python needs to call it takes long to compile."""
     return compiled(function, no_cpython_wrapper=True)
 
@@ -80,7 +81,7 @@ def ieee(function: F) -> F:
     return compiled(function, **_IEEE)
 
 
-def ieee_inner(function: F) -> F:
+def ieee_called_by_compiled(function: F) -> F:
     """The function with IEEE arithmetic, compiled for calls by compiled ones alone."""
     return compiled(function, no_cpython_wrapper=True, **_IEEE)
 
@@ -128,7 +129,7 @@ def digest(functions: Iterable[Any]) -> str:
     waiting, done = list(functions), set()
     while waiting:
         value = waiting.pop()
-        value = getattr(value, "py_func", value)
+        value = value.py_func if isinstance(value, Dispatcher) else value
         if not isinstance(value, FunctionType | ModuleType) or value in done:
             continue
         done.add(value)

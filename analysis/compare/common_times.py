@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from analysis import hermite
-from analysis.trajectory import Floats, Trajectory, of_atoms
+from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem
 
 
@@ -67,7 +67,7 @@ def of_recorded(trajectory: Trajectory, problem: Problem) -> Trajectory:
         problem=problem,
         displacement=trajectory.displacement[:, :, columns],
         velocity=trajectory.velocity[:, :, columns],
-        inner=None,
+        further_lines=None,
     )
 
 
@@ -122,9 +122,9 @@ MARGIN = 0.01
 
 
 def at_times(trajectory: Trajectory, times: Floats) -> Trajectory:
-    """States at times [frame] within the trajectory's, by polynomials of degree seven; memories are of frames before.
+    """States at times [frame] within the trajectory's, by polynomials of degree seven.
 
-    Times are in units of T.
+    Times are in units of T. The states of contacts that yield are those of the frames before.
 
     Raises:
         InputError: a time lies outside by more than a hundredth of a frame, or there are fewer than four frames, or
@@ -147,14 +147,8 @@ def at_times(trajectory: Trajectory, times: Floats) -> Trajectory:
     data = np.array([(x[start + node], v[start + node]) for node in _NODES])
     polynomials = hermite.coefficients(_NODES, data, float(spacing))
     s = ((times - recorded[start]) / spacing)[:, np.newaxis, np.newaxis] * np.ones(x.shape[1:])
-    return of_atoms(
-        trajectory.problem,
-        times,
-        hermite.value(polynomials, s),
-        hermite.value(hermite.derivative(polynomials), s) / spacing,
-        trajectory.first,
-        memory=None if trajectory.memory is None else trajectory.memory[before],
-    )
+    velocity = hermite.value(hermite.derivative(polynomials), s) / spacing
+    return trajectory[before].with_motion(times, hermite.value(polynomials, s), velocity)
 
 
 def interpolation_error(trajectory: Trajectory) -> tuple[float, float]:

@@ -40,7 +40,8 @@ class DeviationPlace:
     """A bead of a chain, or a resonator at it, at a time.
 
     Attributes:
-        chain, bead: counted from 1.
+        chain: number of the chain, from 1.
+        bead: number of the bead, from 1.
         time: dimensionless; None for what belongs to no instant.
         resonator: number of the resonator at the bead, in the order of the scene; 0 for the bead itself.
     """
@@ -62,7 +63,8 @@ class Deviation:
     """One quantity's difference from the reference.
 
     Attributes:
-        largest, rms: over all beads and frames, or all waves; dimensionless.
+        largest: largest size of the difference over all beads and frames, or all waves; dimensionless.
+        rms: its root mean square.
         where: place of the largest difference.
         first: first place, in time, where the tolerance is exceeded; None if it never is.
     """
@@ -174,6 +176,9 @@ class Difference:
         The latter two are left out where no passage was found in both, or no pulse leads (`Fact.PULSE`). Energy is the
         difference of the budget where dashpots dissipate energy, or forces from outside do work.
 
+        Returns:
+            Quantity -> its deviation.
+
         Raises:
             ValueError: there was no frame.
         """
@@ -213,6 +218,13 @@ class Difference:
 
 def errors_of(blocks: Iterable[Trajectory], reference: Iterable[Trajectory]) -> dict[str, Deviation]:
     """Deviations of a run from a reference at the same times, without tolerances; see `Difference.deviations`.
+
+    Args:
+        blocks: frames of the run.
+        reference: frames of the reference.
+
+    Returns:
+        Quantity -> its deviation.
 
     Raises:
         OtherFramesError: their beads or times differ.

@@ -1,7 +1,7 @@
 """Momentum equations of a trajectory: impulses of every kind of force between two frames, from the recorded motion.
 
 The motion between two frames is taken as the cubic polynomial through displacements and velocities of both. Arrays are
-[interval, line, bead]: intervals between two frames, lines of atoms (the chains, then inner atoms), beads of a line.
+[interval, line, bead]: intervals between two frames, lines of atoms (the chains, then further lines), beads of a line.
 Impulses are in units of m V. Every atom must be recorded, and every force follow from the state.
 """
 
@@ -95,8 +95,7 @@ class MomentumEquations:
     def __init__(self, trajectory: Trajectory, load: float = 1.0) -> None:
         """Compute the impulses of all forces."""
         self.trajectory, self.system, self.load = trajectory, trajectory.problem.system, load
-        mass = physics.mass_of_atoms(self.system)
-        self.change = self._but_for_driven(np.diff(trajectory.atoms[1], axis=0) * np.where(np.isinf(mass), 0.0, mass))
+        self.change = self._but_for_driven(np.diff(trajectory.atoms[1], axis=0) * physics.masses(self.system))
         self.links = self._link_impulses()
         forces = [*self._of_links(), *self._of_loads()]
         self.residual = self.change - sum(term.scene * term.column for term in forces)
@@ -108,7 +107,7 @@ class MomentumEquations:
 
     def lines(self, link: Link) -> slice:
         """Lines of the atoms that links are among."""
-        return slice(None if physics.is_inner(self.system, link) else self.system.chains)
+        return link.lines_among(self.system.chains)
 
     def column(self, link: Link, impulse: Floats) -> Floats:
         """Change of momentum of all atoms, [interval, line, bead], by impulses of links, [interval, ...]."""
@@ -132,7 +131,7 @@ class MomentumEquations:
     def _link_impulses(self) -> list[LinkImpulses]:
         """Impulses of all links; of those that depend on time, of what does not and of what does apart."""
         x, system = self.trajectory.atoms[0], self.system
-        elastic = [_under(link, self.load) for link in (*system.links, *system.inner_links)]
+        elastic = [_under(link, self.load) for link in system.links]
         varying = [link for link in elastic if laws.varies(link.law)]
         steady = {link: replace(link, law=link.law.steady) for link in varying}  # type: ignore[attr-defined]
         missing = list(_missing(system))
@@ -187,7 +186,7 @@ class MomentumEquations:
             yield MomentumTerm(STATIC, np.sum(columns, axis=0), scene=self.load)
 
     def _of_masses(self) -> Iterator[MomentumTerm]:
-        """Factors of the masses of kinds of beads, but of the most frequent one, and of inner atoms."""
+        """Factors of the masses of kinds of beads, but of the most frequent one, and of tied atoms."""
         mass = np.broadcast_to(self.system.mass, (self.system.chains, self.system.beads))
         kinds = np.unique(mass)
         groups = {} if len(kinds) > MOST_KINDS else {name_of_beads(kind): mass == kind for kind in kinds.tolist()}
@@ -196,9 +195,9 @@ class MomentumEquations:
             column = np.zeros_like(self.change)
             column[:, : self.system.chains] = np.where(beads, -self.change[:, : self.system.chains], 0.0)
             yield MomentumTerm(name, column, mass=True)
-        for link in self.system.inner_links:
-            column, inner = np.zeros_like(self.change), sorted({higher for _, higher in link.edges})
-            column[:, inner] = -self.change[:, inner]
+        for link in self.system.ties:
+            column, tied = np.zeros_like(self.change), sorted({higher for _, higher in link.edges})
+            column[:, tied] = -self.change[:, tied]
             yield MomentumTerm(link.name, column, mass=True)
 
     @property
@@ -230,7 +229,7 @@ def _under(link: Link, load: float) -> Link:
 
 def _missing(system: System) -> Iterator[Link]:
     """Springs between the chains and to the ground, and dashpots, linear and of coefficient 1, that a system lacks."""
-    if system.chains > 1 and not system.across:
+    if system.chains > 1 and not system.couplings:
         yield Across("coupling", Linear(1.0), edges=tuple((j, j + 1) for j in range(system.chains - 1)))
     if not physics.ground_springs(system):
         yield Ground("foundation", Linear(1.0))

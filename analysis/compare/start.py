@@ -16,7 +16,7 @@ def differences(frames: Trajectory) -> list[str]:
     """Sentences on the atoms that do not start as the scene says, in the scene's units; none where all do.
 
     Args:
-        frames: [frame, chain, bead] from the start of a run on, with inner atoms where they are recorded.
+        frames: [frame, chain, bead] from the start of a run on, with further lines of atoms where they are recorded.
     """
     problem = frames.problem
     scale, chains = problem.scale, problem.chains

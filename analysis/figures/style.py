@@ -205,7 +205,7 @@ def letter(axes: Iterable[Axes]) -> None:
 
 def grid(problem: Problem) -> tuple[int, int] | None:
     """Rows and columns of the lattice in which the chains stand; None where they are no lattice."""
-    return next((link.grid for link in problem.system.across if link.grid is not None), None)
+    return next((link.grid for link in problem.system.couplings if link.grid is not None), None)
 
 
 def shown_chains(problem: Problem, *, panels: bool = False) -> list[int]:
@@ -235,7 +235,7 @@ def _distances(problem: Problem, chain: int) -> Floats:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import dijkstra
 
-    edges = np.array([pair for link in problem.system.across for pair in link.edges], dtype=np.int64).reshape(-1, 2)
+    edges = np.array([pair for link in problem.system.couplings for pair in link.edges], dtype=np.int64).reshape(-1, 2)
     springs = coo_array((np.ones(len(edges)), tuple(edges.T)), shape=(problem.chains, problem.chains)).tocsr()
     steps = dijkstra(springs, directed=False, unweighted=True, indices=chain)
     return np.where(np.isinf(steps), problem.chains + np.abs(np.arange(problem.chains) - chain), steps)
@@ -273,7 +273,7 @@ def _coupling(problem: Problem) -> str:
         np.concatenate(
             [
                 np.broadcast_to(laws.stiffness(link.law, strain), (len(link.edges), problem.beads))
-                for link in problem.system.across
+                for link in problem.system.couplings
             ]
         )
         for strain in (0.0, 1.0)
@@ -283,10 +283,10 @@ def _coupling(problem: Problem) -> str:
     least, largest = float(np.min(at_rest)), float(np.max(at_rest))
     symbol = "\\kappa" if problem.scale.time == 1.0 else "\\kappa = k T^2 / m"
     text = f"${symbol}$ = {largest:.4g}" if least == largest else f"${symbol}$ = {least:.3g} to {largest:.3g}"
-    polynomial = all(isinstance(link.law, spring.Linear | spring.Duffing) for link in problem.system.across)
+    polynomial = all(isinstance(link.law, spring.Linear | spring.Duffing) for link in problem.system.couplings)
     text += (" and cubic" if polynomial else ", nonlinear") if np.any(pulled != still) else ""
     text += f" in rows {rows[0]} to {rows[-1]}" if len(rows) < problem.beads else ""
-    return ", ".join([text, *(link.shape for link in problem.system.across if link.shape)])
+    return ", ".join([text, *(link.shape for link in problem.system.couplings if link.shape)])
 
 
 def draw_chain(axis: Axes, place: int, chain: int, x: Floats | Integers, y: Floats) -> None:

@@ -273,8 +273,8 @@ def pulses(time: Floats, size: Floats) -> list[tuple[float, float, float]]:
     Times and sizes are [frame], in units of T and of any kind. A pulse is as large as a tenth of the largest one, has
     its peak within the record, and its passage takes less than half of the whole time.
     """
-    inner = (size[1:-1] >= size[:-2]) & (size[1:-1] > size[2:]) & (size[1:-1] > _CLOSE * np.max(size))
-    peaks = np.flatnonzero(inner) + 1
+    highest = (size[1:-1] >= size[:-2]) & (size[1:-1] > size[2:]) & (size[1:-1] > _CLOSE * np.max(size))
+    peaks = np.flatnonzero(highest) + 1
     passages: list[tuple[float, float, float]] = []
     for top in peaks[np.argsort(-size[peaks], kind="stable")]:
         peak = float(time[top])

@@ -43,7 +43,7 @@ def rest_of_atoms(problem: Problem) -> Floats:
 
 
 def all_ids(problem: Problem) -> Integers:
-    """Numbers of all atoms of a frame, [atom] ascending: the recorded beads, and inner atoms where all beads are."""
+    """Numbers of all atoms of a frame, [atom] ascending: the recorded beads, or all lines of atoms with all beads."""
     return physics.atom_ids(problem.system) if problem.lines > problem.chains else atom_ids(problem).ravel()
 
 
@@ -89,7 +89,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
         for start in range(first, dump.n_frames, size * stride):
             chosen = slice(start, start + size * stride, stride)
             time = dump.steps[chosen] / problem.steps_per_frame * problem.every
-            values = dump.read(chosen.start, chosen.stop, chosen.step, columns=columns(problem))
+            values = dump.read(chosen.start, chosen.stop, chosen.step, columns=problem.columns)
             try:
                 yield from of_frames(problem, time, values)
             except ValueError as error:
@@ -102,11 +102,6 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
             warnings.warn(CutDumpWarning(f"{empty}; it is passed over"), stacklevel=2)
 
 
-def columns(problem: Problem) -> tuple[str, ...]:
-    """The columns of a dump that `of_frames` needs."""
-    return ("x", "vx", *problem.memory_columns) if problem.window is None else ("mol", "x", "vx")
-
-
 def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajectory]:
     """Frames as a block of all recorded beads, or of a window, as a block for each place that it stands at.
 
@@ -116,18 +111,18 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
     Args:
         problem: what was run.
         time: [frame] in units of T.
-        values: [frame, column, atom], see `columns`; the array is changed in place.
+        values: [frame, column, atom], see `Problem.columns`; the array is changed in place.
 
     Raises:
         ValueError: the molecules are not rows of a window.
     """
     if problem.lines > problem.chains:
-        yield _with_inner_atoms(problem, time, values)
+        yield _of_all_lines(problem, time, values)
         return
     values = values.reshape(len(time), -1, *atom_ids(problem).shape)
     if problem.window is None:
         values[:, 0] -= rest_positions(problem)
-        yield Trajectory(problem, time, values[:, 0], values[:, 1], memory=_memory(values[:, 2:]))
+        yield Trajectory(problem, time, values[:, 0], values[:, 1], contact_state=_contact_state(values[:, 2:]))
         return
     tail = values[:, 0].min(axis=(1, 2)).astype(np.int64)
     for frames in np.split(np.arange(len(time)), np.flatnonzero(np.diff(tail)) + 1):
@@ -139,7 +134,7 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
         yield Trajectory(problem, time[frames], displacement, ordered[:, 2], first=int(row[0]))
 
 
-def _memory(columns: Floats) -> Floats | None:
+def _contact_state(columns: Floats) -> Floats | None:
     """[frame, chain, bead + 1] from the columns of a dump; None where it has none."""
     if not columns.shape[1]:
         return None
@@ -147,8 +142,8 @@ def _memory(columns: Floats) -> Floats | None:
     return np.concatenate([behind, ahead[..., -1:]], axis=-1)
 
 
-def _with_inner_atoms(problem: Problem, time: Floats, values: Floats) -> Trajectory:
-    """Frames of all beads and inner atoms; places without one are at rest."""
+def _of_all_lines(problem: Problem, time: Floats, values: Floats) -> Trajectory:
+    """Frames of all lines of atoms; places without an atom are at rest."""
     lines = problem.lines
     full = np.zeros((*values.shape[:2], lines * problem.beads))
     place = all_ids(problem) - 1
@@ -184,27 +179,27 @@ class Writer:
     """
 
     def __init__(self, path: Path | str, problem: Problem) -> None:
-        """Begin a dump of the recorded beads, and of inner atoms with all of them; an existing file is replaced."""
+        """Begin a dump of the recorded beads, or of all atoms with all of them; an existing file is replaced."""
         self._shape = problem.lines, problem.rows_a_frame
         ids = all_ids(problem)
         self._rest = rest_of_atoms(problem)
         self._timestep = problem.timestep
         self._place = slice(None) if problem.lines == problem.chains else ids - 1
-        self._names = " ".join(("id", "x", "vx", *problem.memory_columns))
-        self._rows = np.empty((len(ids), 3 + len(problem.memory_columns)), dtype="<f8")
+        self._names = " ".join(("id", "x", "vx", *problem.state_columns))
+        self._rows = np.empty((len(ids), 3 + len(problem.state_columns)), dtype="<f8")
         self._rows[:, 0] = ids
         width = 2.0 * (problem.layout.diameter + physics.gap(problem.system))
         self._lateral = (-width, width * problem.lines, -width, width)
         self._file = Path(path).open("wb")  # noqa: SIM115  closed by `close`
 
-    def append(self, step: int, displacement: Floats, velocity: Floats, memory: Floats | None = None) -> None:
+    def append(self, step: int, displacement: Floats, velocity: Floats, contact_state: Floats | None = None) -> None:
         """Write one frame.
 
         Args:
             step: number of the time step.
-            displacement: [chain, recorded bead], the lines of inner atoms after the chains (`Trajectory.atoms`).
-            velocity: [chain, recorded bead], with the lines of inner atoms.
-            memory: [chain, bead + 1], where forces depend on it.
+            displacement: [line, recorded bead], further lines of atoms after the chains (`Trajectory.atoms`).
+            velocity: [line, recorded bead], with the same lines.
+            contact_state: [chain, bead + 1] states of contacts, where forces depend on them.
 
         Raises:
             ValueError: an array has another shape.
@@ -216,8 +211,8 @@ class Writer:
         rows[:, 1] = self._rest + displacement.ravel()[self._place]
         rows[:, 2] = velocity.ravel()[self._place]
         for place in range(3, rows.shape[1]):
-            assert memory is not None
-            rows[:, place] = memory[:, place - 3 : memory.shape[1] + place - 4].ravel()
+            assert contact_state is not None
+            rows[:, place] = contact_state[:, place - 3 : contact_state.shape[1] + place - 4].ravel()
         x = rows[:, 1]
         box = (x.min(), x.max(), *self._lateral)
         head = header(step, step * self._timestep, x.size, box, self._names)

@@ -25,7 +25,7 @@ import numpy as np
 
 from analysis.trajectory import Floats, Integers
 from lammps_inputs import InputError
-from lammps_inputs.numbers import memory
+from lammps_inputs.numbers import machine_memory
 
 Name = TypeVar("Name")
 
@@ -106,7 +106,7 @@ def _from_npz(path: Path) -> dict[str, Floats]:
 
 def _refuse_what_unpacks_to_too_much(path: Path, archive: zipfile.ZipFile) -> None:
     """Refuse an archive by the sizes in its directory, beyond which nothing of an entry is unpacked."""
-    size, limit = sum(entry.file_size for entry in archive.infolist()), min(MAX_BYTES, memory() // 4)
+    size, limit = sum(entry.file_size for entry in archive.infolist()), min(MAX_BYTES, machine_memory() // 4)
     if size > limit:
         raise InputError(f"{path}: unpacks to {size / 1e9:.3g} GB; at most {limit / 1e9:.3g} GB are read here")
 

@@ -12,17 +12,17 @@ from analysis import hermite, motion
 from analysis.conservation import energy_input
 from analysis.gauges.gauge import (
     ContactCurve,
+    ContactFrames,
     Gauge,
     at_frames,
     crossing,
     far_wall,
     maximum,
-    memory_at_frames,
-    strain_at_frames,
 )
 from analysis.quantity import declare, result
 from analysis.trajectory import Floats, Integers, Trajectory, direction_of
 from lammps_inputs import Problem, System, physics
+from lammps_inputs.facts import Fact
 
 PART = 10
 """The far end is the last row in so many."""
@@ -40,7 +40,7 @@ LEVEL = 1e-3
 
 INSTANT = 1e-4
 """Time step of the central difference that gives the rate of an energy: accurate to 1e-8 of it in smooth motion. Where
-contacts yield, whose memories of an instant before are unknown, a forward difference is accurate to 1e-4.
+contacts yield, whose states of an instant before are unknown, a forward difference is accurate to 1e-4.
 """
 
 UNPASSED = "nothing has arrived, or the record ends inside the pulse"
@@ -95,7 +95,7 @@ class FarEnd:
         wall = far_wall(problem.system)
         self._wall = () if wall is None else (wall,)
         self._energy: list[tuple[Floats, ...]] = []
-        self._force: list[tuple[Floats, Floats, Floats | None]] = []
+        self._force: list[tuple[Floats, ContactFrames]] = []
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
@@ -103,14 +103,13 @@ class FarEnd:
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
             system = block.system
             a = motion.acceleration(system, x, self._near.start + 1, velocity=v)
-            # memories of contacts that yield hold for the instant after a frame, not for the one before
-            back = 0.0 if block.memory is not None else INSTANT
+            # where forces depend on the past they are known for the instant after a frame, not for the one before
+            back = INSTANT if system.holds(Fact.FRAMES) else 0.0
             now, after, before = (self._stored(system, x + late * v, v + late * a) for late in (0.0, INSTANT, -back))
             rate = (after - before) / (INSTANT + back)
             self._energy.append((block.time.copy(), now, rate, energy_input(block)))
             for wall in self._wall:
-                states = strain_at_frames(block, wall.probes[0]), memory_at_frames(block, wall.probes[0])
-                self._force.append((at_frames(block, (wall,))[..., 0], *states))
+                self._force.append((at_frames(block, (wall,))[..., 0], ContactFrames.of(block, wall.probes[0])))
 
     def _stored(self, system: System, x: Floats, v: Floats) -> Floats:
         """Energy of the last tenth of the beads, [frame], from states of those near."""
@@ -130,13 +129,8 @@ class FarEnd:
                 transmitted = _largest(time, energy, rate, supplied)
         if not self._wall:
             return Transmitted(math.nan, math.nan, delay, transmitted)
-        force, strain, memory = zip(*self._force, strict=True)
-        series = (
-            time,
-            np.concatenate(force),
-            np.concatenate(strain, axis=1),
-            None if memory[0] is None else np.concatenate(memory),
-        )
+        force, frames = zip(*self._force, strict=True)
+        series = time, np.concatenate(force), ContactFrames.joined(frames)
         chains = np.arange(self.problem.chains)
         delay, wall_force = _arrived(series, chains, self._wall[0])
         of_single_chain = float(
@@ -147,21 +141,18 @@ class FarEnd:
         return Transmitted(wall_force, of_single_chain, delay, transmitted)
 
 
-def _arrived(
-    series: tuple[Floats, Floats, Floats, Floats | None], chains: Integers, wall: Gauge
-) -> tuple[float, float]:
+def _arrived(series: tuple[Floats, Floats, ContactFrames], chains: Integers, wall: Gauge) -> tuple[float, float]:
     """Time and size of the largest force of some chains on the wall; NaN where nothing has arrived.
 
     Between frames it follows from the strain, as in `analysis.gauges.forces`.
     """
-    time, force, strain, memory = series
+    time, force, frames = series
     total, static = force[:, chains].sum(axis=1), float(wall.static[chains].sum())
     k = int(np.argmax(total))
     if not 0 < k < len(time) - 1 or not np.all(np.isfinite(total[k - 1 : k + 2])):
         return np.nan, np.nan
     near, spacing = slice(k - 1, k + 2), float(time[k] - time[k - 1])
-    remembered = None if memory is None else memory[near, chains]
-    curve = ContactCurve.between(wall.probes[0], strain[:, near, chains], remembered, chains, spacing)
+    curve = ContactCurve.between(wall.probes[0], frames.near(near, chains), chains, spacing)
 
     def value(s: Floats) -> Floats:
         """Force of the chains together at s, [interval]."""

@@ -21,13 +21,12 @@ import numpy as np
 from analysis import hermite
 from analysis.gauges.gauge import (
     ContactCurve,
+    ContactFrames,
     Gauge,
     at_frames,
     borders,
     excursion,
     maximum,
-    memory_at_frames,
-    strain_at_frames,
 )
 from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
@@ -223,7 +222,7 @@ _JUST = 1e-9
 """Share of the time between frames after which the force of a contact that has closed is taken."""
 
 MOST_ENTRIES = 4000
-"""Stretches from frame to frame that are looked at together, which bounds the memory."""
+"""Stretches from frame to frame that are looked at together."""
 
 
 class _Changes(NamedTuple):
@@ -463,8 +462,7 @@ class ForceMeter:
         """Take in what one gauge reads from the first frame of a block to its last."""
         spacing, chains = block.spacing, np.arange(self.problem.chains)
         curves = [
-            ContactCurve.between(probe, strain_at_frames(block, probe), memory_at_frames(block, probe), chains, spacing)
-            for probe in gauge.probes
+            ContactCurve.between(probe, ContactFrames.of(block, probe), chains, spacing) for probe in gauge.probes
         ]
         chain = curves[0].chain
         moving = np.flatnonzero(np.any([np.any(curve.polynomial != 0.0, axis=0) for curve in curves], axis=0))
@@ -554,11 +552,10 @@ def left_out(block: Trajectory, gauge: Gauge) -> Floats:
             continue
         force = np.zeros((part.frames - 1) * len(chains))
         for probe in gauge.probes:
-            strain = strain_at_frames(part, probe)
-            curve = ContactCurve.between(probe, strain, memory_at_frames(part, probe), chains, part.spacing)
+            curve = ContactCurve.between(probe, ContactFrames.of(part, probe), chains, part.spacing)
             middle = np.full(len(force), 0.5)
             force += curve(middle) / len(gauge.probes)
-            between = strain_at_frames(block, probe)[0, first + 1 : block.frames - 1 : 2]
+            between = ContactFrames.of(block, probe).strain[0, first + 1 : block.frames - 1 : 2]
             off = np.abs(hermite.value(curve.polynomial, middle).reshape(between.shape) - between)
             difference[0, first::2] = np.maximum(difference[0, first::2], off)
         between = exact[first + 1 : block.frames - 1 : 2]

@@ -7,9 +7,9 @@ Between frames: the force of a contact (`ContactCurve`), its integral and maximu
 """
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -34,7 +34,7 @@ class Probe:
             contact is open.
         static: [chain] force at rest.
         loss: strain, its rate -> force of the dashpot; None where there is none.
-        slot: place of its memory in those of frames (`analysis.trajectory.Trajectory`); ``force`` takes one.
+        place: that of its state in those of frames (`analysis.trajectory.Trajectory`); ``force`` takes the state.
     """
 
     behind: int
@@ -42,7 +42,7 @@ class Probe:
     force: Callable[[Floats, Integers, Any], Floats]
     static: Floats
     loss: Callable[[Floats, Floats, Integers], Floats] | None = None
-    slot: int = 0
+    place: int = 0
 
 
 @dataclass(frozen=True)
@@ -102,9 +102,9 @@ def _at_wall(system: System, link: Wall) -> Probe:
     right = link.side > 0.0
     place = system.beads - 1 if right else 0
 
-    def force(strain: Floats, chain: Integers, memory: Any) -> Floats:
+    def force(strain: Floats, chain: Integers, contact_state: Any) -> Floats:
         """Total force on the wall, of the strain's shape [chain, ...]."""
-        law = laws.with_memory(laws.at(link.law, chain, place), memory)
+        law = _at_state(laws.at(link.law, chain, place), contact_state)
         return np.asarray(np.maximum(laws.force(law, strain - link.gap) + laws.load(law), 0.0))
 
     static = np.broadcast_to(laws.load(laws.at(link.law, np.arange(system.chains), place)), system.chains)
@@ -114,16 +114,20 @@ def _at_wall(system: System, link: Wall) -> Probe:
 
 
 def _between(system: System, bead: int) -> Probe:
-    def force(strain: Floats, chain: Integers, memory: Any) -> Floats:
+    def force(strain: Floats, chain: Integers, contact_state: Any) -> Floats:
         """Total force of the contact, of the strain's shape [chain, ...]."""
         contact = np.full(chain.shape, bead - 1)
         overlap = strain - physics.gap(system) + motion.rest_overlap(system, chain, contact)
-        contact_laws = (laws.with_memory(laws.at(link.law, chain, contact), memory) for link in system.along)
+        contact_laws = (_at_state(laws.at(link.law, chain, contact), contact_state) for link in system.along)
         return np.asarray(sum(laws.whole_force(law, overlap) for law in contact_laws))
 
     static = np.broadcast_to(motion.static_force(system, Ellipsis, bead - 1), system.chains)
     loss = _loss(physics.contact_loss(system), bead - 1, physics.gap(system))
     return Probe(bead, bead + 1, force, static, loss, bead)
+
+
+def _at_state(law: Any, contact_state: Any) -> Any:
+    return law if contact_state is None else laws.at_state(law, contact_state)
 
 
 TOUCHING = 1e-12
@@ -152,24 +156,44 @@ def at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool = 
         for probe in gauge.probes:
             strain, rate = _strain_and_rate(block, probe)
             chain = np.broadcast_to(np.arange(block.problem.chains), strain.shape)
-            reading = probe.force(strain, chain, memory_at_frames(block, probe))
+            reading = probe.force(strain, chain, _contact_state(block, probe))
             if dashpots and probe.loss is not None:
                 reading = reading + probe.loss(strain, rate, chain)
             force[..., place] += reading / len(gauge.probes)
     return force
 
 
-def memory_at_frames(block: Trajectory, probe: Probe) -> Floats | None:
-    """[frame, chain] memory of a contact; None where no force depends on it."""
-    return None if block.memory is None else block.memory[:, :, probe.slot]
+def _contact_state(block: Trajectory, probe: Probe) -> Floats | None:
+    """State of a contact, [frame, chain]; None where no force depends on one."""
+    return None if block.contact_state is None else block.contact_state[:, :, probe.place]
 
 
-def strain_at_frames(block: Trajectory, probe: Probe) -> Floats:
-    """Strain of a contact and its derivatives, [derivative, frame, chain]; the second where all beads are recorded."""
-    derivatives = _strain_and_rate(block, probe)
-    if block.forces_known:
-        derivatives.append(_acceleration(block, probe.behind) - _acceleration(block, probe.ahead))
-    return np.array(derivatives)
+class ContactFrames(NamedTuple):
+    """What frames hold of a contact, from which its force between them follows (`ContactCurve`)."""
+
+    strain: Floats
+    """Strain and its derivatives, [derivative, frame, chain], in units of L and T."""
+    state: Floats | None
+    """[frame, chain]; None where no force depends on one."""
+
+    @classmethod
+    def of(cls, block: Trajectory, probe: Probe) -> "ContactFrames":
+        """Strain with its second derivative where the frames of a block determine forces, and state of a contact."""
+        derivatives = _strain_and_rate(block, probe)
+        if block.forces_known:
+            derivatives.append(_acceleration(block, probe.behind) - _acceleration(block, probe.ahead))
+        return cls(np.array(derivatives), _contact_state(block, probe))
+
+    @classmethod
+    def joined(cls, parts: Sequence["ContactFrames"]) -> "ContactFrames":
+        """Frames one after the other."""
+        states = [part.state for part in parts if part.state is not None]
+        strain = np.concatenate([part.strain for part in parts], axis=1)
+        return cls(strain, np.concatenate(states) if states else None)
+
+    def near(self, frames: slice, chains: Integers) -> "ContactFrames":
+        """Chosen frames of chosen chains, [chain] positions."""
+        return ContactFrames(self.strain[:, frames, chains], None if self.state is None else self.state[frames, chains])
 
 
 def _strain_and_rate(block: Trajectory, probe: Probe) -> list[Floats]:
@@ -209,38 +233,36 @@ class ContactCurve:
         polynomial: its strain, [power, stretch].
         chain: [stretch] position of the chain.
         spacing: time from s = 0 to s = 1, in units of T.
-        memory: [frame before or after, stretch], of a contact whose force depends on it.
+        state: [frame before or after, stretch], of a contact whose force depends on it.
     """
 
     probe: Probe
     polynomial: Floats
     chain: Integers
     spacing: float
-    memory: Floats | None = None
+    state: Floats | None = None
 
     @classmethod
-    def between(
-        cls, probe: Probe, strain: Floats, memory: Floats | None, chains: Integers, spacing: float
-    ) -> "ContactCurve":
+    def between(cls, probe: Probe, frames: ContactFrames, chains: Integers, spacing: float) -> "ContactCurve":
         """Curves from frame to frame; stretches are [interval * chains + chain].
 
         Args:
             probe: the contact.
-            strain: [derivative, frame, chain] in units of L and T.
-            memory: [frame, chain]; None where no force depends on it.
+            frames: frames of it.
             chains: [chain] positions of the chains.
             spacing: time between frames.
         """
+        strain, state = frames
         ends = np.stack([strain[:, :-1], strain[:, 1:]]).reshape(2, len(strain), -1)
-        if memory is not None:
-            memory = np.stack([memory[:-1], memory[1:]]).reshape(2, -1)
+        if state is not None:
+            state = np.stack([state[:-1], state[1:]]).reshape(2, -1)
         chain = np.tile(chains, strain.shape[1] - 1)
-        return cls(probe, hermite.coefficients((0, 1), ends, spacing), chain, spacing, memory)
+        return cls(probe, hermite.coefficients((0, 1), ends, spacing), chain, spacing, state)
 
     def of(self, stretch: Integers) -> "ContactCurve":
         """Curves in chosen stretches, [stretch] positions."""
-        memory = None if self.memory is None else self.memory[:, stretch]
-        return replace(self, polynomial=self.polynomial[:, stretch], chain=self.chain[stretch], memory=memory)
+        state = None if self.state is None else self.state[:, stretch]
+        return replace(self, polynomial=self.polynomial[:, stretch], chain=self.chain[stretch], state=state)
 
     def rate(self, s: Floats) -> Floats:
         """Rate of the strain at s, both [stretch], in units of L / T."""
@@ -248,11 +270,11 @@ class ContactCurve:
 
     def elastic(self, s: Floats) -> Floats:
         """Elastic force at s, both [stretch], in units of m V / T: positive where the contact is closed."""
-        strain, memory = hermite.value(self.polynomial, s), self.memory
-        if memory is not None:  # what opens has reached its largest overlap
+        strain, state = hermite.value(self.polynomial, s), self.state
+        if state is not None:  # a contact that opens is in its state of the frame after
             rate = hermite.value(hermite.derivative(self.polynomial), s)
-            memory = np.where(rate >= 0.0, memory[0], memory[1])
-        return self.probe.force(strain, self.chain, memory)
+            state = np.where(rate >= 0.0, state[0], state[1])
+        return self.probe.force(strain, self.chain, state)
 
     def __call__(self, s: Floats) -> Floats:
         """Force at s, both [stretch], in units of m V / T."""

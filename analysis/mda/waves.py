@@ -38,7 +38,7 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
         super().__init__(universe.trajectory, **kwargs)
         self._problem = problem
         self._threshold = threshold
-        self._columns = recording.columns(problem)
+        self._columns = problem.columns
         atoms = len(recording.all_ids(problem))
         if universe.trajectory.n_atoms != atoms:
             raise ValueError(f"{universe}: {problem.name} has {atoms} recorded beads")

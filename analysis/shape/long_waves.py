@@ -76,11 +76,11 @@ def _alike(columns: Floats, period: int) -> Floats:
 
 def cell_beads(system: System) -> int:
     """Number of beads after which masses and contacts repeat, loads aside; 1 where they do not."""
-    if physics.one_kind(system) and system.inner_mass is None:
+    if physics.one_kind(system) and isinstance(physics.masses(system), float):
         return 1
     shape = system.chains, system.beads - 1
     strength = [np.broadcast_to(laws.strength(link.law), shape) for link in system.along]
-    mass = np.broadcast_to(physics.mass_with_inner(system), (system.chains, system.beads))[:, :-1]
+    mass = np.broadcast_to(physics.mass_with_tied(system), (system.chains, system.beads))[:, :-1]
     # the first may be a striker
     return repeats(np.concatenate([mass, *strength])[:, 1:]) or 1
 
@@ -93,7 +93,7 @@ def sound_speed(system: System) -> Floats:
     stiffness = np.broadcast_to(
         sum(laws.stiffness(link.law, 0.0) for link in system.along), (system.chains, system.beads - 1)
     )
-    mass, near = np.broadcast_to(physics.mass_with_inner(system), (system.chains, system.beads)), _near(system)
+    mass, near = np.broadcast_to(physics.mass_with_tied(system), (system.chains, system.beads)), _near(system)
     with np.errstate(divide="ignore"):
         compliance = 1.0 / stiffness
     return np.asarray(1.0 / np.sqrt(_smooth(mass, near) * _at_beads(_smooth(compliance, near))))
@@ -139,8 +139,8 @@ def _smooth(values: Floats, near: int) -> Floats:
     weight = np.full(2 * near + 1, 0.5 / near)
     weight[[0, -1]] *= 0.5
     windows = np.lib.stride_tricks.sliding_window_view(values, len(weight), axis=-1)
-    inner = np.sum(windows * weight, axis=-1)
-    return np.pad(inner, [(0, 0)] * (values.ndim - 1) + [(near, near)], mode="edge")
+    means = np.sum(windows * weight, axis=-1)
+    return np.pad(means, [(0, 0)] * (values.ndim - 1) + [(near, near)], mode="edge")
 
 
 def _at_beads(contacts: Floats) -> Floats:

@@ -121,8 +121,7 @@ class Waveforms:
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
-        # what contacts store that yield depends on their largest overlap so far
-        if block.forces_known and not physics.remembering(self.problem.system):
+        if block.problem.forces_known:
             for pair in self._instants.within(block):
                 self._measure_energy(pair)
         start, end = self._frames, self._frames + block.frames

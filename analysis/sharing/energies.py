@@ -25,7 +25,6 @@ from analysis.between_frames import (
     interpolated,
     moments_of_chains,
     steps_from,
-    system_at,
 )
 from analysis.conservation import energy_input
 from analysis.quantity import declare, result
@@ -118,7 +117,7 @@ class EnergyFlow:
         total = of_chain.sum(axis=-2, keepdims=True)
         share = (of_chain / np.where(total > 0.0, total, np.nan))[..., 0]  # a drive may begin with none
         between = np.zeros(len(x))
-        for link in block.problem.system.across:
+        for link in block.problem.system.couplings:
             between += np.sum(link.energy(x, block.first), axis=(-2, -1))
         supplied = energy_input(block)[chosen]
         between /= np.where(supplied > 0.0, supplied, np.nan)
@@ -155,12 +154,11 @@ UNLOADED = 1e-9
 
 def has_modes(system: System) -> bool:
     """Whether rows have modes whose action can change: linear springs, the same in all rows, some of which vary."""
-    springs = (*system.across, *physics.ground_springs(system))
+    springs = (*system.couplings, *physics.ground_springs(system))
     return (
         1 < system.chains <= MOST_CHAINS
         and physics.varying(system)
-        and isinstance(system.mass, float)
-        and system.inner_mass is None
+        and isinstance(physics.masses(system), float)
         and not physics.loaded(system)
         and all(isinstance(link.law, Linear | Varying) for link in springs)
         and all(np.ndim(value) == 0 or np.ptp(value, axis=-1).max() == 0.0 for link in springs for value in link.law)
@@ -189,7 +187,7 @@ def _stiffness(system: System, frames: int) -> Floats:
     """Stiffness matrix of the springs of a row, [frame, chain, chain]."""
     stiffness = np.zeros((frames, system.chains, system.chains))
     chains = np.arange(system.chains)
-    for link in system.across:
+    for link in system.couplings:
         edges = link.of_edges(laws.stiffness(link.law, 0.0)).tolist()
         for (first, second), value in zip(link.edges, edges, strict=True):
             stiffness[:, [first, second], [first, second]] += value
@@ -286,11 +284,11 @@ class EnergyShares:
         time, x, v = moments_of_chains(block, frame, step, beads)
         x, v = x[..., : self.problem.chains, :], v[..., : self.problem.chains, :]
         first = block.first + beads.start
-        system = system_at(block, frame, time)
+        system = block.system_at(frame, time)
         kinetic = motion.kinetic_energy(system, v, first)
         contacts = motion.contact_energy(system, x, first)
         total = np.sum(kinetic, axis=-1) + np.sum(contacts, axis=-1)
-        for link in (*system.across, *system.ground):
+        for link in (*system.couplings, *system.ground):
             link.add_chain_energy(total, link.energy(x, first))
         energies = np.zeros((3, 1 + len(peaks), *total.shape[1:]))
         energies[:, 0] = total

@@ -408,7 +408,7 @@ def last_springs(system: System, kicked: int) -> int:
     """Last row in which springs tie the kicked chain, from 0, and others to each other; 0 without any."""
     tied, rows = physics.tied_to(system, kicked), np.arange(1, system.beads + 1)
     last = 0
-    for link in system.across:
+    for link in system.couplings:
         edges = [edge for edge, (chain, _) in enumerate(link.edges) if chain in tied]
         for value in link.law:
             coupled = np.any(np.broadcast_to(value, (len(link.edges), system.beads))[edges] != 0.0, axis=0)
@@ -429,8 +429,8 @@ def resolved(shared: Sharing, system: System) -> bool:
 
 def dissipates(system: System) -> bool:
     """Whether contacts or beads lose energy, or contacts yield, so that every pulse decays as long as it runs."""
-    along, _, ground, _ = physics.dashpot_names(system)
-    return along is not None or ground is not None or bool(physics.remembering(system))
+    along, _, ground, _, contacts = physics.dissipation_names(system)
+    return any(name is not None for name in (along, ground, contacts))
 
 
 def runs_exact_waves(system: System) -> bool:

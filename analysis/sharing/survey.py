@@ -5,6 +5,7 @@ A run is given as a function that reads it again, block by block, so that it nee
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -143,8 +144,7 @@ def survey(
         problem: what was run.
         watchers: shown every block once, as recorded.
         tolerances: within which a pulse counts as solitary.
-        arrival: what counts as the arrival of a leading wave; by default
-            `analysis.tracking.leading_waves.usual_arrival`.
+        arrival: what counts as the arrival of a leading wave; by default `leading_waves.usual_arrival`.
         counted: gives frames of all beads their exchange (`analysis.trajectory.EXCHANGES`) where they have none.
         impulses: of rigid beads, along the way of the leading waves; else they are measured where chains are compared
             by them.
@@ -152,50 +152,23 @@ def survey(
     Raises:
         ValueError: there was no frame.
     """
-    system = problem.system
-    finders = {sign: PeakFinder(direction=sign) for sign in (1, -1)}
-    window = _Window()
-    counts = counted if physics.exchanges(system) and problem.whole else None
-    meter = meter_of(problem) if impulses is None else None
-    watching = [*watchers, window, *finders.values(), *([] if meter is None else [meter])]
-    last_time, energy = _first_reading(read, watching, counts)
-    impulses = impulses if meter is None else meter.result()
-    peaks = {sign: finder.result() for sign, finder in finders.items()}
-
+    first = _first_reading(read, problem, watchers, counted, impulses)
     direction = direction_of(problem)
     along = problem if direction > 0 else mirrored_problem(problem)
-    tracks = once_each(
-        tuple(pulse for sign in (1, -1) for pulse in track_pulses(window.near_the_front(peaks[sign]), problem)),
-        wave_of(system),
-    )
     arrival = usual_arrival(problem) if arrival is None else arrival
-    ahead = of_pulses(peaks[direction], tracks) if opposed(problem) else peaks[direction]
-    ahead = beyond_kicks(ahead, problem)
+    ahead = _peaks_ahead(first, problem)
     succession = changes(ahead, problem)
     waves = leading_waves(ahead, problem, arrival, succession)
-    sharp = np.isfinite(ahead.first().time_error)
-    shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), along, impulses)
-    shared = replace(shared, energy=energy)
-    pulses, crests = _distinct_from_sound(tracks, waves, direction, problem)
-    back = {direction: returns(waves, problem, direction), -direction: np.full((problem.chains, problem.beads), np.inf)}
-    clear = tuple(clear_of_ends(pulse, problem, back[pulse.direction]) for pulse in pulses)
-    at = [measured_at(pulse, problem, last_time, mask) for pulse, mask in zip(pulses, clear, strict=True)]
-
-    stride = max(1, -(-len(waves) // MAX_PASSAGES))
-    chosen = np.flatnonzero(waves.bead % stride == 0)
-    weighed = np.arange(len(chosen) + len(pulses)) >= (len(chosen) if physics.alike(system) else 0)
-    waveforms = Waveforms(problem, _passages(waves.where(chosen), direction, pulses, at), weighed)
-    energies = EnergyShares(along, shared)
-    for block in read():
-        waveforms.add(block)
-        energies.add(block if direction > 0 else mirrored(block))
-    shapes = _of_one_pulse(waveforms.shape(), waveforms.passages, pulses, problem)
+    shared = _shared(first, waves, problem)
+    pulses, crests = _distinct_from_sound(first.tracks, waves, direction, problem)
+    clear = _clear_of_ends(pulses, waves, direction, problem)
+    at = [measured_at(pulse, problem, first.last_time, mask) for pulse, mask in zip(pulses, clear, strict=True)]
+    chosen = _with_waveforms(waves)
+    passages = _passages(waves.where(chosen), direction, pulses, at)
+    waveforms, energies = _second_reading(read, problem, passages, len(chosen), shared)
+    shapes = _of_one_pulse(waveforms.shape(), passages, pulses, problem)
     mixed = _of_others(shared.bead[energies.place], waves, pulses, problem, direction)
     energies.wave[mixed] = energies.wave_error[mixed] = np.nan
-    characters = tuple(
-        characterise(pulse, place, shapes.entry(len(chosen) + number), tolerances, problem=problem)
-        for number, (pulse, place) in enumerate(zip(pulses, at, strict=True))
-    )
     decay = fit_decay(shared.followed, along)
     return Survey(
         problem=problem,
@@ -204,11 +177,11 @@ def survey(
         waves=waves,
         succession=succession,
         waveforms=waveforms,
-        shape=_of_waves(shapes, chosen, sharp),
+        shape=_of_waves(shapes, chosen, np.isfinite(ahead.first().time_error)),
         pulses=pulses,
         crests=crests,
         clear=clear,
-        characters=characters,
+        characters=_characters(pulses, at, shapes, tolerances, problem),
         shared=shared,
         energies=energies,
         decay=decay,
@@ -268,20 +241,104 @@ class _Window:
         return peaks.where(peaks.bead >= np.array(self._bead)[since])
 
 
+class _FirstReading(NamedTuple):
+    """Peaks and pulses of a run.
+
+    Attributes:
+        peaks: peaks of the waves in each direction, 1 and -1.
+        tracks: pulses in both directions, each once.
+        impulses: impulses along the way of the leading waves; None where chains are not compared by them.
+        last_time: time of the last frame, in units of T; NaN without frames.
+        energy: energy input until then, in units of m V**2.
+    """
+
+    peaks: dict[int, Peaks]
+    tracks: tuple[Pulse, ...]
+    impulses: Impulses | None
+    last_time: float
+    energy: float
+
+
 def _first_reading(
     read: Callable[[], Iterable[Trajectory]],
+    problem: Problem,
     watchers: Sequence[Watcher],
     counted: Callable[[Trajectory], Trajectory] | None,
-) -> tuple[float, float]:
-    """Show the run to all watchers; returns the time of the last frame, and the energy input until then."""
+    impulses: Impulses | None,
+) -> _FirstReading:
+    """Show the run to all watchers, and find its peaks and pulses; see `survey` for the arguments."""
+    finders = {sign: PeakFinder(direction=sign) for sign in (1, -1)}
+    window = _Window()
+    meter = meter_of(problem) if impulses is None else None
+    watching = [*watchers, window, *finders.values(), *([] if meter is None else [meter])]
+    counts = counted if physics.exchanges(problem.system) and problem.whole else None
     last_time = energy = float("nan")
     for block in read():
-        if counted is not None and block.exchange is None:
-            block = counted(block)
-        for watcher in watchers:
+        if counts is not None and block.exchange is None:
+            block = counts(block)
+        for watcher in watching:
             watcher.add(block)
         last_time, energy = float(block.time[-1]), float(energy_input(block)[-1])
-    return last_time, energy
+    peaks = {sign: finder.result() for sign, finder in finders.items()}
+    near = {sign: window.near_the_front(peaks[sign]) for sign in finders}
+    tracks = tuple(pulse for sign in finders for pulse in track_pulses(near[sign], problem))
+    return _FirstReading(
+        peaks=peaks,
+        tracks=once_each(tracks, wave_of(problem.system)),
+        impulses=impulses if meter is None else meter.result(),
+        last_time=last_time,
+        energy=energy,
+    )
+
+
+def _peaks_ahead(first: _FirstReading, problem: Problem) -> Peaks:
+    """Peaks in the direction of the leading waves, beyond kicks; with kicks from both sides those of pulses alone."""
+    peaks = first.peaks[direction_of(problem)]
+    return beyond_kicks(of_pulses(peaks, first.tracks) if opposed(problem) else peaks, problem)
+
+
+def _shared(first: _FirstReading, waves: Waves, problem: Problem) -> Sharing:
+    """Leading waves of all chains at the same beads, counted along their way, with the energy input of the run."""
+    if direction_of(problem) < 0:
+        waves, problem = mirrored_waves(waves, problem), mirrored_problem(problem)
+    return replace(sharing(waves, problem, first.impulses), energy=first.energy)
+
+
+def _characters(
+    pulses: tuple[Pulse, ...], at: list[int], shapes: Shape, tolerances: Tolerances | None, problem: Problem
+) -> tuple[Character, ...]:
+    """Characters of pulses at one passage of each, whose shapes are the last entries."""
+    before = len(shapes) - len(pulses)
+    return tuple(
+        characterise(pulse, place, shapes.entry(before + number), tolerances, problem=problem)
+        for number, (pulse, place) in enumerate(zip(pulses, at, strict=True))
+    )
+
+
+def _second_reading(
+    read: Callable[[], Iterable[Trajectory]], problem: Problem, passages: Passages, leading: int, shared: Sharing
+) -> tuple[Waveforms, EnergyShares]:
+    """Waveforms of passages, of which the first are of leading waves, and shares of energy along the way of these."""
+    forwards = direction_of(problem) > 0
+    weighed = np.arange(len(passages)) >= (leading if physics.alike(problem.system) else 0)
+    waveforms = Waveforms(problem, passages, weighed)
+    energies = EnergyShares(problem if forwards else mirrored_problem(problem), shared)
+    for block in read():
+        waveforms.add(block)
+        energies.add(block if forwards else mirrored(block))
+    return waveforms, energies
+
+
+def _with_waveforms(waves: Waves) -> Integers:
+    """Positions of the leading waves whose waveforms are kept: `MAX_PASSAGES` at most."""
+    stride = max(1, -(-len(waves) // MAX_PASSAGES))
+    return np.flatnonzero(waves.bead % stride == 0)
+
+
+def _clear_of_ends(pulses: tuple[Pulse, ...], waves: Waves, direction: int, problem: Problem) -> tuple[Flags, ...]:
+    """Passages of each pulse, [passage], before which the ends of its chain had not disturbed it."""
+    back = {direction: returns(waves, problem, direction), -direction: np.full((problem.chains, problem.beads), np.inf)}
+    return tuple(clear_of_ends(pulse, problem, back[pulse.direction]) for pulse in pulses)
 
 
 def _passages(waves: Waves, direction: int, pulses: tuple[Pulse, ...], at: list[int]) -> Passages:

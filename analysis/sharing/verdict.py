@@ -68,7 +68,7 @@ def expected_n_star(kappa: float, springs: int = 1) -> float:
 def stiffness_of_springs(problem: Problem, chain: int) -> float | None:
     """Stiffness of all springs of a chain (from 0) together; None if they are not linear or differ from row to row."""
     total = 0.0
-    for link in problem.system.across:
+    for link in problem.system.couplings:
         if not isinstance(link.law, Linear):
             return None
         for edge, ends in enumerate(link.edges):

@@ -5,13 +5,12 @@ where one leading pulse ends and another one leads.
 """
 
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.columns import Columns
-from analysis.quantity import declare, declared, result, table
+from analysis.quantity import declare, declared, in_units, result
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, local_speed, track_pulses
 from analysis.tracking.succession import Change, changes, numbers
@@ -63,30 +62,68 @@ class Waves(Columns):
         chains, beads = (len(np.unique(numbers)) for numbers in (self.chain, self.bead))
         return f"<leading pulses of {chains} chains at {beads} beads: {', '.join(self.arrays())}>"
 
-    def measured(self, scale: Scale) -> "Waves":
-        """Waves in the units of a scene."""
-        columns = dict(zip(declared(Waves), table(self, scale).values(), strict=False))
-        return replace(self, **columns, time=self.time * scale.time)
+    def measured(self, scale: Scale) -> Self:
+        """Waves in the units of a scene.
 
-    def array(self) -> NDArray[np.void]:
-        """Structured array, [wave], of these columns, dimensionless."""
-        columns = self.arrays()
-        made = np.zeros(len(self), dtype=[(name, column.dtype) for name, column in columns.items()])
-        for name, column in columns.items():
-            made[name] = column
-        return made
+        Args:
+            scale: units of the scene.
+
+        Returns:
+            The waves.
+
+        Examples:
+            >>> analysis = granchain.analyze("steel")
+            >>> in_scene = analysis.survey.waves.measured(analysis.problem.scale)
+            >>> f"{in_scene.arrival[1]:.2e} s"
+            '2.77e-05 s'
+        """
+        columns = {
+            name: in_units(getattr(self, name), quantity.unit, scale)
+            for name, (quantity, _) in declared(type(self)).items()
+        }
+        return replace(self, **columns, time=self.time * scale.time)
 
     @property
     def ends(self) -> Integers:
-        """Positions, [end], of entries after which another pulse of the chain leads; entries are sorted by bead."""
+        """Positions, [end], of entries after which another pulse of the chain leads; entries are sorted by bead.
+
+        Returns:
+            The positions.
+
+        Examples:
+            >>> granchain.analyze("out").waves.ends
+            array([], dtype=int64)
+        """
         return np.flatnonzero((np.diff(self.chain) == 0) & (np.diff(self.pulse) != 0))
 
-    def at(self, bead: int) -> "Waves":
-        """The chains' leading pulses at one bead."""
+    def at(self, bead: int) -> Self:
+        """Entries of all chains at one bead, numbered from 1.
+
+        Args:
+            bead: number of the bead.
+
+        Returns:
+            The entries, in the order of the chains.
+
+        Examples:
+            >>> granchain.analyze("out").waves.at(60).chain
+            array([1, 2])
+        """
         return self.where(self.bead == bead)
 
-    def of_chain(self, chain: int) -> "Waves":
-        """One chain's leading pulse at all beads."""
+    def of_chain(self, chain: int) -> Self:
+        """Entries of one chain, numbered from 1, at all beads that its leading pulse reached.
+
+        Args:
+            chain: number of the chain.
+
+        Returns:
+            The entries, in the order of the beads.
+
+        Examples:
+            >>> granchain.analyze("out").waves.of_chain(2).bead[:3]
+            array([1, 2, 3])
+        """
         return self.where(self.chain == chain)
 
 
@@ -114,6 +151,9 @@ def leading_waves(
         problem: what was run.
         arrival: definition of an arrival; by default `usual_arrival`.
         succession: ends of leading pulses after which another one leads; by default those that the maxima show.
+
+    Returns:
+        The waves, sorted by chain, then bead; times in units of T, velocities in units of V.
     """
     passages = beyond_kicks(peaks, problem)
     first = passages.first()
@@ -146,11 +186,15 @@ def with_speeds(
     """Waves whose local speeds follow from their arrivals, without errors; entries are sorted by chain, then bead.
 
     Args:
-        chain, bead: [wave] numbers from 1.
+        chain: [wave] number of the chain, from 1.
+        bead: [wave] number of the bead, from 1.
         arrival: [wave] in units of T.
         peak_velocity: [wave] in units of V.
         pulse: [wave] number of the pulse in its chain; by default one pulse leads everywhere.
         direction: 1 towards higher bead numbers, -1 towards lower ones.
+
+    Returns:
+        The waves, in units of V and T; errors are NaN.
     """
     number, speed = np.ones(len(chain), dtype=np.int64) if pulse is None else pulse, np.full(len(chain), np.nan)
     for each in np.unique(chain):

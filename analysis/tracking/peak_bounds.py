@@ -68,19 +68,17 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         closing = side * (v - block.velocity[at, chain, other])
         contact = np.clip(contact, 0, problem.beads - 2)
         forces = partial(_of_contacts, problem, chain, contact)
-        law = laws.at(system.along[0].law, chain, contact)
-        memory = None if block.memory is None else block.memory[at, chain, contact + 1]
-        off += np.where(has_contact, _pressing(law, forces, memory, overlap, closing, block.spacing), 0.0)
+        law = motion.contact_law(block, system.along[0], at, chain, contact)
+        off += np.where(has_contact, _pressing(law, forces, overlap, closing, block.spacing), 0.0)
         if loss := _cutting(physics.contact_loss(system), chain, contact):
             states = np.stack([overlap, closing, side * (acceleration(bead) - acceleration(other))])
             off += np.where(has_contact, _cut(law, loss, states, block.spacing), 0.0)
     for wall in physics.walls(system):
-        law = laws.at(wall.law, chain, place)
+        law = motion.contact_law(block, wall, at, chain, place)
         has_contact = place == (problem.beads - 1 if wall.side > 0.0 else 0)
         overlap, closing = wall.strain(x) + laws.rest(law), wall.rate(v)
         forces = partial(_of_wall, law, physics.wall_loss(system, wall.side), chain, place)
-        memory = None if block.memory is None else block.memory[at, chain, place + (wall.side > 0.0)]
-        off += np.where(has_contact, _pressing(law, forces, memory, overlap, closing, block.spacing), 0.0)
+        off += np.where(has_contact, _pressing(law, forces, overlap, closing, block.spacing), 0.0)
         if loss := _cutting(physics.wall_loss(system, wall.side), chain, place):
             states = np.stack([overlap, closing, wall.rate(acceleration(bead))])
             off += np.where(has_contact, _cut(law, loss, states, block.spacing), 0.0)
@@ -90,9 +88,9 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
     return np.asarray(off / physics.mass_of(system, chain, place))
 
 
-def _pressing(law: Any, forces: Callable[[Floats, Floats], Forces], memory: Floats | None, *states: Any) -> Floats:
-    """Errors as in `kinks` by contacts that open or close; given memories at both frames, by contacts that yield."""
-    return _by(forces, *states) if memory is None else _of_memory(laws.with_memory(law, memory), *states)
+def _pressing(law: Any, forces: Callable[[Floats, Floats], Forces], *motions: Any) -> Floats:
+    """Errors as in `kinks` by contacts that open or close, those that yield included."""
+    return _by_yielding(law, *motions) if laws.has_state(law) else _by(forces, *motions)
 
 
 def _cutting(loss: Any, *index: Any) -> Any:
@@ -148,23 +146,24 @@ def _cut(elastic: Any, loss: Any, states: Floats, spacing: float) -> Floats:
     return np.asarray(spacing * slope * unfollowed(1.0, away, between))
 
 
-def _of_memory(law: Any, overlap: Floats, closing: Floats, spacing: float) -> Floats:
-    """Errors as in `kinks` by contacts that yield; the law has the memories at both frames.
+def _by_yielding(law: Any, overlap: Floats, closing: Floats, spacing: float) -> Floats:
+    """Errors as in `kinks` by contacts that yield; the law has their states at both frames.
 
     They open at the permanent overlap, and their stiffness jumps where unloading begins or first loading continues.
     """
-    permanent, memory = law.permanent(*law), law.memory
-    errors = _by(partial(_of_unloading, laws.with_memory(law, memory[1])), overlap - permanent, closing, spacing)
-    loads = (closing > 0.0) & (overlap >= memory - motion.ROUNDING)
+    permanent, state, turning = law.permanent(*law), laws.contact_state(law), laws.turning_overlap(law)
+    errors = _by(partial(_of_unloading, laws.at_state(law, state[1])), overlap - permanent, closing, spacing)
+    loads = laws.loading(law, overlap, closing)
     ends, goes_on = loads[0] & ~loads[1], loads[1] & ~loads[0]
-    law = laws.with_memory(law, np.where(ends, memory[1], memory[0]))
-    up, down = (laws.stiffness(motion.on_its_branch(law, sign), law.memory - laws.rest(law)) for sign in (1.0, -1.0))
+    law = laws.at_state(law, np.where(ends, state[1], state[0]))
+    strain = laws.turning_overlap(law) - laws.rest(law)
+    up, down = (laws.stiffness(laws.on_branch(law, sign), strain) for sign in (1.0, -1.0))
     jump, fastest, turn = np.abs(up - down), np.abs(closing).max(axis=0), np.abs(closing[0] - closing[1])
     with np.errstate(divide="ignore", invalid="ignore"):
         since_top = np.nan_to_num(np.abs(closing[1]) / turn)
-        since_memory = np.nan_to_num((overlap[1] - memory[0]) / (fastest * spacing))
+        since_turning = np.nan_to_num((overlap[1] - turning[0]) / (fastest * spacing))
     jumped = 0.5 * jump * turn * spacing * unfollowed(2.0, np.where(ends, since_top, np.inf), ends)
-    jumped += jump * fastest * spacing * unfollowed(1.0, np.where(goes_on, since_memory, np.inf), goes_on)
+    jumped += jump * fastest * spacing * unfollowed(1.0, np.where(goes_on, since_turning, np.inf), goes_on)
     return np.asarray(errors + spacing * jumped)
 
 
@@ -187,7 +186,7 @@ def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: 
 
 def _of_wall(law: Any, loss: Any, chain: Integers, bead: Integers, overlap: Floats, rate: Floats) -> Forces:
     """Exponent in time with which each force of a wall begins, and the force at this overlap and rate, [bead]."""
-    power = getattr(law, "exponent", None)
+    power = laws.exponent(law)
     yield power or 1.5, laws.whole_force(law, overlap) if power is None else law.strength * overlap**power
     if loss is not None:
         yield _of_dashpot(laws.at(loss, chain, bead)._replace(rest=0.0), overlap, rate)

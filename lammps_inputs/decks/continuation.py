@@ -4,15 +4,16 @@ The continued run is bit for bit the uninterrupted one, on any number of ranks. 
 owns them and in which order their forces are added up is settled once, with the beads at rest. So a restart holds the
 beads at rest: each one's place is parked in its ``vy``, which is zero by construction, and is taken from there when
 LAMMPS has settled everything as at the start. The forces at those places are computed by a step in which no bead moves.
-With damping they are those of velocities of half a step before, and of contacts that yield those of memories before the
+With damping they are those of velocities of half a step before, and of contacts that yield those of overlaps before the
 step, so they are kept, too, in ``vz``.
 
 Frames of a continued run stand in ``chains.dump.bin``, ``chains.dump.2.bin``, ``chains.dump.3.bin`` and so on; the
 first one that a step stands in counts.
 """
 
-from lammps_inputs import file_names, physics, scheme, static_load, window
+from lammps_inputs import file_names, scheme, static_load, window
 from lammps_inputs.decks import deck
+from lammps_inputs.facts import Fact
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.system import System
@@ -61,9 +62,8 @@ def render_continuation(problem: Problem) -> str:
     Variables to set: ``restart``, the file to read; ``dump`` (and ``snapshots``), the file to write frames to, of a new
     name each time; ``steps``, the last step of the whole run.
     """
-    system = problem.system
     dumps = ["frames"] if problem.frames_per_snapshot is None else ["frames", "snapshots"]
-    again, forces = f"lmp -in {file_names.CONTINUE}", _keeps_forces(system)
+    again = f"lmp -in {file_names.CONTINUE}"
     sections = [
         [
             f"# {problem.name}, continued from a restart: bitwise the same result, on any number of ranks",
@@ -82,15 +82,15 @@ def render_continuation(problem: Problem) -> str:
             *deck.neighbour_lines(problem),
             "read_restart ${restart}          # x: places at rest; vy: present places",
             *deck.number_fix(problem),
-            *deck.inner_lines(problem),
+            *deck.group_lines(problem),
         ],
         *deck.interactions(problem),
         [
-            *static_load.stop_lines(system),
+            *static_load.stop_lines(problem.system),
             "group free empty",
             "group free clear                 # the restart of a continued run holds this group",
             *deck.motion_lines(problem, "free"),
-            *static_load.go_on_lines(system),
+            *static_load.go_on_lines(problem.system),
         ],
         *([] if problem.window is None else [window.setup_lines(problem, continued=True)]),
         [
@@ -99,23 +99,29 @@ def render_continuation(problem: Problem) -> str:
             *(f"dump_modify {dump} delay $(step)" for dump in dumps),
             *(f'if "$(version) < {_TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
         ],
-        [
-            "# setup with the beads at rest (neighbours, ranks, order); then forces at their present places",
-            "timestep ${timestep}",
-            *(_GIVEN_FORCES if forces else []),
-            "variable before equal $(step-1)",
-            "reset_timestep 0                 # resets the time, which the next line sets to that of the step",
-            "reset_timestep ${before}",
-            *deck.moved_lines(problem),
-            "run 0 post no",
-            *_FROM_REST,
-            "run 1 pre no post no",
-            *(["group given clear", "set group all vz 0.0"] if forces else []),
-            "group free union all",
-        ],
+        _setup_lines(problem),
         onward_lines(problem),
     ]
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
+
+
+def _setup_lines(problem: Problem) -> list[str]:
+    """LAMMPS commands that set up a continued run with the beads at rest, and put them where they are."""
+    forces = _keeps_forces(problem.system)
+    return [
+        "# setup with the beads at rest (neighbours, ranks, order); then forces at their present places",
+        "timestep ${timestep}",
+        *(_GIVEN_FORCES if forces else []),
+        "variable before equal $(step-1)",
+        "reset_timestep 0                 # resets the time, which the next line sets to that of the step",
+        "reset_timestep ${before}",
+        *deck.moved_lines(problem),
+        "run 0 post no",
+        *_FROM_REST,
+        "run 1 pre no post no",
+        *(["group given clear", "set group all vz 0.0"] if forces else []),
+        "group free union all",
+    ]
 
 
 _GIVEN_FORCES = (
@@ -127,9 +133,9 @@ _GIVEN_FORCES = (
 
 def _keeps_forces(system: System) -> bool:
     """Whether forces at present places are not those that LAMMPS computes there: of velocities of half a step before,
-    or of memories before this step.
+    or of the largest overlaps before this step.
     """
-    return bool(system.dampers or physics.remembering(system))
+    return bool(system.dampers or not system.holds(Fact.FRAMES))
 
 
 def onward_lines(problem: Problem, *, timings: bool = True) -> list[str]:

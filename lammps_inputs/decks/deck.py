@@ -1,4 +1,4 @@
-"""LAMMPS input for a scene: ``in.chains`` and ``data.chains``, rendered in memory and written once.
+"""LAMMPS input for a scene: ``in.chains`` and ``data.chains``, rendered and written once.
 
 The deck is the equation of motion and nothing else: what the scene does not name leaves no line. It runs with a stock
 ``lmp`` (GRANULAR; MOLECULE for coupled chains, CLASS2 for cubic springs, DPD-BASIC for damped ones) from the 29Sep2021
@@ -36,9 +36,6 @@ from lammps_inputs.units import Scale, sphere_density
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import Scene
-
-COLUMNS = ("id", "x", "vx")
-WINDOW_COLUMNS = ("id", "mol", "x", "vx")
 
 START = (
     "units lj                         # dimensionless",
@@ -95,7 +92,7 @@ def render_deck(problem: Problem) -> str:
             *neighbour_lines(problem),
             *number_fix(problem),
             f"read_data {file_names.DATA}" + " fix numbers NULL Numbers" * bool(number_fix(problem)),
-            *inner_lines(problem),
+            *group_lines(problem),
             *_mass_lines(problem),
         ],
         *interactions(problem),
@@ -130,11 +127,10 @@ def neighbour_lines(problem: Problem) -> list[str]:
     ]
 
 
-def inner_lines(problem: Problem) -> list[str]:
-    """The group of the beads; none where there are no other atoms."""
-    if problem.system.inner_mass is None:
-        return []
-    return [f"group beads id 1:{problem.chains * problem.beads}"]
+def group_lines(problem: Problem) -> list[str]:
+    """The group of the beads; none where these are all atoms."""
+    group = problem.layout.group
+    return [] if group == "all" else [f"group {group} id 1:{problem.chains * problem.beads}"]
 
 
 def spelling(problem: Problem) -> list[DeckLines]:
@@ -149,7 +145,7 @@ def spelling(problem: Problem) -> list[DeckLines]:
 def _spelled(system: System) -> tuple[Link, ...]:
     """The links that have lines of their own, in the order of these; dashpots of contacts and walls are with those."""
     dampers = (link for link in system.dampers if not isinstance(link, Along | Wall))
-    return (*system.links, *dampers, *system.inner_links)
+    return (*system.links_of_chains, *dampers, *system.ties)
 
 
 @functools.lru_cache(maxsize=1)  # types of atoms that distinguish contacts take a second of many beads
@@ -160,8 +156,8 @@ def _of_links(problem: Problem) -> tuple[DeckLines, ...]:
 
 def _of_link(link: Link, layout: Layout) -> DeckLines:
     """The law's own lines; contacts whose law spells no dashpots of its own have them beside."""
-    if isinstance(link, Wall):
-        return DeckLines() if laws.remembers(link.law) else wall_lines(link, layout)
+    if isinstance(link, Wall) and _kind(link) != "at_wall":
+        return wall_lines(link, layout)
     lines: DeckLines = getattr(link.law, _kind(link))(link if isinstance(link, Across) else link.name, layout)
     damped = isinstance(link, Along) and layout.contact_loss is not None
     return dashpot.beside(lines, layout) if damped and not lines.damped else lines
@@ -172,8 +168,7 @@ def refusal(system: System) -> str:
     try:
         _refuse_unknown(system)
         for link in system.links:
-            differs = laws.differs(link.law) or laws.remembers(link.law)
-            if hasattr(link.law, "derived") or (isinstance(link, Along) and differs):
+            if hasattr(link.law, "derived") or isinstance(link, Along):
                 _of_link(link, Layout(system))
     except ValueError as error:
         return str(error)
@@ -189,9 +184,9 @@ def _refuse_unknown(system: System) -> None:
 
 def _kind(link: Link) -> str:
     """Lines that LAMMPS has for a law on such a link."""
-    if isinstance(link, Wall) and not laws.remembers(link.law):
-        return "wall" if hasattr(link.law, "wall") else "exponent"
-    return "along" if isinstance(link, Along | Wall) else "across" if isinstance(link, Across) else "ground"
+    if isinstance(link, Wall):
+        return next((name for name in ("at_wall", "wall") if hasattr(link.law, name)), "exponent")
+    return "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
 
 
 def interactions(problem: Problem) -> list[list[str]]:
@@ -298,12 +293,12 @@ def _types(problem: Problem) -> AtomTypes | None:
 
 def columns(problem: Problem) -> tuple[str, ...]:
     """Columns of the dump."""
-    return (*COLUMNS, *problem.memory_columns) if problem.window is None else WINDOW_COLUMNS
+    return ("id", *problem.columns)
 
 
 def _tied(system: System) -> bool:
     """Whether atoms of different lines are bonded."""
-    return bool(system.across or system.inner_links)
+    return bool(system.across)
 
 
 def _atom_style(problem: Problem) -> str:
@@ -330,9 +325,9 @@ def _title(problem: Problem) -> list[str]:
 
 def _coupling(system: System) -> str:
     """Stiffness at rest of links across, least and largest where they differ, and what they tie if not neighbours."""
-    stiffness = np.concatenate([np.ravel(laws.stiffness(link.law, 0.0)) for link in system.across])
+    stiffness = np.concatenate([np.ravel(laws.stiffness(link.law, 0.0)) for link in system.couplings])
     least, largest = float(np.min(stiffness)), float(np.max(stiffness))
-    shapes = [link.shape for link in system.across if link.shape]
+    shapes = [link.shape for link in system.couplings if link.shape]
     return ", ".join([f"{largest:.6g}" if least == largest else f"{least:.6g} to {largest:.6g}", *shapes])
 
 
@@ -391,19 +386,19 @@ def _skin(problem: Problem) -> float:
 
 def render_data(problem: Problem) -> str:
     """The text of ``data.chains``; atom number = (chain - 1) * rows + row, and type 2 marks recorded beads
-    where types do not distinguish contacts. Inner atoms are small and of the last type.
+    where types do not distinguish contacts. Atoms of further lines are small and of the last type.
 
     Columns of an atom: ``id type diameter density x y z``, and ``id type x y z diameter density molecule`` with bonds.
     The molecule is the chain, or in a window the row.
     """
     system = problem.system
     lines, beads, spacing = physics.lines(system), problem.rows, problem.layout.spacing
-    mass = physics.mass_of_atoms(system)
+    mass = np.broadcast_to(physics.masses(system), (lines, system.beads))[:, :beads]
     bonds = _bonds(problem)
     by_contact = _types(problem)
     types = by_contact.count if by_contact is not None else 1 if problem.recorded is None else 2
-    types += system.inner_mass is not None
-    atoms = lines * beads if system.inner_mass is None else len(physics.atom_ids(system))
+    types += lines > problem.chains
+    atoms = np.count_nonzero(mass)
     out = io.StringIO()
     out.write(f"granchain: {problem.name}\n\n{atoms} atoms\n{types} atom types\n")
     if _tied(system):
@@ -424,7 +419,7 @@ def render_data(problem: Problem) -> str:
         first, y = line * beads + 1, text(apart * line)
         of_line = kind if by_contact is None else by_contact.of[line]
         sizes: Iterator[str] = itertools.repeat(same_size, beads)
-        if not isinstance(mass, float):
+        if not isinstance(system.mass, float):
             sizes = (f"{diameter} {text(unit * bead_mass)}" for bead_mass in mass[line].tolist())
         if not physics.even(system):
             places = [text(x) for x in problem.layout.places[line]]
@@ -436,7 +431,8 @@ def render_data(problem: Problem) -> str:
             )
         else:
             out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x, size) in rows)
-    out.writelines(_inner_atoms(problem, types, apart))
+    for line in range(problem.chains, lines):
+        out.writelines(_further_atoms(problem, line, mass[line], types, apart))
     if _tied(system):
         out.write("\nBonds\n\n")
         bond = 0
@@ -458,14 +454,10 @@ def _number_lines(problem: Problem) -> Iterator[str]:
         yield f"{atom} {' '.join(map(text, row))}\n"
 
 
-def _inner_atoms(problem: Problem, kind: int, apart: float) -> Iterator[str]:
-    """The inner atoms, in the rows of their beads; each line of them stands beside the chains and the lines before."""
-    if problem.system.inner_mass is None:
-        return
-    places, diameter = problem.layout.places, problem.layout.inner_diameter
+def _further_atoms(problem: Problem, line: int, masses: NDArray[np.float64], kind: int, apart: float) -> Iterator[str]:
+    """Atoms of a line behind the chains, in the rows of their beads; it stands beside the chains and lines before."""
+    places, diameter = problem.layout.places[line % problem.chains], problem.layout.diameter_of_others
     unit = sphere_density(diameter)
-    for number, masses in enumerate(problem.system.inner_mass):
-        line = problem.chains + number
-        for bead in np.flatnonzero(masses > 0.0).tolist():
-            x, size = text(places[number % problem.chains, bead]), f"{text(diameter)} {text(unit * masses[bead])}"
-            yield f"{line * problem.beads + bead + 1} {kind} {x} {text(apart * line)} 0 {size} {line + 1}\n"
+    for bead in np.flatnonzero(masses).tolist():
+        x, size = text(places[bead]), f"{text(diameter)} {text(unit * masses[bead])}"
+        yield f"{line * problem.beads + bead + 1} {kind} {x} {text(apart * line)} 0 {size} {line + 1}\n"

@@ -191,18 +191,18 @@ def in_rows(values: Any, rows: tuple[int, int] | None, shape: tuple[int, ...]) -
     return table
 
 
-class Inner(NamedTuple):
-    """Atoms that are no bead of a chain, such as a mass inside each bead; frames of all beads hold them.
+class FurtherAtoms(NamedTuple):
+    """Lines of atoms that are no beads, such as a mass inside each bead; frames of all beads hold them.
 
     Attributes:
         mass: [line, bead], of lines of as many places as a chain has; 0 where there is no atom.
-        links: links of these lines, which count on from the chains, with chains and each other; their law is 0 where
+        ties: links of these lines, which count on from the chains, with chains and each other; their law is 0 where
             there is no atom.
         dampers: dashpots of these lines, counted in the same way.
     """
 
     mass: NDArray[np.float64]
-    links: tuple[Across, ...]
+    ties: tuple[Across, ...]
     dampers: tuple[Across, ...] = ()
 
 
@@ -275,8 +275,8 @@ class Ingredient(ScenePart):
         """Links with laws of damping (`lammps_inputs.laws.dashpot`), dimensionless; they store no energy."""
         return ()
 
-    def inner(self, scene: SceneContext) -> Inner | None:  # noqa: ARG002
-        """Atoms beside the beads that it adds, dimensionless."""
+    def further_atoms(self, scene: SceneContext) -> FurtherAtoms | None:  # noqa: ARG002
+        """Lines of atoms beside the chains that it adds, dimensionless."""
         return None
 
     def lacks(self, scene: SceneContext) -> frozenset[Fact]:

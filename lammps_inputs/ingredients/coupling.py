@@ -128,7 +128,7 @@ class Coupling(by_formula.ByFormula):
 
     def refuse_system(self, scene: SceneContext, system: System) -> None:
         """Refuse cubic springs over distances at which LAMMPS's lose their digits, and formulas without a value."""
-        for link in system.across:
+        for link in system.couplings:
             if isinstance(link.law, AcrossChains):
                 by_formula.refuse_reach("coupling", link.law, system, scene.scale.length)
         edges = self._edges(scene.chains)

@@ -10,6 +10,8 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from lammps_inputs import laws
+from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Positive, SceneContext, ScenePart
 from lammps_inputs.ingredients.material import Material
 from lammps_inputs.ingredients.unequal import sizes_and_moduli, yield_strengths
@@ -151,6 +153,19 @@ def overlap_at_yield(ball: Material | None) -> float | None:
         return None
     modulus = ball.youngs_modulus / (2.0 * (1.0 - ball.poisson_ratio**2))
     return (math.pi * YIELD_PRESSURE * ball.yield_strength / (2.0 * modulus)) ** 2 * 0.5 * ball.radius
+
+
+def taken_away(scene: SceneContext, law: Law) -> frozenset[Fact]:
+    """Facts that do not hold where the force of contacts depends on the past; none for other laws.
+
+    Raises:
+        ValueError: a law of one's own is incomplete.
+    """
+    laws.refuse_incomplete(law)
+    if not laws.has_state(law):
+        return frozenset()
+    facts = {Fact.FRAMES, Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE}
+    return frozenset(facts if key(scene) else {*facts, Fact.MOMENTUM})
 
 
 def between(scene: SceneContext, strength: Parameter) -> Law | None:

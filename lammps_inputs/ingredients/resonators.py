@@ -14,7 +14,15 @@ from pydantic import field_validator
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, unequal
-from lammps_inputs.ingredients.base import Coefficient, Ingredient, Inner, NotNegative, Rows, SceneContext, Stiffness
+from lammps_inputs.ingredients.base import (
+    Coefficient,
+    FurtherAtoms,
+    Ingredient,
+    NotNegative,
+    Rows,
+    SceneContext,
+    Stiffness,
+)
 from lammps_inputs.ingredients.damping import MOST
 from lammps_inputs.laws.dashpot import Dashpot
 from lammps_inputs.laws.spring import Linear
@@ -90,7 +98,7 @@ class Resonators(Ingredient):
                 f"{FASTEST:g}, where it moves with its bead"
             )
 
-    def inner(self, scene: SceneContext) -> Inner | None:
+    def further_atoms(self, scene: SceneContext) -> FurtherAtoms | None:
         """A line of masses for each chain."""
         mass, stiffness, damping = self._of_chains(scene)
         present = (mass > 0.0) & (stiffness > 0.0)
@@ -102,18 +110,19 @@ class Resonators(Ingredient):
         dashpot: Any = Dashpot(number_or_array(self._in_rows(np.where(present, damping, 0.0), scene)))
         dampers = (Across("resonator_damping", dashpot, edges=edges),) if np.any(damping[present]) else ()
         name = scene.key_of(self).replace("[", "_").rstrip("]")
-        return Inner(table, (Across(name, spring, edges=edges),), dampers)
+        return FurtherAtoms(table, (Across(name, spring, edges=edges),), dampers)
 
     def lacks(self, scene: SceneContext) -> frozenset[Fact]:
         """Exact solitary waves; a leading pulse where resonators are too slow; with dashpots what these take."""
-        inner = self.inner(scene)
-        if inner is None:
+        resonators = self.further_atoms(scene)
+        if resonators is None:
             return frozenset()
         taken = {Fact.SONIC_VACUUM, Fact.FRONT}
-        links = [(link.law.spring, inner.mass) for link in inner.links if isinstance(link.law, Linear)]
-        if all(np.all(mass > 0.0) and np.all(spring < PULSE_RATE**2 * mass) for spring, mass in links):
+        mass = resonators.mass
+        springs = [link.law.spring for link in resonators.ties if isinstance(link.law, Linear)]
+        if np.all(mass > 0.0) and all(np.all(spring < PULSE_RATE**2 * mass) for spring in springs):
             taken.add(Fact.PULSE)
-        if inner.dampers:
+        if resonators.dampers:
             taken |= {Fact.ENERGY, Fact.REVERSIBLE, Fact.SECOND_ORDER}
         return frozenset(taken)
 

@@ -71,7 +71,7 @@ class Walls(Ingredient):
         if self.left is None and self.right is None:
             raise ValueError("walls: name left, right or both: bead, flat, rigid, {stiffness: ...} or {material: ...}")
         contact = scene.contact_law(1.0)
-        if laws.remembers(contact):
+        if contact is not None and laws.has_state(contact):
             raise ValueError("walls: are not known of contacts of one's own that have a memory; leave the walls out")
         no_power = contact is not None and not hasattr(contact, "exponent")
         for key in ("left", "right"):

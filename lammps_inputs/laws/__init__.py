@@ -11,12 +11,13 @@ in which the law has them, as scalars or arrays:
 - ``max_strain(energy, ...)``: largest strain to which an energy can bring it;
 - ``stiffest(energy, ...)``, only where `stiffest_of_each` would not find it: largest stiffness at such an energy.
 
-A law whose force depends on the past has a parameter ``memory``, the state of each contact: in the law of a system that
-at the start, in the law that analyses compute with that of frames. It has three more functions:
+A law whose force depends on the past declares one of its parameters as the state of each contact, by a `ContactState`
+in its type: in the law of a system that at the start, in the law that analyses compute with that of frames
+(`at_state`). It has three more functions:
 
-- ``remember(s, ...)``: memory after a strain;
+- ``next_state(s, ...)``: state after a strain;
 - ``permanent(...)``: overlap at which unloading ends;
-- ``lost(...)``: energy dissipated since the start.
+- ``dissipated(...)``: energy dissipated since the start.
 
 A law that depends on time takes the time ``t`` after the strain in all of these but the bounds, and has
 
@@ -32,8 +33,8 @@ the layout of the beads in LAMMPS. Nothing here depends on scenes or problems.
 """
 
 import functools
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any, Protocol, get_type_hints
+from collections.abc import Hashable, Iterator
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, get_args, get_type_hints, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,6 +69,14 @@ class Law(Protocol):
 
     def __iter__(self) -> Iterator[Any]:
         """Iterate over the parameters."""
+
+
+@runtime_checkable
+class WithOneNumber(Protocol):
+    """A law with parameters that are the same for all links, and keep their value where there is no link."""
+
+    one_number: tuple[str, ...]
+    """Names of these parameters."""
 
 
 def force(law: Law, strain: Any) -> Any:
@@ -110,25 +119,112 @@ def stiffest_of_each(law: Law, total_energy: float) -> Any:
 _PARTS = (1.0, 0.75, 0.5, 0.25, 0.0, -0.25, -0.5, -0.75, -1.0)
 
 
-def remembers(law: Any) -> bool:
-    """Whether the force of a law depends on the past."""
-    return hasattr(law, "remember")
+class ContactState:
+    """State of a contact, on which its force depends beside the strain; base of what declares a parameter as one.
+
+    States, overlaps and closing velocities are arrays of one shape, [...], or numbers. Overlaps include that at rest.
+    """
+
+    heading: ClassVar[str]
+    """Variable of LAMMPS that holds the state of the contact behind each bead, and the heading of its column."""
+
+    def turning_overlap(self, state: Any) -> Any:
+        """Overlap, [...], at which unloading began, and beyond which first loading continues."""
+        raise NotImplementedError
+
+    def loading(self, state: Any, overlap: Any, closing: Any) -> Any:
+        """Whether contacts are in first loading, [...], at their overlaps and closing velocities."""
+        raise NotImplementedError
+
+    def on_branch(self, state: Any, closing: Any) -> Any:
+        """State, [...], that gives the stiffness of loading where contacts at their turning overlap close.
+
+        Elsewhere it gives that of unloading.
+        """
+        raise NotImplementedError
+
+
+@functools.lru_cache(maxsize=256)
+def _declared(kind: Hashable) -> tuple[str, ContactState] | None:
+    """Name of the parameter of a class of laws that is the state of contacts, and its kind; None without one."""
+    for name, hint in get_type_hints(kind, include_extras=True).items():
+        for declaration in get_args(hint)[1:]:  # of `Annotated`
+            if isinstance(declaration, ContactState):
+                return name, declaration
+    return None
+
+
+def _state_of(law: Any) -> tuple[str, ContactState] | None:
+    kind: Any = type(law)
+    return _declared(kind)
+
+
+def _kind_of_state(law: Any) -> ContactState:
+    declaration = _state_of(law)
+    assert declaration is not None
+    return declaration[1]
+
+
+def has_state(law: Any) -> bool:
+    """Whether the force of a law depends on a state of each contact."""
+    return _state_of(law) is not None
 
 
 def refuse_incomplete(law: Any) -> None:
-    """Refuse a law with a memory that lacks a function which analyses need of it.
+    """Refuse a law with a state of each contact that lacks its declaration, or a function which analyses need of it.
 
     Raises:
-        ValueError: naming the law and the function.
+        ValueError: naming the law, and the function or the declaration.
     """
-    for name in ("permanent", "lost"):
-        if remembers(law) and not hasattr(law, name):
+    if hasattr(law, "next_state") and not has_state(law):
+        raise ValueError(
+            f"contacts: the law {type(law).__name__} has a function `next_state`; it needs a parameter declared as the "
+            "state, such as `largest: LargestOverlap = 0.0`, too"
+        )
+    for name in ("next_state", "permanent", "dissipated"):
+        if has_state(law) and not hasattr(law, name):
             raise ValueError(f"contacts: the law {type(law).__name__} has a memory; it needs a function `{name}`, too")
 
 
-def with_memory(law: Any, memory: Any) -> Any:
-    """The law with another memory, where it has one."""
-    return law if memory is None or not remembers(law) else law._replace(memory=memory)
+def state_name(law: Any) -> str:
+    """Name of the parameter that is the state of each contact; empty for a law without one."""
+    declaration = _state_of(law)
+    return "" if declaration is None else declaration[0]
+
+
+def contact_state(law: Any) -> Any:
+    """State of the contacts of a law that has one: a number, or an array where it differs."""
+    return getattr(law, state_name(law))
+
+
+def at_state(law: Any, state: Any) -> Any:
+    """The law at another state of its contacts; unchanged for a law without one."""
+    return law._replace(**{state_name(law): state}) if has_state(law) else law
+
+
+def state_heading(law: Any) -> str:
+    """Heading of the column of frames that holds the state of the contact behind each bead, of a law that has one."""
+    return _kind_of_state(law).heading
+
+
+def turning_overlap(law: Any) -> Any:
+    """Overlap at which unloading began, and beyond which first loading continues, of a law that has a state."""
+    return _kind_of_state(law).turning_overlap(contact_state(law))
+
+
+def loading(law: Any, overlap: Any, closing: Any) -> Any:
+    """Whether contacts of a law that has a state are in first loading, [...], at overlaps and closing velocities."""
+    return _kind_of_state(law).loading(contact_state(law), overlap, closing)
+
+
+def on_branch(law: Any, closing: Any) -> Any:
+    """A law with the stiffness of loading where contacts at their turning overlap close, else of unloading.
+
+    Args:
+        law: any law; unchanged if it has no state.
+        closing: [...] closing velocities, or their signs.
+    """
+    return at_state(law, _kind_of_state(law).on_branch(contact_state(law), closing)) if has_state(law) else law
 
 
 def rest(law: Law) -> Any:

@@ -20,7 +20,7 @@ The dashpot of a wall is one of the contacts': any of the three, so that coeffic
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -76,8 +76,8 @@ class Dashpot(NamedTuple):
         Beads of neighbouring chains differ by their type; the cutoff is between that of a row and those beside it.
         """
         name = link.name
-        if layout.is_inner(link):
-            return self._inside(link, layout)
+        if layout.system.is_tie(link):
+            return self._tie(link, layout)
         types = np.repeat(1 + np.arange(layout.chains)[:, np.newaxis] % 2, layout.beads, axis=1)
         pressed = float(np.max(laws.rest(layout.system.along[0].law)))
         apart = layout.diameter + layout.gap
@@ -93,8 +93,8 @@ class Dashpot(NamedTuple):
             ),
         )
 
-    def _inside(self, link: LinksAcross, layout: BeadLayout) -> DeckLines:
-        """A force against the velocity of each inner atom and its bead relative to each other.
+    def _tie(self, link: LinksAcross, layout: BeadLayout) -> DeckLines:
+        """A force against the velocity of each tied atom and its bead relative to each other.
 
         LAMMPS has no dashpots in bonds. The two are a chunk of atoms, of which the sum of the velocities is known.
         """
@@ -105,9 +105,9 @@ class Dashpot(NamedTuple):
         ]
         for kind, ((coefficient,), atoms) in enumerate(atoms_by_value(self, (len(link.edges), beads)), 1):
             name, ranges = f"{link.name}{number}_{kind}", [list(map(int, ids.split(":"))) for ids in atoms.split()]
-            inner = " ".join(f"{first + apart * beads}:{last + apart * beads}" for first, last in ranges)
+            tied = " ".join(f"{first + apart * beads}:{last + apart * beads}" for first, last in ranges)
             lines += [
-                f"group {name} id {atoms} {inner}",
+                f"group {name} id {atoms} {tied}",
                 f"variable {name}_pair atom id-{apart * beads}*(id>{layout.chains * beads})",
                 f"compute {name}_pair {name} chunk/atom v_{name}_pair nchunk once ids once",
                 f"variable {name}_own atom vx",
@@ -222,6 +222,14 @@ def alpha(share: float, exponent: float = 1.5) -> float:
     return float(np.sqrt(2.0 * (exponent + 1.0))) * loss / float(np.hypot(np.pi, loss))
 
 
+@runtime_checkable
+class LimitedInTension(Protocol):
+    """A law of damping of contacts, whose tensile force may be limited."""
+
+    tensile_limit: Parameter
+    """Strength of the contact where tension is cut, else `NO_LIMIT`."""
+
+
 def damping(law: Any, strain: Any, rate: Any) -> Any:
     """Force of a law of damping on links."""
     return law.damping(strain, rate, *law)
@@ -234,7 +242,7 @@ def resistance(law: Any, strain: Any) -> Any:
 
 def cut(law: Any) -> bool:
     """Whether a law of damping cuts tension, so that its force does not follow from the strain and its rate alone."""
-    return bool(np.min(getattr(law, "tensile_limit", NO_LIMIT)) < NO_LIMIT)
+    return isinstance(law, LimitedInTension) and bool(np.min(law.tensile_limit) < NO_LIMIT)
 
 
 def lets_go(law: Any, strain: Any, rate: Any) -> Any:

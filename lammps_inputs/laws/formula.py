@@ -47,7 +47,7 @@ def contacts(energy: str, says: str, layout: BeadLayout) -> DeckLines:
 
 def beads_alone(layout: BeadLayout) -> tuple[str, ...]:
     """Lines by which atoms that are no beads have no pair force: a formula of the distance knows no diameters."""
-    if layout.system.inner_mass is None:
+    if layout.group == "all":
         return ()
     return ("group inner subtract all beads", "neigh_modify exclude group inner all   # resonators touch nothing")
 

@@ -1,10 +1,10 @@
-"""LAMMPS commands for contacts that yield: pairs of beads as chunks, and a fix that stores memories.
+"""LAMMPS commands for contacts that yield: pairs of beads as chunks, and a fix that stores their largest overlaps.
 
 Every bead has two contacts: one in the first pairs (beads 1 and 2, 3 and 4, ...), one in the second (2 and 3, ...). A
 chunk holds the beads of a pair, the sum of their places with alternating sign is their overlap, and each bead takes it
-from there. Where a bead at the end is in no pair, a wall takes that place. At the end of a step the memories are
+from there. Where a bead at the end is in no pair, a wall takes that place. At the end of a step the states are
 updated, and what follows from them; each number is computed once, for LAMMPS evaluates a variable wherever it is named.
-Under a static load the forces found at rest, with the memories of that state, are stored and subtracted, in a continued
+Under a static load the forces found at rest, with the largest overlaps then, are stored and subtracted, in a continued
 run as well, so that rest is exactly rest.
 """
 
@@ -77,8 +77,8 @@ _HELD = (
     "fix held all store/state 0 v_rest_push v_stored",
     "variable free atom v_push-f_held[1]",
 )
-"""LAMMPS evaluates a fix store/state again in a continued run, where the memories are others: its second column is 1
-where the first holds a force already.
+"""LAMMPS evaluates a fix store/state again in a continued run, where the largest overlaps are others: its second column
+is 1 where the first holds a force already.
 """
 
 
@@ -110,7 +110,7 @@ def _overlaps(walls: list[Any], layout: BeadLayout, *, differ: bool) -> list[str
 
 
 _STORED = ("most", "top", "z", "permanent")
-"""Memories and what follows from them, of the first and the second pairs each: columns of the fix."""
+"""Largest overlaps so far and what follows from them, of the first and the second pairs each: columns of the fix."""
 
 
 def _of_pair(n: int, strength: str, onset: str) -> list[str]:
@@ -150,7 +150,7 @@ def _no_forces(layout: BeadLayout) -> tuple[str, ...]:
 
 def _walls(system: Any) -> list[Any]:
     """The walls that yield."""
-    return [link for link in system.ground if laws.remembers(link.law)]
+    return [link for link in system.ground if laws.has_state(link.law)]
 
 
 def _columns(layout: BeadLayout) -> NDArray[np.float64]:

@@ -148,8 +148,7 @@ def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPo
     """
     rest = _plain(np.round(rest_under(law, load) / grid) * grid)
     if isinstance(law, Thornton):
-        alone = law._replace(memory=rest, rest=rest)
-        return alone._replace(load=alone.force(0.0, *alone))
+        return law.at_rest(rest)
     if isinstance(law, Power):
         return PreloadedPower(law.strength, law.exponent, *_power_at(law, rest))
     return Preloaded(law.strength, rest, _plain(law.strength * (rest * np.sqrt(rest))))  # as the law computes it

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from lammps_inputs import laws, physics
 from lammps_inputs.laws import Law, dashpot
 from lammps_inputs.laws.in_time import Sine
+from lammps_inputs.laws.spring import Varying
 from lammps_inputs.links import Across, Along, Wall, largest_eigenvalue
 from lammps_inputs.scheme import LARGEST_PHASE, SchemeName
 from lammps_inputs.system import System
@@ -29,7 +30,7 @@ def fastest(system: System) -> float:
     """Angular frequency, at most, of any motion; energy bounds how stiff a contact can get."""
     endless = (load.law.omega for load in system.loads if isinstance(load.law, Sine))
     elastic = float(np.sqrt(_contacts(system) + _springs(system)))
-    modulated = (getattr(link.law, "omega", 0.0) for link in system.ground)
+    modulated = (link.law.omega for link in system.ground if isinstance(link.law, Varying))
     return max((elastic, *endless, *modulated, *(motion.omega for motion in system.motions)))
 
 
@@ -62,10 +63,10 @@ def front_speed(system: System) -> float:
 def drag(system: System) -> float:
     """Rate, at most, at which dashpots stop any motion."""
     contacts, others = np.zeros(1), 0.0
-    inner = tuple(link for link in system.dampers if isinstance(link, Across) and physics.is_inner(system, link))
-    braked = _at_ends(system, inner, [dashpot.resistance(link.law, 0.0) for link in inner])
+    ties = tuple(link for link in system.dampers if isinstance(link, Across) and system.is_tie(link))
+    braked = _at_ends(system, ties, [dashpot.resistance(link.law, 0.0) for link in ties])
     for link in system.dampers:
-        if link in inner:
+        if link in ties:
             continue
         if isinstance(link, Along):
             reached = dashpot.at_max_strain(link.law, system.along[0].law, physics.energy(system))
@@ -106,15 +107,15 @@ def _on_beads(system: System, contact: Any) -> NDArray[np.float64]:
 
 
 def _springs(system: System) -> float:
-    across = (_row(system, link) for link in system.across)
+    across = (_row(system, link) for link in system.couplings)
     held = (laws.stiffest(link.law, physics.energy(system)) for link in physics.ground_springs(system))
-    return sum((*across, *held), 0.0) / float(np.min(system.mass)) + _inner(system)
+    return sum((*across, *held), 0.0) / float(np.min(system.mass)) + _ties(system)
 
 
-def _inner(system: System) -> float:
-    """Square of the frequency, at most, of atoms on links to inner ones: ``k (1 / m + 1 / m2)`` of one, exactly."""
-    stiffest = [laws.stiffest_of_each(link.law, physics.energy(system)) for link in system.inner_links]
-    return _at_ends(system, system.inner_links, stiffest)
+def _ties(system: System) -> float:
+    """Square of the frequency, at most, of a bead and tied atoms: ``k (1 / m + 1 / m2)`` of one, exactly."""
+    stiffest = [laws.stiffest_of_each(link.law, physics.energy(system)) for link in system.ties]
+    return _at_ends(system, system.ties, stiffest)
 
 
 def _at_ends(system: System, links: tuple[Across, ...], values: list[Any]) -> float:
@@ -127,7 +128,7 @@ def _at_ends(system: System, links: tuple[Across, ...], values: list[Any]) -> fl
         edges += zip(link.edges, np.broadcast_to(value, (len(link.edges), system.beads)), strict=True)
     for ends, of_edge in edges:
         total[list(ends)] += of_edge
-    total /= physics.mass_of_atoms(system)
+    total /= physics.masses(system, absent=np.inf)
     return max(
         (float(np.max((total[first] + total[second])[of > 0.0], initial=0.0)) for (first, second), of in edges),
         default=0.0,

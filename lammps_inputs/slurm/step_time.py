@@ -7,6 +7,7 @@ measured on one core with 100 to a million beads, except where a comment says th
 from lammps_inputs import physics
 from lammps_inputs.laws.formula_law import AcrossChains, AlongChains
 from lammps_inputs.laws.in_time import TabulatedForce
+from lammps_inputs.laws.plastic import Thornton
 from lammps_inputs.problem import Problem
 
 LONE_BEAD = 10e-9
@@ -65,7 +66,7 @@ def step_seconds(problem: Problem) -> tuple[float, float]:
     fixed += WRITTEN * sum(isinstance(link.law, AlongChains | AcrossChains) for link in system.links)
     bead = bead_seconds(problem) + LOADED * physics.loaded(system)
     bead += DAMPED * (physics.contact_loss(system) is not None)
-    if physics.remembering(system):
+    if any(isinstance(link.law, Thornton) for link in system.along):
         bead += YIELDING
     return fixed, bead
 

@@ -83,7 +83,9 @@ def linear(scene):
     swing = np.cos(np.outer(time * problem.scale.time, np.sqrt(np.maximum(squares, 0.0))))
     velocity = (swing * shapes[scene.kick[0].bead - 1]) @ shapes.T / root
     atoms = velocity[:, :beads].reshape(-1, 1, beads), velocity[:, beads:].reshape(-1, 1, 1, beads)
-    return Trajectory(problem, time, 0.0 * atoms[0], atoms[0], inner=np.concatenate([0.0 * atoms[1], atoms[1]], axis=1))
+    return Trajectory(
+        problem, time, 0.0 * atoms[0], atoms[0], further_lines=np.concatenate([0.0 * atoms[1], atoms[1]], axis=1)
+    )
 
 
 def test_a_weak_branch_is_not_given_the_power_of_a_strong_one():

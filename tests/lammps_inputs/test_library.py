@@ -197,6 +197,6 @@ def test_own_ingredients_that_are_none_are_refused_by_the_name_of_their_module(s
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "bed_of_mine", raising=False)
     with pytest.raises(InputError, match="GRANCHAIN_INGREDIENTS: ") as caught:
-        registry._own("bed_of_mine")
+        registry._of_module("bed_of_mine")
     assert says in str(caught.value)
     assert "'bed_of_mine'" in str(caught.value)

@@ -8,9 +8,11 @@ the output, line by line in this order; ``...`` stands for anything, and numbers
 import contextlib
 import io
 import math
+import os
 import re
 import shlex
 import subprocess
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -25,6 +27,25 @@ _BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$|^((?: {4}[^\n]*\n)+)", re.M | re.S)
 _NAME = re.compile(r"# ([\w.-]+\.\w+)\n")
 _OURS = re.compile(r"granchain [^&|<>;$]*(&& granchain [^&|<>;$]*)*")
 _NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
+
+
+_STUDY = re.compile(r"^granchain (design|extremes|fit|gallery|threshold|trade)\b", re.M)
+
+
+def types_studies(page: str) -> bool:
+    """Whether a page, or a section of one, types a command of a study: it is then followed with their tests."""
+    return any(kind == "sh" and _STUDY.search(content) for kind, content, _ in _BLOCK.findall(page))
+
+
+def sections(page: str) -> list[str]:
+    """A page cut before each of its headings of the second level."""
+    return re.split(r"^(?=## )", page, flags=re.M)
+
+
+def environment(more: Mapping[str, str]) -> dict[str, str]:
+    """Variables of this process, and more; first in the path are the programs of this Python."""
+    variables = {**os.environ, **more}
+    return {**variables, "PATH": f"{Path(sys.executable).parent}:{variables['PATH']}"}
 
 
 def follow(page: str, folder: Path, environment: Mapping[str, str]) -> None:

@@ -8,12 +8,10 @@ import sys
 import pytest
 from processes import HANGS
 
-from lammps_inputs import schema
+from lammps_inputs import plugins
 from workflow import cli
 from workflow.cli import ALIASES, COMMANDS, main
-from workflow.studies.design import file as design
 from workflow.sweep.collect import QUANTITIES
-from workflow.sweep.file import schema_of_file
 
 SCENE = "name: tiny\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n"
 
@@ -134,11 +132,9 @@ def test_help_says_where_a_quantity_stands(name, capsys):
     assert any(line.strip().startswith("granchain collect: column") and name in line for line in lines)
 
 
-@pytest.mark.parametrize(
-    ("of", "made"), [("scene", schema.scene), ("sweep", schema_of_file), ("design", design.schema_of_file)]
-)
-def test_schema_prints_json(of, made, capsys):
-    assert json.loads(said(capsys, "schema", of)) == made()
+@pytest.mark.parametrize("kind", plugins.declared("schemas"))
+def test_schema_prints_json(kind, capsys):
+    assert json.loads(said(capsys, "schema", kind)) == plugins.load("schemas", kind)()
 
 
 def test_new_writes_a_scene_and_never_over_a_file(tmp_path, capsys):

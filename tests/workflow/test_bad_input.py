@@ -1,19 +1,14 @@
 """What no command can use: one line that says what is wrong, exit code 2, and nothing written.
 
-Bad scenes are in `bad_scenes`; here are command lines, and files of sweeps and designs.
+Bad scenes are in `bad_scenes`; here are command lines, and files of sweeps. Those of studies are with their tests.
 """
-
-import shlex
-from pathlib import Path
-from typing import Any
 
 import pytest
 from bad_scenes import BAD_SCENES, scene_text
-from refusals import refusal, tree
+from refusals import assert_command_line_is_refused, assert_file_is_refused, refusal, tree
 from sweeps import SMALL
 
 from lammps_inputs import strict_yaml
-from lammps_inputs.slurm import site
 from workflow.engines.lammps import mpi
 
 OF_OTHERS = [(command, case) for command in ("deck", "show") for case in BAD_SCENES[::20]]
@@ -38,8 +33,6 @@ def test_a_bad_scene_is_one_line_and_nothing_is_written(command, case, tmp_path,
 
 # --- command lines ----------------------------------------------------------------------------------------------------
 
-MASS = "threshold s.yaml -o out --where mass=1 --vary"
-FIT = "fit walled.yaml --against data.csv -o out --free"
 RUN = "run two-chains -o out"
 DECK = "deck two-chains -o out"
 NEEDS = "run: needs a SCENE and -o DIR, or --resume DIR"
@@ -79,54 +72,20 @@ COMMAND_LINES = [
     ("sweep ref.yaml -o out --slurm", "engine: a Slurm job runs lammps"),
     ("sweep sweep.yaml -o out --nodes 2", "add --slurm"),
     ("sweep sweep.yaml -o out --slurm --partition 'a;ls'", "--partition"),
-    ("threshold s.yaml -o out --where agre_1=3 --vary gap=0:1", "did you mean"),
-    ("threshold s.yaml -o out --where agree_1 --vary gap=0:1", "--where: 'agree_1' given; such as agree_1=50"),
-    ("threshold s.yaml -o out --where mass=much --vary gap=0:1", "--where: 'much' is no number"),
-    (f"{MASS} gap=1:0", "--vary: 1:0 given; the smaller number first"),
-    (f"{MASS} gap=0:1 --log", "both above 0 with --log"),
-    (f"{MASS} beads=4.5:9", "--vary: beads takes whole numbers"),
-    (f"{MASS} gaps=0:1", "a scene has no field 'gaps'"),
-    (f"{MASS} gap=0:1 --over gap=1,2", "--over gap: is the field"),
-    (f"{MASS} gap=0:1 --over beads=9,9", "--over: '9,9' given; different values"),
-    (f"{MASS} gap=0:1 --points 1", "--points: 1 given"),
-    (f"{MASS} gap=0:1 --tolerance 0", "--tolerance: 0 given"),
-    (f"{FIT} coupling.stifness", "did you mean `coupling.stiffness`?"),
-    (f"{FIT} beads", "counts something"),
-    (f"{FIT} gap", "gap: is not there"),
-    (f"{FIT} walls.right", "walls.right: is 'rigid'"),
-    (f"{FIT} kick.velocity,kick.velocity", "named twice"),
-    (f"{FIT} kick[1].velocity,kick.velocity", "named twice"),
-    (f"{FIT} kick.velocity --offset nan", "--offset: nan given"),
-    (f"{FIT} kick.velocity --offset=-1e9", "too long to fit"),
-    (f"{FIT} ,", "name at least one field"),
-    ("trade s.yaml -o out --budget 0", "above 0"),
-    ("trade s.yaml -o out --budget nan", "above 0"),
-    ("gallery dimer -o out", "did you mean `dimers`?"),
-    ("extremes exponent -o out", "extremes: 'exponent' given (did you mean `exponents`?)"),
 ]
 
 
+FILES = {
+    "quick.yaml": {**SMALL, "timestep": 0.01},  # for which no pilot run is compiled
+    "sweep.yaml": {"scene": SMALL, "vary": {"beads": [12]}},
+    "ref.yaml": {"scene": SMALL, "vary": {"beads": [12]}, "engine": "reference"},
+}
+
+
 @pytest.mark.parametrize(("words", "says"), COMMAND_LINES, ids=[words for words, _ in COMMAND_LINES])
-def test_a_command_line_that_makes_no_sense_is_one_line_and_nothing_is_written(
-    words, says, tmp_path, tmp_path_factory, monkeypatch, capsys
-):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("HOME", str(tmp_path_factory.mktemp("home")))  # no defaults of whoever runs the tests
-    monkeypatch.delenv(site.VARIABLE, raising=False)
-    files = {
-        "s.yaml": SMALL,
-        "quick.yaml": {**SMALL, "timestep": 0.01},  # for which no pilot run is compiled
-        "walled.yaml": {**SMALL, "walls": {"right": "rigid"}},
-        "sweep.yaml": {"scene": SMALL, "vary": {"beads": [12]}},
-        "ref.yaml": {"scene": SMALL, "vary": {"beads": [12]}, "engine": "reference"},
-    }
-    for name in files.keys() & set(words.split()):
-        Path(name).write_text(strict_yaml.dump(files[name]))
-    if "data.csv" in words:
-        Path("data.csv").write_text("time,force_contact_5_chain_1\n0,0\n1,0.1\n2,0\n")
-    before = tree(tmp_path)
-    assert says in refusal(shlex.split(words), capsys)
-    assert tree(tmp_path) == before
+def test_a_command_line_that_makes_no_sense_is_one_line_and_nothing_is_written(words, says, tmp_path, capsys):
+    files = {name: strict_yaml.dump(content) for name, content in FILES.items()}
+    assert_command_line_is_refused(words, says, files, tmp_path, capsys)
 
 
 def test_more_ranks_than_rows_are_refused(tmp_path, capsys):
@@ -137,7 +96,7 @@ def test_more_ranks_than_rows_are_refused(tmp_path, capsys):
     assert "ranks divide the 2 rows" in refusal(["run", short, "-o", tmp_path / "out", "--ranks", 3], capsys)
 
 
-# --- files of sweeps and designs --------------------------------------------------------------------------------------
+# --- files of sweeps --------------------------------------------------------------------------------------------------
 
 T = "scene: two-chains\n"
 
@@ -176,45 +135,7 @@ SWEEPS = [
     (T + "vary: !!python/object/apply:os.system [ls]", "tags"),
 ]
 
-DESIGN = {
-    "scene": {**SMALL, "walls": {"right": "rigid"}},
-    "vary": {"coupling.stiffness": [0.02, 0.1], "beads": {"from": 8, "to": 14}},
-    "minimize": "wall_force",
-    "where": {"mass": {"from": 20}},
-}
 
-DESIGNS: list[tuple[Any, str]] = [
-    ("", "is empty; a design needs a `scene`, what may `vary`, and what to `minimize` or `maximize`"),
-    ("name: a\nbeads: 9\n", "looks like a scene, not a design; `granchain run FILE -o DIR` takes it"),
-    ("scene: two-chains\nvary: {gap: [1, 2]}\nminimise: delay\n", "did you mean `minimize`?"),
-    ({"minimize": "wall_farce"}, "minimize: 'wall_farce' is no quantity (did you mean `wall_force`?)"),
-    ({"maximize": "delay"}, "give either minimize or maximize"),
-    ({"vary": {"couplng.stiffness": [1, 2]}}, "did you mean `coupling.stiffness`?"),
-    ({"vary": {"beads": {"from": 8, "to": 10.5}}}, "vary.beads: takes whole numbers"),
-    ({"vary": {"beads": {"from": 9, "to": 8}}}, "the smaller first"),
-    ({"vary": {"beads": [9]}}, "two choices or more"),
-    ({"vary": {"pattern": {"of": ["a", "b"]}}}, "vary.pattern.places: is missing"),
-    (
-        {"vary": {"coupling.rows": {"from": 1, "to": 4, "places": 0}}},
-        "places: should be greater than or equal to 1",
-    ),
-    ({"where": {"mass": {}}}, "where.mass: give from, to or both"),
-    ({"where": {"mass": {"from": 160, "to": 152}}}, "where.mass: goes from 160 to 152; the smaller first"),
-    ({"where": {"weight": {"to": 1}}}, "where: 'weight' is no quantity"),
-    ({"scene": "two-chain"}, "did you mean `two-chains`?"),
-]
-
-FILES = [
-    *(("sweep", text, says) for text, says in SWEEPS),
-    *(("design", one if isinstance(one, str) else strict_yaml.dump({**DESIGN, **one}), says) for one, says in DESIGNS),
-]
-
-
-@pytest.mark.parametrize(("command", "text", "says"), FILES, ids=[f"{command}: {says}" for command, _, says in FILES])
-def test_a_bad_file_is_one_line_that_names_it_and_nothing_is_written(command, text, says, tmp_path, capsys):
-    path = tmp_path / f"{command}.yaml"
-    path.write_text(text)
-    message = refusal([command, path, "-o", tmp_path / "out"], capsys)
-    assert message.startswith(f"{path}: ")
-    assert says in message
-    assert list(tree(tmp_path)) == [Path(path.name)]
+@pytest.mark.parametrize(("text", "says"), SWEEPS, ids=[says for _, says in SWEEPS])
+def test_a_bad_sweep_is_one_line_that_names_its_file_and_nothing_is_written(text, says, tmp_path, capsys):
+    assert_file_is_refused("sweep", text, says, tmp_path, capsys)

@@ -160,7 +160,7 @@ def _input(analysis: Analysis) -> str:
 
 def _print_accuracy(analysis: Analysis) -> None:
     """Print what arrivals are, if not maxima, and the uncertainty of the table, if more than `DOCUMENTED`."""
-    problem, waves = analysis.problem, analysis.waves
+    problem, waves = analysis.problem, analysis.survey.waves
     scale, clear = problem.scale, problem.beads - CLEAR
     if analysis.survey.arrival == "impulse":
         print("arrival: centre of the impulse until the bead is fastest")

@@ -3,14 +3,10 @@
 import argparse
 from pathlib import Path
 
-from lammps_inputs import InputError, file_names, library
-from lammps_inputs.decks import deck
-from lammps_inputs.slurm import job
+from lammps_inputs import file_names, library
 from workflow import cost_model
-from workflow.prepare.settings import settle
 from workflow.runs import contacts
-from workflow.runs.files import LAMMPS_FILES, write_text
-from workflow.runs.output_directory import prepared, refuse_to_overwrite, replacing
+from workflow.runs.deck_directory import write_deck
 from workflow.runs.size import size_of, too_large
 from workflow.screen import one_line
 
@@ -32,30 +28,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Write deck, data and scene, and the job."""
     options = cost_model.job_options(arguments)
-    scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=arguments.force)
-    if why := deck.refusal(scene.system):
-        raise InputError(f"{arguments.scene}: {why}")
-    files = deck.render(scene)
-    if options is not None:
-        options = cost_model.with_ranks(options, scene.problem())
-        files |= job.render_job(options, scene.problem(), arguments.output)
-    refuse_to_overwrite(arguments.scene, arguments.output)
-    names = (*LAMMPS_FILES, *(file_names.JOB_FILES if options is not None else ()))
-    with prepared(arguments.output, names, overwrite=arguments.overwrite), replacing(arguments.output, names):
-        for name, content in files.items():
-            write_text(arguments.output / name, content)
+    written = write_deck(
+        library.find(arguments.scene),
+        arguments.output,
+        source=arguments.scene,
+        overwrite=arguments.overwrite,
+        force=arguments.force,
+        options=options,
+    )
+    scene = written.scene
     size = size_of(scene.problem())
     for why in filter(None, [*scene.unlikely, too_large(scene, size)]):
         print(f"warning: {why}")
-    if settings is not None:
-        print(f"{scene.name}: {settings.sentence(scene.problem())}")
+    if written.step is not None:
+        print(f"{scene.name}: {written.step.sentence(scene.problem())}")
     overlaps = contacts.at_most(scene)
     if overlaps is not None:
         print("\n".join(overlaps.lines()))
-    print(f"{one_line(arguments.output)}: {', '.join(files)}")
-    if options is not None:
-        print(cost_model.cost(scene.problem(), options.ranks).sentence())
-        slower = cost_model.too_many(scene.problem(), options.ranks)
+    print(f"{one_line(arguments.output)}: {', '.join(written.files)}")
+    if written.options is not None:
+        ranks = written.options.ranks
+        print(cost_model.cost(scene.problem(), ranks).sentence())
+        slower = cost_model.too_many(scene.problem(), ranks)
         if slower:
             print(slower)
         print(f"submit there: sbatch {file_names.JOB}; state: granchain status {one_line(arguments.output)}")

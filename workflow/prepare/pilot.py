@@ -385,13 +385,7 @@ def _shorter(problem: Problem, share: float) -> Problem:
     return replace(
         problem,
         system=replace(
-            system,
-            beads=beads,
-            links=tuple(link.on(rows) for link in system.links),
-            dampers=tuple(link.on(rows) for link in system.dampers),
-            mass=physics.mass_of(system, Ellipsis, rows),
-            inner_mass=None if system.inner_mass is None else system.inner_mass[:, rows],
-            inner_links=tuple(link.on(rows) for link in system.inner_links),
+            system.on(rows),
             kicks=tuple((chain, place[bead], velocity) for chain, bead, velocity in system.kicks),
             loads=tuple(replace(load, bead=place[load.bead]) for load in system.loads),
             motions=tuple(replace(motion, bead=place[motion.bead]) for motion in system.motions),

@@ -2,7 +2,7 @@
 
 from lammps_inputs import InputError, Scene
 from lammps_inputs.limits.rates import stability_bound
-from lammps_inputs.numbers import memory
+from lammps_inputs.numbers import machine_memory
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.prepare.step_choice import ChosenStep
 
@@ -18,10 +18,10 @@ def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float, purpose: st
     """
     rows = scene.beads if not isinstance(scene.window, int) else min(scene.window, scene.beads)
     needed = bytes_a_bead * scene.chains * rows
-    if scene.window != "auto" and needed > memory():
+    if scene.window != "auto" and needed > machine_memory():
         raise InputError(
             f"{source}: beads: {scene.chains} x {rows:,} beads need {needed / 1e9:.3g} GB of memory for {purpose}, and "
-            f"this machine has {memory() / 1e9:.3g}; take fewer, or a `window`"
+            f"this machine has {machine_memory() / 1e9:.3g}; take fewer, or a `window`"
         )
 
 

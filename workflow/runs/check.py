@@ -72,6 +72,9 @@ def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
     Args:
         directory: the run.
         problem: of the frames, all of the run or some.
+
+    Returns:
+        Accountant that gives these frames their exchanged energy.
     """
     uncertainty = directory.account.uncertainty  # only the reference's runs have one
     if uncertainty is None:
@@ -134,6 +137,9 @@ def check(directory: RunDirectory, settings: ChosenStep | None = None) -> Check:
         directory: the run.
         settings: how the time step was chosen, if for an accuracy: the uncertainty of the reference is then a fraction
             of that, and the frames are compared as closely spaced as by the pilot run, whose reference serves again.
+
+    Returns:
+        The measured error, with the uncertainty of the reference.
 
     Raises:
         InputError: the run has no frames.

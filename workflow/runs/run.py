@@ -45,18 +45,32 @@ class CompletedRun:
 
     @property
     def trajectory(self) -> Trajectory:
-        """All frames, dimensionless; read from the disk when asked for."""
+        """All frames, in units of V, T and L, read from the disk when they are asked for.
+
+        Its arrays are ``time`` [frame], ``displacement`` and ``velocity`` [frame, chain, bead], float64.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "frames", engine="reference").trajectory
+            >>> frames.velocity[0, 0, :3]  # the kick
+            array([1., 0., 0.])
+        """
         return self.directory.trajectory
 
     @property
     def si(self) -> FramesInUnits:
-        """All frames in the scene's units."""
+        """All frames in the scene's units: SI where it has a material, else reduced units; arrays as `trajectory`'s.
+
+        Examples:
+            >>> frames = granchain.run("one-chain", "in-units", engine="reference").si
+            >>> frames.velocity.ndim, len(frames.time) == len(frames.velocity)
+            (3, True)
+        """
         return self.trajectory.measured()
 
     def __repr__(self) -> str:
         job, problem = self.directory.job, self.directory.problem
-        error = "" if self.check is None else f", error {self.check.velocity:.1e} V"
-        return f"<run {problem.name} in {self.directory.path}: {self.outcome}, {job.engine}{error}>"
+        error = "" if self.check is None else f", error of velocities {self.check.velocity:.1e} V"
+        return f"<run of {problem.name} in {self.directory.path}: {self.outcome}, computed by {job.engine}{error}>"
 
     def _repr_html_(self) -> str:
         record = self.directory.job.plain()
@@ -124,6 +138,9 @@ def prepare_run(
         force: whether LAMMPS may run with a time step above the stability bound.
         source: what the user calls the scene, for messages; by default its name.
 
+    Returns:
+        What `run_prepared` begins with; nothing is written yet.
+
     Raises:
         InputError: the directory, engine, number of ranks or time step cannot be used, or the run is too large.
     """
@@ -161,9 +178,17 @@ def run(
     """Run a scene in a new directory: `prepare_run`, then `run_prepared`.
 
     Args:
-        scene, directory, engine, ranks, overwrite, force: see `prepare_run`.
+        scene: what to compute.
+        directory: new or empty, or an earlier run's with ``overwrite``.
+        engine: see `prepare_run`.
+        ranks: MPI ranks of LAMMPS.
+        overwrite: whether an earlier run's files may be replaced.
+        force: whether LAMMPS may run with a time step above the stability bound.
         progress: called now and then with the steps done and the bead that the front has reached.
-        options: see `RunningOptions`.
+        **options: see `RunningOptions`.
+
+    Returns:
+        The run, done or interrupted.
 
     Raises:
         InputError: the directory, engine, number of ranks or time step cannot be used.
@@ -181,7 +206,10 @@ def run_prepared(
     Args:
         ready: see `prepare_run`.
         progress: called now and then with the steps done and the bead that the front has reached.
-        options: see `RunningOptions`.
+        **options: see `RunningOptions`.
+
+    Returns:
+        The run, done or interrupted.
 
     Raises:
         InputError: the directory has been taken meanwhile.
@@ -253,6 +281,9 @@ def carry_out(
         check: as of `run`.
         progress: as of `run`.
         spent: wall time of earlier attempts, which this one continues.
+
+    Returns:
+        The run, done or interrupted.
 
     Raises:
         InputError: something in the directory that it would write to is a link.

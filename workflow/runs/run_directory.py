@@ -141,6 +141,12 @@ class RunDirectory:
     def blocks(self, stride: int = 1) -> Iterator[Trajectory]:
         """The frames there are, or every stride-th of them, in blocks of bounded size.
 
+        Args:
+            stride: only every so many frames; 1 for all.
+
+        Returns:
+            Consecutive frames, [frame, chain, bead] each.
+
         Raises:
             InputError: there are none, or they cannot be read.
             RunError: they are not frames of the scene, by LAMMPS's log, by their times or by the state of the first.
@@ -263,6 +269,12 @@ def results(directory: RunDirectory) -> dict[str, Any]:
     The fingerprint is the SHA-256 of displacement and velocity [chain, bead] (of a window, after the number of its
     first row) as little-endian float64, frame after frame, and then those of the snapshots likewise, where there are
     any: neither ranks nor interruptions change it.
+
+    Args:
+        directory: directory of the run.
+
+    Returns:
+        ``frames`` and ``sha256``.
 
     Raises:
         InputError: there are no frames.

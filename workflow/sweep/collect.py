@@ -99,7 +99,16 @@ class SweepTable:
 
     @property
     def columns(self) -> list[str]:
-        """Names of the columns, in order."""
+        """Names of the columns, in order.
+
+        Returns:
+            The names; each row has them as keys.
+
+        Examples:
+            >>> table = granchain.collect("swept")
+            >>> table.columns[:3]
+            ['case', 'kick.velocity', 'outcome']
+        """
         return ["case", *self.fields, "outcome", *self.at_beads, *QUANTITIES, "reason"]
 
     def __repr__(self) -> str:
@@ -113,7 +122,15 @@ class SweepTable:
         return html.table(repr(self)[1:-1], [self.heading(name) for name in names], rows)
 
     def array(self) -> NDArray[Any]:
-        """The table as a structured array, [case]: a field per column, text or float64; NaN is unknown."""
+        """The table as a structured array, [case]: a field per column, text or float64; NaN is unknown.
+
+        Returns:
+            The array; a column has the unit of its heading.
+
+        Examples:
+            >>> granchain.collect("swept").array()["kick.velocity"]
+            array([1., 2.])
+        """
         columns: dict[str, NDArray[Any]] = {}
         for name in self.columns:
             if any(isinstance(row[name], str | list | dict) for row in self.rows):
@@ -128,6 +145,9 @@ class SweepTable:
     def pandas(self) -> Any:
         """The table as a ``pandas.DataFrame``, headed with units.
 
+        Returns:
+            A ``pandas.DataFrame``, a row for each case.
+
         Raises:
             ImportError: pandas is not installed; `array` needs nothing.
         """
@@ -136,11 +156,30 @@ class SweepTable:
         return pd.DataFrame(self.array()).rename(columns={name: self.heading(name) for name in self.columns})
 
     def to_csv(self) -> str:
-        """One line a case; numbers read back exactly, and what is unknown is empty."""
+        """One line a case; numbers read back exactly, and what is unknown is empty.
+
+        Returns:
+            The text.
+
+        Examples:
+            >>> granchain.collect("swept").to_csv().splitlines()[0][:26]
+            'case,kick.velocity,outcome'
+        """
         return to_csv({self.heading(name): [_written(row[name]) for row in self.rows] for name in self.columns})
 
     def numbers(self, name: str) -> Floats:
-        """A column as numbers, [case], in the unit of its heading; NaN where it holds none."""
+        """A column as numbers, [case], in the unit of its heading; NaN where it holds none.
+
+        Args:
+            name: name of the column.
+
+        Returns:
+            The numbers.
+
+        Examples:
+            >>> granchain.collect("swept").numbers("kick.velocity")
+            array([1., 2.])
+        """
         values = (row[name] for row in self.rows)
         return np.array(
             [float(value) if isinstance(value, int | float) else math.nan for value in values],
@@ -148,12 +187,34 @@ class SweepTable:
         )
 
     def unsettled(self, name: str) -> Flags:
-        """Whether chains have not come to share equally, [case], where a column is one of equipartition."""
+        """Whether chains have not come to share equally, [case], where a column is one of equipartition.
+
+        Args:
+            name: name of the column.
+
+        Returns:
+            The mask; such numbers change if the run goes on.
+
+        Examples:
+            >>> granchain.collect("swept").unsettled("agree_1")
+            array([False, False])
+        """
         shares = name in QUANTITIES and QUANTITIES[name].path[0] == "equipartition"
         return np.array([shares and row["state"] in UNSETTLED for row in self.rows], dtype=bool)
 
     def passed(self, name: str) -> Floats | None:
-        """Frequencies at which small waves pass, [band, 2], in the field's unit; None where cases differ."""
+        """Frequencies at which small waves pass, [band, 2], in the field's unit; None where cases differ.
+
+        Args:
+            name: name of a varied field.
+
+        Returns:
+            The bands; None for a column that is no frequency, too.
+
+        Examples:
+            >>> granchain.collect("swept").passed("kick.velocity") is None
+            True
+        """
         if name.rpartition(".")[2] != "frequency":
             return None
         by_case = [np.array(self.bands.get(row["case"], []), dtype=np.float64) for row in self.rows]
@@ -164,12 +225,34 @@ class SweepTable:
         return by_case[0] if all(np.all(np.abs(bands - by_case[0]) <= same) for bands in by_case) else None
 
     def heading(self, name: str) -> str:
-        """The name of a column in the table; with its unit where the scenes are in SI."""
+        """The name of a column in the table; with its unit where the scenes are in SI.
+
+        Args:
+            name: name of the column.
+
+        Returns:
+            The heading.
+
+        Examples:
+            >>> granchain.collect("swept").heading("arrival")
+            'arrival'
+        """
         unit = self._unit(name)
         return name if unit in ("", REDUCED) or (unit in OWN and not self.si) else f"{name} ({unit})"
 
     def label(self, name: str) -> Label:
-        """Words, symbol and unit of a column: ``.mathtext`` in figures, ``.plain`` in pages; of text its name."""
+        """Words, symbol and unit of a column: ``.mathtext`` in figures, ``.plain`` in pages; of text its name.
+
+        Args:
+            name: name of the column.
+
+        Returns:
+            The label.
+
+        Examples:
+            >>> granchain.collect("swept").label("kick.velocity").unit
+            'reduced'
+        """
         if name in self.labels:
             return self.labels[name]
         column = column_called(name)
@@ -201,6 +284,9 @@ def collect(directory: Path, at_beads: Sequence[str] = ()) -> SweepTable:
     Args:
         directory: of a sweep, or any that run directories lie in.
         at_beads: further columns, of the leading wave at chosen beads, such as ``peak_velocity@100``.
+
+    Returns:
+        The table, sorted by the varied fields.
 
     Raises:
         InputError: there is no run directory in it.
@@ -343,6 +429,13 @@ def _rank(value: Any) -> tuple[int, float, str]:
 def only(table: SweepTable, where: dict[str, Any]) -> SweepTable:
     """The cases of a table whose fields have these values.
 
+    Args:
+        table: table of a sweep.
+        where: varied field -> its value.
+
+    Returns:
+        The table of these cases.
+
     Raises:
         InputError: a field is not varied, or no case is like that.
     """
@@ -365,6 +458,14 @@ def _refuse_unless_varied(option: str, name: str, table: SweepTable) -> None:
 def named_fields(option: str, text: str, table: SweepTable) -> tuple[str, ...]:
     """Varied fields of ``A,B``.
 
+    Args:
+        option: option of the command, for messages.
+        text: names of fields, with commas between.
+        table: table of the sweep.
+
+    Returns:
+        Names of the fields.
+
     Raises:
         InputError: one is not varied, or is given twice.
     """
@@ -378,6 +479,10 @@ def named_fields(option: str, text: str, table: SweepTable) -> tuple[str, ...]:
 
 def refuse_unless_numeric(option: str, name: str) -> None:
     """Refuse a quantity that is no column of numbers.
+
+    Args:
+        option: option of the command, for messages.
+        name: name of the quantity.
 
     Raises:
         InputError: it is none; names those that are.
@@ -416,6 +521,9 @@ def drawn(table: SweepTable, quantity: str, over: str, beside: str | None = None
         over: the field along the horizontal axis; two with a comma between are the axes of a map.
         beside: a second field, with a line for each of its values.
         title: which cases these are, where the table holds not all.
+
+    Returns:
+        The figure, of matplotlib.
 
     Raises:
         InputError: no such quantity or field, nothing to draw, too many lines, or several cases at one point.
@@ -462,6 +570,10 @@ def drawn(table: SweepTable, quantity: str, over: str, beside: str | None = None
 def refuse_axes(table: SweepTable, names: Sequence[str]) -> None:
     """Refuse fields that cannot be axes.
 
+    Args:
+        table: table of a sweep.
+        names: fields of the axes.
+
     Raises:
         InputError: a field is not a number in every row.
     """
@@ -472,6 +584,12 @@ def refuse_axes(table: SweepTable, names: Sequence[str]) -> None:
 
 def refuse_lines(option: str, table: SweepTable, name: str, instead: str) -> None:
     """Refuse a field that makes too many lines.
+
+    Args:
+        option: option of the command, for messages.
+        table: table of a sweep.
+        name: field of the lines.
+        instead: what to do instead.
 
     Raises:
         InputError: it has too many values; names the limit, and what to do instead.

@@ -99,9 +99,9 @@ def all_fields(model: type[BaseModel], above: str = "") -> list[str]:
     paths = []
     for name, field in model.model_fields.items():
         paths.append(f"{above}{name}")
-        inner = library.model_in(field.annotation)
-        if inner is not None:
-            paths += all_fields(inner, f"{above}{name}.")
+        part = library.model_in(field.annotation)
+        if part is not None:
+            paths += all_fields(part, f"{above}{name}.")
     return paths
 
 

@@ -108,17 +108,17 @@ class SpacedValues(SweepPart):
             step = 1 if self.last > self.first else -1
             return list(range(self.first, self.last + step, step))
         first, last = Fraction(repr(self.first)), Fraction(repr(self.last))
-        inner: list[float] = []
+        between: list[float] = []
         for k in range(1, self.count - 1):
             part = Fraction(k, self.count - 1)
             if self.spacing == "linear":
                 value = float(first + part * (last - first))
             else:
                 value = float(self.first) * (float(self.last) / float(self.first)) ** float(part)
-            inner.append(float(f"{value:.{self.digits}g}"))
-        if isinstance(self.first, int) and isinstance(self.last, int) and all(value.is_integer() for value in inner):
-            return [self.first, *map(int, inner), self.last]
-        return [self.first, *inner, self.last]
+            between.append(float(f"{value:.{self.digits}g}"))
+        if isinstance(self.first, int) and isinstance(self.last, int) and all(value.is_integer() for value in between):
+            return [self.first, *map(int, between), self.last]
+        return [self.first, *between, self.last]
 
 
 def _some(value: dict[str, Any]) -> dict[str, Any]:

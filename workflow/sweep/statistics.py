@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Group:
     """Statistics of a quantity over the cases of a sweep that have the same values in some fields.
 
@@ -36,8 +36,23 @@ class Group:
     statistics: Statistics
     histogram: Histogram
 
+    def __repr__(self) -> str:
+        numbers = self.statistics
+        at = "".join(f", {name} = {value}" for name, value in self.fields.items())
+        spread = f"mean {numbers.mean:.6g}, standard error {numbers.standard_error:.2g}"
+        return f"<statistics of {self.quantity} over {numbers.values} cases{at}: {spread}>"
+
     def plain(self) -> dict[str, Any]:
-        """Quantity, fields and statistics for JSON; what is undefined is None."""
+        """Quantity, fields and statistics for JSON; what is undefined is None.
+
+        Returns:
+            The numbers by name, beside the quantity and the fields.
+
+        Examples:
+            >>> [group] = granchain.statistics(granchain.collect("swept"), "speed")
+            >>> list(group.plain())[:3]
+            ['quantity', 'values', 'undefined']
+        """
         numbers = {name: known(number) for name, number in asdict(self.statistics).items()}
         return {"quantity": self.quantity, **self.fields, **numbers}
 
@@ -55,6 +70,9 @@ def grouped(table: SweepTable, quantity: str, fields: Sequence[str]) -> list[Gro
         table: of a sweep; a case that is not done counts as undefined.
         quantity: a column of numbers.
         fields: varied fields; without any all cases are one group.
+
+    Returns:
+        A group for each combination of values of the fields, in the order of the table.
     """
     rows: dict[str, list[dict[str, Any]]] = {}
     for row in table.rows:
@@ -107,6 +125,9 @@ def drawn(table: SweepTable, groups: Sequence[Group], title: str = "") -> "Figur
         table: of the sweep.
         groups: of one quantity, one of which has a value.
         title: which cases these are, where the table holds not all.
+
+    Returns:
+        The figure, of matplotlib.
 
     Raises:
         InputError: the groups have more than two fields, one without numbers, or too many lines.

@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,18 +18,19 @@ from analysis.sharing.equipartition import runs_exact_waves
 from analysis.sharing.impulses import Impulses, from_events
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
-from analysis.tracking.leading_waves import Arrival, Waves
+from analysis.tracking.leading_waves import Arrival
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Trajectory, along_the_way, direction_of
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
+from workflow.engines.reference.energy_exchange import Accountant
 from workflow.formats import figure_files, in_any_format
 from workflow.runs.check import accountant
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import EVENTS, write_figure, write_json, write_text
 from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
-from workflow.verdicts.analysis_report import REPORT, WAVES, report, waves_csv
+from workflow.verdicts.analysis_report import REPORT, WAVES, WavesTable, report, waves_table
 from workflow.verdicts.findings import FINDINGS, energy
 from workflow.verdicts.findings.finding import Finding, Recorded
 from workflow.verdicts.pulse_table import pulse_table
@@ -45,11 +47,12 @@ LARGEST = 1e100
 
 @dataclass(frozen=True, repr=False)
 class Analysis:
-    """What was found in a run.
+    """Waves, pulses and energies of a run, as ``analysis.json`` and the tables hold them.
 
     Attributes:
-        survey: the waves, pulses, energies and the verdict, dimensionless.
-        conservation: energy, momentum, frames seen.
+        problem: what was run; ``problem.scale`` turns dimensionless numbers into the scene's units.
+        survey: waves, pulses, energies and the verdict, in units of V, T and L.
+        conservation: drifts of energy and momentum, number of frames.
         complete: whether the dump holds every frame that the scene asks for.
         tables: CSV files written.
         figures: files drawn.
@@ -69,20 +72,29 @@ class Analysis:
     altered: bool
     findings: dict[str, Finding]
 
-    @property
-    def waves(self) -> Waves:
-        """The leading pulse at every bead, dimensionless."""
-        return self.survey.waves
+    @cached_property
+    def waves(self) -> WavesTable:
+        """Leading wave of each chain at each bead: the table of ``waves.csv``, in the scene's units.
 
-    @property
-    def si(self) -> Waves:
-        """The leading pulse at every bead, in the scene's units."""
-        return self.waves.measured(self.problem.scale)
+        Dimensionless, in units of V and T, are ``survey.waves``.
+
+        Returns:
+            The table, [wave]; undefined numbers are NaN.
+
+        Examples:
+            >>> analysis = granchain.analyze("out")
+            >>> analysis.waves
+            <leading waves of 2 chains at 120 beads: 240 rows, reduced units>
+            >>> analysis.waves.arrival.shape
+            (240,)
+        """
+        return waves_table(self.survey)
 
     def __repr__(self) -> str:
         several = self.problem.chains > 1
-        what = self.survey.verdict.sentence if several else f"pulses tracked: {len(self.survey.pulses)}"
-        return f"<analysis of {self.problem.name}: {what}>"
+        count = len(self.survey.pulses)
+        pulses = "no pulse was tracked" if count == 0 else f"{count} pulse{'s were' if count > 1 else ' was'} tracked"
+        return f"<analysis of {self.problem.name}: {self.survey.verdict.sentence if several else pulses}>"
 
     def _repr_html_(self) -> str:
         drawn = ", ".join(path.name for path in self.figures)
@@ -109,11 +121,60 @@ def analyse(
         arrival: what counts as the arrival of a wave; by default the maximum where it is sharp, see
             `analysis.tracking.leading_waves.usual_arrival`.
 
+    Returns:
+        The analysis; its tables and figures are in the directory.
+
     Raises:
         InputError: no frames, frames that hold what is no number, or a bead that was not recorded.
     """
     problem, allowed = directory.problem, tolerances or Tolerances()
     shown = default_beads(problem) if beads is None else beads
+    _refuse_frames(directory, shown)
+    by_snapshots = problem.frames_per_snapshot is not None
+    exchange = accountant(directory, problem)
+    conservation, fingerprint = Conservation(), Fingerprint()
+    measures = _measures(recorded(directory))
+    spacetime, history = _pictures(problem, shown) if figures else (None, None)
+    of_frames = (history,) if by_snapshots else (history, spacetime)
+    results = survey(
+        lambda: _sane(directory, directory.blocks()),
+        problem,
+        watchers=[conservation, fingerprint, *measures, *(of_frames if figures else ())],
+        tolerances=allowed,
+        arrival=arrival,
+        counted=exchange.of,
+        impulses=_of_collisions(directory, problem),
+    )
+    of_all_beads = conservation
+    if by_snapshots:
+        of_all_beads, exchange = _read_snapshots(directory, fingerprint, spacetime)
+        spacetime = spacetime if of_all_beads.frames > 1 else None
+    _take_over(conservation, of_all_beads)
+    closed = energy.closed(directory, conservation, exchange)
+    every_finding = (*(measure.finish(results) for measure in measures), closed)
+    findings = {finding.key: finding for finding in every_finding if finding is not None}
+    pictures = (spacetime, history) if figures else None
+    tables, drawn = _write(directory, results, conservation, allowed, findings, pictures)
+    return Analysis(
+        problem=problem,
+        survey=results,
+        conservation=conservation,
+        complete=conservation.frames == problem.frames + 1,
+        tables=tables,
+        figures=drawn,
+        failure=directory.failure,
+        altered=directory.fingerprint not in ("", fingerprint.sha256()),
+        findings=findings,
+    )
+
+
+def _refuse_frames(directory: RunDirectory, shown: tuple[int, ...]) -> None:
+    """Refuse frames without a bead that is to be drawn, and those too far apart to find waves.
+
+    Raises:
+        InputError: naming the option or the directory.
+    """
+    problem = directory.problem
     for bead in shown:
         if bead not in problem.recorded_beads:
             raise InputError(f"--beads: bead {bead} is not among the recorded ones")
@@ -123,58 +184,42 @@ def analyse(
             f"{directory.path}: its frames are {every} apart, too far to find waves between them; "
             f"run it with output.every at most {limit}"
         )
-    exchange = accountant(directory, problem)
-    conservation, fingerprint = Conservation(), Fingerprint()
-    run = recorded(directory)
-    measures = [measure for kind in FINDINGS if (measure := kind.measure(run)) is not None]
-    watchers: list[Any] = [conservation, fingerprint, *measures]
-    spacetime = history = None
-    if figures:
-        from analysis.figures.spacetime import BeadHistory, SpaceTime  # matplotlib takes half a second to import
 
-        history = BeadHistory(problem, shown)
-        spacetime = SpaceTime(problem if problem.frames_per_snapshot is None else problem.snapshots())
-        watchers += [history] if problem.frames_per_snapshot is not None else [history, spacetime]
 
-    found = survey(
-        lambda: _sane(directory, directory.blocks()),
-        problem,
-        watchers=watchers,
-        tolerances=allowed,
-        arrival=arrival,
-        counted=exchange.of,
-        impulses=_of_collisions(directory, problem),
-    )
-    whole = conservation
-    if problem.frames_per_snapshot is not None:
-        exchange = accountant(directory, problem.snapshots())
-        whole = Conservation(exchange.of)
-        for block in _sane(directory, directory.snapshots()):
-            whole.add(block)
-            fingerprint.add(block)
-            if spacetime is not None:
-                spacetime.add(block)
-        spacetime = spacetime if whole.frames > 1 else None
-    changes = whole.frames > 1  # one frame alone has no drift
-    conservation.energy_drift = whole.energy_drift if changes else np.nan
-    conservation.momentum_drift = whole.momentum_drift if changes else np.nan
-    conservation.budget = whole.budget if changes else None
-    conservation.participation = whole.participation
-    findings = [measure.finish(found) for measure in measures]
-    findings.append(energy.closed(directory, conservation, exchange))
-    there = {one.key: one for one in findings if one is not None}
-    tables, drawn = _write(directory, found, conservation, allowed, there, (spacetime, history) if figures else None)
-    return Analysis(
-        problem=problem,
-        survey=found,
-        conservation=conservation,
-        complete=conservation.frames == problem.frames + 1,
-        tables=tables,
-        figures=drawn,
-        failure=directory.failure,
-        altered=directory.fingerprint not in ("", fingerprint.sha256()),
-        findings=there,
-    )
+def _measures(run: Recorded) -> list[Any]:
+    """Measures of all findings that there may be in a run."""
+    return [measure for kind in FINDINGS if (measure := kind.measure(run)) is not None]
+
+
+def _read_snapshots(
+    directory: RunDirectory, fingerprint: Fingerprint, spacetime: Any
+) -> tuple[Conservation, Accountant]:
+    """Conservation over the snapshots of a run, and what counted their exchange; shows them to other watchers, too."""
+    exchange = accountant(directory, directory.problem.snapshots())
+    conservation = Conservation(exchange.of)
+    for block in _sane(directory, directory.snapshots()):
+        conservation.add(block)
+        fingerprint.add(block)
+        if spacetime is not None:
+            spacetime.add(block)
+    return conservation, exchange
+
+
+def _pictures(problem: Problem, shown: tuple[int, ...]) -> tuple[Any, Any]:
+    """Watchers that collect what figures show: velocity in space and time, and of some beads."""
+    from analysis.figures.spacetime import BeadHistory, SpaceTime  # matplotlib takes half a second to import
+
+    spacetime = SpaceTime(problem if problem.frames_per_snapshot is None else problem.snapshots())
+    return spacetime, BeadHistory(problem, shown)
+
+
+def _take_over(conservation: Conservation, of_all_beads: Conservation) -> None:
+    """Set what follows from frames of all beads alone; one frame alone has no drift."""
+    changes = of_all_beads.frames > 1
+    conservation.energy_drift = of_all_beads.energy_drift if changes else np.nan
+    conservation.momentum_drift = of_all_beads.momentum_drift if changes else np.nan
+    conservation.budget = of_all_beads.budget if changes else None
+    conservation.participation = of_all_beads.participation
 
 
 def recorded(directory: RunDirectory) -> Recorded:
@@ -207,7 +252,7 @@ def _write(
 
     ``pictures`` of velocity in space and time, and of beads; without them nothing is drawn.
     """
-    tables = {WAVES: waves_csv(found)}
+    tables = {WAVES: waves_table(found).to_csv()}
     makers = {} if pictures is None else _makers(found, *pictures)
     for one in findings.values():
         if one.table is not None and (rows := one.rows()) is not None:

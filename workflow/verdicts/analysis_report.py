@@ -1,11 +1,14 @@
 """What an analysis writes of every scene: the keys of ``analysis.json``, and the table ``waves.csv``."""
 
+from dataclasses import replace
 from itertools import accumulate
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.conservation import Conservation
-from analysis.quantity import QuantityColumn, declare, derived, result, table, to_csv
+from analysis.quantity import QuantityColumn, declare, declared, derived, result, to_csv
 from analysis.shape.exact_wave import wave_of
 from analysis.sharing.equipartition import AGREEMENTS, CONVERGES, Estimate, resolved, runs_exact_waves
 from analysis.sharing.is_solitary import Character, Tolerances
@@ -16,17 +19,21 @@ from analysis.tracking.pulses import Pulse, Train, train_of
 from analysis.tracking.succession import Change
 from analysis.tracking.undisturbed import CLEAR, clear_of_others
 from analysis.trajectory import Floats, along_the_way, mirrored_bead
-from lammps_inputs import Problem, physics
+from lammps_inputs import Problem, html, physics
 from lammps_inputs.facts import Fact
+from lammps_inputs.units import DIMENSIONLESS, Scale
 
 WAVES = "waves.csv"
+
+SHOWN = 8
+"""Rows that a notebook shows."""
 
 TOO_COARSE = "frames are so far apart that its uncertainty exceeds a twentieth of the energy input"
 
 
 @result
 class WavesTable(Waves):
-    """The leading wave of each chain at each bead."""
+    """Leading wave of each chain at each bead that it reached: ``waves.csv``, sorted by chain, then bead."""
 
     lag: Floats = declare("arrival behind the wave of the kicked chain", "time", "either arrival is undefined")
     width: Floats = declare(
@@ -53,10 +60,110 @@ class WavesTable(Waves):
     wave_energy_error: Floats = declare(
         "uncertainty of ``wave_energy`` by the time between frames", "energy", "as ``wave_energy``"
     )
+    scale: Scale = DIMENSIONLESS  # of the numbers
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns in the order of ``waves.csv``; each is an attribute, an array [wave].
+
+        Returns:
+            The names; errors stand last.
+
+        Examples:
+            >>> waves = granchain.analyze("out").waves
+            >>> waves.columns[:5]
+            ['chain', 'bead', 'pulse', 'arrival', 'peak_velocity']
+            >>> waves.of_chain(2).at(60).peak_velocity.round(2)
+            array([0.36])
+        """
+        return sorted(declared(WavesTable), key=lambda name: name.endswith("_error"))
+
+    def __repr__(self) -> str:
+        chains, beads = (len(np.unique(numbers)) for numbers in (self.chain, self.bead))
+        units = "SI units" if self.scale.si else "reduced units"
+        several = "s" if chains > 1 else ""
+        return f"<leading waves of {chains} chain{several} at {beads} beads: {len(self)} rows, {units}>"
+
+    def _repr_html_(self) -> str:
+        rows = zip(*(getattr(self, name)[:SHOWN].tolist() for name in self.columns), strict=True)
+        title = repr(self)[1:-1] + (f"; the first {SHOWN} rows" if len(self) > SHOWN else "")
+        return html.table(title, [self.heading(name) for name in self.columns], rows)
+
+    def measured(self, scale: Scale) -> Self:
+        """Table of dimensionless waves in the units of a scene.
+
+        Args:
+            scale: units of the scene, of a `Problem`.
+
+        Returns:
+            The table, whose ``scale`` is that of the scene.
+
+        Examples:
+            >>> analysis = granchain.analyze("steel")
+            >>> f"{analysis.survey.waves.arrival[1]:.2f} T = {analysis.waves.arrival[1]:.2e} s"
+            '1.88 T = 2.77e-05 s'
+        """
+        return replace(super().measured(scale), scale=scale)
+
+    def heading(self, name: str) -> str:
+        """Heading of a column in ``waves.csv``: its name, with the unit where the scene is in SI units.
+
+        Args:
+            name: name of a column.
+
+        Returns:
+            The heading, such as ``arrival (s)``.
+
+        Examples:
+            >>> granchain.analyze("steel").waves.heading("arrival")
+            'arrival (s)'
+        """
+        return self.scale.heading(name, declared(WavesTable)[name][0].unit)
+
+    def array(self) -> NDArray[np.void]:
+        """Structured array, [wave], with a field for each column, in the units of this table.
+
+        Returns:
+            The array; integers are int64, other columns float64 with NaN where undefined.
+
+        Examples:
+            >>> granchain.analyze("out").waves.array().dtype.names[:3]
+            ('chain', 'bead', 'pulse')
+        """
+        columns = {name: getattr(self, name) for name in self.columns}
+        made = np.zeros(len(self), dtype=[(name, column.dtype) for name, column in columns.items()])
+        for name, column in columns.items():
+            made[name] = column
+        return made
+
+    def pandas(self) -> Any:
+        """Data frame of the table, with the headings of ``waves.csv``.
+
+        Returns:
+            A ``pandas.DataFrame``, a row for each wave.
+
+        Raises:
+            ImportError: pandas is not installed; `array` needs nothing.
+        """
+        import pandas as pd
+
+        return pd.DataFrame(self.array()).rename(columns={name: self.heading(name) for name in self.columns})
+
+    def to_csv(self) -> str:
+        """Text of ``waves.csv``; numbers read back exactly, and an undefined number is empty.
+
+        Returns:
+            The text.
+
+        Examples:
+            >>> granchain.analyze("out").waves.to_csv().splitlines()[0][:16]
+            'chain,bead,pulse'
+        """
+        return to_csv({self.heading(name): getattr(self, name) for name in self.columns})
 
 
-def waves_csv(found: Survey) -> str:
-    """The contents of ``waves.csv``, in the scene's units; errors stand last."""
+def waves_table(found: Survey) -> WavesTable:
+    """Leading waves of a run with all their columns, in the scene's units."""
     chain_energy, wave_energy, chain_error, wave_error = _energies(found)
     shape = found.shape
     made = WavesTable(
@@ -69,10 +176,7 @@ def waves_csv(found: Survey) -> str:
         chain_energy_error=chain_error,
         wave_energy_error=wave_error,
     )
-    columns = table(made, found.problem.scale)
-    for heading in [heading for heading in columns if "_error" in heading]:
-        columns[heading] = columns.pop(heading)
-    return to_csv(columns)
+    return made.measured(found.problem.scale)
 
 
 def _lag(found: Survey) -> Floats:

@@ -161,7 +161,7 @@ def _reason_against(trajectory: Trajectory, reference: Trajectory) -> str:
     """Why the forces on the beads do not follow from the frames; empty if they do."""
     if not trajectory.problem.forces_known:
         return "forces of contacts that yield depend on their past"
-    if trajectory.problem.system.inner_mass is not None and (trajectory.inner is None or reference.inner is None):
+    if not (trajectory.complete and reference.complete):
         return "the motion of the resonators is not recorded"
     if trajectory.frames < LEAST_FRAMES:
         return f"there are {trajectory.frames} frames, of {LEAST_FRAMES} that are needed"

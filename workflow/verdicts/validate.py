@@ -99,15 +99,48 @@ class Validation:
 
     @property
     def complete(self) -> bool:
-        """Whether every frame is there that the scene, or both scenes, ask for."""
+        """Whether every frame is there that the scene, or both scenes, ask for.
+
+        Returns:
+            Whether the run was not cut short.
+
+        Examples:
+            >>> comparison = granchain.validate("out")
+            >>> comparison.complete
+            True
+        """
         return self.frames == self.problem.frames + 1
 
     def exceeded(self, quantity: str) -> bool:
-        """Whether a quantity is further off than its tolerance (NaN is)."""
+        """Whether a quantity is further off than its tolerance (NaN is).
+
+        Args:
+            quantity: name of a quantity in ``deviations``.
+
+        Returns:
+            Whether the largest difference is above the tolerance.
+
+        Examples:
+            >>> comparison = granchain.validate("out")
+            >>> comparison.exceeded("velocity")
+            False
+        """
         return not self.deviations[quantity].largest <= self.tolerances[quantity]
 
     def verdict(self, quantity: str) -> str:
-        """Whether a quantity is within its tolerance, in a word; empty where the tolerance is infinite."""
+        """Whether a quantity is within its tolerance, in a word; empty where the tolerance is infinite.
+
+        Args:
+            quantity: name of a quantity in ``deviations``.
+
+        Returns:
+            "ok", "EXCEEDED", or nothing.
+
+        Examples:
+            >>> comparison = granchain.validate("out")
+            >>> comparison.verdict("velocity")
+            'ok'
+        """
         if self.exceeded(quantity):
             return "EXCEEDED"
         return "ok" if math.isfinite(self.tolerances[quantity]) else ""
@@ -117,6 +150,14 @@ class Validation:
         """Whether the run is complete and within the tolerances, and the uncertainty of the reference suffices.
 
         A run that is bitwise another one need not be within them.
+
+        Returns:
+            Whether the run passes.
+
+        Examples:
+            >>> comparison = granchain.validate("out")
+            >>> comparison.passed
+            True
         """
         if self.runs is not None and self.runs.identical:
             return self.complete
@@ -152,6 +193,14 @@ class Validation:
         | reference           | the uncertainty; null against a file                                         |
         | interpolation_error | bounds for [displacement, velocity]; null if nothing was interpolated        |
         | runs                | `RunDifference`; null where the run was not compared with another one         |
+
+        Returns:
+            The contents, of mappings, lists, numbers and text.
+
+        Examples:
+            >>> comparison = granchain.validate("out")
+            >>> comparison.plain()["passed"]
+            True
         """
         return {
             "passed": self.passed,
@@ -180,6 +229,9 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     Args:
         directory: the run.
         tolerances: quantity -> largest difference let pass, in place of the one in `TOLERANCES`.
+
+    Returns:
+        The comparison, also written to ``validation.json``.
 
     Raises:
         InputError: the run has no frames, or not those that its scene asks for.

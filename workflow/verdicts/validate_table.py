@@ -14,7 +14,7 @@ from analysis.files.table import TrajectoryTable
 from analysis.files.traces import Channel
 from analysis.gauges.gauge import beads_of, complaint, read_at
 from analysis.trajectory import Floats, Trajectory, joined
-from lammps_inputs import InputError, Problem
+from lammps_inputs import InputError, Problem, physics
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.diagnose import Diagnosis, diagnose
 from workflow.verdicts.validate import TOLERANCES, Validation, any_exceeded, blocks, error_figure, limits_of, write
@@ -187,8 +187,8 @@ def as_trajectory(loaded: TrajectoryTable, problem: Problem, *, dimensionless: b
         if column is not None:
             full[:, loaded.chains - 1] = column / unit
         values.append(full)
-    # a table holds no atoms that are no beads
-    everything = problem.system.inner_mass is None and len(loaded.beads) == problem.beads
+    # a table holds the chains alone
+    everything = physics.lines(problem.system) == problem.chains and len(loaded.beads) == problem.beads
     everything = everything and not np.isnan(values).any()
     recorded = None if everything else tuple(int(bead) for bead in loaded.beads)
     displacement, velocity = values

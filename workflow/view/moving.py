@@ -156,7 +156,7 @@ def _slider(part: Thinned, unit: AxisUnit) -> Slider:
 def _springs(problem: Problem, part: Thinned) -> list[list[int]]:
     """Pairs of the chains shown, counted from 0 in their order, between which there are springs."""
     rows = {chain - 1: k for k, chain in enumerate(part.chains)}
-    edges = (edge for link in problem.system.across for edge in link.edges)
+    edges = (edge for link in problem.system.couplings for edge in link.edges)
     return [[rows[first], rows[second]] for first, second in edges if first in rows and second in rows]
 
 

@@ -54,10 +54,10 @@ def between(every):
 def test_resonators_are_at_the_same_times_as_beads():
     both = problem(chains=1, beads=2, timestep=0.1, steps_per_frame=1, frames=40)
     run = written_down(both, oscillating(2.0, 0.3))
-    run = replace(run, inner=np.stack([run.displacement, run.velocity], axis=1))
+    run = replace(run, further_lines=np.stack([run.displacement, run.velocity], axis=1))
     found = at_times(run, between(0.1))
-    np.testing.assert_array_equal(found.inner[:, 0], found.displacement)
-    np.testing.assert_array_equal(found.inner[:, 1], found.velocity)
+    np.testing.assert_array_equal(found.further_lines[:, 0], found.displacement)
+    np.testing.assert_array_equal(found.further_lines[:, 1], found.velocity)
 
 
 def test_a_polynomial_of_degree_seven_is_found_exactly():

@@ -34,9 +34,9 @@ def test_a_resonator_that_moves_at_the_start_is_named():
     keys = {"beads": 4, "kick": {"velocity": 1.0}, "duration": 1.0, "resonators": {"mass": 0.3, "stiffness": 0.2}}
     run = engine.run(of_keys(**keys))
     assert start.differences(run) == []
-    inner = np.array(run.inner)
-    inner[0, 1, 0, 2] = 0.5
-    (text,) = start.differences(replace(run, inner=inner))
+    further = np.array(run.further_lines)
+    further[0, 1, 0, 2] = 0.5
+    (text,) = start.differences(replace(run, further_lines=further))
     assert text == "the resonator at bead 3 of chain 1 starts with velocity 0.5 instead of 0"
 
 

@@ -18,7 +18,6 @@ from lammps_inputs import find, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.laws.spring import Varying
 from lammps_inputs.limits import rates
-from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.errors import RunError
 from workflow.runs.run import run
@@ -59,17 +58,6 @@ def test_analysis_says_where_the_energy_is_in_place_of_a_verdict(directory, draw
 
 MODULATED = {"stiffness": 0.3, "modulation": {"depth": 0.5, "frequency": 0.1}}
 CROSSING = [{"from": 0.6, "to": 1.4, "times": [1.37, 7.63]}, {"from": 1.4, "to": 0.6, "times": [1.37, 7.63]}]
-
-
-@pytest.mark.slow
-def test_growth_and_tunnelling_have_the_numbers_that_were_found_independently(tmp_path):
-    """Floquet's exponent, the chain of 60 beads, and the share of the action, by LAMMPS and the reference."""
-    assert main(["gallery", "parametric", "landau-zener", "-o", str(tmp_path), "--quiet"]) == 0
-    page = (tmp_path / "index.html").read_text()
-    assert "reference 0.02499268" in page
-    assert "LAMMPS 0.668106, reference 0.668106" in page
-    assert "reference 0.536736" in page
-    assert "reference 0.555905" in page
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from analysis.gauges.gauge import at_frames, gauges
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import laws, library, materials, physics, references
 from lammps_inputs.decks import deck
-from lammps_inputs.laws.plastic import Thornton, restitution_of
+from lammps_inputs.laws.plastic import LargestOverlap, Thornton, WaltonBraun, restitution_of
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
 from workflow.runs.run import run
@@ -73,10 +74,10 @@ def test_walton_and_braun_s_restitution_is_the_same_at_every_velocity():
 def test_forces_and_loss_along_a_chain_are_those_of_an_independent_program():
     problem = plastic(beads=80, duration=140.0).problem()
     trajectory, seen = engine.run(problem), Conservation()
-    law = problem.system.along[0].law._replace(memory=0.0)
-    largest = laws.force(law, trajectory.memory[-1, 0])
+    law = laws.at_state(problem.system.along[0].law, 0.0)
+    largest = laws.force(law, trajectory.contact_state[-1, 0])
     assert largest[[1, 10, 50]] == pytest.approx([0.492414, 0.140577, 0.054380], abs=6e-7)
-    assert physics.lost_by_yielding(trajectory.system)[-1] == pytest.approx(0.475548, abs=6e-7)
+    assert physics.dissipated_by_contacts(trajectory.system)[-1] == pytest.approx(0.475548, abs=6e-7)
     seen.add(trajectory)
     assert seen.energy_drift < 3e-8
     assert seen.momentum_drift < 1e-13
@@ -124,7 +125,7 @@ def test_a_named_metal_yields_at_the_strength_of_the_catalogue_only_where_the_sc
     assert found.system == same.system
     assert found.kinds["a"].yield_strength == 276e6
     assert references.of_scene(found)["yield strength"] == ["thornton1997", materials.YIELD_SOURCE]
-    assert not laws.remembers(plastic(None, material=named).system.along[0].law)
+    assert not laws.has_state(plastic(None, material=named).system.along[0].law)
 
 
 def test_the_softer_of_two_beads_yields():
@@ -140,12 +141,42 @@ COLLISION = {"beads": 3, "kick": {"velocity": 1.0}, "duration": 30.0}
 def test_an_elastic_limit_is_hertz_s_law_bit_for_bit():
     one, other = (engine.run(plastic(contact, beads=20).problem()) for contact in ({"yield": {"overlap": 5.0}}, None))
     np.testing.assert_array_equal(one.velocity, other.velocity)
-    assert not np.any(physics.lost_by_yielding(one.system))
+    assert not np.any(physics.dissipated_by_contacts(one.system))
 
 
-def test_a_static_load_beyond_yield_is_the_memory_at_the_start():
+class Undeclared(NamedTuple):
+    """A law that changes a parameter which it does not declare as the state of contacts."""
+
+    strength: float = 1.0
+    largest: float = 0.0
+
+    next_state = WaltonBraun.next_state
+
+
+def test_a_law_that_changes_a_state_which_it_does_not_declare_is_refused():
+    with pytest.raises(ValueError, match=r"Undeclared has a function `next_state`; it needs a parameter declared as"):
+        laws.refuse_incomplete(Undeclared())
+
+
+class Softened(NamedTuple):
+    """A law whose state is not its second parameter, and has another name."""
+
+    softness: LargestOverlap = 0.0
+    strength: float = 1.0
+
+    next_state, permanent, dissipated = (None,) * 3
+
+
+def test_the_state_of_a_law_is_the_parameter_that_declares_it_whatever_its_name_and_place():
+    law = laws.at_state(Softened(), 0.5)
+    assert law == Softened(softness=0.5)
+    assert laws.state_name(law) == "softness"
+    assert laws.turning_overlap(law) == 0.5
+
+
+def test_a_static_load_beyond_yield_is_the_state_at_the_start():
     law = plastic(precompression={"force": 0.3}, beads=4).system.along[0].law
-    assert law.memory == law.rest
+    assert laws.contact_state(law) == law.rest
     bare = Thornton(1.0, law.onset)
     assert laws.force(bare, law.rest) == pytest.approx(0.3, rel=1e-4)
     assert laws.force(law, 0.0) == 0.0
@@ -156,8 +187,8 @@ def test_a_bound_of_the_strain_holds_the_energy_of_first_loading():
         law = plastic(precompression={"force": load} if load else None, beads=4).system.along[0].law
         for energy in (1e-5, 1e-3, 0.5):
             s = laws.max_strain(law, energy)
-            there = law._replace(memory=law.rest + s)
-            held = laws.energy(there, s) + there.lost(*there)
+            there = laws.at_state(law, law.rest + s)
+            held = laws.energy(there, s) + there.dissipated(*there)
             assert held == pytest.approx(energy, rel=1e-9) or held > energy
 
 
@@ -207,7 +238,7 @@ def test_lammps_is_the_reference_with_its_scheme_to_rounding(name, tmp_path):
     problem = done.directory.problem
     same = engine.run(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
     np.testing.assert_allclose(done.trajectory.velocity, same.velocity, rtol=0.0, atol=1e-11)
-    np.testing.assert_allclose(done.trajectory.memory, same.memory, rtol=0.0, atol=1e-11)
+    np.testing.assert_allclose(done.trajectory.contact_state, same.contact_state, rtol=0.0, atol=1e-11)
     assert done.check.velocity < 2e-3
     if physics.loaded(problem.system):  # no motion before the pulse comes
         assert not np.any(done.trajectory.displacement[:3, :, -1])
@@ -230,7 +261,7 @@ def test_the_budget_closes_beside_other_ingredients(name, changes):
 
 def test_lammps_finds_the_forces_along_a_chain(tmp_path):
     case = plastic(beads=20, duration=30.0)
-    lost = physics.lost_by_yielding(engine.run(case.problem()).system)[-1]
+    lost = physics.dissipated_by_contacts(engine.run(case.problem()).system)[-1]
     done = run(case, tmp_path / "run")
     assert done.check.velocity < 2.5e-5
     found = analyse(done.directory, figures=False)
@@ -249,7 +280,7 @@ def test_errors_of_lammps_fall_as_the_square_of_the_step_on_average():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_an_interrupted_run_goes_on_bit_for_bit_in_places_velocities_and_memories(name, tmp_path):
+def test_an_interrupted_run_goes_on_bit_for_bit_in_places_velocities_and_states_of_contacts(name, tmp_path):
     case = in_lammps(name, duration=20.0)
     assert "v_memory" in deck.columns(case.problem())
     goes_on_bit_for_bit(case, tmp_path, after=500)

@@ -1,6 +1,7 @@
 """Resonators: peaks, bands and decay in a gap against independent programs; what their deck and data file hold."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -59,6 +60,22 @@ def test_the_bound_of_the_step_holds_the_frequency_of_a_bead_and_its_resonator()
     assert own - plain == pytest.approx(1.0 * (1.0 + 1.0 / 0.1), rel=1e-12)
 
 
+def test_lines_of_resonators_count_on_from_the_chains_and_their_ties_come_after_the_couplings():
+    system = small([{**LIGHT, "rows": [3, 4]}, HEAVY], chains=2, coupling={"stiffness": 0.1}).system
+    assert physics.lines(system) == 6
+    assert system.across == (*system.couplings, *system.ties)
+    assert [link.edges for link in system.across] == [((0, 1),), ((0, 2), (1, 3)), ((0, 4), (1, 5))]
+    np.testing.assert_array_equal(physics.masses(system)[:, 2], [1.0, 1.0, 0.1, 0.1, 0.5, 0.5])
+    np.testing.assert_array_equal(physics.masses(system)[:, 5], [1.0, 1.0, 0.0, 0.0, 0.5, 0.5])
+    np.testing.assert_array_equal(physics.masses(system, absent=np.inf)[2:4, 5], np.inf)
+
+
+def test_frames_are_complete_where_they_hold_the_lines_of_resonators():
+    trajectory = engine.run(small(duration=1.0).problem())
+    assert trajectory.complete
+    assert not replace(trajectory, further_lines=None).complete
+
+
 def test_resonators_are_small_atoms_of_their_own_type_after_the_beads():
     problem = small([{**LIGHT, "rows": [3, 4]}, {**HEAVY, "rows": [4, 5]}], chains=2).problem()
     lines = deck.render_data(problem).partition("Atoms # hybrid sphere bond\n\n")[2].partition("\n\n")[0].splitlines()
@@ -78,11 +95,11 @@ def test_frames_hold_the_resonators_and_tables_of_beads_do_not(tmp_path, lammps_
     done = run(case, tmp_path / "run", check=False)
     found, exact = done.trajectory, engine.run(case.problem())
     assert found.velocity.shape == (101, 1, 12)
-    np.testing.assert_allclose(found.inner, exact.inner, rtol=0.0, atol=2e-4)
+    np.testing.assert_allclose(found.further_lines, exact.further_lines, rtol=0.0, atol=2e-4)
     seen = universe(done.directory.problem, [done.directory.dump])
     assert seen.segments.segids.tolist() == ["C1", "R1", "R2"]
     velocity = seen.trajectory[-1].data["velocity"]
-    np.testing.assert_array_equal(velocity[12:], found.inner[-1, 1].ravel()[[2, 3, 15, 16]])
+    np.testing.assert_array_equal(velocity[12:], found.further_lines[-1, 1].ravel()[[2, 3, 15, 16]])
     assert recording.all_ids(case.problem()).tolist() == [*range(1, 13), 15, 16, 28, 29]
     shares = analyse(done.directory, figures=False).conservation.budget.result()
     assert shares.in_resonators == pytest.approx(shares.resonators[-1] / 0.5)
@@ -104,7 +121,7 @@ def test_resonators_do_not_touch_where_the_contacts_are_a_formula_of_the_distanc
 
 def test_beads_alone_do_not_give_the_energy():
     trajectory = engine.run(small(output={"every": 0.1, "beads": [2, 3]}).problem())
-    assert trajectory.inner is None
+    assert trajectory.further_lines is None
     seen = Conservation()
     seen.add(trajectory)
     assert math.isnan(seen.energy_drift)

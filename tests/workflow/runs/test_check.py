@@ -138,8 +138,8 @@ def test_its_velocity_error_is_also_that_of_resonators(light_resonators):
     (of_beads, of_resonators) = (
         np.max(np.abs(own - right))
         for own, right in zip(
-            (directory.trajectory.velocity, directory.trajectory.inner[:, 1]),
-            (exact.velocity, exact.inner[:, 1]),
+            (directory.trajectory.velocity, directory.trajectory.further_lines[:, 1]),
+            (exact.velocity, exact.further_lines[:, 1]),
             strict=True,
         )
     )

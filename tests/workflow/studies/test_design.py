@@ -10,8 +10,8 @@ import jsonschema
 import numpy as np
 import pytest
 
+import granchain
 from lammps_inputs import library, physics, strict_yaml
-from workflow import api
 from workflow.cli import main
 from workflow.runs.run import run
 from workflow.studies.design import file
@@ -88,7 +88,7 @@ def test_where_designs_can_be_counted_all_are_computed_and_the_table_begins_with
 @pytest.mark.slow
 def test_from_python_the_same_design_is_found_again_and_shows_itself(found, monkeypatch):
     monkeypatch.setattr("workflow.studies.design.report.page", lambda _: (found / "index.html").read_text())
-    again = api.design(SMALL, str(found), jobs=1)
+    again = granchain.design(SMALL, str(found), jobs=1)
     best = json.loads((found / "design.json").read_text())["quantities"]["wall_force"]
     assert again.best.quantities["wall_force"] == best
     assert repr(again) == f"<design: least wall_force of 28: {best:.6g}>"

@@ -29,9 +29,12 @@ SHORT = changed(BASE, beads=8, duration=5.0)
 REFUSED = ReportRun("gap", "1e9", changed(SHORT, gap=1e9))
 
 
+CELLS = grid()
+
+
 def named(axis, value):
     """A cell of the grid."""
-    (found,) = (cell for cell in grid() if (cell.axis, cell.value) == (axis, value))
+    (found,) = (cell for cell in CELLS if (cell.axis, cell.value) == (axis, value))
     return found
 
 
@@ -227,14 +230,14 @@ def test_an_automatic_window_takes_in_kicks_that_are_far_apart():
 
 
 def test_no_two_cells_share_a_name():
-    names = [(cell.axis, cell.value) for cell in grid()]
+    names = [(cell.axis, cell.value) for cell in CELLS]
     assert len(set(names)) == len(names)
 
 
 def test_the_quick_report_has_cells_of_every_axis_and_leaves_the_long_ones_out():
-    quick = [cell for cell in grid() if study.cost(cell) <= study.QUICK]
-    assert {cell.axis for cell in quick} == {cell.axis for cell in grid()}
-    assert len(quick) < len(grid())
+    quick = [cell for cell in CELLS if study.cost(cell) <= study.QUICK]
+    assert {cell.axis for cell in quick} == {cell.axis for cell in CELLS}
+    assert len(quick) < len(CELLS)
 
 
 def test_parts_are_chosen_by_name():

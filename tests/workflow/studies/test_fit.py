@@ -9,8 +9,8 @@ import measured
 import numpy as np
 import pytest
 
+import granchain
 from lammps_inputs import library, strict_yaml
-from workflow import api
 from workflow.cli import main
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.fit import estimate, goodness, study
@@ -82,7 +82,7 @@ def test_intervals_hold_the_truth_and_fits_are_rejected_as_often_as_stated(tmp_p
     for seed in range(seeds):
         data = measured.table(tmp_path / "data.csv", seed=seed)
         wrong = measured.scene(modulus=1.15, coupling=0.7, kick=0.9)
-        result = api.fit(wrong, data, list(measured.TRUTH), str(tmp_path / "o"), lammps=False)
+        result = granchain.fit(wrong, data, list(measured.TRUTH), str(tmp_path / "o"), lammps=False)
         if result.fits:
             inside += [
                 result.free[name].low <= value <= result.free[name].high for name, value in measured.TRUTH.items()
@@ -289,5 +289,5 @@ def test_a_table_in_units_is_of_no_scene_without(tmp_path):
     data = tmp_path / "data.csv"
     data.write_text("time (us),velocity_1_3 (m/s)\n0,0\n1,0.1\n2,0\n")
     reduced = {"name": "a", "beads": 30, "kick": {"velocity": 1.0}, "duration": 20.0}
-    with pytest.raises(api.InputError, match="is in reduced units"):
-        api.fit(reduced, data, "kick.velocity", tmp_path / "out")
+    with pytest.raises(granchain.InputError, match="is in reduced units"):
+        granchain.fit(reduced, data, "kick.velocity", tmp_path / "out")

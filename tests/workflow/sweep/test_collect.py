@@ -13,11 +13,11 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from refusals import refusal
 
+import granchain
 from analysis.dispersion import cell_of
 from analysis.figures.studies import MOST_LINES, Sought, StudyAxis, logarithmic, map_figure, swept_figure
 from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.units import Label
-from workflow import api
 from workflow.cli import main
 from workflow.commands.collect import cell
 from workflow.runs.run_directory import RunDirectory
@@ -510,7 +510,7 @@ def test_the_example_of_the_readme_is_a_sweep_across_the_cut_off(example):
 @pytest.mark.parametrize("frequency", [0.4, 0.45, 0.5])
 def test_the_example_of_the_readme_finds_what_it_says(frequency, example, tmp_path):
     scene = fields.put(example.scene, fields.parse("drive.frequency"), frequency)
-    api.analyse(api.run(scene, tmp_path / "run", engine="reference", check=False))
+    granchain.analyze(granchain.run(scene, tmp_path / "run", engine="reference", check=False))
     report = json.loads((tmp_path / "run" / "analysis.json").read_text())
     ((_, cut_off),) = report["spectra"]["bands"]
     exact = np.exp(-20.0 * np.arccosh(frequency / cut_off))

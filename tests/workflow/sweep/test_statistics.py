@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from sweeps import sweep, sweep_file
 
+import granchain
 from analysis.statistics import statistics
 from lammps_inputs import InputError, library
 from lammps_inputs.units import Label
-from workflow import api
 from workflow.cli import main
 from workflow.study_kit.scene_quantities import by_reference, mass_of
 from workflow.sweep import statistics as grouping
@@ -146,8 +146,8 @@ def test_the_command_writes_and_prints_statistics_of_quantities_also_at_a_bead(s
     assert [(row["quantity"], row["disorder.mass"], row["values"]) for row in rows] == [
         (name, mass, "3") for name in ("peak_velocity@10", "participation") for mass in ("0.1", "0.2")
     ]
-    found = api.collect(seeds, ["peak_velocity@10"])
-    assert [group.statistics.mean for group in api.statistics(found, "peak_velocity@10")] == [
+    found = granchain.collect(seeds, ["peak_velocity@10"])
+    assert [group.statistics.mean for group in granchain.statistics(found, "peak_velocity@10")] == [
         float(row["mean"]) for row in rows[:2]
     ]
 
@@ -186,8 +186,8 @@ def test_quantities_at_a_bead_without_a_run_directory_are_those_that_collect_rea
     scene = {**SHORT, "kick": kick, "disorder": {**SHORT["disorder"], "seed": 5}}
     names = ("peak_velocity@10", "speed@10", "participation")
     (tmp_path / "s").mkdir()
-    api.analyse(api.run(scene, tmp_path / "s" / "run", engine="reference"))
-    (row,) = api.collect(tmp_path / "s", names[:2]).rows
+    granchain.analyze(granchain.run(scene, tmp_path / "s" / "run", engine="reference"))
+    (row,) = granchain.collect(tmp_path / "s", names[:2]).rows
     assert by_reference(scene, names, "test") == pytest.approx({name: row[name] for name in names}, rel=1e-12)
 
 

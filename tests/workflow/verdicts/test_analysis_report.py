@@ -19,7 +19,7 @@ from analysis.trajectory import blocks
 from lammps_inputs.units import make_scale
 from workflow.engines.reference import engine
 from workflow.verdicts import analysis_report
-from workflow.verdicts.analysis_report import ChainSummary, waves_csv
+from workflow.verdicts.analysis_report import ChainSummary, waves_table
 
 
 def test_a_train_is_told_in_the_scenes_units():
@@ -178,7 +178,9 @@ def test_each_wave_has_its_own_lag_and_energies(direction):
             wave_error=np.array([[6.5e-3, 2.5e-3], [5.5e-3, 3.5e-3]]),
         ),
     )
-    lines = {(int(one["chain"]), int(one["bead"])): one for one in csv.DictReader(io.StringIO(waves_csv(found)))}
+    lines = {
+        (int(one["chain"]), int(one["bead"])): one for one in csv.DictReader(io.StringIO(waves_table(found).to_csv()))
+    }
     for place, at in enumerate((2, 3) if direction > 0 else (9, 8)):
         for chain, late in ((1, (0.5, 0.25)[place]), (2, 0.0)):
             one = lines[chain, at]

@@ -7,12 +7,11 @@ from pathlib import Path
 import pytest
 
 from analysis.shape.exact_wave import solitary_wave
-from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState, expected_n_star
+from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState
 from analysis.tracking.undisturbed import APART
 from lammps_inputs import handbook, physics
 from lammps_inputs.window import LEAST_WINDOW
 from workflow.prepare.extent import SAME, WIDEST
-from workflow.studies.gallery.equipartition_distance import DECAY_LENGTH
 from workflow.verdicts import analyse, terms, validate
 
 ROOT = Path(__file__).parents[3]
@@ -38,7 +37,6 @@ def test_rounded_numbers_of_the_code_are_those_of_the_exact_wave():
     wave = solitary_wave()
     duration = wave.width / float(wave.speed_at(SINGLE_CHAIN))
     assert pytest.approx(math.pi / duration, abs=5e-3) == physics.PULSE_RATE
-    assert pytest.approx(expected_n_star(1.0), abs=5e-4) == DECAY_LENGTH
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ import wrong_runs
 from refusals import refusal, tree
 from stock_lammps import scene
 
+import granchain
 from lammps_inputs import Kick, Output, file_names, strict_yaml
-from workflow import api
 from workflow.cli import main
 from workflow.runs.files import RECORD
 from workflow.runs.run import run
@@ -192,8 +192,8 @@ def test_runs_without_run_json_are_compared_but_for_their_versions(first, tmp_pa
 
 
 def test_from_python_a_run_is_compared_with_a_run_or_its_directory(first, finer):
-    by_path = api.validate(finer, against=first.path)
-    assert by_path.deviations == api.validate(str(finer.path), against=first).deviations
+    by_path = granchain.validate(finer, against=first.path)
+    assert by_path.deviations == granchain.validate(str(finer.path), against=first).deviations
     assert by_path.runs is not None
     assert not by_path.runs.identical
 

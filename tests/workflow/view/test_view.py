@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from refusals import refusal
 
+import granchain
 from analysis import motion
 from analysis.figures.spacetime import STILL, largest_afar
-from workflow import api
 from workflow.cli import main
 from workflow.runs.run_directory import RunDirectory
 from workflow.study_kit.page import HOLDS, Section, Statement, render
@@ -77,7 +77,7 @@ LABELS = """() => {
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
-    return api.run(SCENE, tmp_path_factory.mktemp("view") / "run", engine="reference")
+    return granchain.run(SCENE, tmp_path_factory.mktemp("view") / "run", engine="reference")
 
 
 @pytest.fixture(scope="module")
@@ -143,7 +143,7 @@ RIGID = (GAPPED, "collisions", ("computed by the engine of rigid beads, granchai
 def test_a_page_says_which_engine_computed_the_run_and_states_the_verdict_as_it_is(
     scene, engine, sentences, cites_lammps, tmp_path
 ):
-    run = api.run(scene, tmp_path / "run", engine=engine, check=False)
+    run = granchain.run(scene, tmp_path / "run", engine=engine, check=False)
     text = run.view().path.read_text()
     for sentence in sentences:
         assert sentence in text
@@ -206,7 +206,7 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
 
 @pytest.mark.slow
 def test_the_page_of_many_chains_and_few_beads_answers_clicks_and_keys(tmp_path, look):
-    ran = api.run(FEW, tmp_path / "run", engine="reference", check=False)
+    ran = granchain.run(FEW, tmp_path / "run", engine="reference", check=False)
     frames, chains = ran.trajectory, (1, 2, 3, 4, 5, 6, 7, 9, 12)
     page = look(ran.view().path)
     top, late = "chain 12", 0.5e3 * float(frames.measured().time[-1])
@@ -307,7 +307,7 @@ def test_a_page_of_statements_fits_a_narrow_screen(tmp_path, browser):
 @pytest.mark.usefixtures("pool_here")
 def test_the_page_of_a_sweep_draws_any_column_over_any_other(tmp_path, look):
     what = {"scene": SCENE, "vary": {"coupling.stiffness": [0.01, 0.1, 1.0]}, "engine": "reference"}
-    table = api.sweep(what, tmp_path / "swept", jobs=1, check=False)
+    table = granchain.sweep(what, tmp_path / "swept", jobs=1, check=False)
     assert main(["view", str(tmp_path / "swept"), "--no-open", "--quiet"]) == 0
     page = look(tmp_path / "swept" / "view.html")
     assert "References" in page.locator("footer.provenance").inner_text()

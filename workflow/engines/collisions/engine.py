@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import Problem, physics
-from workflow.compiled import ieee, ieee_inner
+from workflow.compiled import ieee, ieee_called_by_compiled
 from workflow.engines.collisions.modes import Modes, advance, make_modes
 from workflow.engines.collisions.roots import CONTACT, NEVER, PairDistance, first_contact
 
@@ -125,7 +125,7 @@ def make_state(rows: Rows, modes: Modes) -> CollisionState:
     )
 
 
-@ieee_inner
+@ieee_called_by_compiled
 def evolve(rows: Rows, pair: int, time: float, modes: Modes, near: Floats) -> None:
     """Write displacements and velocities of a pair of rows at a time into ``near``, [x and v, row of the pair, chain].
 
@@ -136,7 +136,7 @@ def evolve(rows: Rows, pair: int, time: float, modes: Modes, near: Floats) -> No
         advance(rows.x, rows.v, row, time - rows.time[row], modes, near, side)
 
 
-@ieee_inner
+@ieee_called_by_compiled
 def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> None:
     """Set a pair of rows to ``near``, [x and v, row of the pair, chain], and exchange the velocities of one chain."""
     for side in range(2):
@@ -146,7 +146,7 @@ def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> Non
     rows.v[pair, chain], rows.v[pair + 1, chain] = near[1, 1, chain], near[1, 0, chain]
 
 
-@ieee_inner
+@ieee_called_by_compiled
 def predict(state: CollisionState, pair: int, now: float, modes: Modes, gap: float, end: float) -> None:
     """Put the next contact of a pair of rows into the queue."""
     near, relative, waves = state.near, state.relative, state.waves

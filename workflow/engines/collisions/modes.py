@@ -19,7 +19,7 @@ import numpy as np
 
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, physics
-from workflow.compiled import ieee_inner
+from workflow.compiled import ieee_called_by_compiled
 
 
 class Modes(NamedTuple):
@@ -43,7 +43,7 @@ def make_modes(chains: int, kappa: float) -> Modes:
     return Modes(omega, shape, 1.0 / (shape**2).sum(axis=1))
 
 
-@ieee_inner
+@ieee_called_by_compiled
 def advance(x: Floats, v: Floats, row: int, elapsed: float, modes: Modes, later: Floats, side: int) -> None:
     """Write the motion of one row after a time without collisions into ``later[:, side]``.
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from analysis.trajectory import Floats
-from workflow.compiled import ieee, ieee_inner
+from workflow.compiled import ieee, ieee_called_by_compiled
 
 EPS = float(np.finfo(np.float64).eps)
 
@@ -46,7 +46,7 @@ class PairDistance(NamedTuple):
     """frequencies of the oscillating terms, [mode]"""
 
 
-@ieee_inner
+@ieee_called_by_compiled
 def advance_to(g: float, slope: float, bend: float) -> float:
     """The first positive root of ``g + slope s - bend s**2 / 2`` for g, bend >= 0; inf if there is none."""
     root = math.sqrt(slope * slope + 2.0 * bend * g)
@@ -55,7 +55,7 @@ def advance_to(g: float, slope: float, bend: float) -> float:
     return (slope + root) / bend if bend > 0.0 else math.inf
 
 
-@ieee_inner
+@ieee_called_by_compiled
 def safe_step(
     g: float, slope: float, curvature: float, bounds: tuple[float, float], least: float, limit: float
 ) -> float:

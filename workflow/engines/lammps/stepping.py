@@ -68,7 +68,7 @@ class Travel:
     def state(self, word: float = 0.0) -> tuple[Floats, Floats]:
         """Displacement and velocity of the rows that exist, [line, row], in units of L and V, equal on every rank.
 
-        Lines are the chains and those of inner atoms after them. The first rank may say a word to all: it travels as
+        Lines are the chains and further ones after them. The first rank may say a word to all: it travels as
         the lateral velocity of its beads, which is zero otherwise.
         """
         problem = self._problem
@@ -91,7 +91,7 @@ class Travel:
         """A property of all atoms, [line, row, axis]; 0 where there is no atom."""
         system = self._problem.system
         shape = (physics.lines(system), self._problem.rows, 3)
-        if system.inner_mass is None or np.all(system.inner_mass > 0.0):
+        if np.all(physics.masses(system)):
             return np.ctypeslib.as_array(self._lmp.gather_atoms(name, 1, 3)).reshape(shape)
         ids = physics.atom_ids(system)
         values = np.zeros((shape[0] * shape[1], 3))

@@ -186,7 +186,7 @@ def fault(
 
     Args:
         problem: what is computed.
-        displacement: [line, row] of the chains and of inner atoms after them, in units of L.
+        displacement: [line, row] of the chains and of further lines of atoms, in units of L.
         velocity: [line, row], in units of V.
         first: bead that the rows begin with.
         elsewhere: energy of the beads that are not in these rows, in units of m V**2.
@@ -208,7 +208,7 @@ def fault(
         return None
     energy = float(motion.energy(system, displacement, velocity, first)) + elsewhere
     change = energy / physics.energy(system) - 1.0
-    if change > ENERGY_TOLERANCE and (system.loads or system.dampers or physics.remembering(system)):
+    if change > ENERGY_TOLERANCE and (system.loads or system.dampers or not system.holds(Fact.FRAMES)):
         bound = "the largest possible work of the pushes" if system.loads else "the energy input"
         return f"the energy is {100.0 * change:.3g}% above {bound}; {_remedy(problem)}"
     if system.holds(Fact.ENERGY) and not system.loads and abs(change) > ENERGY_TOLERANCE:

@@ -1,10 +1,10 @@
 """Compiled functions that do not depend on the laws of a system, for the programs that `kernel` writes."""
 
 from analysis.trajectory import Floats
-from workflow.compiled import inner
+from workflow.compiled import called_by_compiled
 
 
-@inner
+@called_by_compiled
 def displaced(x: Floats, first: int, last: int) -> bool:
     """Whether any displacement x[k] of beads [place], from place ``first`` to before ``last``, is not 0."""
     for k in range(first, last):  # noqa: SIM110  compiled
@@ -13,7 +13,7 @@ def displaced(x: Floats, first: int, last: int) -> bool:
     return False
 
 
-@inner
+@called_by_compiled
 def maximum(early: float, late: float, rise: float, fall: float) -> tuple[float, float]:
     """The maximum within a step of a cubic polynomial: its time as part of the step, and its value.
 
@@ -30,7 +30,7 @@ def maximum(early: float, late: float, rise: float, fall: float) -> tuple[float,
     return part, early + part * (rise + part * (square + part * cube))
 
 
-@inner
+@called_by_compiled
 def over_the_way(early: float, middle: float, late: float, first: float, second: float) -> float:
     """Integral of a velocity over an impulse: ``first`` in one half of a time, ``second`` in the other.
 

@@ -12,7 +12,6 @@ from analysis.trajectory import EXCHANGES, Floats, Trajectory, joined
 from lammps_inputs import Problem, physics
 from lammps_inputs.laws import dashpot
 from workflow.engines.reference import engine
-from workflow.engines.reference.kernel import FrameArrays
 from workflow.engines.reference.schemes import BLANES_MOAN
 
 
@@ -68,20 +67,17 @@ class _Follower:
     def along(self, block: Trajectory) -> Floats:
         """Exchange [frame, entry] of frames of which the first was the last one before, or the start."""
         problem, state = self._problem, self._state
-        chains, moving = problem.chains, block.moving
         exchange = np.repeat(self._until, block.frames, axis=0)
-        (x, _), w = block.atoms, _velocity_of_state(block)
+        w = _velocity_of_state(block)
         pushed = np.array(sorted({load.bead for load in problem.system.loads}), dtype=np.int64)
-        end_x, end_v = np.zeros((1, chains, len(pushed))), np.zeros((1, chains, len(pushed)))
-        end_memory = np.zeros((1, *state.memory.shape))
+        end = state.frame_arrays(1, problem.chains, len(pushed))
         for frame in range(1, block.frames):
             if block.time[frame - 1] < self._over:
-                memory = None if block.memory is None else block.memory[frame - 1]
-                state.restart(x[frame - 1], w[frame - 1], moving.start + 1, min(moving.stop, problem.beads), memory)
+                state.restart(block, frame - 1, w[frame - 1])
                 number = round(float(block.time[frame - 1]) / problem.every) * self._steps
-                frames = FrameArrays(end_x, end_v, exchange[frame : frame + 1], end_memory)
+                frames = end._replace(exchange=exchange[frame : frame + 1])
                 state.advance(BLANES_MOAN, problem.every / self._steps, number, self._steps, pushed, frames)
-                self._more += self._on_the_way(block, frame, block.velocity[frame][:, pushed - 1] - end_v[0], pushed)
+                self._more += self._on_the_way(block, frame, block.velocity[frame][:, pushed - 1] - end.v[0], pushed)
                 exchange[frame, -1] += self._more
             else:
                 exchange[frame] = exchange[frame - 1]
@@ -108,9 +104,9 @@ def _velocity_of_state(block: Trajectory) -> Floats:
         return v
     impulses = np.zeros_like(v)
     for damper in system.dampers:
-        positions = x if physics.is_inner(system, damper) else block.displacement
-        damper.drive(impulses[..., : positions.shape[-2], :], damper.given(positions))
-    impulses /= physics.mass_of_atoms(system)
+        lines = damper.lines_among(system.chains)
+        damper.drive(impulses[..., lines, :], damper.given(x[..., lines, :]))
+    impulses /= physics.masses(system, absent=np.inf)
     for motion in system.motions:
         impulses[..., motion.chain - 1, motion.bead - 1] = 0.0
     return np.asarray(v - impulses)

@@ -18,7 +18,7 @@ from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines.reference import kernel
 from workflow.engines.reference.kernel import FrameArrays, Passing, Steps
-from workflow.engines.reference.kernel_inputs import make_memory, make_terms
+from workflow.engines.reference.kernel_inputs import make_terms
 from workflow.engines.reference.schemes import BLANES_MOAN, VERLET, Scheme
 
 STEPS_PER_BOUND = 15.0
@@ -31,7 +31,7 @@ _ABRUPT = 8.0
 def run(
     problem: Problem, *, scheme: Scheme = BLANES_MOAN, steps_per_frame: int | None = None, window: int | None = None
 ) -> Trajectory:
-    """The whole trajectory in memory; arguments as for `blocks`."""
+    """The whole trajectory; arguments as for `blocks`."""
     return joined(blocks(problem, scheme=scheme, steps_per_frame=steps_per_frame, window=window))
 
 
@@ -94,28 +94,25 @@ def blocks(
     recorded = _recorded(problem, state, 0.0)
     start = x[recorded, :lines].T[np.newaxis].copy(), v[recorded, :lines].T[np.newaxis].copy()
     counts = scheme is not VERLET and physics.exchanges(problem.system)
-    past = state.memory[np.newaxis].copy()
 
-    def block(time: Floats, x: Floats, v: Floats, exchange: Floats, memory: Floats) -> Trajectory:
+    def block(time: Floats, x: Floats, v: Floats, exchange: Floats, contact_state: Floats) -> Trajectory:
         """Frames from times [frame], motion [frame, line, bead], and exchange [frame, entry]."""
         first = 1 if problem.window is None else int(recorded[0])
-        return of_atoms(problem, time, x, v, first, exchange if counts else None, memory if past.size else None)
+        states = contact_state if contact_state.size else None
+        return of_atoms(problem, time, x, v, first, exchange if counts else None, states)
 
-    yield block(np.zeros(1), *start, np.zeros((1, len(EXCHANGES))), past)
+    yield block(np.zeros(1), *start, np.zeros((1, len(EXCHANGES))), state.contact_state[np.newaxis].copy())
     size = frames_per_block(problem)
     if problem.window is not None:
         size = max(1, min(size, math.floor(_ADVANCE / (rates.front_speed(problem.system) * problem.every))))
     for first in range(1, problem.frames + 1, size):
         frame = np.arange(first, min(first + size, problem.frames + 1))
         recorded = _recorded(problem, state, len(frame) * problem.every)
-        shape = (len(frame), lines, len(recorded))
-        exchange = np.zeros((len(frame), len(EXCHANGES)))
-        memory = np.empty((len(frame), *past.shape[1:]))
-        frames = FrameArrays(np.empty(shape), np.empty(shape), exchange, memory)
+        frames = state.frame_arrays(len(frame), lines, len(recorded))
         time = np.asarray(frame * problem.every, dtype=np.float64)
         state.advance(scheme, step, (first - 1) * steps, steps, recorded, frames)
-        exchange[:, -1] += brought_up(problem, time)
-        yield block(time, frames.x, frames.v, exchange, memory)
+        frames.exchange[:, -1] += brought_up(problem, time)
+        yield block(time, *frames)
 
 
 def brought_up(problem: Problem, time: Floats) -> Floats:
@@ -171,19 +168,27 @@ class IntegratorState:
     compiled: kernel.KernelState
 
     @property
-    def memory(self) -> Floats:
-        """Memory of contacts, [chain, bead + 1], see `analysis.trajectory.Trajectory`; empty where there is none."""
-        past = self.compiled.memory[0]
-        if not past.size:
+    def contact_state(self) -> Floats:
+        """States of contacts, [chain, bead + 1], see `analysis.trajectory.Trajectory`; empty where there is none."""
+        states = self.compiled.past[0]
+        if not states.size:
             return np.zeros((0, 0))
-        return past.reshape(self.x.shape)[1:].T
+        return states.reshape(self.x.shape)[1:].T
 
-    def restart(self, x: Floats, v: Floats, first: int, last: int, memory: Floats | None = None) -> None:
-        """Continue from displacements and velocities [line, bead] of which only some rows may be in motion."""
-        if memory is not None:
-            self.memory[:] = memory
-        self.x[1:-1], self.v[1:-1] = x.T, v.T
-        self.span[:2], self.span[3] = (first, last), 1
+    def frame_arrays(self, frames: int, lines: int, beads: int) -> FrameArrays:
+        """Arrays for frames to fill, of so many lines of atoms and recorded beads."""
+        x, v = np.empty((2, frames, lines, beads))
+        exchange = np.zeros((frames, len(EXCHANGES)))
+        return FrameArrays(x, v, exchange, np.empty((frames, *self.contact_state.shape)))
+
+    def restart(self, block: Trajectory, frame: int, v: Floats) -> None:
+        """Continue from a frame of all beads, with the state's velocities [line, bead]; only some rows may move."""
+        moving = block.moving
+        x, _ = block.atoms
+        if block.contact_state is not None:
+            self.contact_state[:] = block.contact_state[frame]
+        self.x[1:-1], self.v[1:-1] = x[frame].T, v.T
+        self.span[:2], self.span[3] = (moving.start + 1, min(moving.stop, block.problem.beads)), 1
         self.compiled.push[:] = 0.0
 
     def advance(
@@ -230,7 +235,7 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
     v[1:-1, : problem.chains] = physics.initial_velocity(system).T
     span = np.array([first, last, problem.beads if window is None else window, 1])
     terms, parameters = make_terms(system, as_lammps=as_lammps, step=step)
-    state = kernel.make_state(x, v, span, terms, make_memory(system))
+    state = kernel.make_state(x, v, span, terms, physics.contact_state(system))
     return IntegratorState(x, v, span, kernel.make_program(terms), parameters, state)
 
 

@@ -56,9 +56,9 @@ class KernelState(NamedTuple):
     of one that is dragged along."""
     work: Floats
     """[1]: work of loads, of springs that vary, and of beads whose motion is given against forces."""
-    memory: tuple[Floats, Floats, Floats]
-    """[place] each: memory of the contact behind each bead, and of the wall behind the last; strain and closing
-    velocity at the start of a step. Without places where no force depends on the past.
+    past: tuple[Floats, Floats, Floats]
+    """[place] each: state of the contact behind each bead, and of the wall behind the last; strain and closing
+    velocity at the start of a step. Without places where no force depends on a state.
     """
 
 
@@ -76,8 +76,8 @@ class FrameArrays(NamedTuple):
     x: Floats
     v: Floats
     exchange: Floats
-    memory: Floats = np.zeros((0, 0, 0))
-    """[frame, chain, bead + 1]; without chains where no force depends on the past."""
+    contact_state: Floats = np.zeros((0, 0, 0))
+    """[frame, chain, bead + 1]; without chains where no force depends on a state."""
 
 
 class Passing(NamedTuple):
@@ -90,20 +90,21 @@ class Passing(NamedTuple):
     v_before: Floats
 
 
-def make_state(x: Floats, v: Floats, span: Integers, terms: Terms, memory: Floats) -> KernelState:
+def make_state(x: Floats, v: Floats, span: Integers, terms: Terms, contact_state: Floats) -> KernelState:
     """A state with displacements and velocities [bead + 2, chain], which are advanced in place.
 
     Args:
         x, v, span: see `KernelState`.
         terms: of the system.
-        memory: memory at the start, [bead + 2, chain].
+        contact_state: states of contacts at the start, [chain, bead + 1].
     """
     scratch = len(_ROOM[terms.dashpots].split(", ")) if terms.dampers else 0
     room = tuple(np.zeros(x.size) for _ in range(scratch))
     push, lost, work = np.zeros(x.size), np.zeros((4, x.size)), np.zeros(1)
-    past = memory.reshape(-1) if terms.with_memory else np.zeros(0)
-    memories = past, np.zeros_like(past), np.zeros_like(past)
-    return KernelState(x.reshape(-1), v.reshape(-1), push, span, x.shape[1], room, lost, work, memories)
+    states, was, closing = np.zeros((3, x.size if terms.with_state else 0))
+    if terms.with_state:
+        states.reshape(x.shape)[1:, : len(contact_state)] = contact_state.T
+    return KernelState(x.reshape(-1), v.reshape(-1), push, span, x.shape[1], room, lost, work, (states, was, closing))
 
 
 _ROOM = {
@@ -211,7 +212,7 @@ class _Writer:
             "counts_lost": terms.counts_lost,
             "counts_work": terms.counts_work,
             "moved_with_loss": terms.moved_with_loss,
-            "remembers": bool(terms.with_memory),
+            "has_state": bool(terms.with_state),
         }
         names = {"per_mass": terms.per_mass, "row": terms.row, "rooms": _ROOM[terms.dashpots]}
         return _filled(section, **switches, **names, **places).strip("\n").split("\n")
@@ -237,13 +238,13 @@ class _Writer:
             kick_by_means=self._kicks_by_means() if as_lammps else [],
             hold=[*self._held_motions(), *self._work_of_springs()] if self._terms.counts_work else [],
             drift=drift,
-            remembered=self._of_memories(template.REMEMBER_AS_LAMMPS if as_lammps else template.REMEMBER),
+            updated=self._of_states(template.UPDATE_AS_LAMMPS if as_lammps else template.UPDATE),
         )
         return {
             "unpacked": self._lines(template.UNPACKED),
             "press": press,
             "step": step,
-            "before": [] if as_lammps else self._of_memories(template.NOTE),
+            "before": [] if as_lammps else self._of_states(template.NOTE),
             "split_step": self._lines(template.SPLIT, step=step, bends=self._terms.bends)
             if self._terms.bends
             else step,
@@ -258,11 +259,11 @@ class _Writer:
         calls = [self._call(term, "force", term.strain) for term in self._terms.contacts]
         return " + (".join(calls) + ")" * (len(calls) - 1)
 
-    def _of_memories(self, section: str) -> list[str]:
-        """A section for each contact or wall with a memory, with the velocities that it reads."""
+    def _of_states(self, section: str) -> list[str]:
+        """A section for each law of contacts or walls with a state, with the velocities that it reads."""
         terms, row, lines = self._terms, self._terms.row, []
         moving = "actual" if terms.dashpots == "drift" else "v"
-        for term in (replace(term, v=moving) for term in terms.with_memory):
+        for term in (replace(term, v=moving) for term in terms.with_state):
             behind = "" if term.row else terms.per_mass_at(f"k - {row}")
             begin, end = (f"max(low, {term.row} * {row})", f"min(high, ({term.row} + uint64(1)) * {row})")
             lines += self._lines(
@@ -271,23 +272,23 @@ class _Writer:
                 end=end if term.row else "high",
                 strain=term.strain,
                 rate=term.rate,
-                memory=term.memory,
-                was=term.in_memories("was"),
-                closing=term.in_memories("closing"),
-                after=self._call(replace(term, sign=""), "remember", "late"),
-                top=self._call(replace(term, sign=""), "remember", "top"),
+                contact_state=term.contact_state,
+                was=term.at_contact("was"),
+                closing=term.at_contact("closing"),
+                after=self._call(replace(term, sign=""), "next_state", "late"),
+                top=self._call(replace(term, sign=""), "next_state", "top"),
                 more=self._force_with(term, "largest"),
                 less=self._force_with(term, "before"),
                 sign=f"-{term.sign} * " if term.sign else "",
                 behind=[] if term.row else [f"v[k - {row}] -= given{behind}", f"x[k - {row}] -= gone{behind}"],
             )
-        if terms.with_memory and moving == "actual":
+        if terms.with_state and moving == "actual":
             return self._lines(template.VELOCITIES) + lines
         return self._lines(template.SPAN) + lines if lines else []
 
-    def _force_with(self, term: Term, memory: str) -> str:
-        """Source of the force of a law at a strain s with another memory."""
-        parameters = tuple(memory if name == term.memory else name for name in term.parameters)
+    def _force_with(self, term: Term, contact_state: str) -> str:
+        """Source of the force of a law at a strain s in another state."""
+        parameters = tuple(contact_state if name == term.contact_state else name for name in term.parameters)
         return self._call(replace(term, parameters=parameters, sign=""), "force", "s")
 
     def _kick(self, target: str, factor: str) -> list[str]:

@@ -25,7 +25,7 @@ UNROLLED = 2
 
 @dataclass(frozen=True)
 class Term:
-    """A law in a loop over places k in memory.
+    """A law in a loop over places k.
 
     Attributes:
         law: its class.
@@ -33,8 +33,8 @@ class Term:
         parameters: source of each at k.
         over: array that the term is a loop over: distances to other beads, or the places of a law in time.
         sums: scratch array of three sums over distances, [sum, place].
-        memory_at: index of the law's memory in arrays of memories, in brackets; empty of a law without.
-        row: of a wall with a memory, the bead's; empty of others.
+        state_at: index of a contact's state in arrays of states, in brackets; empty of a law without one.
+        row: of a wall whose law has a state, the bead's; empty of others.
         sign: source of a factor of what the law gives; empty of 1.
         time: source of the time, on which the law depends; empty of one that does not.
         x, v: names of the arrays of displacements and velocities that it reads.
@@ -46,7 +46,7 @@ class Term:
     parameters: tuple[str, ...]
     over: str = ""
     sums: str = ""
-    memory_at: str = ""
+    state_at: str = ""
     row: str = ""
     sign: str = ""
     time: str = ""
@@ -63,14 +63,14 @@ class Term:
         """Source of the rate of the strain at k."""
         return self.rate_text.format(v=self.v)
 
-    def in_memories(self, array: str) -> str:
-        """Source of the law's entry in an array of one number for each memory; empty of a law without."""
-        return f"{array}{self.memory_at}" if self.memory_at else ""
+    def at_contact(self, array: str) -> str:
+        """Source of the contact's entry in an array of one number for each state; empty of a law without one."""
+        return f"{array}{self.state_at}" if self.state_at else ""
 
     @property
-    def memory(self) -> str:
-        """Source of the law's memory; empty of a law without."""
-        return self.in_memories("memory")
+    def contact_state(self) -> str:
+        """Source of the contact's state; empty of a law without one."""
+        return self.at_contact("contact_state")
 
 
 @dataclass(frozen=True)
@@ -113,9 +113,9 @@ class Terms:
         return self.counts_lost and self.counts_work and bool(self.motions)
 
     @property
-    def with_memory(self) -> tuple[Term, ...]:
-        """Contacts and walls whose force depends on the past."""
-        return tuple(term for term in (*self.contacts, *self.ground) if term.memory)
+    def with_state(self) -> tuple[Term, ...]:
+        """Contacts and walls whose force depends on a state."""
+        return tuple(term for term in (*self.contacts, *self.ground) if term.state_at)
 
     def per_mass_at(self, place: str) -> str:
         """Source of what makes a force at a place an acceleration; empty where all masses are 1."""
@@ -144,8 +144,8 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     bends = np.unique([time for link in system.ground if laws.varies(link.law) for time in link.law.bends])  # type: ignore[attr-defined]
     inverse = _inverse_mass(system, step if as_lammps and physics.velocity_at_full_steps(system) else 0.0)
     terms = Terms(
-        contacts=tuple(taken.term(link.law, *between, first=2, memory_at="[k]") for link in system.along),
-        across=taken.terms((*system.across, *system.inner_links)),
+        contacts=tuple(taken.term(link.law, *between, first=2, state_at="[k]") for link in system.along),
+        across=taken.terms(system.across),
         ground=taken.terms(system.ground),
         dampers=(
             tuple(taken.term(link.law, *between, first=2) for link in ends[Along]),
@@ -179,21 +179,21 @@ class _Parameters:
         self.values.append(value)
         return self.names[-1]
 
-    def term(self, law: Any, strain: str, rate: str, *, first: int, memory_at: str = "") -> Term:
-        """A law on links of which that of the first bead is in row ``first``, and its memory, if it has one, there."""
+    def term(self, law: Any, strain: str, rate: str, *, first: int, state_at: str = "") -> Term:
+        """A law on links of which that of the first bead is in row ``first``, and its state, if it has one, there."""
         parameters = []
-        chains = self._system.chains
+        chains, state_name = self._system.chains, laws.state_name(law)
         for label, value in zip(law._fields, law, strict=True):
-            if label == "memory":
-                parameters.append(f"memory{memory_at}")
+            if label == state_name:
+                parameters.append(f"contact_state{state_at}")
                 continue
             if self._lines > chains and label not in _one_number(law):
-                # inner atoms have none of it: without parameters a law exerts no force
+                # of chains alone: without parameters a law exerts no force on further lines
                 value = np.broadcast_to(value, (chains, self._system.beads + 1 - first))
             differs = np.ndim(value) > 0
             name = self.add(label, self._laid(value, first) if differs else float(value))
             parameters.append(f"{name}[k]" if differs else name)
-        return Term(type(law), strain, rate, tuple(parameters), memory_at=memory_at if laws.remembers(law) else "")
+        return Term(type(law), strain, rate, tuple(parameters), state_at=state_at if state_name else "")
 
     def terms(self, links: Sequence[Link]) -> tuple[Term, ...]:
         """Terms of links to the ground, or across."""
@@ -204,8 +204,8 @@ class _Parameters:
             elif isinstance(link, Wall):
                 side, gap = self.add("side", link.side), self.add("gap", link.gap)
                 at = f"[k + {self.names[0]}]" if link.side > 0.0 else "[k]"
-                term = self.term(link.law, f"{side} * {{x}}[k] - {gap}", f"{side} * {{v}}[k]", first=1, memory_at=at)
-                row = self.add("end", np.uint64(self._system.beads if link.side > 0.0 else 1)) if term.memory else ""
+                term = self.term(link.law, f"{side} * {{x}}[k] - {gap}", f"{side} * {{v}}[k]", first=1, state_at=at)
+                row = self.add("end", np.uint64(self._system.beads if link.side > 0.0 else 1)) if term.state_at else ""
                 terms.append(replace(term, sign=side, row=row))
             else:
                 term = self.term(link.law, "{x}[k]", "{v}[k]", first=1)
@@ -249,27 +249,13 @@ class _Parameters:
         return rows.reshape(-1)
 
 
-def make_memory(system: System) -> Floats:
-    """Memories at the start, [bead + 2, line]: of the contact behind each bead, and of the wall behind the last."""
-    memories = np.zeros((system.beads + 2, physics.lines(system)))
-    of_chains = memories[:, : system.chains]
-    for link in physics.remembering(system):
-        memory: Any = link.law.memory  # type: ignore[attr-defined]
-        if isinstance(link, Along):
-            of_chains[2:-1] = np.transpose(memory)
-        else:
-            side = -1 if link.side > 0.0 else 0
-            of_chains[-1 if side else 1] = np.broadcast_to(memory, (system.chains, system.beads))[:, side]
-    return memories
-
-
 def _one_number(law: Any) -> tuple[str, ...]:
     """Parameters of a law that are one number for all links, also for lines without links."""
-    return getattr(law, "one_number", ())
+    return law.one_number if isinstance(law, laws.WithOneNumber) else ()
 
 
 def _relative(apart: str) -> tuple[str, str]:
-    """Strain and its rate of a spring to the bead at a distance in memory."""
+    """Strain and its rate of a spring to the bead at a distance in the arrays."""
     return f"{{x}}[k] - {{x}}[k + {apart}]", f"{{v}}[k] - {{v}}[k + {apart}]"
 
 
@@ -280,7 +266,7 @@ def _shape(load: Load | Motion) -> tuple[Any, ...]:
 
 def _inverse_mass(system: System, step: float) -> Floats | None:
     """One over the masses, 0 of beads whose motion is given; None where all are 1. With a step, as in LAMMPS."""
-    mass = physics.mass_of_atoms(system)
+    mass = physics.masses(system, absent=np.inf)
     if step:
         more = sum(float(np.max(dashpot.resistance(link.law, 0.0))) for link in system.dampers)
         mass = np.array(np.broadcast_to(mass, (physics.lines(system), system.beads)))
@@ -295,7 +281,7 @@ def _inverse_mass(system: System, step: float) -> Floats | None:
 
 
 def neighbours(link: Across, system: System) -> tuple[NDArray[np.uint64], list[Floats]]:
-    """Distances in memory to other beads of a row, those of lower chains first, and parameters, [distance, place].
+    """Distances in the arrays to other beads of a row, those of lower chains first, and parameters, [distance, place].
 
     Where a chain has no other at that distance, the law's parameters are 0, which makes no force.
     """

@@ -21,7 +21,7 @@ HEAD = '''
 # sources of the laws: {digest}
 from numpy import isnan, uint64
 
-from workflow.compiled import compiled, inlined, inner
+from workflow.compiled import called_by_compiled, compiled, inlined
 from workflow.engines.reference.common import displaced, maximum, over_the_way
 {imports}
 
@@ -74,7 +74,7 @@ for stage in range(kicks.shape[0]):
         if first > 1 and last - first + 1 < span[2] and displaced(x, first * chains, (first + 1) * chains):
             first -= 1
         span[0], span[1] = first, last
-{remembered}
+{updated}
 """
 
 SPLIT = """
@@ -98,20 +98,20 @@ for k in range({begin}, {end}):
     {closing} = {rate}
 """
 
-REMEMBER = """
-# a contact that begins to open within the step: from then on its force is that with the largest overlap as memory;
-# where none can exceed its memory, which the control points of the cubic polynomial show, nothing is to be done
+UPDATE = """
+# a contact that begins to open within the step: from then on its force is that in the state of the largest overlap;
+# where none can exceed its state, which the control points of the cubic polynomial show, nothing is to be done
 opening = 0
 for k in range({begin}, {end}):
     late, fall = {strain}, {rate}
     late = max({was} + {closing} * h / 3.0, late - fall * h / 3.0)
-    opening += ({closing} > 0.0) & (fall <= 0.0) & ({after} > {memory})
+    opening += ({closing} > 0.0) & (fall <= 0.0) & ({after} > {contact_state})
 for k in range({begin}, {end} if opening > 0 else {begin}):
     late, fall = {strain}, {rate}
     if {closing} > 0.0 and fall <= 0.0:
         rise, fall = {closing} * h, fall * h
         share, top = maximum({was}, late, rise, fall)
-        before, largest = {memory}, {top}
+        before, largest = {contact_state}, {top}
         if largest > before:
             square, cube = 3.0 * (late - {was}) - 2.0 * rise - fall, 2.0 * ({was} - late) + rise + fall
             given, gone, remains = 0.0, 0.0, 1.0 - share
@@ -125,19 +125,19 @@ for k in range({begin}, {end} if opening > 0 else {begin}):
             v[k] += given{per_mass}
             x[k] += gone{per_mass}
             {behind}
-            {memory} = largest
+            {contact_state} = largest
 for k in range({begin}, {end}):
     late = {strain}
-    {memory} = {after}
+    {contact_state} = {after}
     {was} = late
     {closing} = {rate}
 span[3] = 1
 """
 
-REMEMBER_AS_LAMMPS = """
+UPDATE_AS_LAMMPS = """
 for k in range({begin}, {end}):
     late = {strain}
-    {memory} = {after}
+    {contact_state} = {after}
 """
 
 ADVANCE = '''
@@ -160,9 +160,9 @@ def advance(state, p, scheme, first_step, steps, recorded, frames):
         ?counts_lost     frames.exchange[frame, kind] = 0.0
         ?counts_lost     for k in range(lost.shape[1]):
         ?counts_lost         frames.exchange[frame, kind] += lost[kind, k]
-        ?remembers for j in range(frames.memory.shape[1]):
-        ?remembers     for k in range(frames.memory.shape[2]):
-        ?remembers         frames.memory[frame, j, k] = memory[(k + 1) * chains + j]
+        ?has_state for j in range(frames.contact_state.shape[1]):
+        ?has_state     for k in range(frames.contact_state.shape[2]):
+        ?has_state         frames.contact_state[frame, j, k] = contact_state[(k + 1) * chains + j]
         {held_by_dashpots}
         ?counts_work frames.exchange[frame, 4] = work[0]
         ?moved_with_loss frames.exchange[frame, 4] += held
@@ -170,7 +170,7 @@ def advance(state, p, scheme, first_step, steps, recorded, frames):
 
 UNPACKED = """
 x, v, push, span, chains, room, lost, work, past = state
-?remembers memory, was, closing = past
+?has_state contact_state, was, closing = past
 ?damped {rooms} = room
 kicks, drifts, h = scheme
 """
@@ -217,14 +217,14 @@ for k in range(low, high):
 """
 
 TRAVEL = '''
-@inner
+@called_by_compiled
 def travel(x, p, time, duration, low, high):
     """How much farther free beads drift under loads in a duration."""
     {parameters}
     {travels}
 
 
-@inner
+@called_by_compiled
 def give(v, p, time, duration, low, high):
     """How much faster they get."""
     {parameters}
@@ -232,7 +232,7 @@ def give(v, p, time, duration, low, high):
 '''
 
 LOAD = '''
-@inner
+@called_by_compiled
 def load(a, p, time, low, high):
     """Add loads at a time to accelerations."""
     {parameters}
@@ -240,7 +240,7 @@ def load(a, p, time, low, high):
 '''
 
 DRAG = '''
-@inner
+@called_by_compiled
 def {name}({arguments}, p, squeeze, drag, low, high):
     """{what} of all dashpots on the beads of rows that can move, into ``drag``; beads beside them are at rest."""
     {parameters}

@@ -58,6 +58,9 @@ def sensitivity(design: Design, compute: Compute, best: dict[str, Any]) -> Sensi
         design: the design file.
         compute: designs -> their records.
         best: field -> value of the design.
+
+    Returns:
+        Statistics of the ensemble.
     """
     spread, members = design.request.manufacture.spread, design.request.manufacture.members
     numbers = [v for v in design.variables if not v.steps]
@@ -98,7 +101,8 @@ class Verified:
     Attributes:
         directory: its run directory.
         values: field -> value; empty for the scene beside.
-        reference, lammps: quantities by either engine, in the scene's units; None where undefined.
+        reference: quantities by the reference, in the scene's units; None where undefined.
+        lammps: quantities by LAMMPS, in the same units.
         error: largest error of its velocities against the reference, in units of V.
     """
 

@@ -16,12 +16,13 @@ import argparse
 import functools
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, library, strict_yaml
+from workflow.arguments import path_of
 from workflow.cost_model import add_job_arguments, job_options
 from workflow.runs.files import as_json
 from workflow.screen import CommandResult, one_line, print_table
@@ -38,6 +39,31 @@ REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "
 STUDY = Study("design", f"{PAGE} is the report", tables=(REPORT, TABLE, BEST, PAGE), cache="evaluations.jsonl")
 
 
+def design(
+    definition: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None
+) -> DesignResult:
+    """Find the scene that minimises or maximises a quantity within bounds, on all cores; resumes an interrupted call.
+
+    Args:
+        definition: a design file, or its content as a mapping.
+        directory: new, or resumed.
+        jobs: designs at a time; as many as there are cores by default.
+
+    Returns:
+        All designs of the search, and the best ones in LAMMPS.
+
+    Raises:
+        InputError: the file is invalid, or no design is within its limits.
+        RunError: LAMMPS failed.
+    """
+    wanted = (
+        file.from_plain(dict(definition), Path("design"))
+        if isinstance(definition, Mapping)
+        else file.load(Path(definition))
+    )
+    return carry_out(wanted, path_of(directory), jobs)
+
+
 def carry_out(design: Design, directory: Path, jobs: int | None = None) -> DesignResult:
     """Search, verify and write; designs and runs of an earlier start are used again.
 
@@ -45,6 +71,9 @@ def carry_out(design: Design, directory: Path, jobs: int | None = None) -> Desig
         design: the design file.
         directory: made if need be.
         jobs: designs at a time; None for all cores.
+
+    Returns:
+        The result, which is also written.
 
     Raises:
         InputError: the directory or a scene cannot be used, or no design is within the limits.

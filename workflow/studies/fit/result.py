@@ -22,9 +22,11 @@ class Field:
 
     Attributes:
         unit: unit, such as ``N/m``.
-        start, value: value in the scene, and fitted value, in this unit.
-        low, high: ends of the 95% confidence interval; None where the fit is rejected or not tested, or the data do not
+        start: value in the scene, in this unit.
+        value: fitted value.
+        low: lower end of the 95% confidence interval; None where the fit is rejected or not tested, or the data do not
             determine the value.
+        high: upper end of the interval.
     """
 
     unit: str
@@ -51,7 +53,9 @@ class Residuals:
         unit: unit of the channel.
         noise: standard deviation of the residuals, in this unit.
         over_largest: this standard deviation over the largest value of the data.
-        chi_square, autocorrelation, runs: see `Goodness`; None where they are undefined.
+        chi_square: see `Goodness`; None where it is undefined.
+        autocorrelation: see `Goodness`; None where it is undefined.
+        runs: see `Goodness`; None where it is undefined.
         p: p-value of each of `TESTS`; None where it is undefined.
     """
 
@@ -168,6 +172,9 @@ def judged(model: Model, estimated: FitResult, size: Floats) -> Fit:
         model: the model.
         estimated: the estimate of its parameters.
         size: [channel] largest value of the data, in the channel's unit.
+
+    Returns:
+        The result, with intervals where the test of fit is passed.
     """
     measured = model.measured
     traces = model.traces(estimated.parameters)

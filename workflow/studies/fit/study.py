@@ -12,6 +12,7 @@ The input is a scene and a table of traces; the output is the fitted fields, a r
 
 import argparse
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +25,7 @@ from analysis.gauges.gauge import read_at
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, installed_scenes, library, strict_yaml
 from workflow import formats
+from workflow.arguments import AnyScene, load, path_of, source_of
 from workflow.cost_model import add_job_arguments, job_options
 from workflow.formats import figure_files
 from workflow.runs.files import as_json
@@ -59,6 +61,40 @@ BEGUN = 3
 
 
 def fit(
+    scene: AnyScene,
+    against: Path | str,
+    free: Sequence[str],
+    directory: Path | str,
+    *,
+    offset: float | None = None,
+    lammps: bool = True,
+) -> Fit:
+    """Estimate fields of a scene from measured traces, with confidence intervals where a test of fit is passed.
+
+    Writes the same files as ``granchain fit``.
+
+    Args:
+        scene: a name, a file, plain data or a `Scene`; its values are the start of the search.
+        against: table of traces in the scene's units.
+        free: fields to estimate, such as ``["coupling.stiffness", "kick.velocity"]``.
+        directory: created if it does not exist.
+        offset: by how much the table's times are later than the scene's; None to estimate it, too.
+        lammps: whether to run the fitted scene in LAMMPS.
+
+    Returns:
+        Estimates with intervals, in the scene's units, the test of fit, and the residuals of each channel.
+
+    Raises:
+        InputError: the scene, the table or a field cannot be used.
+        RunError: LAMMPS failed.
+    """
+    names = [free] if isinstance(free, str) else list(free)
+    source = source_of(scene)
+    plain = load(scene).plain()
+    return carry_out(plain, Path(against), names, path_of(directory), source=source, offset=offset, lammps=lammps)
+
+
+def carry_out(
     scene: dict[str, Any],
     path: Path,
     names: list[str],
@@ -78,6 +114,9 @@ def fit(
         source: name of the scene in messages.
         offset: time of the table minus time of the scene, in the scene's unit; None to estimate it, too.
         lammps: whether to run the fitted scene in LAMMPS.
+
+    Returns:
+        The result, which is also written.
 
     Raises:
         InputError: the scene, the table, a field or the directory cannot be used.
@@ -197,7 +236,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     options = job_options(arguments)
     if options is not None:
         return as_job(options, arguments.output, _words(arguments), cores=1, jobs=1)
-    result = fit(
+    result = carry_out(
         library.find(arguments.scene).plain(),
         arguments.against,
         [name.strip() for name in arguments.free.split(",") if name.strip()],

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError, html
 from lammps_inputs.library import suggestion
+from workflow.arguments import path_of
 from workflow.screen import CommandResult, count_bar, one_line, print_table
 from workflow.studies.gallery.criteria import RULE
 from workflow.studies.gallery.entries import ENTRIES, GROUPS
@@ -43,7 +44,24 @@ SUMMARY = (
 )
 
 
-def gallery(directory: Path, names: Sequence[str] = (), *, progress: evaluate.Progress | None = None) -> Sections:
+def gallery(directory: Path | str, names: Sequence[str] = ()) -> Sections:
+    """Compute published results and compare them with the publications; writes ``index.html``.
+
+    Args:
+        directory: new, or resumed.
+        names: entries to run, or groups of them such as ``paper``; all by default.
+
+    Returns:
+        The section of the page of each of these entries, by its name; that of one that failed says why.
+
+    Raises:
+        InputError: there is no such entry, or the directory cannot be used.
+    """
+    with count_bar("gallery") as progress:
+        return carry_out(path_of(directory), [names] if isinstance(names, str) else names, progress=progress)
+
+
+def carry_out(directory: Path, names: Sequence[str] = (), *, progress: evaluate.Progress | None = None) -> Sections:
     """Run entries, and write the page of these and of those that earlier starts have run.
 
     Args:
@@ -131,7 +149,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         return CommandResult(0, list(ENTRIES))
     directory = arguments.output
     with count_bar("gallery") as progress:
-        sections = gallery(directory, arguments.entries, progress=progress)
+        sections = carry_out(directory, arguments.entries, progress=progress)
     rows, plain = [], []
     for name, section in sections.items():
         counts = section.verdicts

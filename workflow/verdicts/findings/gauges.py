@@ -321,7 +321,7 @@ class PlasticContacts(Finding):
     def measure(cls, run: Recorded) -> Measure | None:
         """Contacts of runs of all beads."""
         problem = run.problem
-        if not problem.memory_columns:
+        if not YieldMeter.applies(problem):
             return None
         meter = YieldMeter()
 

@@ -20,16 +20,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Compute the participation number of the energies at the end for every stiffness."""
-    directory: Path = arguments.output
+    hardness(arguments.output, jobs=arguments.jobs)
+    return 0
+
+
+def hardness(directory: Path | str, *, jobs: int | None = None) -> dict[float, float]:
+    """Stiffness of the bed -> participation number of the energies at the end; ``granchain.hardness`` in scripts."""
     scenes = [
         {"name": "case", "beads": 6, "bed": {"quintic": stiffness}, "kick": {"velocity": 1.0}, "duration": 12.0}
         for stiffness in STIFFNESS
     ]
-    with STUDY.evaluating(directory, arguments.jobs) as values:
+    with STUDY.evaluating(Path(directory), jobs) as values:
         answers = values([scene_quantities.case(scene, ["participation"], "case") for scene in scenes])
-        rows = [
-            {"stiffness": stiffness, "participation": answer["quantities"]["participation"]}
-            for stiffness, answer in zip(STIFFNESS, answers, strict=True)
-        ]
-        STUDY.write(directory, {"hardness.csv": csv_text(rows)})
-    return 0
+        numbers = [answer["quantities"]["participation"] for answer in answers]
+        rows = [{"stiffness": x, "participation": number} for x, number in zip(STIFFNESS, numbers, strict=True)]
+        STUDY.write(Path(directory), {"hardness.csv": csv_text(rows)})
+    return dict(zip(STIFFNESS, numbers, strict=True))

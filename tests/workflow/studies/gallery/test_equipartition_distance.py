@@ -2,7 +2,13 @@
 
 import pytest
 
-from workflow.studies.gallery.equipartition_distance import Distance, distance_map, equipartition_distance
+from analysis.sharing.verdict import expected_n_star
+from workflow.studies.gallery.equipartition_distance import (
+    DECAY_LENGTH,
+    Distance,
+    distance_map,
+    equipartition_distance,
+)
 
 
 @pytest.mark.parametrize(
@@ -38,3 +44,7 @@ def test_the_map_has_one_per_cent_solid_and_ten_dotted_ascending_in_the_coupling
     assert solid.get_xydata().tolist() == [[0.1, 60.0], [0.2, 40.0]]
     assert dotted.get_ydata().tolist()[1] == 20.0
     assert amplitude.get_lines()[0].get_xydata().tolist() == [[0.1, 0.4], [0.2, 0.34]]
+
+
+def test_the_rounded_decay_length_is_that_of_the_exact_wave() -> None:
+    assert pytest.approx(expected_n_star(1.0), abs=5e-4) == DECAY_LENGTH

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from processes import HANGS
 
-from workflow import api
+import granchain
 from workflow.cli import main
 from workflow.studies.gallery import entries, sources
 from workflow.studies.gallery.entries import ENTRIES, GROUPS
@@ -112,7 +112,7 @@ def test_an_entry_that_cannot_be_run_fails_alone(page: Path, capsys: pytest.Capt
 
 def test_a_second_start_runs_nothing_again_and_keeps_what_is_not_asked_for_on_the_page(page: Path) -> None:
     dumps = {path: path.stat().st_mtime_ns for path in page.rglob("*.bin")}
-    found = api.gallery(str(page), "tapered")
+    found = granchain.gallery(str(page), "tapered")
     assert repr(found) == "<gallery: tapered>"
     assert FAILS in found._repr_html_()
     assert {path: path.stat().st_mtime_ns for path in page.rglob("*.bin")} == dumps

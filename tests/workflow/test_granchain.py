@@ -5,14 +5,15 @@ import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
+from types import FunctionType
 
 import numpy as np
 import pytest
 from notebook import NOTEBOOK, executed
 
-from lammps_inputs import Scene, library
-from workflow import api
-from workflow.cli import main
+import granchain
+from lammps_inputs import Scene, library, plugins
+from workflow.cli import COMMANDS, main
 
 SCENE = {"name": "tiny", "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0}
 STEEL = SCENE | {
@@ -42,19 +43,19 @@ class Cells(HTMLParser):
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
-    return api.run(STEEL, tmp_path_factory.mktemp("api") / "run")
+    return granchain.run(STEEL, tmp_path_factory.mktemp("granchain") / "run")
 
 
 def test_a_scene_comes_by_name_file_data_or_as_it_is(tmp_path):
     path = tmp_path / "mine.yaml"
     path.write_text(json.dumps(SCENE))
-    assert api.load(path) == api.load(str(path)) == api.load(SCENE) == Scene(**SCENE)
-    assert api.load("two-chains") == library.find("two-chains")
-    assert api.load(api.load(SCENE)) == Scene(**SCENE)
+    assert granchain.load(path) == granchain.load(str(path)) == granchain.load(SCENE) == Scene(**SCENE)
+    assert granchain.load("two-chains") == library.find("two-chains")
+    assert granchain.load(granchain.load(SCENE)) == Scene(**SCENE)
 
 
 def test_a_run_is_a_universe_with_values_in_si(ran):
-    found = api.universe(ran.directory.path)
+    found = granchain.universe(ran.directory.path)
     assert found.segments.segids.tolist() == ["C1"]
     for number, ts in enumerate(found.trajectory):
         np.testing.assert_array_equal(ts.data["si"].velocity, ran.si.velocity[number].ravel())
@@ -62,19 +63,49 @@ def test_a_run_is_a_universe_with_values_in_si(ran):
 
 
 def test_mistakes_raise_our_error_and_never_exit(tmp_path):
-    with pytest.raises(api.InputError, match="scene: beads"):
-        api.load(SCENE | {"beads": 1})
-    with pytest.raises(api.InputError, match="no such"):
-        api.analyse(tmp_path / "nothing")
+    with pytest.raises(granchain.InputError, match="scene: beads"):
+        granchain.load(SCENE | {"beads": 1})
+    with pytest.raises(granchain.InputError, match="no such"):
+        granchain.analyze(tmp_path / "nothing")
     Path(tmp_path / "scene.yaml").write_text(json.dumps(SCENE))
     (tmp_path / "chains.dump.bin").write_bytes(b"")
-    with pytest.raises(api.InputError, match=r"chains\.dump\.bin: is an empty file"):
-        api.universe(tmp_path)
+    with pytest.raises(granchain.InputError, match=r"chains\.dump\.bin: is an empty file"):
+        granchain.universe(tmp_path)
+
+
+def test_a_deck_is_that_of_the_command(tmp_path):
+    path = granchain.deck(SCENE, tmp_path / "deck")
+    (tmp_path / "scene.yaml").write_text(json.dumps(SCENE))
+    assert main(["deck", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "by-command"), "-q"]) == 0
+    assert path.read_text() == (tmp_path / "by-command" / "in.chains").read_text()
+
+
+def test_every_name_of_the_module_is_there_and_has_a_docstring():
+    assert set(granchain.__all__) < set(dir(granchain))
+    for name in set(dir(granchain)) - {"materials", "__version__"}:
+        assert getattr(granchain, name).__doc__, name
+    with pytest.raises(AttributeError, match="module 'granchain' has no attribute 'analyse'"):
+        granchain.analyse  # noqa: B018
+
+
+def test_functions_of_studies_are_those_that_are_declared_and_that_type_checkers_see():
+    source = Path(granchain.__file__).read_text(encoding="utf-8")
+    seen = set(re.findall(r"^    from workflow\.studies\.\S+ import (\w+) as", source, re.M))
+    assert seen == {
+        name for name, point in plugins.declared("functions").items() if point.value.startswith("workflow.")
+    }
+    for name in seen:
+        assert getattr(granchain, name).__name__ == name
+
+
+def test_functions_have_the_names_of_commands_but_for_those_that_no_command_has():
+    functions = {name for name in dir(granchain) if isinstance(getattr(granchain, name), FunctionType)}
+    assert functions - set(COMMANDS) == {"load", "plot", "statistics", "universe"}
 
 
 def test_what_a_scene_leaves_open_is_found(tmp_path):
     scene = {key: value for key, value in SCENE.items() if key != "duration"} | {"until_bead": 6}
-    found = api.run(scene, str(tmp_path / "run"), engine="reference")
+    found = granchain.run(scene, str(tmp_path / "run"), engine="reference")
     assert found.directory.problem.duration > 4.0
 
 
@@ -85,31 +116,42 @@ def test_numbers_of_a_run_are_had_in_its_own_units(ran):
     assert ran.si.time[-1] == pytest.approx(1e-4, rel=0.01)
 
 
-def test_waves_are_a_structured_array(ran):
-    waves = api.analyse(ran).waves
-    found = waves.array()
-    assert found.dtype.names[:3] == ("chain", "bead", "pulse")
-    assert np.array_equal(found["peak_velocity"], waves.peak_velocity)
-
-
-def test_waves_in_si_are_those_of_the_table(ran):
-    found = api.analyse(ran, figures=False)
+def test_waves_are_the_table_of_the_file_in_the_units_of_the_scene(ran):
+    waves = granchain.analyze(ran).waves
     with (ran.directory.path / "waves.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    columns = {"arrival": "arrival (s)", "peak_velocity": "peak_velocity (m/s)", "speed": "speed (beads/s)"}
-    for name, column in columns.items():
-        written = [float(row[column] or "nan") for row in rows]
-        np.testing.assert_array_equal(found.si.array()[name], written)
+        head, *rows = csv.reader(file)
+    assert head == [waves.heading(name) for name in waves.columns]
+    assert head[3] == "arrival (s)"
+    array = waves.array()
+    for name, written in zip(waves.columns, zip(*rows, strict=True), strict=True):
+        numbers = [float(cell or "nan") for cell in written]
+        np.testing.assert_array_equal(getattr(waves, name), numbers)
+        np.testing.assert_array_equal(array[name], numbers)
+        assert name in dir(waves)
+
+
+def test_waves_in_units_of_v_and_t_are_those_of_the_survey(ran):
+    analysis = granchain.analyze(ran)
+    scale = ran.directory.problem.scale
+    np.testing.assert_array_equal(analysis.waves.arrival, analysis.survey.waves.arrival * scale.time)
+
+
+def test_waves_are_a_data_frame_if_pandas_is_there(ran):
+    pd = pytest.importorskip("pandas")
+    waves = granchain.analyze(ran).waves
+    written = pd.read_csv(ran.directory.path / "waves.csv")
+    pd.testing.assert_frame_equal(waves.pandas(), written, check_dtype=False)
 
 
 def test_a_run_its_error_its_validation_and_its_scene_show_themselves(ran):
-    judged = api.validate(ran.directory.path)
+    judged = granchain.validate(ran.directory.path)
     for shown, words in (
         (ran, "lammps"),
         (ran.check, "velocities (V)"),
         (judged, "momentum"),
-        (api.load(STEEL), "radius"),
-        (api.analyse(ran, figures=False), "peak velocity (m/s)"),
+        (granchain.load(STEEL), "radius"),
+        (granchain.analyze(ran, figures=False), "peak velocity (m/s)"),
+        (granchain.analyze(ran, figures=False).waves, "peak_velocity (m/s)"),
     ):
         assert any(words in text for text in Cells(shown._repr_html_()).text)
         assert len(repr(shown)) < 200
@@ -117,7 +159,7 @@ def test_a_run_its_error_its_validation_and_its_scene_show_themselves(ran):
 
 
 def test_a_notebook_shows_the_table_of_the_leading_pulse_that_the_command_prints_clear_of_the_free_end(ran, capsys):
-    shown = Cells(api.analyse(ran, figures=False)._repr_html_()).text
+    shown = Cells(granchain.analyze(ran, figures=False)._repr_html_()).text
     capsys.readouterr()
     assert main(["analyze", str(ran.directory.path), "--no-figures"]) == 0
     printed = capsys.readouterr().out.partition("leading pulse")[2].splitlines()
@@ -128,8 +170,8 @@ def test_a_notebook_shows_the_table_of_the_leading_pulse_that_the_command_prints
 
 
 def test_what_holds_many_numbers_says_how_many_in_a_line(ran):
-    frame = api.universe(ran).trajectory[2].data["si"]
-    for shown in (ran.si, ran.trajectory, api.analyse(ran, figures=False).waves, frame):
+    frame = granchain.universe(ran).trajectory[2].data["si"]
+    for shown in (ran.si, ran.trajectory, granchain.analyze(ran, figures=False).waves, frame):
         assert len(repr(shown)) < 200
         assert repr(shown).startswith("<")
 
@@ -138,7 +180,7 @@ def test_what_holds_many_numbers_says_how_many_in_a_line(ran):
 @pytest.mark.usefixtures("pool_here")
 def test_a_sweep_is_a_table_as_array_and_as_pandas_if_that_is_there(tmp_path):
     what = {"scene": SCENE, "vary": {"kick.velocity": [1.0, 2.0]}, "engine": "reference"}
-    found = api.sweep(what, tmp_path / "swept", jobs=1)
+    found = granchain.sweep(what, tmp_path / "swept", jobs=1)
     array = found.array()
     assert array["kick.velocity"].tolist() == [1.0, 2.0]
     assert array["engine"].tolist() == ["reference", "reference"]
@@ -163,7 +205,7 @@ def test_the_notebook_runs_and_its_saved_outputs_differ_by_numbers_only(tmp_path
         *(book["cells"] for book in (executed(names), json.loads(NOTEBOOK.read_text()))), strict=True
     ):
         assert [_words(one) for one in cell.get("outputs", [])] == [_words(one) for one in saved.get("outputs", [])]
-    assert "equipartitioned" in repr(names["found"])
+    assert "equipartitioned" in repr(names["analysis"])
     assert len(names["table"].rows) == 3
 
 
@@ -179,11 +221,11 @@ def _words(output):
 @pytest.mark.parametrize(
     ("call", "says"),
     [
-        (lambda: api.run("two-chains", None), "directory: None given; a path such as 'out'"),
-        (lambda: api.run("two-chains", "out", ranks="2"), "ranks: '2' given; a whole number, 1 or more"),
-        (lambda: api.analyse(3), "directory: 3 given"),
+        (lambda: granchain.run("two-chains", None), "directory: None given; a path such as 'out'"),
+        (lambda: granchain.run("two-chains", "out", ranks="2"), "ranks: '2' given; a whole number, 1 or more"),
+        (lambda: granchain.analyze(3), "directory: 3 given"),
     ],
 )
 def test_an_argument_of_another_type_is_named(call, says):
-    with pytest.raises(api.InputError, match=re.escape(says)):
+    with pytest.raises(granchain.InputError, match=re.escape(says)):
         call()
