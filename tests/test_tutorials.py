@@ -46,11 +46,14 @@ def test_the_python_examples_of_the_readme_pages_run_one_after_the_other(tmp_pat
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("lammps_here")
-def test_the_run_that_the_readme_quotes_prints_these_lines(tmp_path):
+def test_the_commands_that_the_readme_quotes_print_these_lines(tmp_path):
     page = (ROOT / "README.md").read_text(encoding="utf-8")
-    (quoted,) = re.findall(r"^ {4}two-chains: units.*\n(?: {4}.*\n)+", page, re.M)
-    timeless = re.sub(r"\d\S* s\b", "... s", quoted).replace("LAMMPS 20250722", "LAMMPS ...")
-    tutorial.compare(timeless, tutorial.called("granchain run two-chains -o demo", tmp_path))
+    section = page[page.index("## Two commands") : page.index("## A scene")]
+    quoted = re.findall(r"(?:^ {4}\S.*\n)+", section, re.M)
+    commands = ("granchain run two-chains -o two-chains", "granchain analyze two-chains")
+    for lines, command in zip(quoted, commands, strict=True):
+        timeless = re.sub(r"\d\S* s\b", "... s", lines).replace("LAMMPS 20250722", "LAMMPS ...")
+        tutorial.compare(timeless, tutorial.called(command, tmp_path))
 
 
 @pytest.mark.parametrize("page", MANUAL, ids=lambda page: str(page.relative_to(ROOT)))
