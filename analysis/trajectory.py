@@ -182,7 +182,8 @@ class Trajectory:
 
         Args:
             time: in units of T.
-            displacement, velocity: [frame, line, bead], see `of_atoms`.
+            displacement: [frame, line, bead] in units of L, further lines of atoms after the chains.
+            velocity: [frame, line, bead] in units of V.
         """
         moved = of_atoms(self.problem, time, displacement, velocity, self.first)
         return replace(moved, contact_state=self.contact_state)

@@ -95,6 +95,7 @@ def assemble(pages: Path, results: Path) -> None:
     notebook(ROOT / "workflow" / "first-steps.ipynb", pages)
     write(pages / "workflow" / "api.md", (HERE / "api.md").read_text())
     shutil.copy(HERE / "narrow.css", pages)
+    shutil.copy(ROOT / "CITATION.cff", pages)
     shutil.copytree(ROOT / PICTURES, pages / "pictures", ignore=shutil.ignore_patterns("site", "workflows"))
     (pages / "workflow" / "two-chains").mkdir()
     shutil.copy(results / "two-chains" / "view.html", pages / "workflow" / "two-chains")
@@ -151,11 +152,13 @@ def main() -> int:
         shutil.copy(HERE / "zensical.toml", place)
         (place / "modules").symlink_to(ROOT)
         command = [sys.executable, "-m", "zensical", "build", "--strict", "-f", place / "zensical.toml"]
-        done = subprocess.run(command, cwd=place, check=False)
-        broken = list(broken_links(place / "site")) if done.returncode == 0 else []
-        for line in broken:
-            sys.stderr.write(f"{line} leads nowhere\n")
-        if done.returncode or broken:
+        done = subprocess.run(
+            command, cwd=place, check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+        )
+        sys.stdout.write(done.stdout)
+        wrong = [f"{line} leads nowhere" for line in broken_links(place / "site")] if done.returncode == 0 else []
+        sys.stderr.writelines(f"{line}\n" for line in wrong)
+        if done.returncode or wrong or "griffe:" in done.stdout:  # which warns of docstrings, but not the builder
             return 1
         shutil.rmtree(options.output, ignore_errors=True)
         shutil.copytree(place / "site", options.output)

@@ -1,4 +1,4 @@
-"""Shock pulses in weakly coupled granular chains: what the commands do, for scripts and notebooks.
+"""Shock pulses in granular chains, single or weakly coupled: what the commands do, for scripts and notebooks.
 
 A function has the name and the arguments of its command. A scene may be a name, a file, plain data or a `Scene`; a run
 is a `Run` or the path of its directory. Bad input raises `InputError`, a run that fails `RunError`, each with one line
