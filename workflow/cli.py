@@ -189,7 +189,7 @@ def parser(names: Sequence[str]) -> argparse.ArgumentParser:
 
 def _listed() -> str:
     """Description that lists all commands by job."""
-    lines = ["Shock pulses in weakly coupled, uncompressed granular chains.", ""]
+    lines = ["Shock pulses in granular chains, single or weakly coupled, with or without a static load.", ""]
     lines += [f"Start with {', '.join(FIRST)}. `granchain COMMAND --help` lists options and examples."]
     for job, names in GROUPS.items():
         lines += ["", job]
