@@ -8,6 +8,7 @@ from typing import Any
 from lammps_inputs import InputError, Scene, library
 from workflow.runs.run import CompletedRun
 from workflow.runs.run_directory import RunDirectory
+from workflow.sweep import fields
 
 AnyScene = Scene | Mapping[str, Any] | Path | str
 """A scene, its plain data, its file, or the name of an installed one."""
@@ -16,29 +17,30 @@ AnyRun = CompletedRun | RunDirectory | Path | str
 """A run, or its directory."""
 
 
-def load(scene: AnyScene) -> Scene:
-    """Scene by the name of an installed one, from a YAML file, or from plain data.
+def load(scene: AnyScene, changes: Mapping[str, Any] | None = None) -> Scene:
+    """Scene by the name of an installed one, from a YAML file, or from plain data; with other values of some fields.
 
     Args:
-        scene: name, path of a file, or a mapping of the keys of a scene; a `Scene` is returned as it is.
+        scene: name, path of a file, a mapping of the keys of a scene, or a `Scene`, which itself never changes.
+        changes: fields by dotted name, such as ``{"coupling.stiffness": 0.2}``, and their values.
 
     Returns:
         The validated scene, in the units of its numbers: SI where it has a ``material``, else reduced units.
 
     Raises:
-        InputError: there is no such scene, or it is invalid; the message names the key.
+        InputError: there is no such scene or field, or the scene is invalid; the message names the key.
 
     Examples:
-        >>> granchain.load("two-chains").beads
-        120
+        >>> granchain.load("two-chains", {"coupling.stiffness": 0.2}).coupling.stiffness
+        0.2
         >>> granchain.load({"name": "mine", "beads": 20, "kick": {"velocity": 1.0}, "duration": 30.0})
         <scene mine: 1 chain of 20 beads>
     """
-    if isinstance(scene, Scene):
-        return scene
     if isinstance(scene, Mapping):
-        return library.from_plain(library.with_files(dict(scene), Path()), "scene")
-    return library.find(str(scene))
+        loaded = library.from_plain(library.with_files(dict(scene), Path()), "scene")
+    else:
+        loaded = scene if isinstance(scene, Scene) else library.find(str(scene))
+    return library.from_plain(fields.put_all(loaded.plain(), changes), source_of(scene)) if changes else loaded
 
 
 def source_of(scene: AnyScene) -> str:

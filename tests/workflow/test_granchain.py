@@ -12,7 +12,7 @@ import pytest
 from notebook import NOTEBOOK, executed
 
 import granchain
-from lammps_inputs import Scene, library, plugins
+from lammps_inputs import InputError, Scene, library, plugins
 from workflow.cli import COMMANDS, main
 
 SCENE = {"name": "tiny", "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0}
@@ -52,6 +52,23 @@ def test_a_scene_comes_by_name_file_data_or_as_it_is(tmp_path):
     assert granchain.load(path) == granchain.load(str(path)) == granchain.load(SCENE) == Scene(**SCENE)
     assert granchain.load("two-chains") == library.find("two-chains")
     assert granchain.load(granchain.load(SCENE)) == Scene(**SCENE)
+
+
+def test_a_scene_is_loaded_with_other_values_of_fields_which_are_checked():
+    scene = granchain.load("two-chains", {"coupling.stiffness": 0.2, "chains": 3})
+    assert (scene.coupling.stiffness, scene.chains, scene.beads) == (0.2, 3, 120)
+    assert granchain.load(scene, {"beads": 9}).beads == 9
+    for field, says in (("kappa", r"did you mean `coupling\.stiffness`"), ("chains", "chains: should be greater")):
+        with pytest.raises(InputError, match=says):
+            granchain.load("two-chains", {field: -3})
+
+
+def test_contacts_that_stay_elastic_have_no_figure_of_permanent_overlaps(tmp_path):
+    material = {"name": "steel", "radius": 4.76e-3, "yield_strength": 1e12}
+    scene = {"name": "elastic", "beads": 8, "material": material, "kick": {"velocity": 0.1}, "duration": 2e-4}
+    analysis = granchain.analyze(granchain.run(scene, tmp_path / "run", engine="reference"), figures=True)
+    assert "budget.png" in {path.name for path in map(Path, analysis.figures)}
+    assert "plastic.png" not in {path.name for path in map(Path, analysis.figures)}
 
 
 def test_a_run_is_a_universe_with_values_in_si(ran):

@@ -283,14 +283,17 @@ def collect(directory: Path, at_beads: Sequence[str] = ()) -> SweepTable:
 
     Args:
         directory: of a sweep, or any that run directories lie in.
-        at_beads: further columns, of the leading wave at chosen beads, such as ``peak_velocity@100``.
+        at_beads: further columns, of the kicked chain's leading wave at chosen beads, such as ``peak_velocity@100``.
 
     Returns:
         The table, sorted by the varied fields.
 
     Raises:
-        InputError: there is no run directory in it.
+        InputError: there is no run directory in it, or no such column.
     """
+    for name in at_beads:
+        if not at_bead(name)[1]:
+            raise InputError(f"{name}: no column at a bead; valid: {', '.join(f'{base}@BEAD' for base in AT_BEAD)}")
     try:
         directories = sorted(path for path in directory.iterdir() if (path / file_names.SCENE).is_file())
     except OSError as error:

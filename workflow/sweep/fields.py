@@ -69,12 +69,16 @@ FORMULAS = {key: ingredient for key, ingredient in INGREDIENTS.items() if issubc
 """Ingredients whose force may be a formula, with parameters beside it."""
 
 
+_IN_THE_LITERATURE = {"kappa": "coupling.stiffness", "epsilon": "coupling.stiffness", "amplitude": "kick.velocity"}
+"""Other names of fields -> the fields that are meant."""
+
 _MOST_MEANT = 3
 """Fields that are suggested for one that there is not."""
 
 
 def _meant(text: str, paths: list[str], scene: Mapping[str, Any]) -> list[str]:
     """Fields of nearly this path or with this last key; those that the scene has a value for, if it has any."""
+    text = _IN_THE_LITERATURE.get(text.lower(), text)
     ends = list(dict.fromkeys(name.rpartition(".")[2] for name in paths))
     end = text.lower() if text.lower() in ends else None
     close = [] if end else difflib.get_close_matches(text, paths, n=1)

@@ -515,3 +515,9 @@ def test_the_example_of_the_readme_finds_what_it_says(frequency, example, tmp_pa
     ((_, cut_off),) = report["spectra"]["bands"]
     exact = np.exp(-20.0 * np.arccosh(frequency / cut_off))
     assert report["spectra"]["transmissibility"] == pytest.approx(exact, rel=0.05)
+
+
+@pytest.mark.parametrize("name", ["foo@50", "peak_velocity@x", "peak_velocity_error@50", "peak_velocity"])
+def test_a_column_at_a_bead_that_there_is_not_is_refused(name, tmp_path):
+    with pytest.raises(InputError, match=r"no column at a bead; valid: .*peak_velocity@BEAD"):
+        granchain.collect(tmp_path, [name])

@@ -308,8 +308,8 @@ class PlasticContacts(Finding):
 
     @property
     def drawable(self) -> bool:
-        """Where any contact has been closed."""
-        return bool((self.contacts.overlap > 0.0).any())
+        """Whether any contact has kept a permanent overlap, which logarithmic axes can show."""
+        return bool((self.contacts.permanent > 0.0).any())
 
     def draw(self) -> "Figure":
         """Along the chains."""
