@@ -15,11 +15,11 @@ from analysis.trajectory import along_the_way
 from lammps_inputs import InputError, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.worker import ENERGY_TOLERANCE
+from workflow.measures.base import MOST_CHAINS
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import CommandResult, one_line, print_table
 from workflow.verdicts.analyse import Analysis, analyse
 from workflow.verdicts.analysis_report import REPORT, train
-from workflow.verdicts.findings.finding import MOST_CHAINS
 from workflow.verdicts.pulse_table import pulse_table
 
 FEW = 4
@@ -99,12 +99,12 @@ def _print(analysis: Analysis) -> None:
         _print_changes(analysis.survey)
         _print_accuracy(analysis)
     _print_pulses(analysis.survey)
-    for finding in analysis.findings.values():
-        for lines in finding.said():
-            if isinstance(lines, str):
-                print(lines)
+    for measurement in analysis.measurements.values():
+        for line in measurement.lines():
+            if isinstance(line, str):
+                print(line)
             else:
-                print_table(*lines)
+                print_table(*line)
     _print_drifts(analysis)
 
 

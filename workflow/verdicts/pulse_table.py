@@ -9,9 +9,9 @@ from analysis.tracking.pulses import of_one_kind
 from analysis.trajectory import Integers, along_the_way
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
+from workflow.measures.base import MOST_CHAINS
 from workflow.screen import PrintedTable
 from workflow.verdicts.analysis_report import last_clear_bead
-from workflow.verdicts.findings.finding import MOST_CHAINS
 
 MOST_BEADS = 7
 """Largest number of beads in the table."""

@@ -92,7 +92,7 @@ def test_sound_of_the_steel_beads_at_one_newton_runs_at_369_metres_a_second(tmp_
         timestep=5e-7,
     )
     run(case, tmp_path / "run", check=False)
-    sound = analyse(RunDirectory(tmp_path / "run"), figures=False).findings["sound"].found.pulse
+    sound = analyse(RunDirectory(tmp_path / "run"), figures=False).measurements["sound"].values.pulse
     assert sound is not None
     report = json.loads((tmp_path / "run" / "analysis.json").read_text())["sound"]
     assert report["metres"][0] == pytest.approx(369.2, abs=0.05)

@@ -110,7 +110,7 @@ def test_rigid_beads_have_no_hertzian_contacts(tmp_path):
     rigid = steel(gap=1e-5, beads=4)
     result = run(rigid, tmp_path / "run", engine="collisions")
     assert result.directory.job.contacts is None
-    assert "contacts" not in analyse(result.directory, figures=False).findings
+    assert "contacts" not in analyse(result.directory, figures=False).measurements
 
 
 @pytest.mark.parametrize(("velocity", "warned"), [(120.0, False), (140.0, True)])

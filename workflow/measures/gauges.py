@@ -19,10 +19,10 @@ from analysis.gauges.spectra import HighestLine, SpectralLines, SpectrumMeter, S
 from analysis.gauges.spectra import VelocitySpectra as Measured
 from analysis.sharing.survey import Survey
 from lammps_inputs import physics
+from workflow.measures.base import MOST_CHAINS, FrameMeter, Measurement, Recorded
 from workflow.runs.contacts import LargestContactForce as ContactOverlaps
 from workflow.runs.contacts import has_contacts, of_overlap
 from workflow.screen import PrintedTable
-from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure, Recorded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,22 +45,22 @@ SMALLEST_UNCERTAINTY = 1e-4
 
 
 @dataclass(frozen=True, repr=False)
-class ForcesFinding(Finding):
+class ForceMeasurement(Measurement):
     """Forces over time: an entry for each gauge and chain."""
 
     key, kind, figure = "forces", list[Reading], "forces"
     table = "forces.csv", ForceTable
 
-    found: list[Reading]
+    values: list[Reading]
     readings: Readings
 
-    def said(self) -> Iterator[str | PrintedTable]:
+    def lines(self) -> Iterator[str | PrintedTable]:
         """Largest force, impulse and dwell of every gauge; what is so far; forces on walls, and what they reflect."""
         problem, readings, scale = self.problem, self.readings, self.problem.scale
         chains = range(min(problem.chains, MOST_CHAINS))
         loaded = readings.loaded
         words = _LOADED_WORDS if loaded else _WORDS
-        shown = [one for one in self.found if one.chain <= MOST_CHAINS]
+        shown = [one for one in self.values if one.chain <= MOST_CHAINS]
         rows = [[one.name if one.chain == 1 else "", str(one.chain), *self._cells(one, words)] for one in shown]
         head = ["force at", "chain", *quantity.headings(Reading, scale, words)]
         yield PrintedTable(f"{problem.name}: forces", head, rows)
@@ -77,7 +77,7 @@ class ForcesFinding(Finding):
                 if "contact" in kinds and np.isfinite(most[place]) and (inside := most[kinds.index("contact")]) > 0.0:
                     other = readings.gauges[kinds.index("contact")].name
                     said.append(f"largest {which} {most[place] / inside:.4f} times that at {other}")
-                if (found := self.found[place * problem.chains + chain].reflected) is not None:
+                if (found := self.values[place * problem.chains + chain].reflected) is not None:
                     said.append(_said(found, coupled=physics.coupled(problem.system)))
                 if said:
                     yield f"{gauge.name}, chain {chain + 1}: {', '.join(said)}"
@@ -151,7 +151,7 @@ class ForcesFinding(Finding):
         return force_figure(self.problem, self.readings)
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Forces at the gauges that the scene names; rigid beads feel none."""
         wanted, problem = run.scene.output.forces, run.problem
         if wanted is None or not run.deforms:
@@ -161,7 +161,7 @@ class ForcesFinding(Finding):
         )
         meter = ForceMeter(problem, places)
 
-        def finish(found: Survey) -> ForcesFinding:
+        def finish(found: Survey) -> ForceMeasurement:
             passed = (*found.pulses, *found.crests)
             sides = {gauge.side for gauge in places if gauge.kind == "wall"}
             reflected = {
@@ -170,7 +170,7 @@ class ForcesFinding(Finding):
             readings = meter.result()
             return cls(problem, readings.entries(reflected), readings)
 
-        return Measure(finish, meter.add)
+        return FrameMeter(finish, meter.add)
 
 
 def _said(found: Reflection, *, coupled: bool) -> str:
@@ -183,18 +183,18 @@ def _said(found: Reflection, *, coupled: bool) -> str:
 
 
 @dataclass(frozen=True, repr=False)
-class SpectraFinding(Finding):
+class SpectrumMeasurement(Measurement):
     """Spectra of the velocities of chosen beads."""
 
     key, kind, figure = "spectra", SpectralLines, "spectra"
     table = "spectra.csv", SpectrumTable
 
-    found: SpectralLines
+    values: SpectralLines
     spectra: Measured
 
-    def said(self) -> Iterator[PrintedTable]:
+    def lines(self) -> Iterator[PrintedTable]:
         """The highest line of every bead, and what it has of the drives."""
-        spectra, found, scale = self.spectra, self.found, self.problem.scale
+        spectra, found, scale = self.spectra, self.values, self.problem.scale
         words = {"frequency": "highest line at", "amplitude": "its velocity"}
         head = ["bead", "chain", *quantity.headings(HighestLine, scale, words)]
         for frequency in spectra.drive:
@@ -220,7 +220,7 @@ class SpectraFinding(Finding):
         return spectra_figure(self.problem, self.spectra)
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Spectra of the beads that the scene names."""
         wanted, problem = run.scene.output.spectra, run.problem
         if wanted is None:
@@ -228,72 +228,72 @@ class SpectraFinding(Finding):
         after = None if wanted.after is None else wanted.after / problem.scale.time
         meter = SpectrumMeter(problem, wanted.beads, after)
 
-        def finish(_: Survey) -> SpectraFinding | None:
+        def finish(_: Survey) -> SpectrumMeasurement | None:
             spectra = meter.result()
             return None if spectra is None else cls(problem, spectra.found(problem), spectra)
 
-        return Measure(finish, meter.add)
+        return FrameMeter(finish, meter.add)
 
 
 @dataclass(frozen=True, repr=False)
-class FarEndFinding(Finding):
+class FarEndMeasurement(Measurement):
     """Force, delay and energy."""
 
     key, kind = "far_end", Transmitted
     needs_survey = False
 
-    found: Transmitted
+    values: Transmitted
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """The far end of runs of all beads, if these are elastic."""
         problem = run.problem
         if not problem.whole or not run.deforms:
             return None
         end = Collected(problem)
-        return Measure(lambda _: cls(problem, end.result()), end.add)
+        return FrameMeter(lambda _: cls(problem, end.result()), end.add)
 
 
 @dataclass(frozen=True, repr=False)
-class ContactsFinding(Finding):
+class ContactMeasurement(Measurement):
     """The largest contact force."""
 
     key, kind = "contacts", ContactOverlaps
 
-    found: ContactOverlaps
+    values: ContactOverlaps
 
-    def said(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """The largest force, with a warning where Hertz's law ends."""
-        yield from self.found.lines()
+        yield from self.values.lines()
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Contacts of elastic spheres with a material; where frames show no overlaps, what they may be at most."""
         problem = run.problem
         if not has_contacts(run.scene, run.problem, deforms=run.deforms):
             return None
         overlap = LargestOverlap()
 
-        def finish(_: Survey) -> ContactsFinding | None:
+        def finish(_: Survey) -> ContactMeasurement | None:
             largest = of_overlap(run.scene, overlap)
             return None if largest is None else cls(problem, largest)
 
-        return Measure(finish, overlap.add) if shown_by_frames(problem) else Measure(finish)
+        return FrameMeter(finish, overlap.add) if shown_by_frames(problem) else FrameMeter(finish)
 
 
 @dataclass(frozen=True, repr=False)
-class PlasticContacts(Finding):
+class PlasticMeasurement(Measurement):
     """What the contacts keep at the end."""
 
     key, kind, figure = "plastic", Yielded, "plastic"
     table = "plastic.csv", YieldTable
 
-    found: Yielded
+    values: Yielded
     contacts: YieldTable
 
-    def said(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """How many have yielded, by how much, and how the largest force falls along the kicked chain."""
-        found, scale = self.found, self.problem.scale
+        found, scale = self.values, self.problem.scale
         line = (
             f"plastic contacts: {found.contacts} of {len(self.contacts.contact)} have a permanent overlap, at most "
             f"{scale.written(found.permanent, 'length')}"
@@ -318,15 +318,15 @@ class PlasticContacts(Finding):
         return yield_figure(self.problem, self.contacts)
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Contacts of runs of all beads."""
         problem = run.problem
         if not YieldMeter.applies(problem):
             return None
         meter = YieldMeter()
 
-        def finish(_: Survey) -> PlasticContacts | None:
+        def finish(_: Survey) -> PlasticMeasurement | None:
             found = meter.result()
             return None if found is None else cls(problem, *found)
 
-        return Measure(finish, meter.add)
+        return FrameMeter(finish, meter.add)

@@ -14,9 +14,9 @@ from analysis.tracking.undisturbed import BehindWindow, Residual
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from workflow.engines.reference.energy_exchange import Accountant
+from workflow.measures.base import MOST_CHAINS, FrameMeter, Measurement, Recorded
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import PrintedTable
-from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure, Recorded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,41 +26,41 @@ SMALLEST_LOSS = 1e-8
 
 
 @dataclass(frozen=True, repr=False)
-class BudgetFinding(Finding):
+class BudgetMeasurement(Measurement):
     """The account, and how well it is known."""
 
     key, kind, figure = "budget", ClosedAccount, "budget"
 
-    found: ClosedAccount
+    values: ClosedAccount
 
     @property
     def sentence(self) -> str:
         """How well it is closed, in one line."""
-        found = self.found
+        found = self.values
         own = "" if found.stated is None else f"; error of the run {found.stated:.1e} V"
         return (
             f"energy balance closed to {found.closed:.1e} of the energy input; exchange between frames uncertain by "
             f"{found.between_frames:.1e}{own}"
         )
 
-    def said(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """What went where, and how well that is known."""
-        yield self.found.sentence(self.problem.scale)
+        yield self.values.sentence(self.problem.scale)
         yield self.sentence
 
     @property
     def drawable(self) -> bool:
         """Whether there is more than one instant."""
-        return len(self.found.time) > 1
+        return len(self.values.time) > 1
 
     def draw(self) -> "Figure":
         """The account over time."""
         from analysis.figures.energy import budget_figure
 
-        return budget_figure(self.problem, self.found)
+        return budget_figure(self.problem, self.values)
 
 
-def closed(directory: RunDirectory, seen: Conservation, exchange: Accountant) -> BudgetFinding | None:
+def closed(directory: RunDirectory, seen: Conservation, exchange: Accountant) -> BudgetMeasurement | None:
     """The budget of what was seen; None where nothing is exchanged, and where not all beads are recorded.
 
     Args:
@@ -78,21 +78,21 @@ def closed(directory: RunDirectory, seen: Conservation, exchange: Accountant) ->
         between_frames=exchange.uncertainty / account.most,
         stated=None if stated is None else stated.velocity,
     )
-    return BudgetFinding(directory.problem, found)
+    return BudgetMeasurement(directory.problem, found)
 
 
 @dataclass(frozen=True, repr=False)
-class Energy(Finding):
+class EnergyMeasurement(Measurement):
     """Shares of the chains."""
 
     key, kind, figure = "energy", Flow, "energy"
     needs_survey = False
 
-    found: Flow
+    values: Flow
 
-    def said(self) -> Iterator[PrintedTable | str]:
+    def lines(self) -> Iterator[PrintedTable | str]:
         """How much of it each chain had, at the least, most and last, and where along the chain at the end."""
-        flow, chains, scale = self.found, self.problem.chains, self.problem.scale
+        flow, chains, scale = self.values, self.problem.chains, self.problem.scale
         if chains == 1:
             yield f"energy at the end: mean bead {flow.centre[-1, 0]:.1f}, standard deviation {flow.spread[-1, 0]:.1f}"
             return
@@ -114,29 +114,29 @@ class Energy(Finding):
         """Shares of the chains over time."""
         from analysis.figures.energy import energy_figure
 
-        return energy_figure(self.problem, self.found)
+        return energy_figure(self.problem, self.values)
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Energies of runs of all beads in which no pulse keeps its shape."""
         problem = run.problem
         if not problem.whole or problem.system.holds(Fact.PULSE):
             return None
         flow = EnergyFlow(problem)
-        return Measure(lambda _: cls(problem, flow.result()), flow.add)
+        return FrameMeter(lambda _: cls(problem, flow.result()), flow.add)
 
 
 @dataclass(frozen=True, repr=False)
-class Cells(Finding):
+class CellMeasurement(Measurement):
     """Energy of the pulses, what stays in cells, and what a replaced bead reflects."""
 
     key, kind = "cells", CellEnergies
 
-    found: CellEnergies
+    values: CellEnergies
 
-    def said(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """The energy of the pulse of each chain, and where the energy is as seen from a replaced bead."""
-        found = self.found
+        found = self.values
         cell = "bead" if found.beads == 1 else f"cell of {found.beads} beads"
         for chain, (one, end) in enumerate(zip(found.chains[:MOST_CHAINS], found.last_bead, strict=False), 1):
             if one is not None:
@@ -157,7 +157,7 @@ class Cells(Finding):
                 yield f"  it reflects {split.reflected:.2%} of the energy input; {split.incident:.2%} is incident"
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Energies of runs of all beads in which a pulse stays together and no sound runs."""
         problem, scene = run.problem, run.scene
         system = problem.system
@@ -169,7 +169,7 @@ class Cells(Finding):
             return None
         final = FinalEnergy(problem)
 
-        def finish(found: Survey) -> Cells:
+        def finish(found: Survey) -> CellMeasurement:
             chains, beads = range(1, problem.chains + 1), period_of(system)
             each = tuple(left(found, chain, beads) for chain in chains)
             kicked = each[physics.largest_excitation(system)[0] - 1]
@@ -182,26 +182,26 @@ class Cells(Finding):
             )
             return cls(problem, energies)
 
-        return Measure(finish, final.add)
+        return FrameMeter(finish, final.add)
 
 
 @dataclass(frozen=True, repr=False)
-class Window(Finding):
+class WindowMeasurement(Measurement):
     """Whether it could catch up."""
 
     key, kind = "window", Residual
 
-    found: Residual
+    values: Residual
 
-    def said(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """The sentence."""
-        yield self.found.sentence
+        yield self.values.sentence
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Where there is a window."""
         problem = run.problem
         if problem.window is None:
             return None
         behind = BehindWindow()
-        return Measure(lambda found: cls(problem, behind.result(found.waves)), behind.add)
+        return FrameMeter(lambda found: cls(problem, behind.result(found.waves)), behind.add)
