@@ -44,7 +44,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         print(f"# {settings.sentence(problem)}")
     print(f"# {scene.units}")
     if scale.si:
-        print(f"# unit of force: m L / T^2 = {scale.short(1.0, 'force')}")
+        print(f"# the unit of force is m L / T^2 = {scale.short(1.0, 'force')}")
     if physics.gap(system) > 0.0 and physics.coupled(system) and physics.simply_coupled(system):
         from workflow.engines.collisions import modes  # numba takes a third of a second to import
 

@@ -36,11 +36,11 @@ class BudgetMeasurement(Measurement):
     @property
     def sentence(self) -> str:
         """How well it is closed, in one line."""
-        found = self.values
-        own = "" if found.stated is None else f"; error of the run {found.stated:.1e} V"
+        account = self.values
+        error = "" if account.stated is None else f", and the error of velocities in the run is {account.stated:.1e} V"
         return (
-            f"energy balance closed to {found.closed:.1e} of the energy input; exchange between frames uncertain by "
-            f"{found.between_frames:.1e}{own}"
+            f"the energy balance is closed to {account.closed:.1e} of the energy input; the uncertainty of what was "
+            f"exchanged between frames is {account.between_frames:.1e} of it{error}"
         )
 
     def lines(self) -> Iterator[str]:
@@ -94,7 +94,10 @@ class EnergyMeasurement(Measurement):
         """How much of it each chain had, at the least, most and last, and where along the chain at the end."""
         flow, chains, scale = self.values, self.problem.chains, self.problem.scale
         if chains == 1:
-            yield f"energy at the end: mean bead {flow.centre[-1, 0]:.1f}, standard deviation {flow.spread[-1, 0]:.1f}"
+            yield (
+                f"the energy at the end is distributed around bead {flow.centre[-1, 0]:.1f} with a standard deviation "
+                f"of {flow.spread[-1, 0]:.1f} beads"
+            )
             return
         rows = []
         for chain in range(min(chains, MOST_CHAINS)):
@@ -105,10 +108,10 @@ class EnergyMeasurement(Measurement):
         if chains > MOST_CHAINS:
             rows.append([f"of {chains}", "", "", "", ""])
         when = [scale.heading(f"{which} at time", "time") for which in ("least", "most")]
-        head = ["chain", *when, "at the end", "there, around bead"]
-        yield PrintedTable(f"{self.problem.name}: share of the energy", head, rows)
+        head = ["chain", *when, "at the end", "mean bead at the end"]
+        yield PrintedTable("share of the energy", head, rows)
         if flow.fastest_mode_action is not None:
-            yield f"share of the action in the fastest mode of the rows at the end: {flow.fastest_mode_action:.6f}"
+            yield f"at the end the fastest mode of the rows has a share of {flow.fastest_mode_action:.6f} of the action"
 
     def draw(self) -> "Figure":
         """Shares of the chains over time."""
@@ -136,25 +139,29 @@ class CellMeasurement(Measurement):
 
     def lines(self) -> Iterator[str]:
         """The energy of the pulse of each chain, and where the energy is as seen from a replaced bead."""
-        found = self.values
-        cell = "bead" if found.beads == 1 else f"cell of {found.beads} beads"
-        for chain, (one, end) in enumerate(zip(found.chains[:MOST_CHAINS], found.last_bead, strict=False), 1):
-            if one is not None:
-                line = f"chain {chain}: the leading pulse has {one.carried:.2%} of the energy input at bead {one.last}"
-                if math.isfinite(one.per_cell):
-                    small = one.per_cell <= SMALLEST_LOSS
-                    lost = f"less than {SMALLEST_LOSS:.0e}" if small else f"{one.per_cell:.1e}"
-                    line += f"; from bead {one.first} on {lost} of the energy input remains in each {cell}"
+        energies = self.values
+        cell = "bead" if energies.beads == 1 else f"cell of {energies.beads} beads"
+        for chain, (pulse, end) in enumerate(zip(energies.chains[:MOST_CHAINS], energies.last_bead, strict=False), 1):
+            if pulse is not None:
+                line = f"in chain {chain} the leading pulse carries {pulse.carried:.2%} of the energy input at bead "
+                line += str(pulse.last)
+                if math.isfinite(pulse.per_cell):
+                    small = pulse.per_cell <= SMALLEST_LOSS
+                    lost = f"less than {SMALLEST_LOSS:.0e}" if small else f"{pulse.per_cell:.1e}"
+                    line += f"; from bead {pulse.first} on {lost} of the energy input remains in each {cell}"
                 yield line
             if end is not None:
-                yield f"chain {chain}: largest kinetic energy of its last bead {end:.2%} of the energy input"
-        for split in found.replaced[:MOST_CHAINS]:
+                yield f"in chain {chain} the kinetic energy of the last bead reaches {end:.2%} of the energy input"
+        for split in energies.replaced[:MOST_CHAINS]:
             yield (
-                f"bead {split.bead} of chain {split.chain}: at the end its chain has {split.before:.2%} of the energy "
-                f"input in beads before it, {split.at:.2%} in it, {split.beyond:.2%} in beads beyond"
+                f"at the end chain {split.chain} has {split.before:.2%} of the energy input in beads before bead "
+                f"{split.bead}, {split.at:.2%} in it, {split.beyond:.2%} in beads beyond it"
             )
             if math.isfinite(split.reflected):
-                yield f"  it reflects {split.reflected:.2%} of the energy input; {split.incident:.2%} is incident"
+                yield (
+                    f"bead {split.bead} of chain {split.chain} reflects {split.reflected:.2%} of the energy input, of "
+                    f"{split.incident:.2%} that is incident"
+                )
 
     @classmethod
     def meter(cls, run: Recorded) -> FrameMeter | None:

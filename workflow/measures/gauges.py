@@ -63,7 +63,7 @@ class ForceMeasurement(Measurement):
         shown = [one for one in self.values if one.chain <= MOST_CHAINS]
         rows = [[one.name if one.chain == 1 else "", str(one.chain), *self._cells(one, words)] for one in shown]
         head = ["force at", "chain", *quantity.headings(Reading, scale, words)]
-        yield PrintedTable(f"{problem.name}: forces", head, rows)
+        yield PrintedTable("forces", head, rows)
         yield from self._uncertain()
         yield from self._unfinished()
         kinds = [gauge.kind for gauge in readings.gauges]
@@ -72,15 +72,15 @@ class ForceMeasurement(Measurement):
             if gauge.kind != "wall":
                 continue
             for chain in chains:
-                said = []
-                most = readings.dynamic[chain]
-                if "contact" in kinds and np.isfinite(most[place]) and (inside := most[kinds.index("contact")]) > 0.0:
-                    other = readings.gauges[kinds.index("contact")].name
-                    said.append(f"largest {which} {most[place] / inside:.4f} times that at {other}")
-                if (found := self.values[place * problem.chains + chain].reflected) is not None:
-                    said.append(_said(found, coupled=physics.coupled(problem.system)))
-                if said:
-                    yield f"{gauge.name}, chain {chain + 1}: {', '.join(said)}"
+                where, largest = f"in chain {chain + 1} the", readings.dynamic[chain]
+                contact = kinds.index("contact") if "contact" in kinds else None
+                if contact is not None and np.isfinite(largest[place]) and largest[contact] > 0.0:
+                    ratio, other = largest[place] / largest[contact], readings.gauges[contact].name
+                    yield f"{where} largest {which} at the {gauge.name} is {ratio:.4f} times that at {other}"
+                reflection = self.values[place * problem.chains + chain].reflected
+                if reflection is not None:
+                    coupled = physics.coupled(problem.system)
+                    yield f"{where} {gauge.name} reflects {_reflected(reflection, coupled=coupled)}"
 
     def _cells(self, one: Reading, names: Iterable[str]) -> list[str]:
         """Cells of the printed table, by the names of the quantities."""
@@ -107,10 +107,10 @@ class ForceMeasurement(Measurement):
             return
         chain, place = np.unravel_index(int(np.nanargmax(relative)), relative.shape)
         late = scale.written(float(readings.at_error[chain, place]), "time", ".1e")
-        where = f"{readings.gauges[place].name}, chain {chain + 1}, its time {late}"
+        where = f"{readings.gauges[place].name}, chain {chain + 1}, its time to {late}"
         yield (
-            f"uncertainty by frames {every} apart: of largest forces up to {relative[chain, place]:.1e} of the excess "
-            f"over rest ({where}); of each force, impulse and dwell in analysis.json"
+            f"with frames {every} apart the uncertainty of largest forces is up to {relative[chain, place]:.1e} of the "
+            f"excess over rest ({where}); analysis.json has that of each force, impulse and dwell"
         )
 
     def _places(self, chosen: NDArray[np.bool_]) -> str:
@@ -173,12 +173,13 @@ class ForceMeasurement(Measurement):
         return FrameMeter(finish, meter.add)
 
 
-def _said(found: Reflection, *, coupled: bool) -> str:
-    among = "; chains exchange energy meanwhile" if coupled else ""
-    read = [f"{first} to {last}" for first, last in (found.incident_beads, found.reflected_beads)]
+def _reflected(reflection: Reflection, *, coupled: bool) -> str:
+    """The reflected pulse in words: its peak velocity over that of the incident one, and where these were measured."""
+    exchange = "; chains exchange energy meanwhile" if coupled else ""
+    beads = [f"{first} to {last}" for first, last in (reflection.incident_beads, reflection.reflected_beads)]
     return (
-        f"the first pulse is reflected at {found.ratio:.4f} +- {found.uncertainty:.1g} of its peak velocity (incident: "
-        f"beads {read[0]}, reflected: {read[1]}, extrapolated to the wall{among})"
+        f"the first pulse with {reflection.ratio:.4f} +- {reflection.uncertainty:.1g} of its peak velocity (incident: "
+        f"beads {beads[0]}, reflected: {beads[1]}, extrapolated to the wall{exchange})"
     )
 
 
@@ -207,7 +208,7 @@ class SpectrumMeasurement(Measurement):
                 passed_on = [quantity.cell(drive.transmissibility, ".5g") for drive in one.at_drive]
                 rows.append([str(one.bead) if one.chain == 1 else "", str(one.chain), *line, *passed_on])
         start = scale.written(found.after, "time", ".5g")
-        yield PrintedTable(f"{self.problem.name}: spectra from t = {start} on", head, rows)
+        yield PrintedTable(f"spectra from t = {start} on", head, rows)
 
     def rows(self) -> SpectrumTable:
         """All lines."""
@@ -295,7 +296,7 @@ class PlasticMeasurement(Measurement):
         """How many have yielded, by how much, and how the largest force falls along the kicked chain."""
         found, scale = self.values, self.problem.scale
         line = (
-            f"plastic contacts: {found.contacts} of {len(self.contacts.contact)} have a permanent overlap, at most "
+            f"{found.contacts} of {len(self.contacts.contact)} contacts have a permanent overlap, of at most "
             f"{scale.written(found.permanent, 'length')}"
         )
         if math.isfinite(found.decay):

@@ -34,7 +34,7 @@ class DispersionMeasurement(Measurement):
     def lines(self) -> Iterator[str]:
         """Why there is none."""
         if self.values.why is not None:
-            yield f"no dispersion map: {self.values.why}"
+            yield f"there is no dispersion map: {self.values.why}"
 
     def rows(self) -> Branches | None:
         """The branches."""
@@ -85,28 +85,29 @@ class SoundMeasurement(Measurement):
     """Distance of neighbouring beads at rest, in m; None where there is no one such distance."""
 
     def lines(self) -> Iterator[str]:
-        """Speed of sound and the pulse in one line."""
+        """Speed of sound, and the leading pulse against it."""
         scale, wave, found = self.problem.scale, self.values.pulse, bands(self.problem.system)
         if physics.ground_springs(self.problem.system):
-            line = "sound: long waves do not run, for springs to the ground hold the beads"
+            line = "long waves of sound do not run, as springs to the ground hold the beads"
             if found is not None:
                 low, high = (f"{scale.measured(end, 'frequency'):.6g}" for end in (found.min(), found.max()))
-                line += f"; small ones have frequencies from {low} to {high}{scale.each('rad')}"
+                line += f"; small waves have frequencies from {low} to {high}{scale.each('rad')}"
             yield line
             return
         speeds = sound_speed(self.problem.system) if wave is None else np.array([wave.sound])
-        said = dict.fromkeys(f"{speed / scale.time:.6g}" for speed in (float(speeds.min()), float(speeds.max())))
-        line = f"sound: c0 = {' to '.join(said)}{scale.each('beads')}"
+        numbers = dict.fromkeys(f"{speed / scale.time:.6g}" for speed in (float(speeds.min()), float(speeds.max())))
+        line = f"the speed of sound is c0 = {' to '.join(numbers)}{scale.each('beads')}"
         if self.bead_length is not None:
             line += f" ({float(speeds.max()) * self.bead_length / scale.time:.5g} m/s)"
+        yield line
         if wave is not None:
-            line += (
-                f"; the leading pulse runs at {wave.over_sound:.5f} c0 past beads {wave.first} to {wave.last}, "
-                f"F_m/F_0 = {wave.force_ratio:.4g}"
+            line = (
+                f"the leading pulse runs at {wave.over_sound:.5f} c0 past beads {wave.first} to {wave.last}, with a "
+                f"largest force of {wave.force_ratio:.4g} times the static one"
             )
             if math.isfinite(wave.theory):
-                line += f": {wave.over_theory:.5f} of the long-wave theory (Nesterenko 2001)"
-        yield line
+                line += f"; its speed is {wave.over_theory:.5f} of that of the long-wave theory (Nesterenko 2001)"
+            yield line
 
     @classmethod
     def meter(cls, run: Recorded) -> FrameMeter | None:

@@ -33,7 +33,7 @@ def pulse_table(survey: Survey) -> PrintedTable | None:
     scale = survey.problem.scale
     head = ["bead", "chain", *headings(Waves, scale, _COLUMNS), *(["peak velocity / V"] if scale.si else [])]
     rows = [row for bead in selected_beads(survey) for row in _rows(survey.waves.at(bead), bead, survey)]
-    return PrintedTable(f"{survey.problem.name}: leading pulse", head, rows) if rows else None
+    return PrintedTable("leading pulse", head, rows) if rows else None
 
 
 def _rows(waves: Waves, bead: int, survey: Survey) -> list[list[str]]:
