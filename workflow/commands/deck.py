@@ -55,7 +55,7 @@ def execute(arguments: argparse.Namespace) -> int:
         print_files(arguments.output, written.files)
         print(f"`sbatch {file_names.JOB}` there submits the job; `granchain status {directory}` shows its state")
         return 0
-    print(f"{size.sentence()} on one core")
+    print(f"a run on one core has {size.sentence()}")
     print_files(arguments.output, written.files)
     print(f"`lmp -in {file_names.DECK}` there runs the deck; then `granchain analyze {directory}` analyses it")
     return 0

@@ -72,7 +72,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         print(f"warning: {why}")
     size = size_of(problem, ENGINES[engine], ready.ranks)
     if size.large:
-        print(size.sentence(), flush=True)
+        print(f"the run has {size.sentence()}", flush=True)
     with progress_bar(scene.name, problem) as progress:
         result = running.run_prepared(
             ready, check=not arguments.no_check, progress=progress, restart_every=arguments.restart_every

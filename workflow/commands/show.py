@@ -35,7 +35,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     system = problem.system
     print(strict_yaml.dump(scene.plain()), end="")
     size = size_of(problem)
-    print(f"# {problem.chains * problem.beads} beads; {size.sentence()} in LAMMPS on one core")
+    print(f"# {problem.chains * problem.beads} beads; a run in LAMMPS on one core has {size.sentence()}")
     if above := too_large(scene, size):
         print(f"# warning: `granchain run` refuses {above}")
     for why in filter(None, [unstable(scene), *scene.unlikely]):

@@ -62,6 +62,8 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     else:
         dimensionless = arguments.units == "dimensionless"
         comparison = validate_against(directory, against, dimensionless=dimensionless, tolerances=tolerances)
+    if arguments.output is None:  # else it was printed before the scene was run
+        print_heading(comparison.problem.name, directory.scene.units)
     _print(comparison)
     print_files(directory.path, (validation.REPORT, *figure_files(validation.FIGURE)))
     data = json.loads((directory.path / validation.REPORT).read_text(encoding="utf-8"))
@@ -73,9 +75,7 @@ def _directory(arguments: argparse.Namespace, against: RunDirectory | Path | Non
     if Path(arguments.what).is_dir():
         if arguments.output is not None:
             raise InputError("-o: is for a scene; a run directory gets its report inside")
-        directory = RunDirectory(Path(arguments.what))
-        print_heading(directory.problem.name, directory.scene.units)
-        return directory
+        return RunDirectory(Path(arguments.what))
     scene = library.find(arguments.what)
     if arguments.output is None:
         raise InputError(f"-o: {arguments.what} is a scene, so a directory for its run is needed")

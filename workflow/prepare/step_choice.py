@@ -106,10 +106,8 @@ class ChosenStep:
                 "longer step"
             )
         longer = "; the frames, the energy or stability allow no longer one" if self.limited else ""
-        default = "" if self.asked else "default "
-        return (
-            f"time step {step}, for an error of velocities up to {self.accuracy:g} V ({default}accuracy): {how}{longer}"
-        )
+        accuracy = "accuracy of the scene" if self.asked else "default accuracy"
+        return f"time step {step}, for an error of velocities up to {self.accuracy:g} V ({accuracy}): {how}{longer}"
 
 
 _USUAL = 0.2

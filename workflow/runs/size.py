@@ -50,12 +50,11 @@ class Size:
         return self.bytes > LARGE_BYTES or (self.seconds or 0.0) > LARGE_SECONDS
 
     def sentence(self) -> str:
-        """Frames, size, steps and time in one line."""
+        """Steps, frames, their size and time in one phrase."""
         number = "" if self.steps is None else f"about {self.steps:.2g}" if self.rough else f"{self.steps:,}"
-        parts = [f"{number} steps"] if number else []
-        parts += [] if self.seconds is None else [f"an estimated time of {time_text(self.seconds)}"]
-        takes = f" and takes {' and '.join(parts)}" if parts else ""
-        return f"the run writes {self.frames:,} frames ({size_text(self.bytes)}){takes}"
+        steps = f"{number} steps and " if number else ""
+        time = "" if self.seconds is None else f" in an estimated time of {time_text(self.seconds)}"
+        return f"{steps}{self.frames:,} frames ({size_text(self.bytes)}){time}"
 
 
 def size_of(problem: Problem, engine: Engine = LAMMPS, ranks: int = 1) -> Size:

@@ -92,7 +92,7 @@ def test_the_uncertainty_of_forces_is_printed_where_it_matters(problem):
     assert not any("uncertainty" in line for line in measurement_of(seen, problem).lines() if isinstance(line, str))
     seen.largest_error[0, 1] = 1e-3 * seen.largest[0, 1]
     _, sentence, *_ = measurement_of(seen, problem).lines()
-    assert "of largest forces up to 1.0e-03 of the excess over rest (contact 7, chain 1" in sentence
+    assert "the uncertainty of largest forces is up to 1.0e-03 of the excess over rest (contact 7, chain 1" in sentence
 
 
 @pytest.mark.parametrize("static", [0.0, 5.0])
@@ -188,7 +188,7 @@ def test_the_cutoff_is_the_edge_of_the_highest_band_and_springs_to_the_ground_le
     assert found["speed"] == found["metres"] == pytest.approx([math.sqrt(1.5 / 0.75)] * 2)
     assert held["cutoff"] == pytest.approx(math.sqrt(4.0 * 1.5 + 0.5))
     assert held["speed"] is held["metres"] is None
-    assert line.endswith("hold the beads; small ones have frequencies from 0.707107 to 2.54951 rad per unit time")
+    assert line.endswith("hold the beads; small waves have frequencies from 0.707107 to 2.54951 rad per unit time")
 
 
 def test_where_nothing_repeats_the_cutoff_bounds_motion_on_springs_too():
