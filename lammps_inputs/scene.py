@@ -207,7 +207,7 @@ class BaseScene(ScenePart):
         for number, kick in enumerate(self.kicks):
             key = _kick_key(self, number)
             if kick.velocity < 0.0:
-                raise ValueError(f"{key}.velocity: a window follows what runs towards higher beads; leave it out")
+                raise ValueError(f"{key}.velocity: a window follows pulses to higher beads only; leave it out")
             rows = (LEAST_WINDOW if self.window == "auto" else self.window) - HEADROOM
             if kick.bead > rows:
                 raise ValueError(f"{key}.bead: {kick.bead} is not among the first {rows} rows of the window")

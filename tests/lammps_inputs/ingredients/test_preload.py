@@ -222,8 +222,12 @@ def test_a_scene_says_gravity_as_one_number_and_is_read_back():
 @pytest.mark.slow
 def test_analyze_says_what_the_sound_is_and_why_there_is_no_map(tmp_path, capsys):
     for name, keys, words in (
-        ("free", FREE, ("sound: c0 = ", "dispersion.csv")),
-        ("column", COLUMN, ("sound: c0 = ", "no dispersion map: beads and their loads do not repeat")),
+        ("free", FREE, ("the speed of sound is c0 = ", "dispersion.csv")),
+        (
+            "column",
+            COLUMN,
+            ("the speed of sound is c0 = ", "there is no dispersion map: beads and their loads do not repeat"),
+        ),
     ):
         run(loaded(**keys, beads=30, duration=30.0), tmp_path / name, check=False)
         assert main(["analyze", str(tmp_path / name), "--no-figures"]) == 0

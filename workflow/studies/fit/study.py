@@ -269,9 +269,8 @@ def _print(result: Fit, arguments: argparse.Namespace) -> None:
         print_table(fitted if title == "fields" else title, head, rows)
     lammps = result.lammps
     if lammps.difference is not None:
-        error = (
-            "" if lammps.error_velocity is None else f", with an error of velocities of {lammps.error_velocity:.1e} V"
-        )
+        velocity = lammps.error_velocity
+        error = "" if velocity is None else f", with an error of velocities of {velocity:.1e} V"
         print(f"traces of LAMMPS differ from the fitted ones by at most {lammps.difference:.2g} sigma{error}")
     files = (FITTED, REPORT, *figure_files(FIGURE))
     print_files(arguments.output, files)
