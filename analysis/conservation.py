@@ -79,10 +79,12 @@ class Account:
         total = float(self.energy_input[-1])
         parts = {name: float(part[-1]) for name, part in (*self.stored.items(), *self.losses.items())}
         named = sorted(((part, name) for name, part in parts.items() if abs(part) >= _SHOWN * total), reverse=True)
-        supplied = f"energy input {scale.written(total, 'energy')} until t = {scale.written(self.time[-1], 'time')}"
+        supplied = (
+            f"the energy input until t = {scale.written(self.time[-1], 'time')} is {scale.written(total, 'energy')}"
+        )
         if not total > _LITTLE * self.most:  # a drive may have taken back what it gave
-            return f"{supplied}, at most {scale.written(self.most, 'energy')} before"
-        return f"{supplied}, of which {', '.join(f'{part / total:.2%} {name}' for part, name in named)}"
+            return f"{supplied}; before, it was at most {scale.written(self.most, 'energy')}"
+        return f"{supplied}: {', '.join(f'{part / total:.2%} {_PLACES.get(name, name)}' for part, name in named)}"
 
     @property
     def stored(self) -> dict[str, Floats]:
@@ -152,6 +154,15 @@ class EnergyBudget:
 
 STORED = ("kinetic", "contacts", "springs", "ground", "walls", "resonators")
 """Kinds of stored energy: fields of an `Account`."""
+
+_PLACES = {
+    "contacts": "in contacts",
+    "springs": "in springs between chains",
+    "ground": "in springs to the ground and weights",
+    "walls": "in contacts with walls",
+    "resonators": "in resonators",
+}
+"""Kind of stored energy -> its place in words."""
 
 
 def _stored(system: System, x: Floats, v: Floats) -> dict[str, Floats]:

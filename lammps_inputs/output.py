@@ -52,7 +52,7 @@ class Forces(ScenePart):
         if self.wall is None and self.contacts is None and self.sensors is None:
             raise ValueError("output.forces: name wall: true, contacts or sensors")
         if scene.window is not None:
-            raise ValueError("output.forces: a window lets go of the beads behind it; leave one of them out")
+            raise ValueError("output.forces: a window removes the beads behind it; leave one of them out")
         walls = physics.walls(scene.system) if self.wall else ()
         if self.wall and not walls:
             raise ValueError("output.forces.wall: the chains have no wall; name one in walls, or leave this out")
@@ -105,7 +105,7 @@ class Spectra(ScenePart):
             ValueError: naming the key, what was found and what to do.
         """
         if scene.window is not None:
-            raise ValueError("output.spectra: a window lets go of the beads behind it; leave one of them out")
+            raise ValueError("output.spectra: a window removes the beads behind it; leave one of them out")
         if max(self.beads) > scene.beads:
             raise ValueError(f"output.spectra.beads: {max(self.beads)} is outside the array (beads 1 to {scene.beads})")
         if missing := _not_recorded(scene, self.beads):

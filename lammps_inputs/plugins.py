@@ -6,7 +6,7 @@ Those of granchain itself are declared in its ``pyproject.toml`` like those of a
 - ``granchain.materials``: any name = dictionary from names to `lammps_inputs.materials.Solid`;
 - ``granchain.scenes``: any name = package in whose folder scenes stand as ``*.yaml``;
 - ``granchain.quantities``: place in the printed analysis, and name = class derived from
-  `workflow.verdicts.findings.Finding`;
+  `workflow.measures.base.Measurement`;
 - ``granchain.studies``: command = module with ``add_arguments``, ``execute`` and ``EXAMPLES``;
 - ``granchain.functions``: name in the module ``granchain`` = function for scripts and notebooks, as of a study;
 - ``granchain.schemas``: what `granchain schema` prints = function without arguments.

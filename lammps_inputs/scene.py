@@ -207,7 +207,7 @@ class BaseScene(ScenePart):
         for number, kick in enumerate(self.kicks):
             key = _kick_key(self, number)
             if kick.velocity < 0.0:
-                raise ValueError(f"{key}.velocity: a window follows what runs towards higher beads; leave it out")
+                raise ValueError(f"{key}.velocity: a window follows pulses to higher beads only; leave it out")
             rows = (LEAST_WINDOW if self.window == "auto" else self.window) - HEADROOM
             if kick.bead > rows:
                 raise ValueError(f"{key}.bead: {kick.bead} is not among the first {rows} rows of the window")
@@ -406,7 +406,7 @@ class BaseScene(ScenePart):
 
         Examples:
             >>> granchain.load("two-chains").units
-            'units: V = 1 (kick velocity), T = 1, L = 1, kappa = 0.1 (reduced units)'
+            'reduced units: V = 1 (kick velocity), T = 1, L = 1, kappa = 0.1'
         """
         scale, system = self.scale, self.system
         excitations = [(key, speed) for key, speed in self._speeds() if speed > 0.0]
@@ -416,7 +416,7 @@ class BaseScene(ScenePart):
         parts += [f"{symbol} = {scale.short(1.0, name)}" for symbol, name in (("T", "time"), ("L", "length"))]
         if physics.coupled(system):
             parts.append(f"kappa = {physics.kappa(system):.6g}")
-        return f"units: {', '.join(parts)}{'' if scale.si else ' (reduced units)'}"
+        return f"{'SI' if scale.si else 'reduced'} units: {', '.join(parts)}"
 
     @property
     def contact_scale(self) -> tuple[float, float | None]:

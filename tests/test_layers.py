@@ -23,6 +23,7 @@ LAYERS = {  # the lowest first
         "workers",
         "prepare",
         "runs",
+        "measures",
         "verdicts",
         "sweep",
         "view",

@@ -74,9 +74,9 @@ class Cost:
         """All costs in one line."""
         ranks = f"{self.ranks} rank{'s' * (self.ranks > 1)} of {math.ceil(self.beads / self.ranks)} beads"
         return (
-            f"{ranks}: about {time_text(self.seconds)} ({time_text(self.step)} a step), "
-            f"{size_text(self.memory)} of memory, "
-            f"{size_text(self.frames)} of frames ({size_text(self.frame)} each), {size_text(self.restart)} a restart"
+            f"the run takes about {time_text(self.seconds)} ({time_text(self.step)} a step) on {ranks}, "
+            f"{size_text(self.memory)} of memory, and on the disk {size_text(self.frames)} of frames "
+            f"({size_text(self.frame)} each) and {size_text(self.restart)} a restart"
         )
 
 

@@ -3,7 +3,7 @@
 import errno
 import math
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from functools import partial
@@ -116,6 +116,21 @@ def hint(text: str) -> None:
     """Print what takes long, in one line on standard error, where progress is shown and in commands."""
     if _bars.get():
         _tell.get()(text)
+
+
+def print_heading(name: str, units: str) -> None:
+    """Print the first line of a command about one scene; the lines below it are sentences without a label.
+
+    Args:
+        name: name of the scene.
+        units: its `lammps_inputs.scene.BaseScene.units`.
+    """
+    print(f"{one_line(name)} in {units}", flush=True)
+
+
+def print_files(directory: object, names: Iterable[str]) -> None:
+    """Print the last line of a command: the files that it has written into a directory."""
+    print(f"written to {one_line(directory)}: {', '.join(names)}")
 
 
 def one_line(text: object) -> str:

@@ -126,12 +126,12 @@ class Residual:
     def sentence(self) -> str:
         """Whether residual motion could have caught up with a leading wave, in words."""
         if self.bead == 0:
-            return "window: no residual motion behind it"
-        residual = f"window: residual velocity of the beads behind it {self.residual_velocity:.2g} V or less"
+            return "no motion is left behind the window"
+        residual = f"beads behind the window have residual velocities up to {self.residual_velocity:.2g} V"
         if self.residual_velocity < self.slowest_wave:
-            return f"{residual}, every leading wave at {self.slowest_wave:.2g} V or more: nothing catches up"
+            return f"{residual}, less than every leading wave ({self.slowest_wave:.2g} V or more): nothing catches up"
         return (
-            f"{residual}, a leading wave at {self.slowest_wave:.2g} V only: what was left might catch up; take a wider "
+            f"{residual}, a leading wave only {self.slowest_wave:.2g} V: residual motion might catch up; take a wider "
             "window"
         )
 

@@ -130,7 +130,7 @@ class ByFormula(Ingredient):
         """
         for key in keys if self.formula is not None else ():
             if getattr(self, key) != type(self).model_fields[key].default:
-                raise ValueError(f"{part}.{key}: {part}.force says the whole force; leave one of them out")
+                raise ValueError(f"{part}.{key}: {part}.force is the whole force; leave one of them out")
 
 
 # --- what a formula is ------------------------------------------------------------------------------------------------

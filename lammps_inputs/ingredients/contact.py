@@ -214,7 +214,7 @@ class Contact(by_formula.ByFormula):
         if self.yields is not None and "exponent" in self.model_fields_set and self.exponent != self._power:
             raise ValueError(f"contact.exponent: {self._power:g} with the law {self.yields.law}; leave it out")
         if scene.material is not None and self._power == HERTZ and self.stiffness is not None:
-            raise ValueError("contact.stiffness: the material says how stiff contacts of the exponent 1.5 are")
+            raise ValueError("contact.stiffness: the material determines it for contacts of exponent 1.5; leave it out")
         if scene.material is not None and self._power != HERTZ and self.stiffness is None:
             raise ValueError(f"contact.stiffness: is missing; the force at an overlap of 1 m, in N/m^{self._power:g}")
 

@@ -82,14 +82,14 @@ class Damping(Ingredient):
         if self.contact is None:
             for key in ("law", "tension"):
                 if getattr(self, key) is not None:
-                    raise ValueError(f"damping.{key}: is that of contacts; give damping.contact, too, or leave it out")
+                    raise ValueError(f"damping.{key}: belongs to damping.contact; give that, too, or leave it out")
             if self.beads is None and self.coupling is None:
                 raise ValueError("damping: give contact, beads or coupling")
         elif self.law == "restitution":
             if not 0.0 < self.contact <= 1.0:
                 raise ValueError(f"damping.contact: {self.contact:g} is no restitution; above 0, and at most 1")
             if self.tension == "cut":
-                raise ValueError("damping.tension: beads come back with their restitution only if it is allowed")
+                raise ValueError("damping.tension: the law restitution needs tensile forces; leave `cut` out")
             if scene.contact_scale[0] not in RESTITUTIONS:
                 raise ValueError(
                     "damping.law: restitution needs dashpots that grow as overlap^((p - 1) / 2), which LAMMPS has for "

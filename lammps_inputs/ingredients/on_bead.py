@@ -175,7 +175,7 @@ class Drive(OnBead):
             (kick.chain, kick.bead) == (self.chain, self.bead) for kick in scene.kicks
         ):
             key = scene.key_of(self)
-            raise ValueError(f"{key}.displacement: says how the bead moves, so it cannot be kicked; drive another bead")
+            raise ValueError(f"{key}.displacement: prescribes the motion of the bead; drive or kick another")
 
     def refuse_system(self, scene: SceneContext, system: System) -> None:
         """Refuse what else would move a bead whose motion is given."""

@@ -114,7 +114,7 @@ def refuse(scene: SceneContext) -> None:
         raise ValueError(f"{named}: {scene.scheme} steps back in time within each cycle; leave the scheme out")
     damping = scene.part("damping")
     if damping is not None and damping.contact:
-        raise ValueError("damping.contact: dashpots beside contacts that yield are not known; leave one of them out")
+        raise ValueError("damping.contact: contacts that yield have no dashpots; leave one of them out")
     if scene.output.forces is not None and scene.output.beads != "all":
         raise ValueError("output.beads: frames of all beads hold the memory on which forces depend; leave it out")
     for side in ("left", "right"):

@@ -205,7 +205,7 @@ def masses_and_strengths(scene: SceneContext) -> tuple[float | Floats, float | F
             )
     if scene.window is not None and not (np.all(mass == 1.0) and np.ptp(strength) == 0.0):
         which = "beads" if unlike(scene) else "contacts"
-        raise ValueError(f"window: its rows stand for one after another, and the {which} differ; leave the window out")
+        raise ValueError(f"window: its rows represent one row after another, and the {which} differ; leave it out")
     return (
         1.0 if np.all(mass == 1.0) else mass,
         number_or_array(strength),

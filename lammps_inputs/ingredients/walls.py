@@ -72,7 +72,7 @@ class Walls(Ingredient):
             raise ValueError("walls: name left, right or both: bead, flat, rigid, {stiffness: ...} or {material: ...}")
         contact = scene.contact_law(1.0)
         if contact is not None and laws.has_state(contact):
-            raise ValueError("walls: are not known of contacts of one's own that have a memory; leave the walls out")
+            raise ValueError("walls: are not available with own contacts that depend on the past; leave them out")
         no_power = contact is not None and not hasattr(contact, "exponent")
         for key in ("left", "right"):
             kind = getattr(self, key)

@@ -202,8 +202,8 @@ def test_the_sentence_is_in_the_scenes_units_and_names_the_largest_part_first(si
     )
     joule, second = (" J", " s") if si else ("", "")
     assert account.sentence(scale) == (
-        f"energy input {4.0 * scale.energy:.6g}{joule} until t = {7.0 * scale.time:.6g}{second}, of which "
-        "62.50% dissipated in bead damping, 25.00% kinetic, 12.50% springs"
+        f"the energy input until t = {7.0 * scale.time:.6g}{second} is {4.0 * scale.energy:.6g}{joule}: "
+        "62.50% dissipated in bead damping, 25.00% kinetic, 12.50% in springs between chains"
     )
     assert plain(account, scale)["time"] == [0.0, 7.0 * scale.time]
     assert plain(account, scale)["dissipated"] == {"bead_damping": [0.0, 2.5 * scale.energy]}
@@ -215,7 +215,7 @@ def test_parts_of_the_energy_input_add_up_to_it_also_where_a_static_load_has_don
     parts = NONE | {"kinetic": np.array([1.0, 0.5]), "contacts": np.array([0.0, -0.25]), "walls": np.array([0.0, 1e-9])}
     account = Account(np.array([0.0, 7.0]), np.ones(2), **parts, dissipated={"plastic contacts": np.array([0.0, 0.75])})
     said = account.sentence(make_scale(1.0, 1.0, 1.0, si=False))
-    assert said.endswith("of which 75.00% dissipated in plastic contacts, 50.00% kinetic, -25.00% contacts")
+    assert said.endswith(": 75.00% dissipated in plastic contacts, 50.00% kinetic, -25.00% in contacts")
 
 
 @pytest.mark.parametrize(("left", "shares"), [(0.005, True), (0.003, False)])
@@ -223,7 +223,7 @@ def test_of_what_a_drive_took_back_no_shares_are_told(left, shares):
     """From a thousandth of the most on that it had put in."""
     parts, scale = NONE | {"kinetic": np.array([4.0, left])}, make_scale(2.0, 3.0, 0.1, si=True)
     said = Account(np.array([0.0, 7.0]), np.array([4.0, left]), **parts, dissipated={}).sentence(scale)
-    assert said.endswith("of which 100.00% kinetic" if shares else f", at most {4.0 * scale.energy:.6g} J before")
+    assert said.endswith(": 100.00% kinetic" if shares else f"; before, it was at most {4.0 * scale.energy:.6g} J")
 
 
 def test_energy_before_any_input_is_an_infinite_drift():

@@ -323,7 +323,10 @@ def test_show_fills_in_every_default(tmp_path, capsys):
     data = strict_yaml.parse(text, "here")
     assert data["chains"] == 1
     assert data["kick"] == {"chain": 1, "bead": 1, "velocity": 1.0}
-    assert f"# accuracy 0.0002 V (default): timestep {data['timestep']:.3g}, error" in text
+    assert (
+        f"# time step {data['timestep']:.3g}, for an error of velocities up to 0.0002 V (default accuracy): error"
+        in text
+    )
     assert data["output"] == {"every": 0.1, "beads": "all"}
 
 

@@ -68,11 +68,11 @@ def test_the_budget_of_lammps_closes_to_the_error_of_the_run_however_far_apart_i
 @pytest.mark.slow
 def test_the_analysis_says_how_well_the_budget_is_closed(done: CompletedRun) -> None:
     found = analyse(done.directory, figures=False)
-    budget = found.findings["budget"]
-    assert budget.sentence.startswith(f"energy balance closed to {budget.found.closed:.1e} of the energy input")
+    budget = found.measurements["budget"]
+    assert budget.sentence.startswith(f"energy balance closed to {budget.values.closed:.1e} of the energy input")
     told = json.loads((done.directory.path / "analysis.json").read_text())["budget"]
     assert told["closed"] == pytest.approx(max(map(abs, told["missing"])) / 0.5)
-    assert told["between_frames"] == budget.found.between_frames < 1e-6
+    assert told["between_frames"] == budget.values.between_frames < 1e-6
     assert told["stated"] == done.check.velocity
     assert found.conservation.momentum_drift < 1e-12
 
@@ -89,7 +89,7 @@ def test_the_budget_of_the_reference_closes_to_1e_9_however_far_apart_frames_are
 @pytest.mark.slow
 def test_a_run_by_the_reference_takes_the_steps_that_close_its_budget(tmp_path: Path) -> None:
     found = analyse(run(damped(), tmp_path / "run", engine="reference").directory, figures=False)
-    assert found.findings["budget"].found.closed < 1e-9
+    assert found.measurements["budget"].values.closed < 1e-9
 
 
 @pytest.mark.slow

@@ -10,16 +10,17 @@ import numpy as np
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import ARRIVALS
+from analysis.tracking.pulses import CONSTANT_OVER
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import along_the_way
-from lammps_inputs import InputError, physics
+from lammps_inputs import InputError, System, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.worker import ENERGY_TOLERANCE
+from workflow.measures.base import MOST_CHAINS
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import CommandResult, one_line, print_table
+from workflow.screen import CommandResult, print_files, print_heading, print_table
 from workflow.verdicts.analyse import Analysis, analyse
 from workflow.verdicts.analysis_report import REPORT, train
-from workflow.verdicts.findings.finding import MOST_CHAINS
 from workflow.verdicts.pulse_table import pulse_table
 
 FEW = 4
@@ -67,10 +68,10 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         figures=not arguments.no_figures,
         arrival=arguments.arrival,
     )
-    print(f"{analysis.problem.name}: {RunDirectory(arguments.directory).scene.units}")
+    print_heading(analysis.problem.name, RunDirectory(arguments.directory).scene.units)
     _print(analysis)
     names = [*analysis.tables, REPORT, *(path.name for path in analysis.figures)]
-    print(f"{one_line(arguments.directory)}: {', '.join(names)}")
+    print_files(arguments.directory, names)
     return CommandResult(0, json.loads((arguments.directory / REPORT).read_text(encoding="utf-8")))
 
 
@@ -87,11 +88,11 @@ def _print(analysis: Analysis) -> None:
     problem, conservation = analysis.problem, analysis.conservation
     if not analysis.complete:
         print(
-            f"incomplete: {conservation.frames} of {problem.frames + 1} frames, to t = "
+            f"the run is incomplete: {conservation.frames} of {problem.frames + 1} frames, to t = "
             f"{problem.scale.written(conservation.last_time, 'time')}; the existing frames were analysed"
         )
     if analysis.altered:
-        print("frame checksum mismatch with run.json: a file was damaged or modified")
+        print("the checksum of the frames is not that in run.json: a file was damaged or modified")
     _print_doubt(analysis)
     if problem.system.holds(Fact.PULSE):
         if (table := pulse_table(analysis.survey)) is not None:
@@ -99,12 +100,12 @@ def _print(analysis: Analysis) -> None:
         _print_changes(analysis.survey)
         _print_accuracy(analysis)
     _print_pulses(analysis.survey)
-    for finding in analysis.findings.values():
-        for lines in finding.said():
-            if isinstance(lines, str):
-                print(lines)
+    for measurement in analysis.measurements.values():
+        for line in measurement.lines():
+            if isinstance(line, str):
+                print(line)
             else:
-                print_table(*lines)
+                print_table(*line)
     _print_drifts(analysis)
 
 
@@ -122,18 +123,22 @@ def _print_changes(survey: Survey) -> None:
             else f"and another one leads from bead {first.first} on"
         )
         further = f"; others end at bead{'s' * (len(others) > 1)} {', '.join(others)}" if others else ""
-        print(f"chain {chain}: the leading pulse ends at bead {first.last} ({peak}), {why}{further}")
+        print(f"in chain {chain} the leading pulse ends at bead {first.last} ({peak}), {why}{further}")
         print(
-            f"chain {chain}: amplitude and verdict are those of the pulse that leads from bead {changes[-1].first} on"
+            f"in chain {chain} amplitude and verdict are those of the pulse that leads from bead {changes[-1].first} on"
         )
 
 
 def _print_drifts(analysis: Analysis) -> None:
     """Print the drift of the energy, unless its budget has been printed, and of the momentum."""
     exchanges = physics.exchanges(analysis.problem.system)
-    shown = [f"{name} {drift:.1e}" for name, drift in _drifts(analysis).items() if name != "energy" or not exchanges]
+    shown = [
+        f"{drift:.1e} of the {name} input"
+        for name, drift in _drifts(analysis).items()
+        if name != "energy" or not exchanges
+    ]
     if shown:
-        print(f"drift: {', '.join(shown)} of {_input(analysis)}")
+        print(f"largest drift: {' and '.join(shown)}")
 
 
 def _print_doubt(analysis: Analysis) -> None:
@@ -141,7 +146,7 @@ def _print_doubt(analysis: Analysis) -> None:
     drifts = _drifts(analysis)
     if max(drifts.values(), default=0.0) > ENERGY_TOLERANCE:
         name = max(drifts, key=lambda name: drifts[name])
-        changes = f"the {name} changes by {drifts[name]:.2g} of {_input(analysis)}"
+        changes = f"the {name} changes by {drifts[name]:.2g} of the {name} input"
         cause = "these are not frames of this scene, or the time step is too large (see `granchain validate`)"
         print(analysis.failure or f"{changes}: {cause}")
 
@@ -153,34 +158,31 @@ def _drifts(analysis: Analysis) -> dict[str, float]:
     return {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
 
 
-def _input(analysis: Analysis) -> str:
-    """What drifts are relative to, in words."""
-    return "the input" if physics.exchanges(analysis.problem.system) else "the kick's"
-
-
 def _print_accuracy(analysis: Analysis) -> None:
     """Print what arrivals are, if not maxima, and the uncertainty of the table, if more than `DOCUMENTED`."""
     problem, waves = analysis.problem, analysis.survey.waves
     scale, clear = problem.scale, problem.beads - CLEAR
     if analysis.survey.arrival == "impulse":
-        print("arrival: centre of the impulse until the bead is fastest")
+        print("the arrival of a wave is the centre of the impulse until the bead is fastest")
     elif free := int(np.count_nonzero(np.isnan(waves.arrival[along_the_way(problem, waves.bead) <= clear]))):
         where = f"{free} beads that fly" if free > 1 else "a bead that flies"
         print(
-            f"arrivals are maxima, which are not defined at {where} freely (empty in waves.csv); --arrival impulse is"
+            f"arrivals at the maximum of the velocity are undefined at {where} freely (empty in waves.csv); "
+            "`--arrival impulse` defines them"
         )
     if len(waves) and waves.peak_velocity_error.max() > DOCUMENTED:
         worst = int(np.argmax(waves.peak_velocity_error))
         late = waves.arrival_error[np.isfinite(waves.arrival_error)].max(initial=0.0)
         apart = scale.written(problem.every, "time", ".3g")
-        arrivals = f", of arrivals up to {scale.written(late, 'time', '.1e')}" if late > 0.0 else ""
+        arrivals = f", that of arrivals up to {scale.written(late, 'time', '.1e')}" if late > 0.0 else ""
         print(
-            f"uncertainty by frames {apart} apart: of peak velocities up to {waves.peak_velocity_error[worst]:.1e} V "
-            f"(bead {waves.bead[worst]} of chain {waves.chain[worst]}){arrivals}; of each in waves.csv"
+            f"with frames {apart} apart the uncertainty of peak velocities is up to "
+            f"{waves.peak_velocity_error[worst]:.1e} V (bead {waves.bead[worst]} of chain {waves.chain[worst]})"
+            f"{arrivals}; waves.csv has each"
         )
     if problem.every > FAR:
         far = scale.written(FAR, "time", ".3g")
-        print(f"frames are more than {far} apart: small pulses may be missed between them")
+        print(f"frames are more than {far} apart, so that small pulses between them may be missed")
 
 
 def _print_pulses(survey: Survey) -> None:
@@ -193,21 +195,21 @@ def _print_pulses(survey: Survey) -> None:
         return
     _print_amplitude(survey)
     if (decay := survey.decay) is not None:
-        expected = f", theory {decay.n_star_expected:.1f}" if math.isfinite(decay.n_star_expected) else ""
+        expected = f" (theory: {decay.n_star_expected:.1f})" if math.isfinite(decay.n_star_expected) else ""
         print(
-            f"decay as (1 - n / n*)**2.5 over beads {decay.first} to {decay.last}: n* = {decay.n_star:.1f} "
-            f"+- {decay.n_star_error:.1g}{expected}"
+            f"the amplitude in the kicked chain decays as (1 - n / n*)**2.5 over beads {decay.first} to {decay.last}, "
+            f"with n* = {decay.n_star:.1f} +- {decay.n_star_error:.1g} beads{expected}"
         )
     _print_train(survey)
     _print_leading(survey)
     others = [pulse for pulse in survey.pulses if not survey.leads(pulse)]
     if others:
         strongest = max(pulse.peak_velocity.max() for pulse in others)
-        many = f"{len(others)} other pulses" if len(others) > 1 else "one other pulse"
-        print(f"{many}, with peak velocities up to {strongest:.3f} V (analysis.json has all)")
+        many = f"{len(others)} other pulses have" if len(others) > 1 else "one other pulse has"
+        print(f"{many} peak velocities up to {strongest:.3f} V (analysis.json lists every pulse)")
     if survey.crests:
         largest = max(crest.peak_velocity.max() for crest in survey.crests)
-        print(f"sound waves, with peak velocities up to {largest:.3f} V")
+        print(f"sound waves have peak velocities up to {largest:.3f} V")
 
 
 def _print_amplitude(survey: Survey) -> None:
@@ -216,22 +218,28 @@ def _print_amplitude(survey: Survey) -> None:
     if shared.span is None:
         return
     energy = np.sum(survey.energies.wave[-1]) if len(survey.energies.wave) else math.nan
-    share = f"; leading waves have {energy:.1%} of the energy input" if math.isfinite(energy) else ""
     final, worth = shared.final, f"V = {scale.written(1.0, 'velocity')}"
     if final is None:
         first, least, largest = shared.span
         why = shared.changing or "it has not settled"
         compared = shared.compared if shared.of_impulses else "peak velocities"
         numbers = f"{least:.5f} to {largest:.5f} V over beads {first} to {shared.bead[-1]}"
-        print(f"no asymptotic amplitude: {why}; {compared} of {numbers} ({worth}){share}")
-        return
+        print(f"there is no asymptotic amplitude: {why}; {compared} are {numbers} ({worth})")
+    else:
+        amplitude = f"{final.value:.5f} +- {max(final.uncertainty, SMALLEST):.1g} V"
+        print(f"the asymptotic amplitude is {amplitude}, {_compared(final.value, system, worth)}")
+    if math.isfinite(energy):
+        print(f"the leading waves carry {energy:.1%} of the energy input")
+
+
+def _compared(amplitude: float, system: System, worth: str) -> str:
+    """An asymptotic amplitude (in V) relative to the largest kick or push, in words."""
     kicked = any(
         abs(velocity) == max(abs(impulse) for *_, impulse in physics.excitations(system))
         for *_, velocity in system.kicks
     )
     than = f"the kick ({worth})" if kicked else f"the velocity that the push gives a free bead ({worth})"
-    far = f"{abs(1.0 - final.value):.1%} {'above' if final.value > 1.0 else 'below'} {than}"
-    print(f"asymptotic amplitude {final.value:.5f} +- {max(final.uncertainty, SMALLEST):.1g} V, {far}{share}")
+    return f"{abs(1.0 - amplitude):.1%} {'above' if amplitude > 1.0 else 'below'} {than}"
 
 
 def _print_leading(survey: Survey) -> None:
@@ -249,13 +257,14 @@ def _print_leading(survey: Survey) -> None:
             for name in ("residual", "speed_excess", "variation")
         )
         print(
-            f"{len(leading)} solitary waves: shape within {shape:.1e}, speed {speed:.1e} of the exact wave, "
-            f"amplitude varies by up to {variation:.1e}"
+            f"the leading waves of all {len(leading)} chains are solitary: they differ from the exact wave by up to "
+            f"{shape:.1e} in shape and {speed:.1e} in speed; their amplitudes vary by up to {variation:.1e} over "
+            f"{CONSTANT_OVER} beads"
         )
         return
     for chain, character in leading.items():
         if chain <= MOST_CHAINS:
-            print(f"chain {chain}: {_words(character)}")
+            print(f"in chain {chain} {_words(character)}")
 
 
 def _print_train(survey: Survey) -> None:
@@ -274,29 +283,39 @@ def _print_train(survey: Survey) -> None:
     more = ", ..." if len(pulses) > MOST_PULSES else ""
     unit = scale.symbol("time") if scale.si else "T"
     place = f"bead {pulses.bead} of chain {pulses.chain}"
-    print(f"train of {len(pulses)} pulses at {place}: {each}{more} V; intervals {apart}{more} {unit}")
+    print(
+        f"a train of {len(pulses)} pulses passes {place}: peak velocities {each}{more} V, "
+        f"intervals {apart}{more} {unit}"
+    )
 
 
 def _words(character: Character) -> str:
-    """What a pulse is, at the bead where it was measured."""
+    """Sentence on the leading wave of a chain, at the bead where it was measured."""
     place, varies = f"at bead {character.bead}", math.isfinite(character.variation)
     parts = []
     if math.isfinite(character.speed_excess):
         if not math.isfinite(character.residual):
-            return f"{place}: a larger pulse overlaps, or the record ends too early, to compare its shape"
+            return (
+                f"the shape of the leading wave {place} cannot be compared, as a larger pulse overlaps or the record "
+                "ends too early"
+            )
         parts.append(
-            f"shape differs by {character.residual:.1e}, speed by {character.speed_excess:+.1e} from the exact wave"
+            f"it differs from the exact wave by {character.residual:.1e} in shape and {character.speed_excess:+.1e} in "
+            "speed"
         )
     elif not varies:
-        return f"{place}: fewer than two beads of its mass among the last ten, so that its steadiness is undefined"
+        return (
+            f"it is undefined whether the leading wave {place} is steady, as fewer than two of the last "
+            f"{CONSTANT_OVER} beads have its mass"
+        )
     if varies:
-        of_mass = "" if parts else " over beads of its mass"
-        parts.append(f"amplitude varies by {character.variation:.1e}{of_mass}")
+        of_mass = "" if parts else " of this mass"
+        parts.append(f"its amplitude varies by {character.variation:.1e} over {CONSTANT_OVER} beads{of_mass}")
     fails = [name for name in character.fails if name != "decay"]
     if "decay" in character.fails:
         kind = "decaying" if character.falls else "not steady"
-    elif parts[0].startswith("shape"):
+    elif parts[0].startswith("it differs"):
         kind = f"not solitary ({', '.join(fails)})" if fails else "solitary"
     else:
         kind = "not steady" if fails else "steady"
-    return f"{kind} {place}: {', '.join(parts)}"
+    return f"the leading wave is {kind} {place}: {'; '.join(parts)}"

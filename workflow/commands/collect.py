@@ -84,7 +84,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         figures = collecting.plot(table, output.parent, arguments.plot, arguments.over, arguments.beside, title)
     write_text(output, table.to_csv())
     _print(table, one_line(arguments.directory), arguments.plot)
-    print(", ".join(one_line(path) for path in (output, *figures)))
+    print(f"written: {', '.join(one_line(path) for path in (output, *figures))}")
     return CommandResult(0, [{name: row[name] for name in table.columns} for row in table.rows])
 
 
@@ -120,8 +120,8 @@ def _statistics(
             try:
                 paths += grouping.plot(table, output.parent, of_quantity, title)
             except InputError as error:
-                print(f"no figure: {error}")
-    print(", ".join(one_line(path) for path in paths))
+                print(f"there is no figure: {error}")
+    print(f"written: {', '.join(one_line(path) for path in paths)}")
     return CommandResult(0 if has_value else 1, [group.plain() for group in groups])
 
 
@@ -159,7 +159,7 @@ def _print(table: SweepTable, title: str, drawn: str | None) -> None:
     rows = [[cell(name, row) for name in columns] for row in table.rows[:_MOST_ROWS]]
     print_table(title, [table.heading(name) for name in columns], rows)
     if len(table.rows) > _MOST_ROWS:
-        print(f"... and {len(table.rows) - _MOST_ROWS} more")
+        print(f"... and {len(table.rows) - _MOST_ROWS} more rows")
     outcomes = [row["outcome"] for row in table.rows]
     counts = ", ".join(f"{outcomes.count(outcome)} {outcome}" for outcome in dict.fromkeys(outcomes))
     print(f"{len(outcomes)} cases: {counts}")

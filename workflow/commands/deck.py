@@ -8,7 +8,7 @@ from workflow import cost_model
 from workflow.runs import contacts
 from workflow.runs.deck_directory import write_deck
 from workflow.runs.size import size_of, too_large
-from workflow.screen import one_line
+from workflow.screen import one_line, print_files, print_heading
 
 EXAMPLES = (
     "deck two-chains -o deck                                  # then, there: lmp -in in.chains",
@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Write deck, data and scene, and the job."""
-    options = cost_model.job_options(arguments)
+    options, directory = cost_model.job_options(arguments), one_line(arguments.output)
     written = write_deck(
         library.find(arguments.scene),
         arguments.output,
@@ -37,23 +37,25 @@ def execute(arguments: argparse.Namespace) -> int:
         options=options,
     )
     scene = written.scene
+    print_heading(scene.name, scene.units)
     size = size_of(scene.problem())
     for why in filter(None, [*scene.unlikely, too_large(scene, size)]):
         print(f"warning: {why}")
     if written.step is not None:
-        print(f"{scene.name}: {written.step.sentence(scene.problem())}")
+        print(written.step.sentence(scene.problem()))
     overlaps = contacts.at_most(scene)
     if overlaps is not None:
         print("\n".join(overlaps.lines()))
-    print(f"{one_line(arguments.output)}: {', '.join(written.files)}")
     if written.options is not None:
         ranks = written.options.ranks
         print(cost_model.cost(scene.problem(), ranks).sentence())
         slower = cost_model.too_many(scene.problem(), ranks)
         if slower:
             print(slower)
-        print(f"submit there: sbatch {file_names.JOB}; state: granchain status {one_line(arguments.output)}")
+        print_files(arguments.output, written.files)
+        print(f"`sbatch {file_names.JOB}` there submits the job; `granchain status {directory}` shows its state")
         return 0
-    print(f"{size.sentence()} on one core")
-    print(f"run there: lmp -in {file_names.DECK}; then: granchain analyze {one_line(arguments.output)}")
+    print(f"a run on one core has {size.sentence()}")
+    print_files(arguments.output, written.files)
+    print(f"`lmp -in {file_names.DECK}` there runs the deck; then `granchain analyze {directory}` analyses it")
     return 0

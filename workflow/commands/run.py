@@ -2,6 +2,7 @@
 
 import argparse
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
 from lammps_inputs import InputError, Problem, Scene, library
@@ -16,7 +17,7 @@ from workflow.runs.output_directory import refuse_to_overwrite
 from workflow.runs.resume import begun, resume, settings_of
 from workflow.runs.size import size_of
 from workflow.runs.status import onwards
-from workflow.screen import CommandResult, one_line, progress_bar
+from workflow.screen import CommandResult, one_line, print_heading, progress_bar
 from workflow.verdicts.validate import TOLERANCES
 
 ANSWERS = "the record of the run, as in run.json"
@@ -64,14 +65,14 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         source=arguments.scene,
     )
     scene, problem = ready.scene, ready.problem
-    print(f"{scene.name}: {scene.units}")
+    print_heading(scene.name, scene.units)
     if ready.step is not None:
-        print(f"{scene.name}: {ready.step.sentence(problem)}", flush=True)
+        print(ready.step.sentence(problem), flush=True)
     for why in scene.unlikely:
         print(f"warning: {why}")
     size = size_of(problem, ENGINES[engine], ready.ranks)
     if size.large:
-        print(f"{scene.name}: {size.sentence()}", flush=True)
+        print(f"the run has {size.sentence()}", flush=True)
     with progress_bar(scene.name, problem) as progress:
         result = running.run_prepared(
             ready, check=not arguments.no_check, progress=progress, restart_every=arguments.restart_every
@@ -100,30 +101,34 @@ def _resume(arguments: argparse.Namespace) -> CommandResult:
             restart_every=arguments.restart_every,
         )
     if result is None:
-        print(f"{one_line(arguments.resume)}: is done already")
+        print(f"{one_line(arguments.resume)}: the run is done already")
         return CommandResult(0, directory.job.plain())
+    print_heading(directory.scene.name, directory.scene.units)
     return CommandResult(_tell(result, settings_of(directory.job)), result.directory.job.plain())
 
 
 def _tell(result: running.CompletedRun, settings: ChosenStep | None) -> int:
     """Say how a run ended; exit code 130 if it was interrupted, 1 if impossible or not as accurate as asked."""
-    path, job = one_line(result.directory.path), result.directory.job
+    job = result.directory.job
     if result.outcome == "interrupted":
-        reached = f" at step {job.steps_done} of {job.steps}; the frames remain" if job.steps_done else ""
-        print(f"{path}: interrupted{reached}; {onwards(result.directory.path, job)}")
+        reached = f" at step {job.steps_done} of {job.steps}; its frames remain" if job.steps_done else ""
+        print(f"the run was interrupted{reached}; {onwards(result.directory.path, job)}")
         return 130
-    print(f"{path}: {ENGINES[result.directory.engine].sentence(job)}")
+    print(ENGINES[result.directory.engine].sentence(job))
     overlaps = None if job.contacts is None else LargestContactForce(**job.contacts)
     if overlaps is not None:
         print("\n".join(overlaps.lines()))
-    return max(_tell_error(result, settings), 0 if overlaps is None or overlaps.possible else 1)
+    code = max(_tell_error(result, settings), 0 if overlaps is None or overlaps.possible else 1)
+    print(f"written to {one_line(result.directory.path)}")
+    return code
 
 
 def _tell_error(result: running.CompletedRun, settings: ChosenStep | None) -> int:
     """Say how exact a run is; exit code 1 if not as accurate as asked."""
     problem, uncertainty = result.directory.problem, result.directory.job.uncertainty
     if result.check is not None:
-        print(_checked(result.check, problem))
+        for line in _checked(result.check, problem):
+            print(line)
         return _exit_code(result.check, result.directory.scene, settings)
     if settings is not None and uncertainty is not None and uncertainty.velocity is not None:
         return 0 if uncertainty.velocity <= settings.accuracy else 1
@@ -137,13 +142,22 @@ def _exit_code(check: Check, scene: Scene, settings: ChosenStep | None) -> int:
         return 0
     if not check.velocity - uncertainty > limit:
         finer = "`granchain validate` takes a finer one" if settings is None else "errors grow in so long a run"
-        print(f"inconclusive: the uncertainty of the reference is too large to compare with {limit:g} V; {finer}")
+        print(
+            "the check is inconclusive: the uncertainty of the reference integrator is too large to compare the error "
+            f"with {limit:g} V; {finer}"
+        )
     elif settings is None:
-        print(f"that is more than {limit:g} V; {better_timestep(scene)}")
+        print(f"the error of velocities is more than {limit:g} V; {better_timestep(scene)}")
     elif settings.measured == 0.0:
-        print(f"that is more than {limit:g} V: the time step was not measured but given by a rule; take a shorter one")
+        print(
+            f"the error of velocities is more than {limit:g} V: the time step was given by a rule, not measured; "
+            "take a shorter one"
+        )
     else:
-        print(f"that is more than {limit:g} V, although the pilot run had less; take a smaller `accuracy`")
+        print(
+            f"the error of velocities is more than {limit:g} V, although the pilot run had less; take a smaller "
+            "`accuracy`"
+        )
     return 1 if settings is not None and settings.asked else 0
 
 
@@ -157,17 +171,18 @@ def _seconds(text: str) -> float:
     return value
 
 
-def _checked(check: Check, problem: Problem) -> str:
-    """The run's error in one line, in units of V and T, in which errors of scenes are comparable."""
-    near = " in the front half of the window" if problem.window is not None else ""
+def _checked(check: Check, problem: Problem) -> Iterator[str]:
+    """Lines with the run's error and its uncertainty, in units of V and T, in which errors of scenes are comparable."""
+    near = ", in the front half of the window" if problem.window is not None else ""
     where = ""
     if check.where is not None and check.where.time is not None:
         time = problem.scale.written(check.where.time, "time", ".5g")
         where = f" ({check.where.words}, t = {time})"
     errors = [f"velocities {check.velocity:.1e} V{where}"]
-    errors += [f"peaks {check.amplitude:.1e} V"] if math.isfinite(check.amplitude) else []
-    uncertainty = f"{check.reference.velocity:.1e} V"
+    errors += [f"peak velocities {check.amplitude:.1e} V"] if math.isfinite(check.amplitude) else []
+    uncertainty = f"{check.reference.velocity:.1e} V in velocities"
     if math.isfinite(check.arrival):
         errors.append(f"arrivals {check.arrival:.1e} T")
-        uncertainty += f", {check.reference.arrival:.1e} T"
-    return f"error{near}: {', '.join(errors)}; uncertainty of the reference {uncertainty}"
+        uncertainty += f" and {check.reference.arrival:.1e} T in arrivals"
+    yield f"largest errors against the reference integrator{near}: {', '.join(errors)}"
+    yield f"the uncertainty of the reference integrator is {uncertainty}"

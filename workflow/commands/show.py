@@ -35,7 +35,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     system = problem.system
     print(strict_yaml.dump(scene.plain()), end="")
     size = size_of(problem)
-    print(f"# {problem.chains * problem.beads} beads; {size.sentence()} in LAMMPS on one core")
+    print(f"# {problem.chains * problem.beads} beads; a run in LAMMPS on one core has {size.sentence()}")
     if above := too_large(scene, size):
         print(f"# warning: `granchain run` refuses {above}")
     for why in filter(None, [unstable(scene), *scene.unlikely]):
@@ -44,7 +44,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         print(f"# {settings.sentence(problem)}")
     print(f"# {scene.units}")
     if scale.si:
-        print(f"# unit of force: m L / T^2 = {scale.short(1.0, 'force')}")
+        print(f"# the unit of force is m L / T^2 = {scale.short(1.0, 'force')}")
     if physics.gap(system) > 0.0 and physics.coupled(system) and physics.simply_coupled(system):
         from workflow.engines.collisions import modes  # numba takes a third of a second to import
 

@@ -56,14 +56,17 @@ def _run(definition: file.Sweep, arguments: argparse.Namespace) -> CommandResult
     print(f"{one_line(arguments.output)}: {end.done} of {end.cases} cases done{before}{failed}")
     data = {"cases": end.cases, "done": end.done, "failed": dict(end.failed)}
     if end.others:
-        print(f"{end.others} more with values that {one_line(arguments.sweep)} no longer names stay, also in the table")
+        print(
+            f"{end.others} more cases, with values that {one_line(arguments.sweep)} no longer names, remain, also in "
+            "the table"
+        )
     if end.interrupted:
-        print("interrupted: completed cases remain; the same command runs the rest")
+        print("the sweep was interrupted; completed cases remain, and the same command runs the rest")
         return CommandResult(130, data)
     if end.failed:
-        print("the same command runs those that failed again")
+        print("the same command runs the failed cases again")
     else:
-        print(f"table: granchain collect {one_line(arguments.output)}")
+        print(f"`granchain collect {one_line(arguments.output)}` makes the table")
     return CommandResult(1 if end.failed else 0, data)
 
 
@@ -75,8 +78,11 @@ def _write(definition: file.Sweep, output: Path, options: JobOptions) -> Command
     print(f"{output}: {written.tasks} of {written.cases} cases to do{under_way}")
     if written.tasks:
         ranks = f"{written.ranks} rank{'s' * (written.ranks > 1)}"
-        print(f"submit there: sbatch {file_names.JOB} (one array, each case on {ranks})")
+        print(f"`sbatch {file_names.JOB}` there submits one array, each case on {ranks}")
         if written.numbers > on_cluster.USUAL_LIMIT:
-            print(f"its numbers go to {written.numbers - 1}; Slurm's MaxArraySize is often {on_cluster.USUAL_LIMIT}")
-    print(f"then: granchain status {output}    and: granchain collect {output}")
+            print(
+                f"numbers of its tasks go to {written.numbers - 1}; Slurm's MaxArraySize is often "
+                f"{on_cluster.USUAL_LIMIT}"
+            )
+    print(f"`granchain status {output}` shows the state, `granchain collect {output}` makes the table")
     return CommandResult(0, {"cases": written.cases, "to_do": written.tasks, "under_way": written.under_way})

@@ -12,7 +12,7 @@ from lammps_inputs import InputError, library
 from workflow.formats import figure_files
 from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import CommandResult, one_line, print_table, progress_bar
+from workflow.screen import CommandResult, one_line, print_files, print_heading, print_table, progress_bar
 from workflow.verdicts import validate as validation
 from workflow.verdicts.validate_against import run_or_file, validate_against
 from workflow.verdicts.validate_run import refuse_another_scene
@@ -62,9 +62,10 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     else:
         dimensionless = arguments.units == "dimensionless"
         comparison = validate_against(directory, against, dimensionless=dimensionless, tolerances=tolerances)
-    print(f"{comparison.problem.name}: {directory.scene.units}")
+    if arguments.output is None:  # else it was printed before the scene was run
+        print_heading(comparison.problem.name, directory.scene.units)
     _print(comparison)
-    print(f"{one_line(directory.path)}: {', '.join((validation.REPORT, *figure_files(validation.FIGURE)))}")
+    print_files(directory.path, (validation.REPORT, *figure_files(validation.FIGURE)))
     data = json.loads((directory.path / validation.REPORT).read_text(encoding="utf-8"))
     return CommandResult(0 if comparison.passed else 1, data)
 
@@ -81,8 +82,9 @@ def _directory(arguments: argparse.Namespace, against: RunDirectory | Path | Non
     if isinstance(against, RunDirectory):
         refuse_another_scene(scene, arguments.what, against)  # before it is run
     ready = running.prepare_run(scene, arguments.output, source=arguments.what)
+    print_heading(ready.scene.name, ready.scene.units)
     if ready.step is not None:
-        print(f"{scene.name}: {ready.step.sentence(ready.problem)}", flush=True)
+        print(ready.step.sentence(ready.problem), flush=True)
     with progress_bar(scene.name, ready.problem) as progress:
         return running.run_prepared(ready, check=False, progress=progress).directory
 
@@ -107,24 +109,26 @@ def _print(comparison: validation.Validation) -> None:
     if runs is None:
         _print_quantities(comparison)
     elif runs.identical:
-        print(f"bitwise the same as {against} ({comparison.compared} frames, sha256 {runs.sha256[0][:12]}...)")
+        print(
+            f"the run is bitwise the same as {against} ({comparison.compared} frames, sha256 {runs.sha256[0][:12]}...)"
+        )
     else:
         since = (
             "" if runs.since is None else f", from t = {comparison.problem.scale.written(runs.since, 'time', '.5g')} on"
         )
-        print(f"not bitwise the same as {against}{since}")
+        print(f"the run is not bitwise the same as {against}{since}")
         _print_quantities(comparison)
         _print_chains(comparison, runs.chains)
     if runs is not None and runs.changes:
         rows = [[name, *map(one_line, values)] for name, values in runs.changes.items()]
         print_table("settings and versions that differ", ["", "this run", against], rows)
     if not comparison.complete:
-        print(f"incomplete: {comparison.frames} of {comparison.problem.frames + 1} frames")
+        print(f"the run is incomplete: {comparison.frames} of {comparison.problem.frames + 1} frames")
     for remark in comparison.remarks:
         print(f"note: {remark}")
     for cause in comparison.causes:
         print(f"likely cause: {cause}")
-    print("passed" if comparison.passed else "NOT passed")
+    print("the validation passed" if comparison.passed else "the validation has NOT passed")
 
 
 def _print_quantities(comparison: validation.Validation) -> None:
@@ -140,17 +144,19 @@ def _print_quantities(comparison: validation.Validation) -> None:
         limit = f"{tolerance:.1e}" if np.isfinite(tolerance) else "none"
         rows.append([name, f"{deviation.largest:.2e}", rms, limit, comparison.verdict(name), where])
     print_table(
-        f"{comparison.problem.name} against {comparison.against} at {comparison.compared} instants; "
-        "errors in V, T and L",
+        f"errors against {comparison.against} at {comparison.compared} instants, in V, T and L",
         ["quantity", "largest", "rms", "tolerance", "", "largest at"],
         rows,
     )
     if comparison.uncertainty is not None:
         uncertainty = comparison.uncertainty
-        print(f"uncertainty of the reference: {uncertainty.velocity:.1e} V, {uncertainty.arrival:.1e} T")
+        print(
+            f"the uncertainty of the reference integrator is {uncertainty.velocity:.1e} V in velocities and "
+            f"{uncertainty.arrival:.1e} T in arrivals"
+        )
     if comparison.interpolation is not None:
         x, v = comparison.interpolation
-        print(f"interpolating between frames adds at most {x:.1e} to displacements, {v:.1e} to velocities")
+        print(f"interpolation between frames adds at most {x:.1e} L to displacements and {v:.1e} V to velocities")
     firsts = [
         (deviation.first.time, name, deviation.first)
         for name, deviation in comparison.deviations.items()
@@ -158,7 +164,7 @@ def _print_quantities(comparison: validation.Validation) -> None:
     ]
     if firsts:
         time, name, place = min(firsts, key=lambda first: first[0])
-        print(f"first deviation: {name} of {place.words}, at t = {scale.written(time, 'time')}")
+        print(f"a tolerance is first exceeded by the {name} of {place.words}, at t = {scale.written(time, 'time')}")
 
 
 def _print_chains(comparison: validation.Validation, chains: Sequence[ChainDifference]) -> None:
@@ -172,7 +178,7 @@ def _print_chains(comparison: validation.Validation, chains: Sequence[ChainDiffe
     if rows:
         within = f"within {comparison.tolerances['impulse']:.0%} to bead"
         print_table(
-            "differences of first impulses, over the row's largest, and of shares of energy",
+            "differences of first impulses, over the largest of the row, and of shares of energy",
             ["chain", "first impulse: largest", "rms", within, "share of energy: largest", "rms"],
             rows,
         )

@@ -82,31 +82,32 @@ class ChosenStep:
         step = problem.scale.written(self.timestep, "time", ".3g")
         pilot = f"pilot run ({self.seconds:.1f} s of wall time)"
         if self.unreached:
-            how = f"by a rule, not measured, since {self.unreached}"
+            how = f"given by a rule, not measured, since {self.unreached}"
         elif self.measured == 0.0:
-            how = "by a rule, not measured: the scene is too large for a pilot run"
+            how = "given by a rule, not measured, since the scene is too large for a pilot run"
         elif self.expected_error == self.measured_error:
             how = f"error {self.expected_error:.1e} V in a {pilot}"
         else:
             part = "" if self.measured == 1.0 else f" over 1/{1.0 / self.measured:.0f} of the time and beads"
             how = (
-                f"error expected below {self.expected_error:.1e} V, from {self.measured_error:.1e} V with another "
-                f"step{part} in a {pilot}"
+                f"error expected below {self.expected_error:.1e} V, extrapolated from {self.measured_error:.1e} V with "
+                f"another time step{part} in a {pilot}"
             )
             if (
                 self.measured < 1.0
                 and problem.window is None
                 and (physics.coupled(problem.system) or physics.gap(problem.system) > 0.0)
             ):
-                how += "; larger behind the front in a long run, where repeated contacts amplify errors"
+                how += "; errors are larger behind the front in a long run, where repeated contacts amplify them"
         if not self.unreached and self.timestep < _USUAL * self.rule_timestep:
             how += (
-                f"; {self.rule_timestep / self.timestep:.0f} times as short as where errors grow in proportion to "
-                "time: repeated contacts or growing oscillations amplify them; a larger `accuracy` allows a longer step"
+                f"; it is {self.rule_timestep / self.timestep:.0f} times as short as where errors grow in proportion "
+                "to time, as repeated contacts or growing oscillations amplify them; a larger `accuracy` allows a "
+                "longer step"
             )
-        longer = "; frames, energy or stability allow no longer step" if self.limited else ""
-        default = "" if self.asked else " (default)"
-        return f"accuracy {self.accuracy:g} V{default}: timestep {step}, {how}{longer}"
+        longer = "; the frames, the energy or stability allow no longer one" if self.limited else ""
+        accuracy = "accuracy of the scene" if self.asked else "default accuracy"
+        return f"time step {step}, for an error of velocities up to {self.accuracy:g} V ({accuracy}): {how}{longer}"
 
 
 _USUAL = 0.2

@@ -49,20 +49,21 @@ class LargestContactForce:
         """Lines with overlap, force and pressure, and a warning where Hertz's law ends."""
         verb = "reach" if self.measured else "are at most"
         lines = [
-            f"contacts: overlaps {verb} {self.overlap:.2g} of the radius ({self.radius:g} m), "
-            f"forces {self.force:.2g} N, pressures {self.pressure:.2g} Pa; elastic only if the yield strength is above "
-            f"{self.yield_strength:.2g} Pa (yield begins at {YIELD_PRESSURE} times it: Johnson, Contact "
-            "Mechanics, 1985, 6.1); with `material: {yield_strength: ...}`, a number or `catalogue`, contacts yield"
+            f"overlaps in contacts {verb} {self.overlap:.2g} of the radius ({self.radius:g} m), their forces "
+            f"{self.force:.2g} N, their pressures {self.pressure:.2g} Pa",
+            f"contacts stay elastic only if the yield strength is above {self.yield_strength:.2g} Pa, as they yield "
+            f"from a pressure of {YIELD_PRESSURE} times it on (Johnson, Contact Mechanics, 1985, 6.1); "
+            "`material: {yield_strength: ...}`, a number or `catalogue`, makes them yield",
         ]
         if not self.possible:
             lines.append(
-                "elastic spheres do not overlap so far, so this is no motion of such beads; are all numbers in SI "
+                "elastic spheres cannot overlap so far, so this is not a motion of such beads; are all numbers in SI "
                 "units, youngs_modulus in Pa, density in kg/m3, velocities in m/s, forces in N?"
             )
         elif self.overlap > solids.LARGEST_OVERLAP:
-            word = "is" if self.measured else "may be"
+            word = "are" if self.measured else "may be"
             lines.append(
-                f"that {word} beyond Hertz's law, which holds for contacts small against the beads: overlaps below "
+                f"overlaps {word} too large for Hertz's law, which holds for contacts small against the beads: below "
                 f"about {solids.LARGEST_OVERLAP} of the radius (Johnson, 4.1)"
             )
         return lines

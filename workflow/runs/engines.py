@@ -133,10 +133,10 @@ class _Lammps(Engine):
         if job.resumed:
             steps = ", ".join(str(again.from_step) for again in job.resumed)
             return (
-                f"{job.steps} steps, resumed from step {steps}, in {job.wall_seconds:.2f} s "
-                f"(LAMMPS {job.lammps}, {ranks})"
+                f"LAMMPS {job.lammps} computed {job.steps} steps in {job.wall_seconds:.2f} s on {ranks}, "
+                f"resumed from step {steps}"
             )
-        return f"{job.steps} steps in {job.engine_seconds:.2f} s (LAMMPS {job.lammps}, {ranks})"
+        return f"LAMMPS {job.lammps} computed {job.steps} steps in {job.engine_seconds:.2f} s on {ranks}"
 
     def errors(self, job: Job) -> tuple[float, float] | None:
         return None if job.check is None else (_known(job.check.amplitude), _known(job.check.arrival))
@@ -169,8 +169,8 @@ class _Reference(Engine):
         errors = self.errors(job)
         assert errors is not None
         return (
-            f"reference, {job.engine_seconds:.2f} s; uncertainty of velocities {errors[0]:.1e} V, "
-            f"of arrivals {errors[1]:.1e} T"
+            f"the reference integrator computed the run in {job.engine_seconds:.2f} s; its uncertainty is "
+            f"{errors[0]:.1e} V in velocities and {errors[1]:.1e} T in arrivals"
         )
 
     def errors(self, job: Job) -> tuple[float, float] | None:
@@ -223,7 +223,7 @@ class _Collisions(Engine):
 
     def sentence(self, job: Job) -> str:
         seconds = f"{job.engine_seconds:.2g} s"
-        return f"{job.collisions} collisions of rigid beads in {seconds}; events.csv lists them"
+        return f"{job.collisions} collisions of rigid beads were computed in {seconds}; events.csv lists them"
 
     def errors(self, job: Job) -> tuple[float, float] | None:  # noqa: ARG002  exact between collisions
         return None

@@ -50,10 +50,10 @@ class Size:
         return self.bytes > LARGE_BYTES or (self.seconds or 0.0) > LARGE_SECONDS
 
     def sentence(self) -> str:
-        """Steps, frames, size and time in one line."""
+        """Steps, frames, their size and time in one phrase."""
         number = "" if self.steps is None else f"about {self.steps:.2g}" if self.rough else f"{self.steps:,}"
-        steps = f"{number} steps, " if number else ""
-        time = "" if self.seconds is None else f", estimated time {time_text(self.seconds)}"
+        steps = f"{number} steps and " if number else ""
+        time = "" if self.seconds is None else f" in an estimated time of {time_text(self.seconds)}"
         return f"{steps}{self.frames:,} frames ({size_text(self.bytes)}){time}"
 
 

@@ -79,7 +79,7 @@ def listed(kind: type[int] | type[float]) -> Callable[[str], tuple[float, ...]]:
 
 def interrupted() -> CommandResult:
     """Result of a command that Ctrl-C ended; its next start takes computed scenes from a cache."""
-    print("interrupted: computed scenes remain; the same command resumes")
+    print("the command was interrupted; computed scenes remain, and the same command resumes")
     return CommandResult(130, {})
 
 
@@ -104,7 +104,7 @@ def as_job(
     make_directory(directory)
     claim(directory, (file_names.JOB, file_names.JOB_OUTPUT))
     write_text(directory / file_names.JOB, text)
-    print(f"{directory}: submit there: sbatch {file_names.JOB}; output: {file_names.JOB_OUTPUT}")
+    print(f"`sbatch {file_names.JOB}` in {directory} submits the job; {file_names.JOB_OUTPUT} holds its output")
     return CommandResult(0, {"job": str(directory / file_names.JOB)})
 
 

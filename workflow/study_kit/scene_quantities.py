@@ -22,22 +22,22 @@ from lammps_inputs import InputError, Problem, Scene, library, physics
 from lammps_inputs.units import REDUCED, SI, Label
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
+from workflow.measures import MEASUREMENTS
+from workflow.measures.base import Recorded
 from workflow.prepare.extent import with_duration
 from workflow.sweep import fields
 from workflow.sweep.collect import AT_BEAD, QUANTITIES, at_bead, column_called, quantities
 from workflow.verdicts.analysis_report import REPORT, ChainSummary, Report, report
-from workflow.verdicts.findings import FINDINGS
-from workflow.verdicts.findings.finding import Recorded
 from workflow.workers import evaluate
 
 MASS = "mass"
 """Of all beads, in the scene's units: known before anything runs."""
 
-_MEASURES = {kind.key: kind for kind in FINDINGS if "measure" in vars(kind)}
-"""Key of what only some runs have -> what measures it in frames; ours, and those of other distributions."""
+_METERED = {kind.key: kind for kind in MEASUREMENTS if "meter" in vars(kind)}
+"""Key of a measurement that only some runs have -> its type, where a meter takes it from the frames."""
 
-_MEASURED = {name: _MEASURES[q.path[0]] for name, q in QUANTITIES.items() if q.path[0] in _MEASURES}
-_AT_THE_END = tuple(name for name, measure in _MEASURED.items() if measure.key == "far_end")
+_MEASURED = {name: _METERED[q.path[0]] for name, q in QUANTITIES.items() if q.path[0] in _METERED}
+_AT_THE_END = tuple(name for name, kind in _MEASURED.items() if kind.key == "far_end")
 
 _REPORTED = {"kicked", *(field.name for field in dataclasses.fields(Report))}
 """Parts of a report of every run."""
@@ -48,7 +48,7 @@ KNOWN = (
     *(
         name
         for name, q in QUANTITIES.items()
-        if q.file == REPORT and q.label and name not in _AT_THE_END and q.path[0] in {*_MEASURES, *_REPORTED}
+        if q.file == REPORT and q.label and name not in _AT_THE_END and q.path[0] in {*_METERED, *_REPORTED}
     ),
 )
 """Quantities that a design may be about."""
@@ -144,21 +144,21 @@ def of_frames(
     at_beads: dict[str, Any] = {}
     quick = _quick(problem, frames, scene, names) if _is_plain(problem) else {}
     run, asked_for = Recorded(scene, problem), {_MEASURED[name] for name in names if name in _MEASURED}
-    measures = [measure for kind in FINDINGS if kind in asked_for and (measure := kind.measure(run)) is not None]
+    meters = [meter for kind in MEASUREMENTS if kind in asked_for and (meter := kind.meter(run)) is not None]
     exchange = Accountant(problem)
     surveyed = None
     if any(kind.needs_survey for kind in asked_for) or any(name not in (MASS, *_MEASURED, *quick) for name in names):
         seen, allowed = Conservation(), Tolerances()
-        surveyed = survey(frames, problem, watchers=[seen, *measures], tolerances=allowed, counted=exchange.of)
+        surveyed = survey(frames, problem, watchers=[seen, *meters], tolerances=allowed, counted=exchange.of)
         values |= quantity.plain(report(surveyed, seen, allowed), problem.scale)
         at_beads = _at_beads(surveyed.waves, problem, scene, names)
-    elif measures:
+    elif meters:
         for block in frames():
             counted = physics.acted_on(problem.system) and block.exchange is None
-            for measure in measures:
-                measure.add(exchange.of(block) if counted else block)
-    for finding in filter(None, (measure.finish(surveyed) for measure in measures)):
-        values[finding.key] = finding.plain()
+            for meter in meters:
+                meter.add(exchange.of(block) if counted else block)
+    for measurement in filter(None, (meter.finish(surveyed) for meter in meters)):
+        values[measurement.key] = measurement.plain()
     known = {**quantities(values, {}, scene.plain()), **quick, **at_beads, MASS: mass_of(scene)}
     return {name: None if known[name] is None else float(known[name]) for name in names}
 

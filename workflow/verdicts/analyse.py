@@ -25,20 +25,20 @@ from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.formats import figure_files, in_any_format
+from workflow.measures import MEASUREMENTS, energy
+from workflow.measures.base import Measurement, Recorded
 from workflow.runs.check import accountant
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import EVENTS, write_figure, write_json, write_text
 from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, WavesTable, report, waves_table
-from workflow.verdicts.findings import FINDINGS, energy
-from workflow.verdicts.findings.finding import Finding, Recorded
 from workflow.verdicts.pulse_table import pulse_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FIGURES = ("spacetime", "response", "distance", "shape", *(one.figure for one in FINDINGS if one.figure))
+FIGURES = ("spacetime", "response", "distance", "shape", *(one.figure for one in MEASUREMENTS if one.figure))
 """All that an analysis may draw."""
 
 LARGEST = 1e100
@@ -58,8 +58,8 @@ class Analysis:
         figures: files drawn.
         failure: why the run failed; empty where it did not.
         altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
-        findings: what not every run has, by its key in ``analysis.json``, in the order of the text
-            (`workflow.verdicts.findings`); ``plain()`` of each is in the scene's units.
+        measurements: what not every run has, by its key in ``analysis.json``, in the order of the text
+            (`workflow.measures`); ``plain()`` of each is in the scene's units.
     """
 
     problem: Problem
@@ -70,7 +70,7 @@ class Analysis:
     figures: tuple[Path, ...]
     failure: str
     altered: bool
-    findings: dict[str, Finding]
+    measurements: dict[str, Measurement]
 
     @cached_property
     def waves(self) -> WavesTable:
@@ -133,13 +133,13 @@ def analyse(
     by_snapshots = problem.frames_per_snapshot is not None
     exchange = accountant(directory, problem)
     conservation, fingerprint = Conservation(), Fingerprint()
-    measures = _measures(recorded(directory))
+    meters = _meters(recorded(directory))
     spacetime, history = _pictures(problem, shown) if figures else (None, None)
     of_frames = (history,) if by_snapshots else (history, spacetime)
     results = survey(
         lambda: _sane(directory, directory.blocks()),
         problem,
-        watchers=[conservation, fingerprint, *measures, *(of_frames if figures else ())],
+        watchers=[conservation, fingerprint, *meters, *(of_frames if figures else ())],
         tolerances=allowed,
         arrival=arrival,
         counted=exchange.of,
@@ -151,10 +151,10 @@ def analyse(
         spacetime = spacetime if of_all_beads.frames > 1 else None
     _take_over(conservation, of_all_beads)
     closed = energy.closed(directory, conservation, exchange)
-    every_finding = (*(measure.finish(results) for measure in measures), closed)
-    findings = {finding.key: finding for finding in every_finding if finding is not None}
+    measured = (*(meter.finish(results) for meter in meters), closed)
+    measurements = {measurement.key: measurement for measurement in measured if measurement is not None}
     pictures = (spacetime, history) if figures else None
-    tables, drawn = _write(directory, results, conservation, allowed, findings, pictures)
+    tables, drawn = _write(directory, results, conservation, allowed, measurements, pictures)
     return Analysis(
         problem=problem,
         survey=results,
@@ -164,7 +164,7 @@ def analyse(
         figures=drawn,
         failure=directory.failure,
         altered=directory.fingerprint not in ("", fingerprint.sha256()),
-        findings=findings,
+        measurements=measurements,
     )
 
 
@@ -186,9 +186,9 @@ def _refuse_frames(directory: RunDirectory, shown: tuple[int, ...]) -> None:
         )
 
 
-def _measures(run: Recorded) -> list[Any]:
-    """Measures of all findings that there may be in a run."""
-    return [measure for kind in FINDINGS if (measure := kind.measure(run)) is not None]
+def _meters(run: Recorded) -> list[Any]:
+    """Meters of all measurements that the scene of a run allows."""
+    return [meter for kind in MEASUREMENTS if (meter := kind.meter(run)) is not None]
 
 
 def _read_snapshots(
@@ -223,7 +223,7 @@ def _take_over(conservation: Conservation, of_all_beads: Conservation) -> None:
 
 
 def recorded(directory: RunDirectory) -> Recorded:
-    """The run of a directory as measures see it."""
+    """The run of a directory as meters see it."""
     check = None if directory.scene.output.forces is None else directory.job.check  # run.json may be damaged
     return Recorded(
         scene=directory.scene,
@@ -245,7 +245,7 @@ def _write(
     found: Survey,
     seen: Conservation,
     allowed: Tolerances,
-    findings: dict[str, Finding],
+    measurements: dict[str, Measurement],
     pictures: tuple[Any, Any] | None,
 ) -> tuple[tuple[str, ...], tuple[Path, ...]]:
     """Tables, the report, and figures; returns what tables and figures there are.
@@ -254,7 +254,7 @@ def _write(
     """
     tables = {WAVES: waves_table(found).to_csv()}
     makers = {} if pictures is None else _makers(found, *pictures)
-    for one in findings.values():
+    for one in measurements.values():
         if one.table is not None and (rows := one.rows()) is not None:
             tables[one.table[0]] = csv_of(rows, found.problem.scale)
         if pictures is not None and one.drawable:
@@ -266,7 +266,7 @@ def _write(
     drawn = tuple(path for name, make in makers.items() for path in write_figure(directory.path, name, make()))
     for name, text in tables.items():
         write_text(directory.path / name, text)
-    more = {key: one.plain() for key, one in findings.items()}
+    more = {key: one.plain() for key, one in measurements.items()}
     write_json(directory.path / REPORT, plain(report(found, seen, allowed), found.problem.scale) | more)
     return tuple(tables), drawn
 

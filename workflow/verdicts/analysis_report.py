@@ -412,7 +412,7 @@ class PulseEntry(Character):
 
 @result
 class Report:
-    """The contents of ``analysis.json`` of every run; what only some have is in `workflow.verdicts.findings`."""
+    """The contents of ``analysis.json`` of every run; what only some have is in `workflow.measures`."""
 
     complete: bool = declare("whether every frame of the scene is there")
     frames: tuple[int, int] = declare("number of frames found, and of those asked for")

@@ -9,9 +9,9 @@ from analysis.tracking.pulses import of_one_kind
 from analysis.trajectory import Integers, along_the_way
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
+from workflow.measures.base import MOST_CHAINS
 from workflow.screen import PrintedTable
 from workflow.verdicts.analysis_report import last_clear_bead
-from workflow.verdicts.findings.finding import MOST_CHAINS
 
 MOST_BEADS = 7
 """Largest number of beads in the table."""
@@ -33,7 +33,7 @@ def pulse_table(survey: Survey) -> PrintedTable | None:
     scale = survey.problem.scale
     head = ["bead", "chain", *headings(Waves, scale, _COLUMNS), *(["peak velocity / V"] if scale.si else [])]
     rows = [row for bead in selected_beads(survey) for row in _rows(survey.waves.at(bead), bead, survey)]
-    return PrintedTable(f"{survey.problem.name}: leading pulse", head, rows) if rows else None
+    return PrintedTable("leading pulse", head, rows) if rows else None
 
 
 def _rows(waves: Waves, bead: int, survey: Survey) -> list[list[str]]:

@@ -12,10 +12,10 @@ from analysis.files.events import Collisions
 from analysis.quantity import Quantity, QuantityColumn, declare, result, walk
 from analysis.statistics import Histogram, Statistics
 from lammps_inputs.units import SI, Label
+from workflow.measures import MEASUREMENTS
 from workflow.runs.files import EVENTS, RECORD
 from workflow.verdicts import terms
 from workflow.verdicts.analysis_report import REPORT, WAVES, Report, WavesTable
-from workflow.verdicts.findings import FINDINGS
 
 STATISTICS, HISTOGRAM = "statistics.csv", "histogram.csv"
 """Files of `granchain collect --statistics`."""
@@ -122,7 +122,7 @@ class CollectColumn:
 
 def tables() -> dict[str, Any]:
     """CSV file -> type whose fields are its columns."""
-    found = {one.table[0]: one.table[1] for one in FINDINGS if one.table is not None}
+    found = {one.table[0]: one.table[1] for one in MEASUREMENTS if one.table is not None}
     return {WAVES: WavesTable, **found, EVENTS: Collisions, STATISTICS: Statistics, HISTOGRAM: Histogram}
 
 
@@ -135,10 +135,10 @@ def places() -> Iterator[QuantityPlace]:
 
 def _sections() -> list[tuple[str, tuple[str, ...], Any]]:
     """File, key and type."""
-    of_findings = [(REPORT, (one.key,), one.kind) for one in FINDINGS]
+    of_measurements = [(REPORT, (one.key,), one.kind) for one in MEASUREMENTS]
     return [
         (REPORT, (), Report),
-        *of_findings,
+        *of_measurements,
         (RECORD, (), RecordOfRun),
         *((file, (), kind) for file, kind in tables().items()),
     ]
@@ -226,7 +226,7 @@ HEAD = """
 def manual() -> str:
     """The manual's page of quantities, in Markdown."""
     page, last = INTRODUCTION, ""
-    inside = {path[0] for path, _ in walk(Report) if len(path) > 1} | {one.key for one in FINDINGS}
+    inside = {path[0] for path, _ in walk(Report) if len(path) > 1} | {one.key for one in MEASUREMENTS}
     for place in places():
         grouped = place.file == REPORT and place.path[0] in inside
         name = f"{place.file}: {place.path[0]}" if grouped else place.file

@@ -18,13 +18,13 @@ from lammps_inputs import InputError, Problem, file_names, references, strict_ya
 from lammps_inputs.ingredients.unequal import radii
 from workflow import provenance
 from workflow.formats import in_any_format
+from workflow.measures.gauges import ForceMeasurement
 from workflow.runs.engines import ENGINES, LAMMPS, RIGID
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.collect import collect
 from workflow.verdicts.analyse import FIGURES, analyse, default_beads
-from workflow.verdicts.findings.gauges import ForcesFinding
 from workflow.view.downsample import Thinned, thinned
 from workflow.view.run_page import layout
 from workflow.view.sweep_page import layout as sweep_layout
@@ -184,7 +184,12 @@ def _run(path: Path) -> Path:
         analysis = analyse(directory, figures=False)
         survey = analysis.survey
         readings = next(
-            (finding.readings for finding in analysis.findings.values() if isinstance(finding, ForcesFinding)), None
+            (
+                measurement.readings
+                for measurement in analysis.measurements.values()
+                if isinstance(measurement, ForceMeasurement)
+            ),
+            None,
         )
         if problem.chains > 1:
             lines.append(_sentence(survey.verdict.sentence))

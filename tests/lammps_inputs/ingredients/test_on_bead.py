@@ -164,7 +164,7 @@ def test_above_the_cut_off_of_a_linear_chain_amplitude_falls_by_what_theory_says
     drive = {"displacement": 1.0 / omega, "frequency": omega / (2.0 * math.pi), "phase": -90.0}
     case = driven(drive, chains=30, beads=2, gap=10.0, coupling={"stiffness": 1.0}, duration=250.0, timestep=0.0125,
                   output={"every": 0.25, "spectra": {"beads": [1], "after": 125.0}})  # fmt: skip
-    spectra = analyse(run(case, tmp_path / "run", check=False).directory, figures=False).findings["spectra"].spectra
+    spectra = analyse(run(case, tmp_path / "run", check=False).directory, figures=False).measurements["spectra"].spectra
     amplitude = spectra.at_drive[0, :, 0]
     assert amplitude[0] == pytest.approx(1.0, abs=1e-4)
     fall = math.exp(-2.0 * math.acosh(0.5 * omega))

@@ -92,7 +92,7 @@ def test_sound_of_the_steel_beads_at_one_newton_runs_at_369_metres_a_second(tmp_
         timestep=5e-7,
     )
     run(case, tmp_path / "run", check=False)
-    sound = analyse(RunDirectory(tmp_path / "run"), figures=False).findings["sound"].found.pulse
+    sound = analyse(RunDirectory(tmp_path / "run"), figures=False).measurements["sound"].values.pulse
     assert sound is not None
     report = json.loads((tmp_path / "run" / "analysis.json").read_text())["sound"]
     assert report["metres"][0] == pytest.approx(369.2, abs=0.05)
@@ -222,8 +222,12 @@ def test_a_scene_says_gravity_as_one_number_and_is_read_back():
 @pytest.mark.slow
 def test_analyze_says_what_the_sound_is_and_why_there_is_no_map(tmp_path, capsys):
     for name, keys, words in (
-        ("free", FREE, ("sound: c0 = ", "dispersion.csv")),
-        ("column", COLUMN, ("sound: c0 = ", "no dispersion map: beads and their loads do not repeat")),
+        ("free", FREE, ("the speed of sound is c0 = ", "dispersion.csv")),
+        (
+            "column",
+            COLUMN,
+            ("the speed of sound is c0 = ", "there is no dispersion map: beads and their loads do not repeat"),
+        ),
     ):
         run(loaded(**keys, beads=30, duration=30.0), tmp_path / name, check=False)
         assert main(["analyze", str(tmp_path / name), "--no-figures"]) == 0

@@ -128,7 +128,7 @@ def test_harder_walls_feel_the_known_forces_through_lammps(tmp_path, kind, ratio
     output = {"every": 0.05, "forces": {"wall": True, "contacts": [30]}}
     case = walled({"right": kind}, chains=1, coupling=None, beads=60, duration=80.0, timestep=0.0025, output=output)
     found = run(case, tmp_path / "run")
-    readings = analyse(found.directory, figures=False).findings["forces"].readings
+    readings = analyse(found.directory, figures=False).measurements["forces"].readings
     wall, contact = readings.largest[0]
     # an error of the last bead's velocity, for the time in which it is stopped, over its way: as large a part of both
     assert wall / contact == pytest.approx(ratio, abs=4.0 * found.check.velocity + 2e-5)

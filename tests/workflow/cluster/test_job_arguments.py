@@ -31,8 +31,8 @@ def test_a_job_is_added_and_the_deck_is_byte_for_byte_the_one_without(tmp_path, 
         *(file_names.JOB, file_names.JOB_INPUT, "in.continue"),
     }
     said = capsys.readouterr().out
-    assert "1 rank of 240 beads: about " in said
-    assert "sbatch job.sbatch; state: granchain status" in said
+    assert "on 1 rank of 240 beads" in said
+    assert "`sbatch job.sbatch` there submits the job; `granchain status" in said
 
 
 def test_options_stand_in_the_script_and_win_over_the_site_that_the_environment_names(tmp_path, monkeypatch):

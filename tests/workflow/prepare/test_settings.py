@@ -161,7 +161,7 @@ def test_a_scene_that_names_neither_step_nor_accuracy_gets_the_default_accuracy(
     settled, settings = settle(scene(kappa=0.0, chains=1, beads=250, duration=320.0))
     assert (settings.accuracy, settings.asked) == (DEFAULT_ACCURACY, False)
     assert error(settled.problem(), DEFAULT_ACCURACY) <= DEFAULT_ACCURACY
-    assert "0.0002 V (default): timestep" in settings.sentence(settled.problem())
+    assert "0.0002 V (default accuracy): error" in settings.sentence(settled.problem())
 
 
 def test_where_no_step_keeps_the_default_accuracy_the_rule_gives_one_and_an_accuracy_that_is_named_is_refused():
@@ -220,7 +220,7 @@ def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
     path = written(tmp_path, asking(SMALL["one chain"], 1e-3))
     for words in (["show"], ["deck", "-o", tmp_path / "deck"], ["run", "--no-check", "-o", tmp_path / "run"]):
         assert main([str(word) for word in (words[0], path, *words[1:])]) == 0
-        assert "accuracy 0.001 V: timestep 0.0" in capsys.readouterr().out
+        assert "for an error of velocities up to 0.001 V (accuracy of the scene)" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -229,19 +229,19 @@ def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
         ({}, "error 2.0e-05 V in a pilot run (0.5 s of wall time)"),
         (
             {"measured_error": 8e-5, "measured": 0.25, "limited": True},
-            "error expected below 2.0e-05 V, from 8.0e-05 V with another step over 1/4 of the time and beads in a "
-            "pilot run (0.5 s of wall time); larger behind the front in a long run, where repeated contacts amplify "
-            "errors; frames, energy or stability allow no longer step",
+            "error expected below 2.0e-05 V, extrapolated from 8.0e-05 V with another time step over 1/4 of the "
+            "time and beads in a pilot run (0.5 s of wall time); errors are larger behind the front in a long run, "
+            "where repeated contacts amplify them; the frames, the energy or stability allow no longer one",
         ),
         ({"rule_timestep": 0.0125 / 0.21}, "error 2.0e-05 V in a pilot run (0.5 s of wall time)"),
         (
             {"rule_timestep": 0.2},
-            "error 2.0e-05 V in a pilot run (0.5 s of wall time); 16 times as short as where errors grow in "
-            "proportion to time: repeated contacts or growing oscillations amplify them; a larger `accuracy` allows a "
-            "longer step",
+            "error 2.0e-05 V in a pilot run (0.5 s of wall time); it is 16 times as short as where errors grow in "
+            "proportion to time, as repeated contacts or growing oscillations amplify them; a larger `accuracy` allows "
+            "a longer step",
         ),
-        ({"measured": 0.0}, "by a rule, not measured: the scene is too large for a pilot run"),
-        ({"measured": 0.0, "unreached": "errors grow"}, "by a rule, not measured, since errors grow"),
+        ({"measured": 0.0}, "given by a rule, not measured, since the scene is too large for a pilot run"),
+        ({"measured": 0.0, "unreached": "errors grow"}, "given by a rule, not measured, since errors grow"),
     ],
 )
 def test_the_sentence_says_how_the_step_was_chosen(changes, said):
@@ -251,7 +251,9 @@ def test_the_sentence_says_how_the_step_was_chosen(changes, said):
         (make_scale(2.0, 2.0, 1e5, si=True), "0.00125 s"),
     ):
         sentence = replace(found, **changes).sentence(small_problem(scale=scale))
-        assert sentence == f"accuracy 0.0001 V: timestep {step}, {said}"
+        assert (
+            sentence == f"time step {step}, for an error of velocities up to 0.0001 V (accuracy of the scene): {said}"
+        )
 
 
 @pytest.mark.slow

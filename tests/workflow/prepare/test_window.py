@@ -226,4 +226,4 @@ def test_pulses_left_behind_that_could_catch_up_are_told(tmp_path):
     # with so weak a coupling the leading wave of chain 2 is a hundred times lower than what chain 1 leaves
     case = long_scene(chains=2, kappa=1e-4, window=ROWS, beads=150, duration=220.0)
     analysis = analyse(run(case, tmp_path / "run", check=False).directory, figures=False)
-    assert "might catch up" in "".join(analysis.findings["window"].said())
+    assert "might catch up" in "".join(analysis.measurements["window"].lines())

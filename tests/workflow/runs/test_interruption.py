@@ -118,7 +118,7 @@ def test_a_run_killed_at_its_beginning_leaves_a_directory_that_says_what_it_lack
     out, err = capsys.readouterr()
     if (command.run / "chains.dump.bin").exists():  # LAMMPS was faster than the signal
         assert code == 0
-        assert "\nincomplete: " in out  # after the units
+        assert "\nthe run is incomplete: " in out  # after the units
     else:
         assert code == 2
         assert err == f"granchain: {command.run}: holds no chains.dump.bin; run the deck first\n"
@@ -154,10 +154,10 @@ def test_ctrl_c_or_sigterm_ends_a_run_with_one_line_and_its_frames_and_further_s
     record = RunDirectory(command.run).job.plain()
     assert (code, err) == (130, "")
     units, size, said = out.splitlines(keepends=True)
-    assert "units: V = 1 (kick velocity)" in units
-    assert "10,000,000 steps, 100,001 frames (591 MB), estimated time" in size
+    assert "in reduced units: V = 1 (kick velocity)" in units
+    assert "the run has 10,000,000 steps and 100,001 frames (591 MB) in an estimated time of" in size
     assert said == (
-        f"{command.run}: interrupted at step {record['steps_done']} of 10000000; the frames remain; "
+        f"the run was interrupted at step {record['steps_done']} of 10000000; its frames remain; "
         f"`granchain run --resume {command.run}` resumes at step {record['steps_done']}\n"
     )
     assert command.nothing_is_left()

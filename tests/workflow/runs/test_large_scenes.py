@@ -48,7 +48,7 @@ def test_a_flipped_bit_in_a_snapshot_changes_the_fingerprint_and_is_said(both, t
     content[-3] ^= 1
     (copy / file_names.SNAPSHOTS).write_bytes(content)
     assert cli.main(["analyze", str(copy), "--no-figures"]) == 0
-    assert "frame checksum mismatch" in capsys.readouterr().out
+    assert "the checksum of the frames is not that in run.json" in capsys.readouterr().out
     assert cli.main(["validate", str(copy), "--against", str(both[1].path)]) == 1
     assert "not bitwise the same" in capsys.readouterr().out
 

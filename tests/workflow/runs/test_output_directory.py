@@ -205,7 +205,7 @@ def test_names_are_printed_without_what_moves_a_terminal(tmp_path: Path, capsys:
     assert main(words) == 0
     out = capsys.readouterr().out
     assert "\x1b" not in out
-    assert out.count("\n") == 2  # units, and what was done
+    assert out.count("\n") == 3  # units, what was done, and where
 
 
 def test_more_beads_than_memory_holds_are_refused_beforehand(tmp_path: Path, capsys: Printed) -> None:

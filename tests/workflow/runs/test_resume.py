@@ -232,7 +232,7 @@ def test_whoever_is_killed_of_a_run_on_two_ranks_nobody_is_left(which, tmp_path)
 
 
 def said(words, capsys):
-    """Exit code and the one line that a command said."""
+    """Exit code of a command, and the line that it printed."""
     code = main([str(word) for word in words])
     out, err = capsys.readouterr()
     (line,) = (out + err).splitlines()
@@ -243,21 +243,20 @@ def test_a_run_that_is_done_is_left_as_it_is(tmp_path, capsys):
     run(a_scene(duration=4.0), tmp_path, check=False)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     words = ["run", "--resume", tmp_path, "--no-check"]
-    assert said(words, capsys) == (0, f"{tmp_path}: is done already")
+    assert said(words, capsys) == (0, f"{tmp_path}: the run is done already")
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_the_error_is_measured_where_only_that_is_missing(tmp_path, capsys):
     run(a_scene(duration=4.0), tmp_path, check=False)
     assert main(["run", "--resume", str(tmp_path)]) == 0
-    assert "error: velocities" in capsys.readouterr().out
+    assert "largest errors against the reference integrator: velocities" in capsys.readouterr().out
     assert RunDirectory(tmp_path).job.check.velocity > 0.0
 
 
 def test_the_command_says_from_which_step_it_went_on(cut, capsys):
-    code, line = said(["run", "--resume", cut.path, "--no-check"], capsys)
-    assert code == 0
-    assert f"20000 steps, resumed from step {cut.job.resumed[0].from_step}, in" in line
+    assert main(["run", "--resume", str(cut.path), "--no-check"]) == 0
+    assert f"on 1 rank, resumed from step {cut.job.resumed[0].from_step}\n" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("left", [[], [".run.json.granchain-abcd1234"], ["scene.yaml"]])

@@ -100,10 +100,10 @@ def test_overwriting_removes_the_collisions_of_an_earlier_run(tmp_path):
 def test_the_command_says_how_many_collisions_there_were(tmp_path, capsys):
     assert main(["run", "two-chains-gapped", "--engine", "collisions", "-o", str(tmp_path / "run")]) == 0
     out = capsys.readouterr().out
-    assert "collisions of rigid beads in " in out
+    assert "collisions of rigid beads were computed in " in out
     assert "events.csv" in out
     lines = (tmp_path / "run" / "events.csv").read_text().splitlines()
-    assert f": {len(lines) - 1} collisions" in out
+    assert f"\n{len(lines) - 1} collisions" in out
     assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
 
 

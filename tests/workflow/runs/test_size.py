@@ -46,7 +46,7 @@ def test_steps_frames_and_bytes_are_those_of_the_run(tmp_path):
 def test_a_run_that_is_too_large_is_refused_in_one_line_that_says_how_large_and_what_to_do(written, tmp_path, capsys):
     err = refusal(["run", written(**WRONG), "-o", tmp_path / "out"], capsys)
     assert not (tmp_path / "out").exists()
-    assert "duration: 1,920,000,000 steps, 192,000,001 frames (76 GB), estimated time" in err
+    assert "duration: 1,920,000,000 steps and 192,000,001 frames (76 GB) in an estimated time of" in err
     assert "more than the limit of 20 GB of frames" in err
     assert "192 s is 1.57e+07 T, the unit of time T being 1.224e-05 s (192 T = 0.00235 s)" in err
     assert "`limits: {gigabytes: 76}` in the scene or in ~/.config/granchain/site.yaml" in err
@@ -54,7 +54,7 @@ def test_a_run_that_is_too_large_is_refused_in_one_line_that_says_how_large_and_
 
 def test_where_the_step_is_still_to_be_found_frames_alone_are_enough_to_refuse(written, tmp_path, capsys):
     err = refusal(["run", written(**{**WRONG, "timestep": None}), "-o", tmp_path / "out"], capsys)
-    assert " steps, 192,000,001 frames (76 GB): more than the limit of 20 GB of frames" in err
+    assert " steps and 192,000,001 frames (76 GB): more than the limit of 20 GB of frames" in err
 
 
 def test_a_run_of_few_frames_that_takes_days_is_refused(written, tmp_path, capsys):

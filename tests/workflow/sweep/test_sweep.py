@@ -100,7 +100,7 @@ def test_added_values_are_computed_and_cases_no_longer_named_stay(tmp_path, caps
     assert sweep(sweep_file(tmp_path, beads=[11, 12]), tmp_path / "s") == 0
     out = capsys.readouterr().out
     assert "2 of 2 cases done (1 of them before)" in out
-    assert "1 more with values that" in out
+    assert "1 more cases, with values that" in out
     assert {path.name for path in (tmp_path / "s").iterdir()} == {"beads=10", "beads=11", "beads=12"}
 
 

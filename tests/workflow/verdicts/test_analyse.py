@@ -191,7 +191,7 @@ def test_frames_that_are_not_those_of_the_run_are_told_of(finished, tmp_path, ca
     main(["analyze", str(finished.path), "--no-figures"])
     assert "fingerprint" not in capsys.readouterr().out
     main(["analyze", str(copy_with(finished, tmp_path, 1e-9)), "--no-figures"])
-    assert "frame checksum mismatch with run.json" in capsys.readouterr().out
+    assert "the checksum of the frames is not that in run.json" in capsys.readouterr().out
 
 
 def test_frames_far_apart_are_said_to_leave_peaks_less_sure(finished, tmp_path, capsys):
@@ -199,7 +199,7 @@ def test_frames_far_apart_are_said_to_leave_peaks_less_sure(finished, tmp_path, 
     assert "uncertainty by" not in capsys.readouterr().out
     coarse = run(scene(output=Output(every=1.25)), tmp_path / "coarse", check=False).directory
     assert main(["analyze", str(coarse.path), "--no-figures"]) == 0
-    assert "uncertainty by frames 1.25 apart: of peak velocities up to" in capsys.readouterr().out
+    assert "with frames 1.25 apart the uncertainty of peak velocities is up to" in capsys.readouterr().out
 
 
 def test_frames_so_far_apart_that_agreement_to_one_per_cent_cannot_be_told_get_no_verdict(tmp_path):
@@ -214,12 +214,12 @@ ONE = {"name": "one", "beads": 40, "kick": {"velocity": 1}, "duration": 50, "out
 STRIKER = {"kick": None, "striker": {"mass": 60, "velocity": 1}}
 PRINTED = {
     "disordered": ({"disorder": {"mass": 0.1, "seed": 2}}, "no asymptotic amplitude: beads, contacts", "amplitude <"),
-    "struck": (STRIKER, "no asymptotic amplitude: it has not settled; peak velocities of", "above the kick"),
-    "damped": ({"damping": {"contact": 0.01}}, "chain 1: decaying at bead", "steady"),
-    "drag": ({"damping": {"beads": 0.01}}, "chain 1: decaying at bead", "solitary at"),
-    "one snapshot": ({"output": {"every": 0.2, "snapshots": 50, "beads": [10, 20]}}, "drift: ", " 0.0e+00"),
+    "struck": (STRIKER, "no asymptotic amplitude: it has not settled; peak velocities are", "above the kick"),
+    "damped": ({"damping": {"contact": 0.01}}, "in chain 1 the leading wave is decaying at bead", "steady"),
+    "drag": ({"damping": {"beads": 0.01}}, "in chain 1 the leading wave is decaying at bead", "solitary at"),
+    "one snapshot": ({"output": {"every": 0.2, "snapshots": 50, "beads": [10, 20]}}, "largest drift: ", " 0.0e+00"),
     "no pulse": ({"foundation": {"stiffness": 0.1}}, "no pulse keeps its shape in this scene", "does not apply"),
-    "plain": ({}, "asymptotic amplitude 0.68", "range"),
+    "plain": ({}, "the asymptotic amplitude is 0.68", "range"),
 }  # fmt: skip
 
 
@@ -263,7 +263,7 @@ def test_arrivals_at_the_maximum_of_gapped_chains_get_no_verdict_and_no_numbers(
     assert main(["analyze", str(gapped.path), "--no-figures", "--arrival", "maximum"]) == 0
     said = capsys.readouterr().out
     assert "inconclusive: beads fly freely" in said
-    assert "--arrival impulse is" in said
+    assert "`--arrival impulse` defines them" in said
     late = [row for row in rows(gapped.path) if row["bead"] == "115"]
     assert [(row["arrival"], row["speed"]) for row in late] == [("", "")] * 2
 
@@ -275,7 +275,7 @@ def test_where_a_leading_pulse_ends_is_said_and_its_table_numbers_the_pulses(tmp
     assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
     lines = capsys.readouterr().out.splitlines()
     merging = "where it merges into the pulse behind it (0.333 V), which leads from bead 24 on"
-    assert f"chain 1: the leading pulse ends at bead 23 (0.0596 V), {merging}" in lines
+    assert f"in chain 1 the leading pulse ends at bead 23 (0.0596 V), {merging}" in lines
     pulse = {(int(row["chain"]), int(row["bead"])): int(row["pulse"]) for row in rows(tmp_path / "run")}
     assert (pulse[1, 10], pulse[1, 23], pulse[1, 24]) == (1, 1, 2)
     assert {number for (chain, _), number in pulse.items() if chain == 2} == {1}

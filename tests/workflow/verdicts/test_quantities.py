@@ -6,8 +6,8 @@ import pytest
 
 from analysis.quantity import walk
 from lammps_inputs.units import SI
+from workflow.measures import MEASUREMENTS
 from workflow.verdicts import quantities
-from workflow.verdicts.findings import FINDINGS
 from workflow.verdicts.quantities import OWN, collect_columns, explained, manual, places
 
 PAGE = Path(__file__).parents[3] / "analysis" / "QUANTITIES.md"
@@ -25,8 +25,8 @@ def test_every_quantity_has_a_meaning_and_a_unit_that_is_known():
     assert {place.quantity.unit for place in places()} - SI.keys() - LITERAL == set()
 
 
-@pytest.mark.parametrize("kind", FINDINGS)
-def test_a_finding_declares_what_stands_under_its_key(kind):
+@pytest.mark.parametrize("kind", MEASUREMENTS)
+def test_a_measurement_declares_what_stands_under_its_key(kind):
     assert list(walk(kind.kind))
     assert kind.table is None or list(walk(kind.table[1]))
 

@@ -60,7 +60,7 @@ def frames_written(directory, frames):
 def test_a_run_that_came_back_from_a_cluster_passes(good, tmp_path, capsys):
     assert not (good.path / "run.json").exists()
     assert main(["validate", str(copied(good, tmp_path / "run").path)]) == 0
-    assert capsys.readouterr().out.splitlines()[-2] == "passed"
+    assert capsys.readouterr().out.splitlines()[-2] == "the validation passed"
 
 
 def test_a_run_of_the_reference_passes_without_any_difference(tmp_path):
@@ -97,7 +97,7 @@ def test_a_scene_is_run_and_validated(tmp_path, capsys):
     path = tmp_path / "scene.yaml"
     path.write_text("name: quick\nbeads: 12\nkick: {velocity: 1}\nuntil_bead: 9\n")
     assert main(["validate", str(path), "-o", str(tmp_path / "out")]) == 0
-    assert capsys.readouterr().out.splitlines()[-2] == "passed"
+    assert capsys.readouterr().out.splitlines()[-2] == "the validation passed"
     assert {REPORT, f"{FIGURE}.png", file_names.DUMP, "run.json"} <= {
         file.name for file in (tmp_path / "out").iterdir()
     }
@@ -149,7 +149,10 @@ def test_the_first_wrong_bead_and_time_are_named(good, tmp_path, capsys):
         return trajectory.displacement, velocity
 
     main(["validate", str(wrong_runs.rewritten(good, tmp_path / "run", struck).path)])
-    assert "first deviation: velocity of bead 7 of chain 2, at t = 12.3" in capsys.readouterr().out.splitlines()
+    assert (
+        "a tolerance is first exceeded by the velocity of bead 7 of chain 2, at t = 12.3"
+        in capsys.readouterr().out.splitlines()
+    )
 
 
 def test_every_cause_is_named_in_the_units_of_the_scene():
@@ -168,8 +171,8 @@ def test_an_interrupted_run_is_said_incomplete_and_does_not_pass(good, tmp_path,
         file.write((good.path / file_names.DUMP).read_bytes()[:1000])  # killed within a frame
     assert main(["validate", str(part.path)]) == 1
     out = capsys.readouterr()
-    assert "incomplete: 200 of 401 frames" in out.out.splitlines()
-    assert out.out.splitlines()[-2] == "NOT passed"
+    assert "the run is incomplete: 200 of 401 frames" in out.out.splitlines()
+    assert out.out.splitlines()[-2] == "the validation has NOT passed"
     assert out.err == ""
     report = json.loads((part.path / REPORT).read_text())
     assert (report["complete"], report["frames"]) == (False, [200, 401])

@@ -79,7 +79,10 @@ def test_the_scene_in_a_run_directory_is_enough_to_repeat_the_run_bitwise(change
     code, lines = printed(["validate", tmp_path / "again", "--against", directory.path], capsys)
     recorded = directory.job.results
     assert code == 0
-    assert f"bitwise the same as {directory.path} ({recorded.frames} frames, sha256 {recorded.sha256[:12]}...)" in lines
+    assert (
+        f"the run is bitwise the same as {directory.path} ({recorded.frames} frames, sha256 {recorded.sha256[:12]}...)"
+        in lines
+    )
     assert results(RunDirectory(tmp_path / "again"))["sha256"] == recorded.sha256
 
 
@@ -101,7 +104,7 @@ def test_the_frames_count_and_not_what_run_json_says_of_them(first, tmp_path, ca
     copy = altered(first, tmp_path / "altered")
     code, lines = printed(["validate", copy.path, "--against", first.path], capsys)
     assert code == 1
-    assert f"not bitwise the same as {first.path}, from t = 20 on" in lines
+    assert f"the run is not bitwise the same as {first.path}, from t = 20 on" in lines
     assert any("velocity  2.50e-01" in line and "bead 12 of chain 3, t = 20" in line for line in lines)
 
 
@@ -112,8 +115,8 @@ def test_a_run_that_is_cut_short_is_incomplete_also_where_its_frames_are_the_sam
     pair = [copy.path, first.path] if side == 0 else [copied(first, tmp_path / "whole").path, copy.path]
     code, lines = printed(["validate", pair[0], "--against", pair[1]], capsys)
     assert code == 1
-    assert "incomplete: 40 of 41 frames" in lines
-    assert any(line.startswith(f"bitwise the same as {pair[1]} (40 frames, ") for line in lines)
+    assert "the run is incomplete: 40 of 41 frames" in lines
+    assert any(line.startswith(f"the run is bitwise the same as {pair[1]} (40 frames, ") for line in lines)
 
 
 # --- how far apart ----------------------------------------------------------------------------------------------------
@@ -126,7 +129,7 @@ def test_two_time_steps_are_compared_quantity_by_quantity_with_time_and_settings
     apart = np.abs(finer.trajectory.velocity - first.trajectory.velocity)
     since = first.trajectory.time[np.flatnonzero(apart.any(axis=(1, 2)))[0]]
     assert code == 0
-    assert f"not bitwise the same as {first.path}, from t = {since:.5g} on" in lines
+    assert f"the run is not bitwise the same as {first.path}, from t = {since:.5g} on" in lines
     (row,) = (line.split() for line in lines if line.split()[:1] == ["velocity"])
     assert row[1] == f"{apart.max():.2e}"
     differ = {" ".join(words[:-2]): words[-2:] for words in map(str.split, lines) if len(words) > 2}
@@ -135,7 +138,7 @@ def test_two_time_steps_are_compared_quantity_by_quantity_with_time_and_settings
     assert differ["ranks"] == ["2", "1"]
     assert "input files" in differ
     assert "numpy" not in differ
-    assert "passed" in lines
+    assert "the validation passed" in lines
 
 
 def test_a_tolerance_that_is_exceeded_is_exit_code_1(first, finer, tmp_path, capsys):
@@ -143,7 +146,7 @@ def test_a_tolerance_that_is_exceeded_is_exit_code_1(first, finer, tmp_path, cap
     words = ["validate", copy.path, "--against", first.path, "--tolerance", "velocity=1e-9"]
     code, lines = printed(words, capsys)
     assert code == 1
-    assert "NOT passed" in lines
+    assert "the validation has NOT passed" in lines
 
 
 def test_another_engine_is_compared(first, tmp_path):
@@ -228,7 +231,7 @@ def test_a_scene_is_refused_before_it_is_run_and_run_where_it_is_the_same(first,
     path.write_text(strict_yaml.dump(a_scene(name="other").plain()))
     code, lines = printed(["validate", path, "-o", out, "--against", first.path], capsys)
     assert code == 0
-    assert any(line.startswith("bitwise the same as ") for line in lines)
+    assert any(line.startswith("the run is bitwise the same as ") for line in lines)
 
 
 @pytest.mark.parametrize(

@@ -224,7 +224,7 @@ def test_a_table_beyond_an_interrupted_run_says_so(runs, exact, tmp_path, capsys
     assert refusal(["validate", part.path, "--against", path], capsys).endswith("; the run is incomplete")
     early = csv(tmp_path / "early.csv", columns(exact[1][:100]))
     assert main(["validate", str(part.path), "--against", str(early)]) == 1
-    assert "incomplete: 100 of 251 frames" in capsys.readouterr().out.splitlines()
+    assert "the run is incomplete: 100 of 251 frames" in capsys.readouterr().out.splitlines()
     report = json.loads((part.path / REPORT).read_text())
     assert not any(quantity["exceeded"] for quantity in report["quantities"].values())
 
@@ -316,7 +316,7 @@ def test_a_trace_that_is_off_is_named_with_place_and_time(directory, capsys):
     own = np.genfromtxt(directory / "forces.csv", delimiter=",", names=True)["sensor_8_chain_2"]
     assert found["largest"] == pytest.approx(0.05 * own.max(), rel=1e-6)
     assert found["where"]["chain"] == 2
-    assert "first deviation: force_sensor_8_chain_2 of bead 8" in capsys.readouterr().out
+    assert "a tolerance is first exceeded by the force_sensor_8_chain_2 of bead 8" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

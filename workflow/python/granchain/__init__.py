@@ -244,7 +244,7 @@ def analyze(
             then; by default the latter where beads have gaps.
 
     Returns:
-        The analysis: ``waves`` is the table of ``waves.csv``; ``findings`` are forces, energy and others.
+        The analysis: ``waves`` is the table of ``waves.csv``; ``measurements`` are forces, energy and others.
 
     Raises:
         InputError: there are no frames, they are damaged, or a bead was not recorded.

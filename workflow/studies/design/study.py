@@ -25,7 +25,7 @@ from lammps_inputs import InputError, library, strict_yaml
 from workflow.arguments import path_of
 from workflow.cost_model import add_job_arguments, job_options
 from workflow.runs.files import as_json
-from workflow.screen import CommandResult, one_line, print_table
+from workflow.screen import CommandResult, one_line, print_files, print_table
 from workflow.studies.design import file
 from workflow.studies.design.file import Design
 from workflow.studies.design.result import DesignResult, Verified, sensitivity
@@ -205,5 +205,5 @@ def _print(result: DesignResult, arguments: argparse.Namespace) -> None:
     for warning in result.warnings:
         print(f"warning: {one_line(warning)}")
     print(result.tolerance)
-    print(f"{result.seconds * 1e3:.3g} ms of processor time a design")
-    print(f"{one_line(arguments.output)}: {PAGE}, {BEST}, {TABLE}")
+    print(f"each design took {result.seconds * 1e3:.3g} ms of processor time")
+    print_files(arguments.output, (PAGE, BEST, TABLE))

@@ -28,7 +28,7 @@ from workflow.engines.reference.step_halving import StepHalving
 from workflow.errors import RunError
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import one_line
+from workflow.screen import print_files
 from workflow.studies.extremes.cells import PARTS, ReportRun, grid, scaled
 from workflow.study_kit.directory import Study, print_records, to_csv
 from workflow.study_kit.options import add_parts, refuse_unknown_parts
@@ -333,5 +333,5 @@ def execute(arguments: argparse.Namespace) -> int:
     counts = {kind: sum(outcome.kind == kind for outcome in outcomes) for kind in KINDS}
     print(f"{len(outcomes)} cells: " + ", ".join(f"{number} {kind}" for kind, number in counts.items()))
     if arguments.output is not None:
-        print(f"{one_line(arguments.output)}: {', '.join(STUDY.files)}")
+        print_files(arguments.output, STUDY.files)
     return 1 if counts["WRONG"] else 0

@@ -30,7 +30,7 @@ from workflow.cost_model import add_job_arguments, job_options
 from workflow.formats import figure_files
 from workflow.runs.files import as_json
 from workflow.runs.run import run
-from workflow.screen import CommandResult, one_line, print_table
+from workflow.screen import CommandResult, one_line, print_files, print_table
 from workflow.studies.fit.estimate import FitResult, estimate
 from workflow.studies.fit.model import NO_SCENE, Model, aligned, squares
 from workflow.studies.fit.result import Fit, InLammps, judged
@@ -269,7 +269,8 @@ def _print(result: Fit, arguments: argparse.Namespace) -> None:
         print_table(fitted if title == "fields" else title, head, rows)
     lammps = result.lammps
     if lammps.difference is not None:
-        error = "" if lammps.error_velocity is None else f"error of velocities {lammps.error_velocity:.1e} V; "
-        print(f"in LAMMPS: {error}traces differ from the fitted ones by {lammps.difference:.2g} sigma at most")
+        velocity = lammps.error_velocity
+        error = "" if velocity is None else f", with an error of velocities of {velocity:.1e} V"
+        print(f"traces of LAMMPS differ from the fitted ones by at most {lammps.difference:.2g} sigma{error}")
     files = (FITTED, REPORT, *figure_files(FIGURE))
-    print(f"{one_line(arguments.output)}: {', '.join(files)}")
+    print_files(arguments.output, files)

@@ -11,7 +11,7 @@ from pathlib import Path
 from lammps_inputs import InputError, html
 from lammps_inputs.library import suggestion
 from workflow.arguments import path_of
-from workflow.screen import CommandResult, count_bar, one_line, print_table
+from workflow.screen import CommandResult, count_bar, one_line, print_files, print_table
 from workflow.studies.gallery.criteria import RULE
 from workflow.studies.gallery.entries import ENTRIES, GROUPS
 from workflow.study_kit import page
@@ -158,6 +158,6 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     print_table("statements", ["entry", *page.VERDICTS, ""], rows)
     for name, section in sections.items():
         if section.failed:
-            print(f"{name}: failed: {one_line(section.failed)}")
-    print(one_line(directory / PAGE))
+            print(f"{name} failed: {one_line(section.failed)}")
+    print_files(directory, (PAGE,))
     return CommandResult(int(any(section.failed for section in sections.values())), plain)

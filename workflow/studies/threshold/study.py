@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from lammps_inputs import InputError, library
 from lammps_inputs.units import REDUCED
 from workflow.formats import figure_files
-from workflow.screen import CommandResult, cell, one_line, print_table
+from workflow.screen import CommandResult, cell, one_line, print_files, print_table
 from workflow.studies.threshold.crossings import Crossing, SearchedField, crossings, wanted
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, floats, to_csv
@@ -323,8 +323,8 @@ def _print(result: ThresholdResult, output: Path) -> None:
     for over, thresholds in result.by_over().items():
         if not thresholds:
             print(one_line(result.missing(over)))
-    files = ", ".join((TABLE, POINTS, *figure_files(FIGURE)))
-    print(f"{len(result.points)} scenes computed; {one_line(output)}: {files}")
+    print(f"{len(result.points)} scenes were computed")
+    print_files(output, (TABLE, POINTS, *figure_files(FIGURE)))
 
 
 def _row(threshold: Threshold) -> list[str]:

@@ -29,7 +29,7 @@ from workflow.engines.lammps import mpi
 from workflow.prepare.settings import settle
 from workflow.runs.files import as_json
 from workflow.runs.run_directory import provenance
-from workflow.screen import count_bar, one_line
+from workflow.screen import count_bar, print_files, print_heading
 from workflow.studies.trade.points import Findings, Order, Points, TrialLimits, measure, sentences
 from workflow.studies.trade.settings import QUANTITIES, WINDOW, Interval, Truth, intervals, make_truth, run, settings
 from workflow.study_kit.directory import Study, print_records, to_csv
@@ -242,11 +242,13 @@ def execute(arguments: argparse.Namespace) -> int:
     """Print tables and sentences; write two tables, a report and a figure."""
     if not (math.isfinite(arguments.budget) and arguments.budget > 0.0):
         raise InputError(f"--budget: {arguments.budget:g} given; a number of seconds above 0")
-    problem = plain_problem(library.find(arguments.scene))
+    scene = library.find(arguments.scene)
+    problem = plain_problem(scene)
+    print_heading(scene.name, scene.units)
     findings = study(problem, arguments.output, budget=arguments.budget)
     _print(findings)
     names = [name for name in STUDY.files if (arguments.output / name).exists()]
-    print(f"{one_line(arguments.output)}: {', '.join(names)}")
+    print_files(arguments.output, names)
     if not findings.complete:
         raise KeyboardInterrupt
     return 0
@@ -254,9 +256,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
 def _print(findings: Findings) -> None:
     scale = findings.problem.scale
-    title = (
-        f"{findings.problem.name}: largest errors (V, V, T), wall time (s) of the time loop with its frames; steps in T"
-    )
+    title = "largest errors (V, V, T), wall time (s) of the time loop with its frames; steps in T"
     tables = (
         (title, PrintedSetting, records(findings)),
         ("measured orders, of velocities", Order, findings.orders()),

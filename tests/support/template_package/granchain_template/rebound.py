@@ -8,8 +8,8 @@ import numpy as np
 from analysis.quantity import QuantityColumn, declare, result
 from analysis.sharing.survey import Survey
 from analysis.trajectory import Trajectory
+from workflow.measures.base import FrameMeter, Measurement
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.findings.finding import Finding, Measure
 
 
 @result
@@ -24,19 +24,19 @@ class Backwards:
 
 
 @dataclass(frozen=True, repr=False)
-class Rebound(Finding):
+class Rebound(Measurement):
     """Velocity backwards, of every run."""
 
     key, kind = "rebound", Backwards
 
-    found: Backwards
+    values: Backwards
 
-    def said(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """The largest velocity in one line."""
-        yield f"largest velocity backwards {self.problem.scale.written(self.found.largest, 'velocity')}"
+        yield f"largest velocity backwards {self.problem.scale.written(self.values.largest, 'velocity')}"
 
     @classmethod
-    def measure(cls, directory: RunDirectory) -> Measure:
+    def meter(cls, directory: RunDirectory) -> FrameMeter:
         """The largest over all frames."""
         largest = [0.0]
 
@@ -46,4 +46,4 @@ class Rebound(Finding):
         def finish(_: Survey) -> Rebound:
             return cls(directory.problem, Backwards(largest[0]))
 
-        return Measure(finish, add)
+        return FrameMeter(finish, add)

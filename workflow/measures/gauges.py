@@ -19,10 +19,10 @@ from analysis.gauges.spectra import HighestLine, SpectralLines, SpectrumMeter, S
 from analysis.gauges.spectra import VelocitySpectra as Measured
 from analysis.sharing.survey import Survey
 from lammps_inputs import physics
+from workflow.measures.base import MOST_CHAINS, FrameMeter, Measurement, Recorded
 from workflow.runs.contacts import LargestContactForce as ContactOverlaps
 from workflow.runs.contacts import has_contacts, of_overlap
 from workflow.screen import PrintedTable
-from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure, Recorded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,25 +45,25 @@ SMALLEST_UNCERTAINTY = 1e-4
 
 
 @dataclass(frozen=True, repr=False)
-class ForcesFinding(Finding):
+class ForceMeasurement(Measurement):
     """Forces over time: an entry for each gauge and chain."""
 
     key, kind, figure = "forces", list[Reading], "forces"
     table = "forces.csv", ForceTable
 
-    found: list[Reading]
+    values: list[Reading]
     readings: Readings
 
-    def said(self) -> Iterator[str | PrintedTable]:
+    def lines(self) -> Iterator[str | PrintedTable]:
         """Largest force, impulse and dwell of every gauge; what is so far; forces on walls, and what they reflect."""
         problem, readings, scale = self.problem, self.readings, self.problem.scale
         chains = range(min(problem.chains, MOST_CHAINS))
         loaded = readings.loaded
         words = _LOADED_WORDS if loaded else _WORDS
-        shown = [one for one in self.found if one.chain <= MOST_CHAINS]
+        shown = [one for one in self.values if one.chain <= MOST_CHAINS]
         rows = [[one.name if one.chain == 1 else "", str(one.chain), *self._cells(one, words)] for one in shown]
         head = ["force at", "chain", *quantity.headings(Reading, scale, words)]
-        yield PrintedTable(f"{problem.name}: forces", head, rows)
+        yield PrintedTable("forces", head, rows)
         yield from self._uncertain()
         yield from self._unfinished()
         kinds = [gauge.kind for gauge in readings.gauges]
@@ -72,15 +72,15 @@ class ForcesFinding(Finding):
             if gauge.kind != "wall":
                 continue
             for chain in chains:
-                said = []
-                most = readings.dynamic[chain]
-                if "contact" in kinds and np.isfinite(most[place]) and (inside := most[kinds.index("contact")]) > 0.0:
-                    other = readings.gauges[kinds.index("contact")].name
-                    said.append(f"largest {which} {most[place] / inside:.4f} times that at {other}")
-                if (found := self.found[place * problem.chains + chain].reflected) is not None:
-                    said.append(_said(found, coupled=physics.coupled(problem.system)))
-                if said:
-                    yield f"{gauge.name}, chain {chain + 1}: {', '.join(said)}"
+                where, largest = f"in chain {chain + 1} the", readings.dynamic[chain]
+                contact = kinds.index("contact") if "contact" in kinds else None
+                if contact is not None and np.isfinite(largest[place]) and largest[contact] > 0.0:
+                    ratio, other = largest[place] / largest[contact], readings.gauges[contact].name
+                    yield f"{where} largest {which} at the {gauge.name} is {ratio:.4f} times that at {other}"
+                reflection = self.values[place * problem.chains + chain].reflected
+                if reflection is not None:
+                    coupled = physics.coupled(problem.system)
+                    yield f"{where} {gauge.name} reflects {_reflected(reflection, coupled=coupled)}"
 
     def _cells(self, one: Reading, names: Iterable[str]) -> list[str]:
         """Cells of the printed table, by the names of the quantities."""
@@ -107,10 +107,10 @@ class ForcesFinding(Finding):
             return
         chain, place = np.unravel_index(int(np.nanargmax(relative)), relative.shape)
         late = scale.written(float(readings.at_error[chain, place]), "time", ".1e")
-        where = f"{readings.gauges[place].name}, chain {chain + 1}, its time {late}"
+        where = f"{readings.gauges[place].name}, chain {chain + 1}, its time to {late}"
         yield (
-            f"uncertainty by frames {every} apart: of largest forces up to {relative[chain, place]:.1e} of the excess "
-            f"over rest ({where}); of each force, impulse and dwell in analysis.json"
+            f"with frames {every} apart the uncertainty of largest forces is up to {relative[chain, place]:.1e} of the "
+            f"excess over rest ({where}); analysis.json has that of each force, impulse and dwell"
         )
 
     def _places(self, chosen: NDArray[np.bool_]) -> str:
@@ -151,7 +151,7 @@ class ForcesFinding(Finding):
         return force_figure(self.problem, self.readings)
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Forces at the gauges that the scene names; rigid beads feel none."""
         wanted, problem = run.scene.output.forces, run.problem
         if wanted is None or not run.deforms:
@@ -161,7 +161,7 @@ class ForcesFinding(Finding):
         )
         meter = ForceMeter(problem, places)
 
-        def finish(found: Survey) -> ForcesFinding:
+        def finish(found: Survey) -> ForceMeasurement:
             passed = (*found.pulses, *found.crests)
             sides = {gauge.side for gauge in places if gauge.kind == "wall"}
             reflected = {
@@ -170,31 +170,32 @@ class ForcesFinding(Finding):
             readings = meter.result()
             return cls(problem, readings.entries(reflected), readings)
 
-        return Measure(finish, meter.add)
+        return FrameMeter(finish, meter.add)
 
 
-def _said(found: Reflection, *, coupled: bool) -> str:
-    among = "; chains exchange energy meanwhile" if coupled else ""
-    read = [f"{first} to {last}" for first, last in (found.incident_beads, found.reflected_beads)]
+def _reflected(reflection: Reflection, *, coupled: bool) -> str:
+    """The reflected pulse in words: its peak velocity over that of the incident one, and where these were measured."""
+    exchange = "; chains exchange energy meanwhile" if coupled else ""
+    beads = [f"{first} to {last}" for first, last in (reflection.incident_beads, reflection.reflected_beads)]
     return (
-        f"the first pulse is reflected at {found.ratio:.4f} +- {found.uncertainty:.1g} of its peak velocity (incident: "
-        f"beads {read[0]}, reflected: {read[1]}, extrapolated to the wall{among})"
+        f"the first pulse with {reflection.ratio:.4f} +- {reflection.uncertainty:.1g} of its peak velocity (incident: "
+        f"beads {beads[0]}, reflected: {beads[1]}, extrapolated to the wall{exchange})"
     )
 
 
 @dataclass(frozen=True, repr=False)
-class SpectraFinding(Finding):
+class SpectrumMeasurement(Measurement):
     """Spectra of the velocities of chosen beads."""
 
     key, kind, figure = "spectra", SpectralLines, "spectra"
     table = "spectra.csv", SpectrumTable
 
-    found: SpectralLines
+    values: SpectralLines
     spectra: Measured
 
-    def said(self) -> Iterator[PrintedTable]:
+    def lines(self) -> Iterator[PrintedTable]:
         """The highest line of every bead, and what it has of the drives."""
-        spectra, found, scale = self.spectra, self.found, self.problem.scale
+        spectra, found, scale = self.spectra, self.values, self.problem.scale
         words = {"frequency": "highest line at", "amplitude": "its velocity"}
         head = ["bead", "chain", *quantity.headings(HighestLine, scale, words)]
         for frequency in spectra.drive:
@@ -207,7 +208,7 @@ class SpectraFinding(Finding):
                 passed_on = [quantity.cell(drive.transmissibility, ".5g") for drive in one.at_drive]
                 rows.append([str(one.bead) if one.chain == 1 else "", str(one.chain), *line, *passed_on])
         start = scale.written(found.after, "time", ".5g")
-        yield PrintedTable(f"{self.problem.name}: spectra from t = {start} on", head, rows)
+        yield PrintedTable(f"spectra from t = {start} on", head, rows)
 
     def rows(self) -> SpectrumTable:
         """All lines."""
@@ -220,7 +221,7 @@ class SpectraFinding(Finding):
         return spectra_figure(self.problem, self.spectra)
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Spectra of the beads that the scene names."""
         wanted, problem = run.scene.output.spectra, run.problem
         if wanted is None:
@@ -228,74 +229,74 @@ class SpectraFinding(Finding):
         after = None if wanted.after is None else wanted.after / problem.scale.time
         meter = SpectrumMeter(problem, wanted.beads, after)
 
-        def finish(_: Survey) -> SpectraFinding | None:
+        def finish(_: Survey) -> SpectrumMeasurement | None:
             spectra = meter.result()
             return None if spectra is None else cls(problem, spectra.found(problem), spectra)
 
-        return Measure(finish, meter.add)
+        return FrameMeter(finish, meter.add)
 
 
 @dataclass(frozen=True, repr=False)
-class FarEndFinding(Finding):
+class FarEndMeasurement(Measurement):
     """Force, delay and energy."""
 
     key, kind = "far_end", Transmitted
     needs_survey = False
 
-    found: Transmitted
+    values: Transmitted
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """The far end of runs of all beads, if these are elastic."""
         problem = run.problem
         if not problem.whole or not run.deforms:
             return None
         end = Collected(problem)
-        return Measure(lambda _: cls(problem, end.result()), end.add)
+        return FrameMeter(lambda _: cls(problem, end.result()), end.add)
 
 
 @dataclass(frozen=True, repr=False)
-class ContactsFinding(Finding):
+class ContactMeasurement(Measurement):
     """The largest contact force."""
 
     key, kind = "contacts", ContactOverlaps
 
-    found: ContactOverlaps
+    values: ContactOverlaps
 
-    def said(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """The largest force, with a warning where Hertz's law ends."""
-        yield from self.found.lines()
+        yield from self.values.lines()
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Contacts of elastic spheres with a material; where frames show no overlaps, what they may be at most."""
         problem = run.problem
         if not has_contacts(run.scene, run.problem, deforms=run.deforms):
             return None
         overlap = LargestOverlap()
 
-        def finish(_: Survey) -> ContactsFinding | None:
+        def finish(_: Survey) -> ContactMeasurement | None:
             largest = of_overlap(run.scene, overlap)
             return None if largest is None else cls(problem, largest)
 
-        return Measure(finish, overlap.add) if shown_by_frames(problem) else Measure(finish)
+        return FrameMeter(finish, overlap.add) if shown_by_frames(problem) else FrameMeter(finish)
 
 
 @dataclass(frozen=True, repr=False)
-class PlasticContacts(Finding):
+class PlasticMeasurement(Measurement):
     """What the contacts keep at the end."""
 
     key, kind, figure = "plastic", Yielded, "plastic"
     table = "plastic.csv", YieldTable
 
-    found: Yielded
+    values: Yielded
     contacts: YieldTable
 
-    def said(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """How many have yielded, by how much, and how the largest force falls along the kicked chain."""
-        found, scale = self.found, self.problem.scale
+        found, scale = self.values, self.problem.scale
         line = (
-            f"plastic contacts: {found.contacts} of {len(self.contacts.contact)} have a permanent overlap, at most "
+            f"{found.contacts} of {len(self.contacts.contact)} contacts have a permanent overlap, of at most "
             f"{scale.written(found.permanent, 'length')}"
         )
         if math.isfinite(found.decay):
@@ -318,15 +319,15 @@ class PlasticContacts(Finding):
         return yield_figure(self.problem, self.contacts)
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Contacts of runs of all beads."""
         problem = run.problem
         if not YieldMeter.applies(problem):
             return None
         meter = YieldMeter()
 
-        def finish(_: Survey) -> PlasticContacts | None:
+        def finish(_: Survey) -> PlasticMeasurement | None:
             found = meter.result()
             return None if found is None else cls(problem, *found)
 
-        return Measure(finish, meter.add)
+        return FrameMeter(finish, meter.add)

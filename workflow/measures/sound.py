@@ -15,26 +15,26 @@ from analysis.shape.long_waves import sound_speed
 from analysis.sharing.survey import Survey
 from lammps_inputs import Scene, laws, physics
 from lammps_inputs.facts import Fact
-from workflow.verdicts.findings.finding import Finding, Measure, Recorded
+from workflow.measures.base import FrameMeter, Measurement, Recorded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, repr=False)
-class DispersionFinding(Finding):
+class DispersionMeasurement(Measurement):
     """Bands, and the map that they are from; None where there is none."""
 
     key, kind, figure = "dispersion", Bands, "dispersion"
     table = "dispersion.csv", Branches
 
-    found: Bands
+    values: Bands
     map: Map | None
 
-    def said(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """Why there is none."""
-        if self.found.why is not None:
-            yield f"no dispersion map: {self.found.why}"
+        if self.values.why is not None:
+            yield f"there is no dispersion map: {self.values.why}"
 
     def rows(self) -> Branches | None:
         """The branches."""
@@ -53,7 +53,7 @@ class DispersionFinding(Finding):
         return dispersion_figure(self.problem, self.map)
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Dispersion of chains under a static load."""
         problem = run.problem
         if not physics.loaded(problem.system):
@@ -62,54 +62,55 @@ class DispersionFinding(Finding):
             collected = Collected(problem)
         except NoDispersionError as error:
             why = Bands(str(error))
-            return Measure(lambda _: cls(problem, why, None))
+            return FrameMeter(lambda _: cls(problem, why, None))
 
-        def finish(_: Survey) -> DispersionFinding:
+        def finish(_: Survey) -> DispersionMeasurement:
             try:
                 found = collected.result()
             except NoDispersionError as error:
                 return cls(problem, Bands(str(error)), None)
             return cls(problem, found.bands(), found)
 
-        return Measure(finish, collected.add)
+        return FrameMeter(finish, collected.add)
 
 
 @dataclass(frozen=True, repr=False)
-class SoundFinding(Finding):
+class SoundMeasurement(Measurement):
     """Speed of sound, and the leading pulse."""
 
     key, kind = "sound", Measured
 
-    found: Measured
+    values: Measured
     bead_length: float | None
     """Distance of neighbouring beads at rest, in m; None where there is no one such distance."""
 
-    def said(self) -> Iterator[str]:
-        """Speed of sound and the pulse in one line."""
-        scale, wave, found = self.problem.scale, self.found.pulse, bands(self.problem.system)
+    def lines(self) -> Iterator[str]:
+        """Speed of sound, and the leading pulse against it."""
+        scale, wave, found = self.problem.scale, self.values.pulse, bands(self.problem.system)
         if physics.ground_springs(self.problem.system):
-            line = "sound: long waves do not run, for springs to the ground hold the beads"
+            line = "long waves of sound do not run, as springs to the ground hold the beads"
             if found is not None:
                 low, high = (f"{scale.measured(end, 'frequency'):.6g}" for end in (found.min(), found.max()))
-                line += f"; small ones have frequencies from {low} to {high}{scale.each('rad')}"
+                line += f"; small waves have frequencies from {low} to {high}{scale.each('rad')}"
             yield line
             return
         speeds = sound_speed(self.problem.system) if wave is None else np.array([wave.sound])
-        said = dict.fromkeys(f"{speed / scale.time:.6g}" for speed in (float(speeds.min()), float(speeds.max())))
-        line = f"sound: c0 = {' to '.join(said)}{scale.each('beads')}"
+        numbers = dict.fromkeys(f"{speed / scale.time:.6g}" for speed in (float(speeds.min()), float(speeds.max())))
+        line = f"the speed of sound is c0 = {' to '.join(numbers)}{scale.each('beads')}"
         if self.bead_length is not None:
             line += f" ({float(speeds.max()) * self.bead_length / scale.time:.5g} m/s)"
+        yield line
         if wave is not None:
-            line += (
-                f"; the leading pulse runs at {wave.over_sound:.5f} c0 past beads {wave.first} to {wave.last}, "
-                f"F_m/F_0 = {wave.force_ratio:.4g}"
+            line = (
+                f"the leading pulse runs at {wave.over_sound:.5f} c0 past beads {wave.first} to {wave.last}, with a "
+                f"largest force of {wave.force_ratio:.4g} times the static one"
             )
             if math.isfinite(wave.theory):
-                line += f": {wave.over_theory:.5f} of the long-wave theory (Nesterenko 2001)"
-        yield line
+                line += f"; its speed is {wave.over_theory:.5f} of that of the long-wave theory (Nesterenko 2001)"
+            yield line
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Sound under a static load; the pulse where it stays together and all beads are recorded."""
         problem = run.problem
         if not physics.loaded(problem.system):
@@ -117,11 +118,11 @@ class SoundFinding(Finding):
         length = bead_length(run.scene)
         pulse = LoadedPulse(problem) if problem.whole and problem.system.holds(Fact.PULSE) else None
 
-        def finish(found: Survey) -> SoundFinding:
+        def finish(found: Survey) -> SoundMeasurement:
             wave = None if pulse is None else pulse.result()
             return cls(problem, Measured.of(problem, wave, found.crests, length), length)
 
-        return Measure(finish) if pulse is None else Measure(finish, pulse.add)
+        return FrameMeter(finish) if pulse is None else FrameMeter(finish, pulse.add)
 
 
 def bead_length(scene: Scene) -> float | None:

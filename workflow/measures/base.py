@@ -1,4 +1,4 @@
-"""What some runs show beside their waves: measured while frames pass, then written, printed and drawn."""
+"""A measurement of a run beside its waves: taken while frames pass, then written, printed and drawn."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ MOST_CHAINS = 8
 
 @dataclass(frozen=True)
 class Recorded:
-    """A run as measures see it, whether its frames are in a directory or in memory.
+    """A run as meters see it, whether its frames are in a directory or in memory.
 
     Attributes:
         scene: what was run.
@@ -34,14 +34,17 @@ class Recorded:
 
 
 @dataclass(frozen=True, repr=False)
-class Finding:
-    """Something that was found in a run; what is not overridden, there is none of."""
+class Measurement:
+    """A measured result of a run: its values, and the lines, the table and the figure that show them.
+
+    A class has no lines, no table and no figure unless it overrides them.
+    """
 
     key: ClassVar[str]
-    """Of ``analysis.json``."""
+    """Key in ``analysis.json``."""
 
     kind: ClassVar[Any]
-    """Type of ``found``, whose fields declare the quantities under the key."""
+    """Type of ``values``, whose fields declare the quantities under the key."""
 
     table: ClassVar[tuple[str, Any] | None] = None
     """CSV file beside the frames, and type whose fields declare its columns."""
@@ -54,18 +57,18 @@ class Finding:
 
     problem: Problem
 
-    found: Any
-    """What ``analysis.json`` says under the key, dimensionless."""
+    values: Any
+    """Values under the key in ``analysis.json``, dimensionless."""
 
     def __repr__(self) -> str:
         return f"<{self.key} of {self.problem.name}, in the scene's units: {self.plain()}>"
 
     def plain(self) -> Any:
-        """What was found, in the scene's units."""
-        return quantity.plain(self.found, self.problem.scale)
+        """Values in the scene's units, as plain data."""
+        return quantity.plain(self.values, self.problem.scale)
 
-    def said(self) -> "Iterator[str | PrintedTable]":
-        """What `analyze` prints: lines and tables."""
+    def lines(self) -> "Iterator[str | PrintedTable]":
+        """Lines and tables that `analyze` prints."""
         yield from ()
 
     def rows(self) -> Any:
@@ -82,20 +85,20 @@ class Finding:
         raise NotImplementedError
 
     @classmethod
-    def measure(cls, run: Recorded) -> "Measure | None":
-        """What to measure in a run; None where it has none of it, or it follows from what is measured of every run."""
+    def meter(cls, run: Recorded) -> "FrameMeter | None":
+        """Meter of the frames of a run; None where the run has none of it, or it follows from other measurements."""
         del run
         return None
 
 
 def _ignore(block: Trajectory, /) -> None:
-    """See nothing of the frames."""
+    """Take nothing from the frames."""
 
 
 @dataclass(frozen=True)
-class Measure:
-    """What is given every block of frames, and says in the end what was found, if anything was."""
+class FrameMeter:
+    """Receives every block of frames of a run, and makes the measurement at the end."""
 
-    finish: Callable[[Any], Finding | None]
-    """What was found, from the `Survey` of the run; from None for a kind that needs none."""
+    finish: Callable[[Any], Measurement | None]
+    """Makes the measurement, or None, from the `Survey` of the run; from None for a type that needs no survey."""
     add: Callable[[Trajectory], None] = _ignore

@@ -14,9 +14,9 @@ from analysis.tracking.undisturbed import BehindWindow, Residual
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from workflow.engines.reference.energy_exchange import Accountant
+from workflow.measures.base import MOST_CHAINS, FrameMeter, Measurement, Recorded
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import PrintedTable
-from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure, Recorded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,41 +26,41 @@ SMALLEST_LOSS = 1e-8
 
 
 @dataclass(frozen=True, repr=False)
-class BudgetFinding(Finding):
+class BudgetMeasurement(Measurement):
     """The account, and how well it is known."""
 
     key, kind, figure = "budget", ClosedAccount, "budget"
 
-    found: ClosedAccount
+    values: ClosedAccount
 
     @property
     def sentence(self) -> str:
         """How well it is closed, in one line."""
-        found = self.found
-        own = "" if found.stated is None else f"; error of the run {found.stated:.1e} V"
+        account = self.values
+        error = "" if account.stated is None else f", and the error of velocities in the run is {account.stated:.1e} V"
         return (
-            f"energy balance closed to {found.closed:.1e} of the energy input; exchange between frames uncertain by "
-            f"{found.between_frames:.1e}{own}"
+            f"the energy balance is closed to {account.closed:.1e} of the energy input; the uncertainty of what was "
+            f"exchanged between frames is {account.between_frames:.1e} of it{error}"
         )
 
-    def said(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """What went where, and how well that is known."""
-        yield self.found.sentence(self.problem.scale)
+        yield self.values.sentence(self.problem.scale)
         yield self.sentence
 
     @property
     def drawable(self) -> bool:
         """Whether there is more than one instant."""
-        return len(self.found.time) > 1
+        return len(self.values.time) > 1
 
     def draw(self) -> "Figure":
         """The account over time."""
         from analysis.figures.energy import budget_figure
 
-        return budget_figure(self.problem, self.found)
+        return budget_figure(self.problem, self.values)
 
 
-def closed(directory: RunDirectory, seen: Conservation, exchange: Accountant) -> BudgetFinding | None:
+def closed(directory: RunDirectory, seen: Conservation, exchange: Accountant) -> BudgetMeasurement | None:
     """The budget of what was seen; None where nothing is exchanged, and where not all beads are recorded.
 
     Args:
@@ -78,23 +78,26 @@ def closed(directory: RunDirectory, seen: Conservation, exchange: Accountant) ->
         between_frames=exchange.uncertainty / account.most,
         stated=None if stated is None else stated.velocity,
     )
-    return BudgetFinding(directory.problem, found)
+    return BudgetMeasurement(directory.problem, found)
 
 
 @dataclass(frozen=True, repr=False)
-class Energy(Finding):
+class EnergyMeasurement(Measurement):
     """Shares of the chains."""
 
     key, kind, figure = "energy", Flow, "energy"
     needs_survey = False
 
-    found: Flow
+    values: Flow
 
-    def said(self) -> Iterator[PrintedTable | str]:
+    def lines(self) -> Iterator[PrintedTable | str]:
         """How much of it each chain had, at the least, most and last, and where along the chain at the end."""
-        flow, chains, scale = self.found, self.problem.chains, self.problem.scale
+        flow, chains, scale = self.values, self.problem.chains, self.problem.scale
         if chains == 1:
-            yield f"energy at the end: mean bead {flow.centre[-1, 0]:.1f}, standard deviation {flow.spread[-1, 0]:.1f}"
+            yield (
+                f"the energy at the end is distributed around bead {flow.centre[-1, 0]:.1f} with a standard deviation "
+                f"of {flow.spread[-1, 0]:.1f} beads"
+            )
             return
         rows = []
         for chain in range(min(chains, MOST_CHAINS)):
@@ -105,59 +108,63 @@ class Energy(Finding):
         if chains > MOST_CHAINS:
             rows.append([f"of {chains}", "", "", "", ""])
         when = [scale.heading(f"{which} at time", "time") for which in ("least", "most")]
-        head = ["chain", *when, "at the end", "there, around bead"]
-        yield PrintedTable(f"{self.problem.name}: share of the energy", head, rows)
+        head = ["chain", *when, "at the end", "mean bead at the end"]
+        yield PrintedTable("share of the energy", head, rows)
         if flow.fastest_mode_action is not None:
-            yield f"share of the action in the fastest mode of the rows at the end: {flow.fastest_mode_action:.6f}"
+            yield f"at the end the fastest mode of the rows has a share of {flow.fastest_mode_action:.6f} of the action"
 
     def draw(self) -> "Figure":
         """Shares of the chains over time."""
         from analysis.figures.energy import energy_figure
 
-        return energy_figure(self.problem, self.found)
+        return energy_figure(self.problem, self.values)
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Energies of runs of all beads in which no pulse keeps its shape."""
         problem = run.problem
         if not problem.whole or problem.system.holds(Fact.PULSE):
             return None
         flow = EnergyFlow(problem)
-        return Measure(lambda _: cls(problem, flow.result()), flow.add)
+        return FrameMeter(lambda _: cls(problem, flow.result()), flow.add)
 
 
 @dataclass(frozen=True, repr=False)
-class Cells(Finding):
+class CellMeasurement(Measurement):
     """Energy of the pulses, what stays in cells, and what a replaced bead reflects."""
 
     key, kind = "cells", CellEnergies
 
-    found: CellEnergies
+    values: CellEnergies
 
-    def said(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """The energy of the pulse of each chain, and where the energy is as seen from a replaced bead."""
-        found = self.found
-        cell = "bead" if found.beads == 1 else f"cell of {found.beads} beads"
-        for chain, (one, end) in enumerate(zip(found.chains[:MOST_CHAINS], found.last_bead, strict=False), 1):
-            if one is not None:
-                line = f"chain {chain}: the leading pulse has {one.carried:.2%} of the energy input at bead {one.last}"
-                if math.isfinite(one.per_cell):
-                    small = one.per_cell <= SMALLEST_LOSS
-                    lost = f"less than {SMALLEST_LOSS:.0e}" if small else f"{one.per_cell:.1e}"
-                    line += f"; from bead {one.first} on {lost} of the energy input remains in each {cell}"
+        energies = self.values
+        cell = "bead" if energies.beads == 1 else f"cell of {energies.beads} beads"
+        for chain, (pulse, end) in enumerate(zip(energies.chains[:MOST_CHAINS], energies.last_bead, strict=False), 1):
+            if pulse is not None:
+                line = f"in chain {chain} the leading pulse carries {pulse.carried:.2%} of the energy input at bead "
+                line += str(pulse.last)
+                if math.isfinite(pulse.per_cell):
+                    small = pulse.per_cell <= SMALLEST_LOSS
+                    lost = f"less than {SMALLEST_LOSS:.0e}" if small else f"{pulse.per_cell:.1e}"
+                    line += f"; from bead {pulse.first} on {lost} of the energy input remains in each {cell}"
                 yield line
             if end is not None:
-                yield f"chain {chain}: largest kinetic energy of its last bead {end:.2%} of the energy input"
-        for split in found.replaced[:MOST_CHAINS]:
+                yield f"in chain {chain} the kinetic energy of the last bead reaches {end:.2%} of the energy input"
+        for split in energies.replaced[:MOST_CHAINS]:
             yield (
-                f"bead {split.bead} of chain {split.chain}: at the end its chain has {split.before:.2%} of the energy "
-                f"input in beads before it, {split.at:.2%} in it, {split.beyond:.2%} in beads beyond"
+                f"at the end chain {split.chain} has {split.before:.2%} of the energy input in beads before bead "
+                f"{split.bead}, {split.at:.2%} in it, {split.beyond:.2%} in beads beyond it"
             )
             if math.isfinite(split.reflected):
-                yield f"  it reflects {split.reflected:.2%} of the energy input; {split.incident:.2%} is incident"
+                yield (
+                    f"bead {split.bead} of chain {split.chain} reflects {split.reflected:.2%} of the energy input, of "
+                    f"{split.incident:.2%} that is incident"
+                )
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Energies of runs of all beads in which a pulse stays together and no sound runs."""
         problem, scene = run.problem, run.scene
         system = problem.system
@@ -169,7 +176,7 @@ class Cells(Finding):
             return None
         final = FinalEnergy(problem)
 
-        def finish(found: Survey) -> Cells:
+        def finish(found: Survey) -> CellMeasurement:
             chains, beads = range(1, problem.chains + 1), period_of(system)
             each = tuple(left(found, chain, beads) for chain in chains)
             kicked = each[physics.largest_excitation(system)[0] - 1]
@@ -182,26 +189,26 @@ class Cells(Finding):
             )
             return cls(problem, energies)
 
-        return Measure(finish, final.add)
+        return FrameMeter(finish, final.add)
 
 
 @dataclass(frozen=True, repr=False)
-class Window(Finding):
+class WindowMeasurement(Measurement):
     """Whether it could catch up."""
 
     key, kind = "window", Residual
 
-    found: Residual
+    values: Residual
 
-    def said(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """The sentence."""
-        yield self.found.sentence
+        yield self.values.sentence
 
     @classmethod
-    def measure(cls, run: Recorded) -> Measure | None:
+    def meter(cls, run: Recorded) -> FrameMeter | None:
         """Where there is a window."""
         problem = run.problem
         if problem.window is None:
             return None
         behind = BehindWindow()
-        return Measure(lambda found: cls(problem, behind.result(found.waves)), behind.add)
+        return FrameMeter(lambda found: cls(problem, behind.result(found.waves)), behind.add)

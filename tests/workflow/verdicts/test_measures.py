@@ -1,4 +1,4 @@
-"""What is told of gauges, the far end, spectra, sound and energy: hand-made numbers in scenes' units."""
+"""Measurements of gauges, the far end, spectra, sound and energy: hand-made numbers in scenes' units."""
 
 import csv
 import io
@@ -20,8 +20,8 @@ from analysis.loaded_pulse import Sound as Measured
 from analysis.quantity import csv_of
 from analysis.sharing.energies import Flow
 from lammps_inputs import Kick, Material, library
+from workflow.measures import energy, gauges, sound
 from workflow.screen import print_table
-from workflow.verdicts.findings import energy, gauges, sound
 
 STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
 
@@ -47,13 +47,13 @@ def readings(problem, static):
     return Readings(places, np.array([0.0, 4.0]), force, rest, rest + number, 0.1 * number, **seen)
 
 
-def finding_of(seen, problem):
-    return gauges.ForcesFinding(problem, seen.entries({}), seen)
+def measurement_of(seen, problem):
+    return gauges.ForceMeasurement(problem, seen.entries({}), seen)
 
 
 @pytest.mark.parametrize("static", [0.0, 5.0])
 def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
-    scale, entries = problem.scale, finding_of(readings(problem, static), problem).plain()
+    scale, entries = problem.scale, measurement_of(readings(problem, static), problem).plain()
     names = [("contact 2", 2), ("contact 7", 7), ("sensor 5", 5)]
     assert [(one["name"], one["bead"], one["chain"]) for one in entries] == [(*n, c) for n in names for c in (1, 2)]
     for place, one in enumerate(entries):
@@ -80,7 +80,7 @@ def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
 def test_gauges_whose_force_frames_do_not_show_are_named(problem):
     seen = readings(problem, 5.0)
     seen.largest[1, 2] = seen.impulse[1, 2] = np.nan
-    _, sentence, *_ = finding_of(seen, problem).said()
+    _, sentence, *_ = measurement_of(seen, problem).lines()
     every = problem.scale.written(problem.every, "time", ".3g")
     assert sentence == (
         f"frames {every} apart do not show the force between them at sensor 5, chain 2; take a smaller `output.every`"
@@ -89,10 +89,10 @@ def test_gauges_whose_force_frames_do_not_show_are_named(problem):
 
 def test_the_uncertainty_of_forces_is_printed_where_it_matters(problem):
     seen = readings(problem, 0.0)
-    assert not any("uncertainty" in line for line in finding_of(seen, problem).said() if isinstance(line, str))
+    assert not any("uncertainty" in line for line in measurement_of(seen, problem).lines() if isinstance(line, str))
     seen.largest_error[0, 1] = 1e-3 * seen.largest[0, 1]
-    _, sentence, *_ = finding_of(seen, problem).said()
-    assert "of largest forces up to 1.0e-03 of the excess over rest (contact 7, chain 1" in sentence
+    _, sentence, *_ = measurement_of(seen, problem).lines()
+    assert "the uncertainty of largest forces is up to 1.0e-03 of the excess over rest (contact 7, chain 1" in sentence
 
 
 @pytest.mark.parametrize("static", [0.0, 5.0])
@@ -114,7 +114,7 @@ def test_each_gauge_and_chain_has_its_column_in_forces_csv(problem, static):
 def test_what_comes_through_is_in_the_scenes_units_and_energy_a_share(problem):
     found = Transmitted(wall_force=2.0, wall_force_chain=1.5, delay=30.0, transmitted_energy=0.25)
     force, time = problem.scale.force, problem.scale.time
-    assert gauges.FarEndFinding(problem, found).plain() == pytest.approx(
+    assert gauges.FarEndMeasurement(problem, found).plain() == pytest.approx(
         {"wall_force": 2.0 * force, "wall_force_chain": 1.5 * force, "delay": 30.0 * time, "transmitted_energy": 0.25}
     )
 
@@ -133,7 +133,7 @@ def spectra(request):
     seen = VelocitySpectra(
         (1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([frequency * driven.scale.time]), at_drive
     )
-    return gauges.SpectraFinding(driven, seen.found(driven), seen), driven.scale, frequency
+    return gauges.SpectrumMeasurement(driven, seen.found(driven), seen), driven.scale, frequency
 
 
 def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_driven(spectra):
@@ -149,8 +149,8 @@ def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_dr
     assert last["at_drive"] == [pytest.approx(told)]
 
 
-def finding(problem, bead_length, wave=None, crests=()):
-    return sound.SoundFinding(problem, Measured.of(problem, wave, crests, bead_length), bead_length)
+def sound_of(problem, bead_length, wave=None, crests=()):
+    return sound.SoundMeasurement(problem, Measured.of(problem, wave, crests, bead_length), bead_length)
 
 
 @pytest.mark.parametrize("si", [False, True])
@@ -161,7 +161,7 @@ def test_sound_is_told_in_beads_and_metres_a_time(si):
     scale = loaded.scale
     wave = LoadedWave(chain=1, first=3, last=9, force_ratio=4.0, speed=1.5, sound=1.2, theory=1.3)
     crests = tuple(SimpleNamespace(peak_velocity=np.array([peak, 0.1])) for peak in (0.2, 0.3))
-    found = finding(loaded, 9.52e-3 if si else None, wave, crests).plain()
+    found = sound_of(loaded, 9.52e-3 if si else None, wave, crests).plain()
     assert found["crest"] == pytest.approx(0.3 * scale.velocity)
     stiffness = 1.5 * scale.force / scale.length * float(loaded.system.along[0].law.rest) ** 0.5
     c0 = math.sqrt(stiffness / scale.mass)
@@ -179,22 +179,22 @@ def test_the_cutoff_is_the_edge_of_the_highest_band_and_springs_to_the_ground_le
     plain = {"name": "a", "beads": 20, "precompression": {"force": 1.0}, "kick": {"velocity": 0.1}, "duration": 20.0}
     turns = {"kinds": {"heavy": {}, "light": {"mass": 0.5}}, "pattern": ["heavy", "light"]}
     found, held = (
-        finding(library.from_plain({**plain, **more}, "a").problem(), 1.0)
+        sound_of(library.from_plain({**plain, **more}, "a").problem(), 1.0)
         for more in (turns, {"foundation": {"stiffness": 0.5}})
     )
-    (line,) = held.said()
+    (line,) = held.lines()
     found, held = found.plain(), held.plain()
     assert found["cutoff"] == pytest.approx(math.sqrt(2.0 * 1.5 * 3.0))
     assert found["speed"] == found["metres"] == pytest.approx([math.sqrt(1.5 / 0.75)] * 2)
     assert held["cutoff"] == pytest.approx(math.sqrt(4.0 * 1.5 + 0.5))
     assert held["speed"] is held["metres"] is None
-    assert line.endswith("hold the beads; small ones have frequencies from 0.707107 to 2.54951 rad per unit time")
+    assert line.endswith("hold the beads; small waves have frequencies from 0.707107 to 2.54951 rad per unit time")
 
 
 def test_where_nothing_repeats_the_cutoff_bounds_motion_on_springs_too():
     plain = {"name": "a", "beads": 20, "precompression": {"force": 1.0}, "kick": {"velocity": 0.1}, "duration": 20.0}
     plain |= {"taper": 0.02, "foundation": {"stiffness": 100.0}}
-    assert finding(library.from_plain(plain, "a").problem(), 1.0).plain()["cutoff"] > 10.0
+    assert sound_of(library.from_plain(plain, "a").problem(), 1.0).plain()["cutoff"] > 10.0
 
 
 def test_bands_and_their_bin_are_in_the_scenes_units(problem):
@@ -202,7 +202,7 @@ def test_bands_and_their_bin_are_in_the_scenes_units(problem):
     frequency = np.array([0.0, 0.25])
     folded, exact = np.array([0.1, 0.2]), np.zeros((2, 1))
     found = Map(1, folded, frequency, np.zeros((2, 2)), cell, folded, exact, np.array([[np.nan], [0.4]]))
-    told, unit = sound.DispersionFinding(problem, found.bands(), found).plain(), problem.scale.time
+    told, unit = sound.DispersionMeasurement(problem, found.bands(), found).plain(), problem.scale.time
     assert np.array(told["bands"]) == pytest.approx(np.array([[0.0, 3.0 / unit]]), abs=1e-6 / unit)
     assert np.array(told["measured"]) == pytest.approx(np.array([[0.4 / unit, 0.4 / unit]]))
     assert told["bin"] == pytest.approx(0.25 / unit)
@@ -211,7 +211,7 @@ def test_bands_and_their_bin_are_in_the_scenes_units(problem):
 def test_energy_over_time_is_told_chain_by_chain(problem):
     part = np.array([[0.75, 0.25]])
     flow = Flow(np.array([3.0]), part, np.array([0.1]), 10.0 * part, np.array([[1.0, np.nan]]))
-    told = energy.Energy(problem, flow).plain()
+    told = energy.EnergyMeasurement(problem, flow).plain()
     assert told["time"] == [3.0 * problem.scale.time]
     assert told["share"] == [[0.75, 0.25]]
     assert told["centre"] == [[7.5, 2.5]]
@@ -224,11 +224,11 @@ def test_energy_over_time_is_told_chain_by_chain(problem):
 
 @pytest.fixture
 def printed(capsys):
-    """What the terminal shows of a finding."""
+    """What the terminal shows of a measurement."""
 
-    def shown(finding):
-        for said in finding.said():
-            print(said) if isinstance(said, str) else print_table(*said)
+    def shown(measurement):
+        for line in measurement.lines():
+            print(line) if isinstance(line, str) else print_table(*line)
         return capsys.readouterr().out
 
     return shown
@@ -247,7 +247,7 @@ def test_of_a_gauge_force_time_impulse_and_dwell_are_told(problem, printed):
     seen = {"impulse": 2.0 * most, "dwell": 3.0 * most, "ended": there > 0, "contacts": there}
     seen |= {f"{name}_error": 0.0 * most for name in ("largest", "at", "impulse", "dwell")}
     found = Readings(places, np.array([0.0, 4.0]), force, 0.0 * most, most, 0.1 * most, **seen)
-    out = printed(finding_of(found, problem))
+    out = printed(measurement_of(found, problem))
     for name, unit in (("largest", "N"), ("at", "s"), ("impulse", "kg m/s"), ("dwell", "s")):
         assert (f"{name} ({unit})" in " ".join(out.split())) == scale.si
     told = [line.split() for line in out.splitlines() if line.strip().startswith(("contact", "1 ", "2 "))]
@@ -258,7 +258,7 @@ def test_of_a_gauge_force_time_impulse_and_dwell_are_told(problem, printed):
 
 
 def test_under_a_static_load_the_table_names_total_and_dynamic_and_what_is_so_far(problem, printed):
-    out = printed(finding_of(readings(problem, 5.0), problem))
+    out = printed(measurement_of(readings(problem, 5.0), problem))
     words = " ".join(out.split())
     for name in ("static", "largest total", "largest dynamic", "at", "dynamic impulse", "dwell above static"):
         assert name in words
@@ -271,7 +271,7 @@ def test_what_never_exceeds_the_static_load_has_no_dynamic_force(problem, printe
     seen = readings(problem, 5.0)
     nothing, force = np.full(seen.static.shape, np.nan), np.stack([seen.static, seen.static - 1.0])
     seen = replace(seen, force=force, largest=seen.static, at=nothing, dwell=nothing)
-    found = finding_of(seen, problem)
+    found = measurement_of(seen, problem)
     for entry in found.plain():
         assert [entry[key] for key in ("at", "dynamic", "dwell_ended", "last")] == [None] * 4
         assert entry["largest"] == entry["static"]
@@ -282,7 +282,7 @@ def test_of_the_energy_least_most_and_last_are_told_with_their_times(problem, pr
     share, time = np.array([1.0, 0.2, 0.7, 0.4]), np.arange(4.0)
     both = np.stack([share, 1.0 - share], axis=1)
     flow = Flow(time, both, 0.0 * time, 10.0 * both, both)
-    told = [line for line in printed(energy.Energy(problem, flow)).splitlines() if "+-" in line]
+    told = [line for line in printed(energy.EnergyMeasurement(problem, flow)).splitlines() if "+-" in line]
     unit = problem.scale.time
     for line, words in zip(
         told,
@@ -314,7 +314,7 @@ def test_of_spectra_the_highest_line_and_what_is_passed_on_are_told(spectra, pri
         np.testing.assert_allclose(found, right, rtol=1e-3)
 
 
-def test_a_finding_is_displayed_as_its_numbers_in_the_scenes_units(problem):
-    found = gauges.FarEndFinding(problem, Transmitted(2.0, 1.0, 3.0, 0.5))
+def test_a_measurement_is_displayed_as_its_numbers_in_the_scenes_units(problem):
+    found = gauges.FarEndMeasurement(problem, Transmitted(2.0, 1.0, 3.0, 0.5))
     assert repr(found) == f"<far_end of {problem.name}, in the scene's units: {found.plain()}>"
     assert f"'delay': {3.0 * problem.scale.time!r}" in repr(found)
