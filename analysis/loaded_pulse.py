@@ -64,7 +64,7 @@ class Sound:
     speed: Floats | None = declare(
         "least and largest speed of sound of long waves along the chains",
         "speed",
-        "springs to the ground hold beads, so that long waves do not run",
+        "a foundation holds beads, so that long waves do not run",
         "c_0",
     )
     metres: Floats | None = declare(
