@@ -349,8 +349,8 @@ class Equipartition:
         "they agree already, or no rule is known for such a scene",
     )
     amplitudes: dict[str, int | None] = declare(
-        "bead from which on the chains' amplitudes differ, largest less smallest, by under 0.1, 0.01 and 0.001 of their mean, "
-        f"{COUNTED}",
+        "bead from which on the chains' amplitudes differ (largest - smallest) by under 0.1, 0.01 and 0.001 of their "
+        f"mean, {COUNTED}",
         undefined=NO_AGREEMENT,
         columns=(
             QuantityColumn("agree_10", "bead from which amplitudes agree to 10 %", "0.1", "d_{10}"),
