@@ -71,7 +71,7 @@ def of_part_of_model(title: str) -> str | None:
     text = page("MODEL.md")
     parts = {part.partition("\n")[0]: part for part in re.split(r"^## ", text, flags=re.M)[1:]}
     parts |= {
-        match[1]: match[0] for match in re.finditer(r"^\*\*([^*]+)\.\*\*.*?(?=\n\n\*\*|\n\n## )", text, re.M | re.S)
+        match[1]: match[0] for match in re.finditer(r"^\*\*([^*]+)\.\*\*.*?(?=\n\n\*|\n\n## )", text, re.M | re.S)
     }
     section = next((part for name, part in parts.items() if name.lower() == title.lower()), None)
     return None if section is None else _plain(re.sub(r"(?<!\^)\*+([^*]+)(?<!\^)\*+", r"\1", _plain_math(section)))
