@@ -53,7 +53,7 @@ class Account:
     kinetic: Floats = declare("kinetic energy", "energy")
     contacts: Floats = declare("energy of the contacts", "energy")
     springs: Floats = declare("energy of the springs between chains", "energy")
-    ground: Floats = declare("energy of the springs to the ground, and of weights", "energy")
+    ground: Floats = declare("energy of the foundation, and of weights", "energy")
     walls: Floats = declare("energy of the contacts with walls", "energy")
     resonators: Floats = declare("energy of the resonators: kinetic, and of their springs", "energy")
     dissipated: dict[str, Floats] = declare("energy dissipated until then, by the name of the dashpots", "energy")

@@ -79,7 +79,9 @@ class Yielded:
     """The contacts of all chains at the end of the run, without walls."""
 
     contacts: int = declare("number of contacts with a permanent overlap", column="contacts with a permanent overlap")
-    permanent: float = declare("largest permanent overlap", "length", symbol="d_r", column="largest permanent overlap")
+    permanent: float = declare(
+        "largest permanent overlap", "length", symbol="\\delta_r", column="largest permanent overlap"
+    )
     dissipated: float = declare(
         "energy dissipated in contacts of beads over the energy input of the kicks",
         undefined="a push or drive supplies energy",
@@ -99,9 +101,9 @@ class YieldTable:
 
     chain: Integers = declare("number of the chain")
     contact: Integers = declare("number of the contact, that of the bead behind it")
-    overlap: Floats = declare("largest overlap so far", "length", symbol="d_m")
+    overlap: Floats = declare("largest overlap so far", "length", symbol="\\delta_m")
     force: Floats = declare("largest force so far: that of first loading at this overlap", "force", symbol="F_m")
-    permanent: Floats = declare("permanent overlap", "length", symbol="d_r")
+    permanent: Floats = declare("permanent overlap", "length", symbol="\\delta_r")
     opened: Integers = declare(
         "whether it has begun to open, 0 or 1; of one that has not the record ends before its largest overlap"
     )

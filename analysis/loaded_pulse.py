@@ -34,9 +34,7 @@ class LoadedWave:
     chain: int = declare("number of the chain")
     first: int = declare("first contact between which speed and force were measured")
     last: int = declare("last contact between which speed and force were measured")
-    force_ratio: float = declare(
-        "mean of the largest total force of a contact over that at rest", symbol="f = F_m / F_0"
-    )
+    force_ratio: float = declare("mean of the largest total force of a contact over that at rest", symbol="F_m / F_0")
     speed: float = declare("speed of the pulse", "speed", symbol="c")
     sound: float = declare("speed of sound there", "speed", symbol="c_0")
     theory: float = declare(
@@ -66,7 +64,7 @@ class Sound:
     speed: Floats | None = declare(
         "least and largest speed of sound of long waves along the chains",
         "speed",
-        "springs to the ground hold beads, so that long waves do not run",
+        "a foundation holds beads, so that long waves do not run",
         "c_0",
     )
     metres: Floats | None = declare(

@@ -62,6 +62,7 @@ class Quantity:
         column: label of a column that has the field's own name; None where there is none.
         digits: format in a printed table of records; None where it is left out of that.
         head: over that column, in place of the field's name.
+        pure: whether it is a number without unit, such as a ratio, and neither a count nor the number of a bead.
     """
 
     meaning: str
@@ -72,6 +73,7 @@ class Quantity:
     column: str | None = None
     digits: str | None = None
     head: str = ""
+    pure: bool = False
 
     def symbol_of_unit(self, *, si: bool) -> str:
         """Symbol of the unit, such as ``m/s`` or ``reduced``; empty where there is no unit."""
@@ -127,12 +129,17 @@ def _declared(kind: Any) -> dict[str, tuple[Quantity, Any]]:
             if isinstance(value, property) and hasattr(value.fget, _DECLARED):
                 quantities[name] = getattr(value.fget, _DECLARED), typing.get_type_hints(value.fget)["return"]
     for name, (quantity, kind_of_value) in quantities.items():
+        columns = quantity.columns
         if quantity.column is not None:
-            quantities[name] = (
-                replace(quantity, columns=(QuantityColumn(name, quantity.column, symbol=quantity.symbol),)),
-                kind_of_value,
-            )
+            columns = (QuantityColumn(name, quantity.column, symbol=quantity.symbol),)
+        pure = not quantity.unit and _holds_floats(kind_of_value)
+        quantities[name] = replace(quantity, columns=columns, pure=pure), kind_of_value
     return quantities
+
+
+def _holds_floats(kind: Any) -> bool:
+    """Whether values of a type are floating-point numbers, or arrays or mappings of them."""
+    return kind in (float, np.float64) or any(map(_holds_floats, typing.get_args(kind)))
 
 
 declared: Callable[[Any], dict[str, tuple[Quantity, Any]]] = cache(_declared)
@@ -147,7 +154,9 @@ def walk(kind: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...
     elif isinstance(kind, type) and is_dataclass(kind):
         for name, (quantity, within) in declared(kind).items():
             yield (*path, name), quantity
-            yield from walk(within, (*path, name))
+            for keys, inner in walk(within, (*path, name)):
+                of_estimate = keys[-1] in ("value", "uncertainty") and inner.pure and quantity.unit != ""
+                yield keys, replace(inner, unit=quantity.unit, pure=False) if of_estimate else inner
 
 
 def in_units(value: Any, unit: str, scale: Scale) -> Any:

@@ -19,20 +19,20 @@ class Statistics:
     A quantile is interpolated linearly between the ordered values.
     """
 
-    values: int = declare("number n of cases in which the quantity is defined", symbol="n")
+    values: int = declare("number of cases in which the quantity is defined")
     undefined: int = declare(
         "number of all other cases: the quantity is undefined, or the case is not done; no statistic includes them"
     )
-    mean: float = declare("arithmetic mean of the values", _UNIT, undefined=_NO_VALUE, symbol="m", default=math.nan)
+    mean: float = declare("arithmetic mean of the values", _UNIT, undefined=_NO_VALUE, default=math.nan)
     standard_error: float = declare(
-        "standard error of the mean, s / sqrt(n); 1.96 of it is half of the 95 % confidence interval of the mean where "
-        "n is large",
+        "standard error of the mean, standard deviation / sqrt(values); 1.96 of it is half of the 95 % confidence "
+        "interval of the mean where there are many values",
         _UNIT,
         undefined=_ONE_VALUE,
         default=math.nan,
     )
     standard_deviation: float = declare(
-        "standard deviation of the values, with n - 1", _UNIT, undefined=_ONE_VALUE, symbol="s", default=math.nan
+        "standard deviation of the values, with the divisor values - 1", _UNIT, undefined=_ONE_VALUE, default=math.nan
     )
     q5: float = declare("quantile below which 5 % of the values lie", _UNIT, undefined=_NO_VALUE, default=math.nan)
     q25: float = declare("quantile below which 25 % of the values lie", _UNIT, undefined=_NO_VALUE, default=math.nan)

@@ -71,7 +71,7 @@ def of_part_of_model(title: str) -> str | None:
     text = page("MODEL.md")
     parts = {part.partition("\n")[0]: part for part in re.split(r"^## ", text, flags=re.M)[1:]}
     parts |= {
-        match[1]: match[0] for match in re.finditer(r"^\*\*([^*]+)\.\*\*.*?(?=\n\n\*\*|\n\n## )", text, re.M | re.S)
+        match[1]: match[0] for match in re.finditer(r"^\*\*([^*]+)\.\*\*.*?(?=\n\n\*|\n\n## )", text, re.M | re.S)
     }
     section = next((part for name, part in parts.items() if name.lower() == title.lower()), None)
     return None if section is None else _plain(re.sub(r"(?<!\^)\*+([^*]+)(?<!\^)\*+", r"\1", _plain_math(section)))
@@ -128,9 +128,21 @@ def _plain(markdown: str) -> str:
             lines += _entries(block.splitlines())
         elif block.startswith("#"):
             lines.append(block.lstrip("# "))
+        elif block.startswith("- "):
+            lines += _items(block)
         else:
             lines += textwrap.wrap(_unmarked(block), WIDTH, break_on_hyphens=False)
     return "\n".join(lines)
+
+
+def _items(block: str) -> list[str]:
+    """Items of a list, wrapped below their marks."""
+    lines = []
+    for item in re.split(r"^- ", block, flags=re.M)[1:]:
+        lines += textwrap.wrap(
+            _unmarked(item), WIDTH, initial_indent="  - ", subsequent_indent="    ", break_on_hyphens=False
+        )
+    return lines
 
 
 def _entries(rows: list[str]) -> list[str]:
@@ -148,5 +160,6 @@ def _entries(rows: list[str]) -> list[str]:
 
 
 def _unmarked(text: str) -> str:
-    """Text of Markdown without links and code marks."""
-    return " ".join(re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text).replace("`", "").split())
+    """Text of Markdown without links, code marks and marks of titled paragraphs."""
+    plain = re.sub(r"\*\*([A-Z][^*]*\.)\*\*", r"\1", re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text))
+    return " ".join(plain.replace("`", "").split())

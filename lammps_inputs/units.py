@@ -80,7 +80,7 @@ def dimension_of(hint: Any) -> Dimension | None:
 PURE = Unit("")
 """Unit of shares, and of numbers that are the same in all units."""
 
-_GREEK = {"Delta": "Δ", "kappa": "κ", "nu": "ν", "omega": "ω", "rho": "ρ", "sigma": "σ"}
+_GREEK = {"Delta": "Δ", "delta": "δ", "gamma": "γ", "kappa": "κ", "nu": "ν", "omega": "ω", "rho": "ρ", "sigma": "σ"}
 
 
 @dataclass(frozen=True)

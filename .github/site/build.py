@@ -32,6 +32,9 @@ PICTURES = ".github"
 CODE = re.compile(r"(^```.*?^```|`[^`\n]*`)", re.MULTILINE | re.DOTALL)
 EQUATION = re.compile(r"\$\$(.+?)\$\$|\$([^$\n]+(?:\n[^$\n]+)?)\$", re.DOTALL)
 
+LINE_BEGINS = re.compile(r"(?<=[^\n])\n(?=\$[^$])")
+"""Ends of lines before an equation: an element of MathML at the beginning of a line would end the paragraph."""
+
 
 def equations(text: str) -> str:
     """Markdown with its equations, ``$...$`` and ``$$...$$``, as MathML, which browsers typeset without a script."""
@@ -43,6 +46,7 @@ def equations(text: str) -> str:
         return formula.replace("|", "&#x7C;").replace("*", "&#x2A;").replace("_", "&#x5F;")
 
     pieces = CODE.split(text)
+    pieces[::2] = [LINE_BEGINS.sub(" ", piece) for piece in pieces[::2]]
     pieces[::2] = [EQUATION.sub(mathml, piece) for piece in pieces[::2]]
     return "".join(pieces)
 

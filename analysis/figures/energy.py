@@ -100,7 +100,7 @@ def energy_figure(problem: Problem, flow: Flow) -> Figure:
         if kind == "share":
             width = max(oscillations_to_average(share, 1.0) for share in shares.T)
             draw_chains(panel, chains, t, np.stack([moving_mean(share, width) for share in shares.T], axis=1))
-            panel.set_ylabel("share of the energy $E_n / E$" + _averaged(flow.time, width, time))
+            panel.set_ylabel("share of the energy" + _averaged(flow.time, width, time))
             panel.set_ylim(0.0, max(1.0, 1.05 * float(np.nanmax(shares))))
         elif kind == "centre":
             draw_chains(panel, chains, t, centres)

@@ -168,7 +168,7 @@ class FrameContent:
     time: Floats = declare("time of the frame", "time", symbol="t")
     velocity: Floats = declare("velocity of the bead", "velocity", symbol="v")
     force: Floats = declare("force at the time of the frame", "force", symbol="F")
-    energy: Floats = declare("energy of the beads and of the forces on them", "energy", symbol="E")
+    energy: Floats = declare("energy of the beads and of the forces on them", "energy", symbol="U")
     lag: Floats = declare("time of the frame after another instant", "time", symbol="\\Delta t")
 
 

@@ -44,7 +44,7 @@ contacts yield, whose states of an instant before are unknown, a forward differe
 """
 
 UNPASSED = "nothing has arrived, or the record ends inside the pulse"
-ACTED_ON = "a push or drive acts on the last tenth of the beads, or springs to the ground vary in time"
+ACTED_ON = "a push or drive acts on the last tenth of the beads, or the foundation varies in time"
 
 
 @result
@@ -71,9 +71,8 @@ class Transmitted:
         column="delay until the far end",
     )
     transmitted_energy: float = declare(
-        "largest share at any time of the energy input until then (kicks, work of pushes, drives and "
-        "springs that vary) that is in the last tenth of the beads: their kinetic energy and that of the contacts "
-        "between them, of the wall's contact and of their springs to the ground, not of springs between chains",
+        "largest share at any time of the energy input until then that is in the last tenth of the beads: kinetic, of "
+        "their contacts, of the wall and of the foundation, not of springs between chains",
         undefined=f"{UNPASSED}, {ACTED_ON}, or the work is not known",
         column="largest energy at the far end / energy input",
     )

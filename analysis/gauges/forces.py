@@ -48,7 +48,7 @@ FAINT = 1e-5
 NOT_ABOVE = "the force never exceeds the static one by more than the numerical noise"
 NO_LOAD = "there is no static load"
 TOO_COARSE = "frames are so far apart that its uncertainty exceeds a twentieth of"
-COARSE_FORCE = f"{TOO_COARSE} the largest excess over the static force"
+COARSE_FORCE = f"{TOO_COARSE} the largest dynamic force"
 BY_FRAMES = "by the time between frames"
 
 
@@ -77,9 +77,8 @@ class Reading:
     )
     impulse_error: float = declare(f"uncertainty of ``impulse`` {BY_FRAMES}", "momentum", "as ``impulse``")
     dwell: float = declare(
-        "duration of the contact in which the force was largest; under a static load, of the time around the maximum "
-        "in which the force exceeded the static one by 1 % of its largest excess; until the end of the record where it "
-        "had not ended",
+        "duration of the contact in which the force was largest, or until the end of the record; under a static load, "
+        "time around the maximum in which the dynamic force is above 1 % of its largest value",
         "time",
         f"{TOO_COARSE} it, or leave open in which contact the force was largest",
     )

@@ -42,7 +42,7 @@ LEAST = 1e-9
 
 NO_CENTRE = "the chain has no energy"
 
-NO_MODES = "one chain, no springs to the ground that vary in time, or springs that are cubic or differ from row to row"
+NO_MODES = "one chain, no foundation that varies in time, or springs that are cubic or differ from row to row"
 
 
 @result
@@ -51,7 +51,7 @@ class Flow:
 
     time: Floats = declare("time of some frames", "time", symbol="t")
     share: Floats = declare(
-        "energy of each chain (kinetic, contacts, ground) over that of all chains, [instant, chain]",
+        "energy of each chain (kinetic, contacts, foundation) over that of all chains, [instant, chain]",
         undefined="no chain has energy, as at the start of a push",
     )
     between: Floats = declare(

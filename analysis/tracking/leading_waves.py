@@ -36,13 +36,13 @@ class Waves(Columns):
         "t",
     )
     peak_velocity: Floats = declare(
-        "first maximum over time, above 1e-3 V, of the bead's velocity along the pulse's way; where pulses overlap, "
-        "the bead's whole velocity counts",
+        "first maximum over time, above 1e-3 V, of the bead's velocity in the direction of the pulse; where pulses "
+        "overlap, the bead's whole velocity counts",
         "velocity",
         symbol="v",
     )
     speed: Floats = declare(
-        "speed of the pulse along its way, from the arrivals at the recorded beads on either side (at an end of the "
+        "speed of the pulse in its direction, from the arrivals at the recorded beads on either side (at an end of the "
         "chain, and at the last bead reached: one)",
         "speed",
         "one bead of the chain was reached, an arrival is undefined, or the pulse begins or ends there within the "

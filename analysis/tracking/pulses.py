@@ -260,7 +260,7 @@ class Train(Columns):
     chain: int = declare("number of the chain")
     bead: int = declare("bead at which the pulses were measured")
     arrival: Floats = declare("arrival of each pulse", "time", symbol="t")
-    peak_velocity: Floats = declare("peak velocity of each pulse, positive along its way", "velocity", symbol="v")
+    peak_velocity: Floats = declare("peak velocity of each pulse, positive in its direction", "velocity", symbol="v")
     uncertainty: Floats = declare(
         "of each peak velocity: largest difference from it over the ten beads before",
         "velocity",

@@ -175,8 +175,8 @@ class Contact(by_formula.ByFormula):
     """Factor on A of each contact: a number, a profile, or a list with one for each contact; 1 if omitted."""
 
     force: str | None = None
-    """Force as a formula of s, with its parameters as keys beside it: where it grows with s, s is the overlap; where it
-    falls, s is by how much beads are farther apart than at rest. In place of `exponent` and `stiffness`.
+    """Force as a formula of s, with its parameters as keys beside it, in place of `exponent` and `stiffness`; what s is
+    stands in the scene reference, *Force by formula*.
     """
     tension: Literal["allowed", "cut"] | None = None
     """Whether `force` acts at a distance: if omitted, `cut` of forces that are 0 at s = 0, and `allowed` of others."""

@@ -87,7 +87,7 @@ class Coupling(by_formula.ByFormula):
     topology: _Topology | None = None
     """Which chains are coupled, by the table below; `open` if omitted."""
     cubic: Annotated[Cubic | None, Label("cubic coupling stiffness", "k_3")] = None
-    """Cubic stiffness k3; none if omitted."""
+    """Cubic stiffness k_3; none if omitted."""
     force: str | None = None
     """Force as a formula of s, odd, with its parameters as keys beside it; in place of `stiffness` and `cubic`."""
 

@@ -72,10 +72,10 @@ class Damping(Ingredient):
     """Law of the contacts' dashpots; `linear` if omitted."""
     tension: Literal["allowed", "cut"] | None = None
     """Whether the sum of elastic and dashpot force may be tensile while a contact opens; `allowed` if omitted."""
-    beads: Annotated[Coefficient | None, Label("drag coefficient of the beads", "c_b")] = None
-    """Coefficient c_b of the drag force on every bead."""
-    coupling: Annotated[Coefficient | None, Label("damping coefficient of the coupling", "c_{12}")] = None
-    """Coefficient c12 of a dashpot parallel to every spring between chains."""
+    beads: Annotated[Coefficient | None, Label("drag coefficient of the beads", "\\gamma_b")] = None
+    """Coefficient gamma_b of the drag force on every bead."""
+    coupling: Annotated[Coefficient | None, Label("damping coefficient of the coupling", "\\gamma_{12}")] = None
+    """Coefficient gamma_12 of a dashpot parallel to every spring between chains."""
 
     def refuse(self, scene: SceneContext) -> None:
         """Refuse what says nothing, or more than there is, and what runs in pieces that start again."""

@@ -98,12 +98,12 @@ class Foundation(by_formula.ByFormula):
     }
 
     stiffness: Annotated[_Stiffness, Label("foundation stiffness")] = 0.0
-    """Linear stiffness k of all chains: a number or a ramp `{from, to, rows}` or `{from, to, times}`; or a list with
+    """Linear stiffness k_f of all chains: a number or a ramp `{from, to, rows}` or `{from, to, times}`; or a list with
     one for each chain."""
     modulation: Modulation | None = None
     """Factor on the linear stiffness that oscillates in time; none if omitted."""
-    cubic: Annotated[Cubic | tuple[Cubic, ...], Label("cubic foundation stiffness", "k_3")] = 0.0
-    """Cubic stiffness k3 of all chains, or a list with one for each chain."""
+    cubic: Annotated[Cubic | tuple[Cubic, ...], Label("cubic foundation stiffness", "k_{f3}")] = 0.0
+    """Cubic stiffness k_f3 of all chains, or a list with one for each chain."""
     rows: Rows | None = None
     """First and last bead with springs; all beads if omitted."""
     force: str | None = None

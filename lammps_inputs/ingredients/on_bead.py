@@ -154,7 +154,7 @@ class Drive(OnBead):
 
     displacement: Annotated[Annotated[Positive, Unit("m")] | None, Label("drive displacement", "X")] = None
     """Amplitude of the prescribed displacement; or give `force`."""
-    force: Annotated[Annotated[Positive, Unit("N")] | None, Label("drive force", "F")] = None
+    force: Annotated[Annotated[Positive, Unit("N")] | None, Label("drive force", "F_d")] = None
     """Amplitude of the force on the bead; or give `displacement`."""
     frequency: Annotated[Positive, Unit("Hz"), Label("drive frequency", "f")]
     """Frequency f, in cycles per unit time."""

@@ -1,7 +1,8 @@
 """Contacts that yield: from a yield strength in SI units, or from the overlap at yield; or of a constant restitution.
 
 The contact of two spheres yields where the pressure in its middle reaches 1.6 times the yield strength (of the softer):
-at the overlap ``d_y = (pi p_y / (2 E*))^2 R*`` (Thornton 1997; Johnson, Contact Mechanics, 1985, 6.1).
+at the overlap ``delta_y = (pi sigma_0 / (2 E*))^2 R*``, with the pressure ``sigma_0 = 1.6 sigma_y`` (Thornton 1997;
+Johnson, Contact Mechanics, 1985, 6.1).
 """
 
 import math
@@ -35,7 +36,7 @@ class Yield(ScenePart):
 
     law: Literal["thornton", "walton-braun"] = "thornton"
     """Law: elastic, perfectly plastic spheres, or two straight lines with a restitution that no velocity changes."""
-    overlap: Annotated[Annotated[Positive, Unit("m")] | None, Label("overlap at yield", "d_y")] = None
+    overlap: Annotated[Annotated[Positive, Unit("m")] | None, Label("overlap at yield", "\\delta_y")] = None
     """Overlap at which the contact of two reference beads yields (`thornton`)."""
     restitution: Annotated[
         Annotated[float, Field(ge=0.01, le=1), PURE] | None, Label("restitution of contacts that yield", "e")

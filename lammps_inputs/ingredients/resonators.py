@@ -44,7 +44,7 @@ FASTEST = 1e6
 
 
 class Resonators(Ingredient):
-    """A mass at each bead, tied to it by a linear spring and a dashpot: ``m2 y'' = k2 (x - y) + c2 (x' - y')``."""
+    """Mass at each bead on a linear spring and a dashpot: ``m_2 y'' = k_2 (x - y) + gamma_2 (x' - y')``."""
 
     example: ClassVar[str] = "{mass: 0.1, stiffness: 1}"
     several: ClassVar[bool] = True
@@ -55,11 +55,11 @@ class Resonators(Ingredient):
     }
 
     mass: Annotated[Mass | tuple[Mass, ...], Label("resonator mass", "m_2")]
-    """Mass m2 of a resonator; or a list with one for each chain, 0 for none."""
+    """Mass m_2 of a resonator; or a list with one for each chain, 0 for none."""
     stiffness: Annotated[Stiffness | tuple[Stiffness, ...], Label("resonator stiffness", "k_2")]
-    """Stiffness k2 of its spring; or a list with one for each chain."""
-    damping: Annotated[Coefficient | tuple[Coefficient, ...], Label("resonator damping", "c_2")] = 0.0
-    """Coefficient c2 of the dashpot parallel to the spring; or a list with one for each chain."""
+    """Stiffness k_2 of its spring; or a list with one for each chain."""
+    damping: Annotated[Coefficient | tuple[Coefficient, ...], Label("resonator damping", "\\gamma_2")] = 0.0
+    """Coefficient gamma_2 of the dashpot parallel to the spring; or a list with one for each chain."""
     rows: Rows | None = None
     """First and last bead with resonators; all beads if omitted."""
 

@@ -38,10 +38,10 @@ LEAST = 1e-4
 
 
 class Dashpot(NamedTuple):
-    """``c s'`` at any strain."""
+    """``gamma s'`` at any strain."""
 
     coefficient: Annotated[Parameter, Dimension("force", "velocity")]
-    """c, in units of m / T."""
+    """gamma, in units of m / T."""
 
     @staticmethod
     def damping(s: Any, rate: Any, coefficient: Any) -> Any:  # noqa: ARG004
@@ -55,7 +55,7 @@ class Dashpot(NamedTuple):
 
     @staticmethod
     def impulse(s: Any, coefficient: Any) -> Any:
-        """``c s``."""
+        """``gamma s``."""
         return coefficient * s
 
     def ground(self, name: str, layout: BeadLayout) -> DeckLines:

@@ -49,18 +49,19 @@ LargestOverlap = Annotated[Parameter, Dimension("length"), LargestSoFar()]
 
 
 class Thornton(NamedTuple):
-    """``A (d - d_r)^1.5 / z^0.5``, with the permanent overlap ``d_r = d_m (1 - z)``, of the largest so far d_m >= d_y.
+    """Force ``A (delta - delta_r)^1.5 / z^0.5``, with the permanent overlap ``delta_r = delta_m (1 - z)``.
 
-    Here ``z = w^0.5 (1.5 - 0.5 w)`` with ``w = d_y / d_m``. While d is the largest overlap so far, the force is that of
-    first loading, ``A d^1.5`` up to d_y and ``A d_y^0.5 (1.5 d - 0.5 d_y)`` beyond.
+    The largest overlap so far is delta_m, or delta_y where that is larger, and ``z = w^0.5 (1.5 - 0.5 w)`` with
+    ``w = delta_y / delta_m``. While delta is the largest overlap so far, the force is that of first loading,
+    ``A delta^1.5`` up to delta_y and ``A delta_y^0.5 (1.5 delta - 0.5 delta_y)`` beyond.
     """
 
     strength: Pure
     """A, in units of the scale's contact constant."""
     onset: Length
-    """d_y, the overlap at which the contact yields."""
+    """delta_y, the overlap at which the contact yields."""
     largest: LargestOverlap = 0.0
-    """d_m, the largest overlap so far."""
+    """delta_m, the largest overlap so far."""
     rest: Length = 0.0
     """Overlap at rest."""
     load: Annotated[Parameter, Dimension("force")] = 0.0
@@ -78,13 +79,13 @@ class Thornton(NamedTuple):
 
     @staticmethod
     def energy(s: Any, strength: Any, onset: Any, largest: Any, rest: Any, load: Any) -> Any:
-        """Energy that unloading gives back, ``2/5 A (d - d_r)^2.5 / z^0.5``, less that at rest and ``load s``."""
+        """Energy that unloading returns, ``2/5 A (delta - delta_r)^2.5 / z^0.5``, less that at rest and ``load s``."""
         stored = _stored(rest + s, strength, onset, np.maximum(largest, rest + s))
         return stored - _stored(rest, strength, onset, rest) - load * s
 
     @staticmethod
     def stiffness(s: Any, strength: Any, onset: Any, largest: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
-        """``3/2 A ((d - d_r) / z)^0.5``; of first loading beyond yield ``3/2 A d_y^0.5``."""
+        """``3/2 A ((delta - delta_r) / z)^0.5``; of first loading beyond yield ``3/2 A delta_y^0.5``."""
         d = rest + s
         c, z = _unloading(d, onset, np.maximum(largest, d))
         first = (d >= largest) & (d > onset)
@@ -99,7 +100,7 @@ class Thornton(NamedTuple):
         # until it yields: at most that without load
         elastic = (2.5 * energy / a) ** 0.4
         held = 0.4 * a * (y**2.5 - np.minimum(rest, y) ** 2.5) - load * (begin - rest)
-        # beyond: 3/4 A d_y^1/2 x^2 + (F(begin) - load) x = energy - held
+        # beyond: 3/4 A delta_y^1/2 x^2 + (F(begin) - load) x = energy - held
         more = np.maximum(energy - np.maximum(held, 0.0), 0.0)
         half = 0.5 * np.maximum(a * np.sqrt(y) * (1.5 * begin - 0.5 * y) - load, 0.0)
         curve = 0.75 * a * np.sqrt(y)
@@ -108,7 +109,7 @@ class Thornton(NamedTuple):
 
     @staticmethod
     def stiffest(energy: Any, strength: Any, onset: Any, largest: Any, rest: Any, load: Any) -> Any:
-        """Stiffness of unloading from the largest overlap, ``3/2 A d_m^0.5``."""
+        """Stiffness of unloading from the largest overlap, ``3/2 A delta_m^0.5``."""
         return 1.5 * strength * np.sqrt(rest + Thornton.max_strain(energy, strength, onset, largest, rest, load))
 
     @staticmethod
@@ -118,12 +119,12 @@ class Thornton(NamedTuple):
 
     @staticmethod
     def dissipated(strength: Any, onset: Any, largest: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
-        """Energy dissipated since the start: work of first loading up to d_m, less what unloading gives back."""
+        """Energy dissipated since the start: work of first loading up to delta_m, less what unloading gives back."""
         return _lost(strength, onset, largest) - _lost(strength, onset, rest)
 
     @staticmethod
     def permanent(strength: Any, onset: Any, largest: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
-        """Overlap at which unloading ends, d_r."""
+        """Overlap at which unloading ends, delta_r."""
         return np.maximum(largest, onset) - _unloading(np.maximum(largest, onset), onset, largest)[0]
 
     def at_rest(self, rest: Parameter) -> "Thornton":
@@ -141,14 +142,14 @@ class Thornton(NamedTuple):
 
 
 class WaltonBraun(NamedTuple):
-    """``A d`` while d is the largest overlap so far, else ``A (d - (1 - e^2) d_m)+ / e^2``."""
+    """``A delta`` while delta is the largest overlap so far, else ``A (d - (1 - e^2) delta_m)+ / e^2``."""
 
     strength: Pure
     """A, in units of the scale's contact constant."""
     restitution: Pure
     """e."""
     largest: LargestOverlap = 0.0
-    """d_m, the largest overlap so far."""
+    """delta_m, the largest overlap so far."""
 
     @staticmethod
     def force(s: Any, strength: Any, restitution: Any, largest: Any) -> Any:
@@ -187,7 +188,7 @@ class WaltonBraun(NamedTuple):
 
     @staticmethod
     def dissipated(strength: Any, restitution: Any, largest: Any) -> Any:
-        """Energy dissipated since the start, ``A (1 - e^2) d_m^2 / 2``."""
+        """Energy dissipated since the start, ``A (1 - e^2) delta_m^2 / 2``."""
         return 0.5 * strength * (1.0 - restitution * restitution) * np.maximum(largest, 0.0) ** 2
 
     @staticmethod
@@ -201,7 +202,7 @@ def restitution_of(velocity: Any, yield_velocity: Any) -> Any:
 
     Args:
         velocity: relative velocity with which they approach.
-        yield_velocity: relative velocity at which they yield, ``(0.8 A d_y^2.5 / m*)^0.5``, with the reduced mass m*.
+        yield_velocity: relative velocity from which they yield, ``(0.8 A delta_y^2.5 / mu)^0.5`` with the reduced mass.
     """
     q = np.minimum(np.asarray(yield_velocity) / velocity, 1.0)
     square = q * q

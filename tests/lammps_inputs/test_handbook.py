@@ -85,7 +85,7 @@ def test_the_section_of_a_model_has_example_exclusions_spelling_sources_and_a_pi
     section = next(section for names, section in handbook.sections() if key in names)
     (example,) = re.findall(r"```yaml\n(.*?)```", section, re.S)
     assert len(example.splitlines()) <= 6
-    assert all(re.search(rf"^{word}[:,] ", section, re.M) for word in ("Excluded", "LAMMPS", "Source"))
+    assert all(re.search(rf"^{word}:", section, re.M) for word in ("Excluded", "LAMMPS", "Source"))
     assert "Installed scene" in section
     assert "![" in section
     assert "![" not in handbook.of_key(key)

@@ -33,7 +33,7 @@ class LargestContactForce:
     force: float = declare(
         "largest force in a contact of two beads, or of a bead and a wall, static load included", "N", symbol="F"
     )
-    pressure: float = declare("largest pressure in the middle of a contact", "Pa", symbol="p_0")
+    pressure: float = declare("largest pressure in the middle of a contact", "Pa", symbol="\\sigma_0")
     yield_strength: float = declare("least yield strength of the beads with which all contacts stay elastic", "Pa")
 
     def plain(self) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from analysis.conservation import Conservation
 from analysis.quantity import QuantityColumn, declare, declared, derived, result, to_csv
 from analysis.shape.exact_wave import wave_of
-from analysis.sharing.equipartition import AGREEMENTS, CONVERGES, Estimate, resolved, runs_exact_waves
+from analysis.sharing.equipartition import AGREEMENTS, Estimate, resolved, runs_exact_waves
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import DecayFit
@@ -210,14 +210,10 @@ STEADY = 0.01
 NOT_REACHED = "no recorded bead was reached"
 
 UNRESOLVED = (
-    "no pulse keeps its shape, recorded beads are too far apart to show beats, or coupled chains have gaps and not all "
-    "beads are recorded"
+    "no pulse keeps its shape, recorded beads are too far apart to show beats, or, with gaps, not all are recorded"
 )
-NO_AGREEMENT = f"it does not, or not for as long as half a beat; a single chain; {UNRESOLVED}"
-COUNTED = (
-    "to the last recorded bead that all leading waves passed clear of the chains' ends; counted along the pulse's way, "
-    "which is the bead's number for pulses towards higher numbers, whichever bead is kicked"
-)
+NO_AGREEMENT = f"it does not, or not for a half beat; a single chain; {UNRESOLVED}"
+COUNTED = "to the last compared bead; beads count from the end that the pulses come from"
 
 
 @result
@@ -227,7 +223,8 @@ class ChainSummary:
     chain: int = declare("number of the chain")
     beads_reached: int = declare("number of recorded beads that the wave passed")
     ended: list[int] = declare(
-        "beads at which a leading pulse ended, in the order of its way: from the next recorded bead on another one led"
+        "beads at which a leading pulse ended, in the order in which it passed them: another one led from the next "
+        "recorded bead on"
     )
     bead: int | None = declare(
         "last recorded bead, five before the end, that the wave passed", undefined=NOT_REACHED, column="last clear bead"
@@ -240,7 +237,7 @@ class ChainSummary:
         column="arrival at the last clear bead",
     )
     peak_velocity: float | None = declare(
-        "largest velocity of that bead along the wave's way as the wave passes",
+        "largest velocity of that bead in the direction of the wave as the wave passes",
         "velocity",
         NOT_REACHED,
         "v",
@@ -304,7 +301,7 @@ class Final(Estimate):
 class AmplitudeRange:
     """Range of amplitudes over some beads."""
 
-    first: int = declare("first bead of the second half of the way")
+    first: int = declare("first bead of the second half of the compared beads")
     last: int = declare("last bead")
     least: float = declare("least amplitude of any chain between them", "V")
     largest: float = declare("largest amplitude of any chain between them", "V")
@@ -348,11 +345,12 @@ class Equipartition:
     since: int | None = declare("bead from which on amplitudes and arrivals agree to 1 %", undefined="they do not")
     expected: Estimate | None = declare(
         "bead from which on amplitudes are expected to agree to 1 %",
-        undefined="they agree already, or no rule is known for such a scene",
+        "beads",
+        "they agree already, or no rule is known for such a scene",
     )
     amplitudes: dict[str, int | None] = declare(
-        "bead from which on the difference of the chains' amplitudes, (largest - smallest) / mean, stays below 0.1, "
-        f"0.01 and 0.001 {COUNTED}",
+        "bead from which on the chains' amplitudes differ (largest - smallest) by under 0.1, 0.01 and 0.001 of their "
+        f"mean, {COUNTED}",
         undefined=NO_AGREEMENT,
         columns=(
             QuantityColumn("agree_10", "bead from which amplitudes agree to 10 %", "0.1", "d_{10}"),
@@ -360,18 +358,14 @@ class Equipartition:
         ),
     )
     arrivals: dict[str, int | None] = declare(
-        "bead from which on the difference of the chains' arrivals, latest - earliest over the time in which the wave "
-        f"passes (at half its height), stays below 0.1, 0.01 and 0.001 {COUNTED}",
+        f"bead from which on the chains' arrivals differ by under 0.1, 0.01 and 0.001 of the passage time, {COUNTED}",
         undefined=NO_AGREEMENT,
         columns=(QuantityColumn("synchronised_1", "bead from which arrivals agree to 1 %", "0.01"),),
     )
     final: Final | None = declare(
         "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
         "V",
-        "no pulse keeps its shape; amplitudes have no limit (energy is dissipated, beads or loads differ along the "
-        "chain, less than half a beat was seen), deviate by more than half of it, or do not approach one: the mean "
-        "over as many beads before differs by more than half of the largest deviation, and from stretch to stretch "
-        f"such differences do not become smaller by a factor of {1.0 / CONVERGES:g}",
+        "no pulse keeps its shape, or amplitudes do not converge (*asymptotic amplitude* in the terms of verdicts)",
         "v",
         columns=(
             QuantityColumn("amplitude", "asymptotic amplitude", "value", "v"),
@@ -379,20 +373,20 @@ class Equipartition:
         ),
     )
     range: AmplitudeRange | None = declare(
-        "range of amplitudes over the second half of the way", undefined="no pulse keeps its shape"
+        "range of amplitudes over the second half of the compared beads", undefined="no pulse keeps its shape"
     )
     energy_share: EnergyShare = declare("energy in the leading waves at the last clear bead")
     beat_length: Estimate | None = declare(
-        "beads from one excess of a chain to the next, and its scatter",
+        "beat length: twice the mean of the half beats seen, and twice their standard deviation",
         "beads",
-        f"no beat is seen, or half beats scatter by more than half of their mean; {UNRESOLVED}",
+        f"no half beat is seen, or they scatter by over half of their mean; {UNRESOLVED}",
         columns=(
             QuantityColumn("beat_length", "beat length", "value"),
             QuantityColumn("beat_length_uncertainty", "uncertainty of the beat length", "uncertainty"),
         ),
     )
     decay_law: DecayFit | None = declare(
-        "law v = v0 (1 - n / n_star)**2.5 fitted to the kicked chain",
+        "law v = v_0 (1 - n / n*)^(5/2) fitted to the kicked chain",
         undefined="neighbours are nowhere weak over ten beads, springs are not linear and equal, beads are unlike, "
         "loaded or have gaps, energy is dissipated, or not just one bead was kicked",
     )
@@ -400,7 +394,7 @@ class Equipartition:
 
 @result
 class PulseEntry(Character):
-    """A pulse: its way, and what it is at the last bead where it was seen whole."""
+    """A pulse: its direction, and what it is at the last bead where it was seen whole."""
 
     chain: int = declare("number of the chain")
     direction: int = declare("1 towards higher bead numbers, -1 towards lower")
@@ -417,7 +411,7 @@ class Report:
     complete: bool = declare("whether every frame of the scene is there")
     frames: tuple[int, int] = declare("number of frames found, and of those asked for")
     front: int | None = declare(
-        "foremost bead (largest number) that moved faster than 1e-3 V",
+        "front: foremost bead (largest number) that moved faster than 1e-3 V",
         undefined="no recorded bead moved so fast",
         column="foremost bead that moved",
     )
@@ -428,21 +422,20 @@ class Report:
     )
     momentum_drift: float = declare(
         "largest deviation of the momentum over the momentum of kicks and forces from outside",
-        undefined="not all beads are recorded, or momentum is not conserved (ground, walls, weights)",
+        undefined="not all beads are recorded, or momentum is not conserved (foundation, walls, weights)",
     )
     participation: float = declare(
-        "participation number (sum e)^2 / sum e^2 of the beads' energies e in the last frame: N where N beads have the "
-        "same energy and all others none; e is kinetic energy, half of that of each contact, and that of springs to "
-        "the ground and walls",
+        "participation number of the beads' energies in the last frame: (their sum)^2 / sum of their squares. A bead "
+        "has its kinetic energy, half of that of each contact, and those of foundation and walls",
         undefined="not all beads are recorded, as in a window, or none has energy",
         column="participation number of the beads' energies at the end",
     )
     units: str = declare("the scene's units: ``SI`` or ``reduced``")
     scale: dict[str, float] = declare(
-        "mass m, length L, time T and velocity V of the dimensionless problem, in the scene's units"
+        "mass m, length L, time T and velocity V of the dimensionless problem, in the scene's units", "kg, m, s, m/s"
     )
     kappa: float = declare(
-        "dimensionless stiffness of the coupling, k T**2 / m: the largest where springs differ; 0 without springs, and "
+        "dimensionless stiffness of the coupling, k T^2 / m: the largest where springs differ; 0 without springs, and "
         "of purely cubic ones",
         symbol="\\kappa",
     )

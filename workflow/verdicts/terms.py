@@ -7,7 +7,14 @@ from typing import NamedTuple
 
 from analysis.shape.exact_wave import HERTZ, solitary_wave
 from analysis.shape.waveforms import COMPARED
-from analysis.sharing.equipartition import AGREEMENT, RESOLVED, SMALLEST_BEAT
+from analysis.sharing.equipartition import (
+    AGREEMENT,
+    CONVERGES,
+    LARGEST_DEVIATION,
+    RESOLVED,
+    SETTLED,
+    SMALLEST_BEAT,
+)
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState, expected_n_star
 from analysis.tracking.pulses import CONSTANT_OVER, LEAST_BEADS, SMALLEST
@@ -21,18 +28,21 @@ _EQUAL = f"{AGREEMENT:.0%}"
 TERMS = {
     "pulse": f"maxima of the velocity of at least {LEAST_BEADS} recorded beads (all, if fewer are recorded), one after "
     f"the other as a wave of their amplitude runs, that reach {SMALLEST:g} V somewhere",
-    "clear": f"of the end: a leading wave is, up to {CLEAR} beads before the end that it runs to; any other pulse, "
-    f"more than {CLEAR} beads from either end and before anything can have come back from the end, which takes as long "
-    f"as the leading pulse took to get there. Of other pulses: none is within {APART:g} beads, where the velocity of "
-    "the exact wave is 1e-10 of its peak",
+    "clear bead": f"a leading wave is clear up to {CLEAR} beads before the end that it runs to; any other pulse more "
+    f"than {CLEAR} beads from either end, before a reflection can have reached it (*returns*)",
+    "returns": "a reflection can have reached a bead as long after the leading pulse reached the end of the chain as "
+    "this pulse took from the bead to that end",
+    "clear of other pulses": f"none is within {APART:g} beads, where the velocity of the exact wave is 1e-10 of its "
+    "peak",
     "compared beads": "recorded beads ahead of the kicked one that the leading waves of all coupled chains passed "
-    "clear of the end",
+    "clear of the end; where another pulse leads from a bead on, from the last such bead on",
+    "passage time": "time in which the exact wave of the mean amplitude passes at half its height: full width at half "
+    "maximum over speed",
     "half beat": "beads between two places where the amplitude of the kicked chain passes the mean of the chains; "
     f"changes of sign after which it deviates by less than {SMALLEST_BEAT:g} of the mean do not count",
     EquipartitionState.EQUAL.value: (
-        f"up to the last compared bead, over half a beat at least, amplitudes differ by less than "
-        f"{_EQUAL} of their mean, and arrivals by less than {_EQUAL} of the time in which the exact wave of the mean "
-        "amplitude passes at half its height"
+        f"up to the last compared bead, over a half beat at least, amplitudes differ by less than "
+        f"{_EQUAL} of their mean, and arrivals by less than {_EQUAL} of the passage time"
     ),
     EquipartitionState.BEATING.value: (
         f"a half beat was seen, but amplitudes or arrivals do not agree to {_EQUAL} for as long as the last one"
@@ -56,14 +66,21 @@ TERMS = {
         "no pulse keeps its shape or is followed: drives, foundations, resonators slower than a "
         "pulse, contacts that act at a distance"
     ),
-    "solitary": f"within {COMPARED:g} beads of the peak the velocity differs from the exact wave of this amplitude by "
-    f"at most {_ALLOWED.shape:.0%} of it; the speed differs by at most {_ALLOWED.speed:.0%} from that of the exact "
-    f"wave; (largest - smallest) / mean amplitude of the last {CONSTANT_OVER} beads is at most "
-    f"{_ALLOWED.amplitude:.0%}; neither contacts nor beads dissipate energy",
-    "steady": "there is no exact wave to compare with, as beads differ or are loaded; (largest - smallest) / mean "
-    f"amplitude of the last {CONSTANT_OVER} beads, those of the same mass, is at most {_ALLOWED.amplitude:.0%}; "
-    "neither contacts nor beads dissipate energy. In a train: the amplitude differs by at most "
-    f"{STEADY:.0%} from those of the {CONSTANT_OVER} beads before, and the pulse is clear of the ends and of others",
+    "asymptotic amplitude": "mean over chains and the last half beat (of one chain the last tenth of the beads); its "
+    f"uncertainty is the largest deviation, at most {LARGEST_DEVIATION:g} of it, or the change that is still to come",
+    "converge": f"the means over the last two half beats differ by at most {SETTLED:g} of them, half of the largest "
+    f"deviation, or {CONVERGES:g} of the difference before; and neither dissipation, beads nor loads change amplitudes",
+    "solitary": f"shape and speed are those of the exact wave of this amplitude within {_ALLOWED.shape:.0%} and "
+    f"{_ALLOWED.speed:.0%}, the amplitude is constant within {_ALLOWED.amplitude:.0%}, and neither contacts nor beads "
+    "dissipate energy",
+    "shape": f"largest difference of the velocity from the exact wave, within {COMPARED:g} beads of the peak, over the "
+    "peak velocity",
+    "variation": f"(largest - smallest) / mean amplitude of the last {CONSTANT_OVER} beads, where beads differ of "
+    "those of the same mass",
+    "steady": f"where beads differ or are loaded, and there is no exact wave: the variation is at most "
+    f"{_ALLOWED.amplitude:.0%}, and neither contacts nor beads dissipate energy",
+    "steady in a train": f"the amplitude differs by at most {STEADY:.0%} from those of the {CONSTANT_OVER} beads "
+    "before, and the pulse is clear of the ends and of other pulses",
     "decaying": f"contacts or beads dissipate energy, and the amplitude is smaller than {CONSTANT_OVER} beads before",
 }
 """Term -> criterion, with its tolerances."""
@@ -109,9 +126,9 @@ def numbers() -> list[Number]:
         ),
         Number(
             f"{expected_n_star(1.0):.4f} / kappa",
-            "beads n* over which a pulse in one of two weakly coupled chains decays, v = v0 (1 - n / n*)^(5/2)",
-            f"each spring that the pulse has passed holds kappa s^2 / 2, s = {wave.shift:.5f} v^(4/5) (shift of the "
-            "beads)",
+            "beads n* over which a pulse in one of two weakly coupled chains decays, v = v_0 (1 - n / n*)^(5/2)",
+            f"each spring that the pulse has passed holds kappa s^2 / 2, s = {wave.shift:.5f} v^(4/5) (displacement "
+            "of the beads)",
         ),
     ]
 

@@ -242,7 +242,7 @@ def test_the_layers_of_the_budget_add_up_to_what_was_put_in_in_the_units_of_the_
     nano = si.scale.energy * 1e9
     assert tops == pytest.approx([0.3 * nano, 0.49 * nano, 0.5 * nano, 0.5 * nano])
     assert curves(axis)["energy input"].get_ydata() == pytest.approx(np.full(5, 0.5 * nano))
-    assert axis.get_ylabel() == "energy $E$ (nJ)"
+    assert axis.get_ylabel() == "energy $U$ (nJ)"
     hatches = [layer.get_hatch() for layer in axis.collections]
     assert hatches[-1]  # tells what is lost from what is there in grey
     assert not any(hatches[:-1])
@@ -295,7 +295,7 @@ def test_contacts_that_have_not_begun_to_open_are_not_drawn_and_a_printed_power_
     assert law.get_xdata().tolist() == list(range(20, 39))
     np.testing.assert_allclose(law.get_ydata(), 5.0 * law.get_xdata() ** -0.5)
     assert legends(figure) == ["chain 1", r"$\propto n^{-0.500}$"]
-    assert figure.axes[1].get_ylabel() == "permanent overlap $d_r$ (reduced)"
+    assert figure.axes[1].get_ylabel() == "permanent overlap $\\delta_r$ (reduced)"
 
 
 @pytest.mark.parametrize("width", [3.4, 7.0])

@@ -81,7 +81,7 @@ def test_the_energy_figure_has_the_share_centre_and_spread_of_each_chain(problem
     later = np.array([[1.0], [2.0], [3.0]])
     flow = Flow(time, later * number / 100.0, np.zeros(3), later * number, np.full((3, CHAINS), 0.5))
     share, centre = energy_figure(problem, flow).axes
-    assert share.get_ylabel() == "share of the energy $E_n / E$"
+    assert share.get_ylabel() == "share of the energy"
     assert centre.get_ylabel().startswith("centre of the energy (bead)")
     seconds = unit_on(centre.get_xlabel(), problem, "s")
     for chain, line in all_shown(share, problem):

@@ -30,7 +30,7 @@ def test_every_word_for_a_pulse_has_a_criterion():
 
 def test_a_pulse_is_clear_of_another_where_the_exact_wave_has_ended():
     assert f"{solitary_wave().velocity(APART):.0e}" == "8e-11"
-    assert "1e-10" in terms.TERMS["clear"]
+    assert "1e-10" in terms.TERMS["clear of other pulses"]
 
 
 def test_rounded_numbers_of_the_code_are_those_of_the_exact_wave():

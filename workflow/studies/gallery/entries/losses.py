@@ -34,7 +34,7 @@ TWO: dict[str, Any] = {"chains": 2, "coupling": {"stiffness": 0.1}}
 
 
 def _onset(ratio: float) -> float:
-    """Overlap at yield of beads that meet with V: ``v_y^2 = 0.8 A d_y^2.5 / m*`` with m* = 1/2."""
+    """Overlap at yield of beads that meet with V: ``v_y^2 = 0.8 A delta_y^2.5 / mu`` with mu = 1/2."""
     return float((ratio**-2 / 1.6) ** 0.4)
 
 

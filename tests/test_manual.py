@@ -1,0 +1,57 @@
+"""The manual's pages: lengths of paragraphs and cells, and one table of all symbols."""
+
+import re
+from pathlib import Path
+
+import pages
+import pytest
+
+import lammps_inputs
+
+ROOT = Path(lammps_inputs.__file__).parents[1]
+PACKAGES = ("lammps_inputs", "analysis", "workflow")
+MANUAL = [page for name in PACKAGES for page in sorted((ROOT / name).rglob("*.md")) if page.name != "DEVELOPING.md"]
+
+
+@pytest.mark.parametrize("page", MANUAL, ids=lambda page: str(page.relative_to(ROOT)))
+def test_no_paragraph_of_the_manual_has_more_than_90_words_and_no_cell_more_than_two_lines(page):
+    assert pages.too_long(page.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize(
+    ("page", "count"),
+    [
+        ("word " * 90, 0),
+        ("word " * 91, 1),
+        ("word " * 50 + "\n\n" + "word " * 50, 0),
+        ("- " + "word " * 50 + "\n- " + "word " * 50, 0),
+        ("- " + "word " * 91, 1),
+        ("```\n" + "word " * 91 + "\n```", 0),
+        (f"| {'a' * 201} | b |", 1),
+        (f"| {'a' * 200} | {'b' * 200} |", 0),
+    ],
+)
+def test_what_counts_as_a_paragraph_and_a_cell(page, count):
+    assert len(pages.too_long(page)) == count
+
+
+def test_excluded_and_lammps_of_the_scene_reference_are_lists():
+    page = (ROOT / "lammps_inputs" / "SCENES.md").read_text(encoding="utf-8")
+    heads = re.findall(r"^(?:Excluded|LAMMPS)[^\n]*\n\n?..", page, re.M)
+    assert len(heads) > 20
+    assert [head for head in heads if not head.endswith(":\n\n- ")] == []
+
+
+def test_every_symbol_of_the_equations_of_the_model_is_in_its_table_of_notation():
+    page = (ROOT / "lammps_inputs" / "MODEL.md").read_text(encoding="utf-8")
+    equations, _, notation = page.partition("## Notation")
+    units = re.findall(r"^\| (\$[^|]*) \|", equations.partition("## Units")[2], re.M)
+    table = re.findall(r"^\| (\$[^|]*) \|", notation, re.M)
+    assert pages.symbols(equations) - pages.symbols(" ".join([*units, *table])) == set()
+
+
+def test_no_symbol_has_two_rows_in_the_table_of_notation():
+    page = (ROOT / "lammps_inputs" / "MODEL.md").read_text(encoding="utf-8")
+    cells = re.findall(r"^\| (\$[^|]*) \|", page.partition("## Notation")[2], re.M)
+    names = [name for cell in cells for name in re.findall(r"\$([^$]+)\$", cell)]
+    assert len(names) == len(set(names))
