@@ -73,6 +73,8 @@ def pytest_collection_finish() -> None:
 def _no_figure_of_a_validation(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Validations in this process leave no figure, which takes them longer than all else."""
     if "drawn" not in request.fixturenames:
+        for module in ("validate", "validate_run", "validate_table"):
+            monkeypatch.setattr(f"workflow.verdicts.{module}.error_figure", lambda *_: None)
         monkeypatch.setattr("workflow.verdicts.validate.write_figure", lambda *_: ())
 
 

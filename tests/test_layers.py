@@ -1,6 +1,7 @@
 """Imports run one way: between packages, ``lammps_inputs <- analysis <- workflow``, and between those within each."""
 
 import ast
+import functools
 import pkgutil
 import re
 from graphlib import TopologicalSorter
@@ -34,6 +35,7 @@ LAYERS = {  # the lowest first
 }
 
 
+@functools.cache
 def imported(source: str, *, types: bool = True) -> set[str]:
     """Dotted names that a source imports anywhere in it, ``.`` for a relative import; without what only types need."""
     found: set[str] = set()
@@ -43,7 +45,7 @@ def imported(source: str, *, types: bool = True) -> set[str]:
         if not types and isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
             waiting += node.orelse
             continue
-        waiting += ast.iter_child_nodes(node)
+        waiting += (child for child in ast.iter_child_nodes(node) if not isinstance(child, ast.expr))
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):

@@ -358,5 +358,6 @@ def _replay(
             event += 1
         for place, bead in enumerate(recorded):
             advance(rows.x, rows.v, bead, times[frame] - rows.time[bead], modes, near, 0)
-            displacement[frame, :, place], velocity[frame, :, place] = near[0, 0], near[1, 0]
+            for j in range(near.shape[2]):
+                displacement[frame, j, place], velocity[frame, j, place] = near[0, 0, j], near[1, 0, j]
     return event
