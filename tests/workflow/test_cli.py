@@ -314,7 +314,7 @@ def test_what_show_prints_is_a_scene_of_the_same_problem_and_prints_again(kind, 
     one, other = (library.from_plain(strict_yaml.parse(each, "here"), "here") for each in (text, printed))
     assert settle(one)[0].problem() == other.problem()
     assert other.resolved() == other
-    chosen = [line for line in printed.splitlines() if not line.startswith("# accuracy ")]  # of the time step
+    chosen = [line for line in printed.splitlines() if not line.startswith("# time step ")]  # of the time step
     assert shown(printed, tmp_path, capsys).splitlines() == chosen
 
 

@@ -69,7 +69,7 @@ def test_the_budget_of_lammps_closes_to_the_error_of_the_run_however_far_apart_i
 def test_the_analysis_says_how_well_the_budget_is_closed(done: CompletedRun) -> None:
     found = analyse(done.directory, figures=False)
     budget = found.measurements["budget"]
-    assert budget.sentence.startswith(f"energy balance closed to {budget.values.closed:.1e} of the energy input")
+    assert budget.sentence.startswith(f"the energy balance is closed to {budget.values.closed:.1e} of the energy input")
     told = json.loads((done.directory.path / "analysis.json").read_text())["budget"]
     assert told["closed"] == pytest.approx(max(map(abs, told["missing"])) / 0.5)
     assert told["between_frames"] == budget.values.between_frames < 1e-6

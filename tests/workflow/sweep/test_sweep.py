@@ -263,7 +263,7 @@ def test_a_sweep_that_was_ended_leaves_no_process_and_keeps_what_is_done_and_the
     assert 2 <= kept < 5
     if end == signal.SIGINT:
         assert (process.returncode, err) == (130, "")
-        assert "interrupted: completed cases remain; the same command runs the rest" in out
+        assert "the sweep was interrupted; completed cases remain, and the same command runs the rest" in out
         assert f"{kept} of 5 cases done" in out
         assert outcomes(directory)["done"] >= kept
         assert outcomes(directory).get("running", 0) == 0
