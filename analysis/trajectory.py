@@ -173,6 +173,9 @@ class Trajectory:
         Args:
             frames: chosen frames, [entry], or one.
             time: [..., entry] times in units of T; by default those of the frames.
+
+        Returns:
+            The system, whose laws that vary in time or have a state hold arrays [entry, ...].
         """
         system = physics.at(self.problem.system, self.time[frames] if time is None else time)
         return system if self.contact_state is None else physics.at_contact_state(system, self.contact_state[frames])
@@ -184,6 +187,9 @@ class Trajectory:
             time: in units of T.
             displacement: [frame, line, bead] in units of L, further lines of atoms after the chains.
             velocity: [frame, line, bead] in units of V.
+
+        Returns:
+            The new frames.
         """
         moved = of_atoms(self.problem, time, displacement, velocity, self.first)
         return replace(moved, contact_state=self.contact_state)

@@ -123,7 +123,7 @@ def test_axes_cursors_and_bars_have_the_unit_of_what_they_show(held):
         return f" {units[name].symbol}" if problem.scale.si else ""
 
     def axis(name):
-        symbols = {"time": "t", "velocity": "v", "energy": "E"}
+        symbols = {"time": "t", "velocity": "v", "energy": "U"}
         return f"{name} {symbols[name]} ({units[name].symbol if problem.scale.si else 'reduced'})"
 
     assert len({unit(name) for name in units}) == (5 if problem.scale.si else 1)
