@@ -118,8 +118,7 @@ def analyse(
         beads: whose velocity over time is drawn; by default three, see `default_beads`.
         figures: whether to draw.
         tolerances: within which a pulse is called solitary; by default 1% each.
-        arrival: what counts as the arrival of a wave; by default the maximum where it is sharp, see
-            `analysis.tracking.leading_waves.usual_arrival`.
+        arrival: what counts as the arrival of a wave; by default that of `leading_waves.usual_arrival`.
 
     Returns:
         The analysis; its tables and figures are in the directory.
@@ -153,8 +152,8 @@ def analyse(
     closed = energy.closed(directory, conservation, exchange)
     measured = (*(meter.finish(results) for meter in meters), closed)
     measurements = {measurement.key: measurement for measurement in measured if measurement is not None}
-    pictures = (spacetime, history) if figures else None
-    tables, drawn = _write(directory, results, conservation, allowed, measurements, pictures)
+    watched = (spacetime, history) if figures else None
+    tables, drawn = _write(directory, results, conservation, allowed, measurements, watched)
     return Analysis(
         problem=problem,
         survey=results,
