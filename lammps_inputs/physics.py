@@ -203,7 +203,7 @@ def largest_excitation(system: System) -> tuple[int, int, float]:
 
 
 def acted_on(system: System) -> bool:
-    """Whether anything but the kicks comes from outside."""
+    """Whether there are pushes, drives or springs whose stiffness varies in time."""
     return bool(system.loads) or bool(system.motions) or varying(system)
 
 

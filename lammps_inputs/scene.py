@@ -476,7 +476,7 @@ class BaseScene(ScenePart):
         mass, strength = masses_and_strengths(self)
         law = plastic.between(self, strength) or self.contact_law(strength)
         touching = contacts(self.gap / scale.length, strength, law and laws.for_all(law, (self.chains, self.beads - 1)))
-        made = [link for ingredient in self.ingredients for link in ingredient.links(self)]
+        links = [link for ingredient in self.ingredients for link in ingredient.links(self)]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(self)}
@@ -489,7 +489,7 @@ class BaseScene(ScenePart):
             kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kicks),
             mass=mass,
             further_mass=further_mass,
-            links=(*touching, *made, *ties),
+            links=(*touching, *links, *ties),
             lacks=frozenset(taken),
             loads=loads,
             motions=motions,

@@ -39,7 +39,7 @@ def scene() -> dict[str, Any]:
 
 
 def _written(schema: Any) -> Any:
-    """Schema of what stands in a file, where null is no value."""
+    """Schema without null: alternatives of null and defaults of None are dropped at all depths."""
     if isinstance(schema, list):
         return [_written(part) for part in schema]
     if not isinstance(schema, dict):

@@ -458,7 +458,7 @@ def _single(height: float) -> Axes:
 
 
 def _finished(axis: Axes, x: Label, y: Label, objective: Objective | None = None) -> Figure:
-    """The figure, with its labels, SI units with a prefix, and a legend above the axes, where it hides nothing."""
+    """Label both axes, with prefixes of SI units, put the legend above the axes, and return the figure."""
     if objective is not None and objective.beside is not None:
         axis.axhline(objective.beside, color=CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="set against")
     for setting, label in ((axis.xaxis, x), (axis.yaxis, y)):

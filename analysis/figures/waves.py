@@ -102,7 +102,7 @@ def _pulse_by_pulse(
 
 
 def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares, missing: Missing) -> None:
-    """Energy in the waves of the chains, in all of them, and as exact waves of their amplitudes would hold."""
+    """Draw shares of the energy input over the beads: each chain's leading wave, their sum, that of exact waves."""
     bead, chains = shared.bead[energies.place], shown_chains(problem)
     measured = bool(np.any(np.isfinite(energies.wave)))
     if measured and problem.chains > 1:
@@ -253,7 +253,16 @@ _LONGEST = 3.0
 
 
 def passage(time: Floats, size: Floats, peak: float) -> tuple[float, float]:
-    """The ends of the time around a peak in which a size [frame] is large."""
+    """Times, in units of T, between which a passage is shown: around a peak until the size is small, with a margin.
+
+    Args:
+        time: [frame] in units of T.
+        size: [frame] largest magnitude of the velocities at each time.
+        peak: time of the peak.
+
+    Returns:
+        First and last time.
+    """
     top = int(np.argmin(np.abs(time - peak)))
     slow = np.flatnonzero(size <= _CLOSE * size[top])
     half = np.flatnonzero(size <= 0.5 * size[top])

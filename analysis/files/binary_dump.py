@@ -210,14 +210,14 @@ class BinaryDump:
                 rows = self._rows(self._raw(file, block, layout), layout, block)
                 target = out[done : done + len(block)]
                 order = None if ids is None else self._order(rows[:, :, self.columns.index("id")], ids, block)
-                for row, column in enumerate(picked):
+                for target_column, column in enumerate(picked):
                     values = rows[:, :, column]
                     if order is None:
-                        target[:, row] = values
+                        target[:, target_column] = values
                     elif order.ndim == 1:
-                        target[:, row] = values[:, order]
+                        target[:, target_column] = values[:, order]
                     else:
-                        target[:, row] = np.take_along_axis(values, order, axis=1)
+                        target[:, target_column] = np.take_along_axis(values, order, axis=1)
                 done += len(block)
         return out
 
@@ -234,7 +234,7 @@ class BinaryDump:
         raise InputError(f"{self.path}: changed while it was read")
 
     def _rows(self, raw: Bytes, layout: DumpLayout, frames: Integers) -> Floats:
-        """[frame, atom, column] as they stand in the file."""
+        """Numbers of raw frames of one layout, [frame, atom, column], with atoms in the order of the file."""
         pieces = []
         at = layout.header
         for _ in range(layout.chunks):

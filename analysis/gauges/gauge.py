@@ -52,7 +52,8 @@ class Gauge:
     Attributes:
         kind: what is read.
         name: for tables and figures.
-        bead: the first or last one, at a wall; the first of a contact; the one with the sensor.
+        bead: number of the bead at the wall, of the one before the contact, or of the one with the sensor, from 1.
+        probes: the contacts whose mean force is read.
     """
 
     kind: Kind

@@ -100,8 +100,8 @@ class Survey:
 
 def _leads(pulse: Pulse, waves: Waves, direction: int) -> bool:
     in_chain = waves.of_chain(pulse.chain)
-    same = (in_chain.bead == pulse.bead[-1]) & (in_chain.time == pulse.arrival[-1])
-    return pulse.direction == direction and bool(np.any(same))
+    is_end = (in_chain.bead == pulse.bead[-1]) & (in_chain.time == pulse.arrival[-1])
+    return pulse.direction == direction and bool(np.any(is_end))
 
 
 def _numbered(verdict: Verdict, direction: int) -> Verdict:

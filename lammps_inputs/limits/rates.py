@@ -28,10 +28,10 @@ from lammps_inputs.system import System
 
 def fastest(system: System) -> float:
     """Angular frequency, at most, of any motion; energy bounds how stiff a contact can get."""
-    endless = (load.law.omega for load in system.loads if isinstance(load.law, Sine))
+    of_loads = (load.law.omega for load in system.loads if isinstance(load.law, Sine))
     elastic = float(np.sqrt(_contacts(system) + _springs(system)))
     modulated = (link.law.omega for link in system.ground if isinstance(link.law, Varying))
-    return max((elastic, *endless, *modulated, *(motion.omega for motion in system.motions)))
+    return max((elastic, *of_loads, *modulated, *(motion.omega for motion in system.motions)))
 
 
 def modal_frequency(system: System) -> float:

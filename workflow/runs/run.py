@@ -220,8 +220,8 @@ def run_prepared(
     with prepared(path, chosen.files, overwrite=ready.overwrite) as lock:
         with replacing(path, chosen.files):
             write_text(path / file_names.SCENE, files[file_names.SCENE])
-            result = RunDirectory.begun_with(path, ready.scene, ready.problem)
-            result.update(
+            run_directory = RunDirectory.begun_with(path, ready.scene, ready.problem)
+            run_directory.update(
                 outcome="running",
                 engine=ready.engine,
                 ranks=ready.ranks,
@@ -235,7 +235,7 @@ def run_prepared(
         every = options.get("restart_every", lammps_engine.RESTART_EVERY)
         begin = options.get("lammps") or functools.partial(lammps_engine.run, restart_every=every, lock=lock)
         start, check = functools.partial(begin, ranks=ready.ranks), options.get("check", True)
-        return carry_out(result, start=start, settings=ready.step, check=check, progress=progress)
+        return carry_out(run_directory, start=start, settings=ready.step, check=check, progress=progress)
 
 
 @contextlib.contextmanager

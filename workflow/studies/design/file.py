@@ -141,7 +141,7 @@ class Search(SweepPart):
 
 
 class Manufacture(SweepPart):
-    """Ensemble of designs with small manufacturing errors."""
+    """How an ensemble with manufacturing errors is drawn: relative spread of the fields, number of members."""
 
     spread: Annotated[float, Field(gt=0, le=0.5)] = 0.01
     members: Annotated[int, Field(ge=2, le=10_000)] = 32
@@ -270,7 +270,7 @@ class Design:
 
     @property
     def population(self) -> int:
-        """Designs of one generation."""
+        """Number of designs in a generation: the one given, else five a coordinate, 20 to 100."""
         coordinates = sum(variable.coordinates for variable in self.variables)
         return self.request.search.population or min(100, max(20, 5 * coordinates))
 

@@ -200,7 +200,7 @@ def _decorated(results: Results) -> Statements:
 
 
 def _draw_decorated(axis: Axes, results: Results) -> None:
-    """Speed over the radius of the small beads."""
+    """Draw the speed of the pulse over the radius of the small beads: effective chain as a line, LAMMPS as dots."""
     every = np.linspace(0.15, 0.45, 50)
     axis.plot(every, [_effective(radius, PLAIN) for radius in every], label="effective chain", **PUBLISHED)
     speeds = [_cells(results[name]["lammps"]) for name in RADII]
