@@ -12,7 +12,7 @@ import pytest
 from notebook import NOTEBOOK, executed
 
 import granchain
-from lammps_inputs import InputError, Scene, library, plugins
+from lammps_inputs import InputError, Scene, library
 from workflow.cli import COMMANDS, main
 
 SCENE = {"name": "tiny", "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0}
@@ -103,16 +103,6 @@ def test_every_name_of_the_module_is_there_and_has_a_docstring():
         assert getattr(granchain, name).__doc__, name
     with pytest.raises(AttributeError, match="module 'granchain' has no attribute 'analyse'"):
         granchain.analyse  # noqa: B018
-
-
-def test_functions_of_studies_are_those_that_are_declared_and_that_type_checkers_see():
-    source = Path(granchain.__file__).read_text(encoding="utf-8")
-    seen = set(re.findall(r"^    from workflow\.studies\.\S+ import (\w+) as", source, re.M))
-    assert seen == {
-        name for name, point in plugins.declared("functions").items() if point.value.startswith("workflow.")
-    }
-    for name in seen:
-        assert getattr(granchain, name).__name__ == name
 
 
 def test_functions_have_the_names_of_commands_but_for_those_that_no_command_has():
