@@ -8,7 +8,6 @@ computed. Exit code 1 with a line for each warning of the builder, and for each 
 
 import argparse
 import html.parser
-import os
 import re
 import shutil
 import subprocess
@@ -79,11 +78,7 @@ def computed(place: Path, *, pages_only: bool) -> None:
             (place / name).write_text("<!doctype html><title>granchain</title><p>Computed when the site is published.")
         return
     for command in (("run", "two-chains", "-o", "two-chains"), ("view", "two-chains"), ("gallery", "-o", "gallery")):
-        subprocess.run([sys.executable, "-m", "workflow", *command], check=True, cwd=place, env=_with_sources())
-
-
-def _with_sources() -> dict[str, str]:
-    return {**os.environ, "PYTHONPATH": str(ROOT)}
+        subprocess.run([sys.executable, "-m", "workflow", *command], check=True, cwd=place)
 
 
 def assemble(pages: Path, results: Path) -> None:
