@@ -51,20 +51,21 @@ def energy(system: System, displacement: Floats, velocity: Floats, first: int = 
 
 def further_energy(system: System, displacement: Floats, velocity: Floats) -> Any:
     """Energy of further lines of atoms and their ties, [...] from [..., line, bead]; NaN of the chains alone."""
-    if physics.lines(system) == system.chains:
-        return 0.0
-    total = 0.5 * _sum_beyond_chains(system, _weighed(system, velocity * velocity, 1))
-    for link in system.ties if displacement.shape[-2] > system.chains else ():
+    further = velocity[..., system.chains :, :]
+    total = 0.5 * _sum_of_further(system, further * further)
+    for link in system.ties if further.shape[-2] else ():
         total += np.sum(link.energy(displacement), axis=(-2, -1))
     return total
 
 
-def _sum_beyond_chains(system: System, values: Floats) -> Any:
-    """Sum over further lines of atoms, [...] of [..., line, bead]: 0 where there are none, NaN of the chains alone."""
-    if physics.lines(system) == system.chains:
+def _sum_of_further(system: System, values: Floats) -> Any:
+    """Sum of values times masses over further lines of atoms, [...] of [..., further line, bead].
+
+    0 where the system has no such lines, NaN where the values have none of them.
+    """
+    if system.further_mass is None:
         return 0.0
-    complete = values.shape[-2] > system.chains
-    return np.sum(values[..., system.chains :, :], axis=(-2, -1)) if complete else np.nan
+    return np.sum(system.further_mass * values, axis=(-2, -1)) if values.shape[-2] else np.nan
 
 
 def bead_energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
@@ -107,9 +108,8 @@ def static_force(system: System, *contact: Any) -> Any:
 
 def momentum(system: System, velocity: Floats) -> Floats:
     """Total momentum, [...] from [..., line, bead]; NaN of the chains alone where there are further lines."""
-    momenta = _weighed(system, velocity, 1)
-    total = np.sum(momenta[..., : system.chains, :], axis=(-2, -1))
-    return np.asarray(total + _sum_beyond_chains(system, momenta))
+    total = np.sum(_weighed(system, velocity[..., : system.chains, :], 1), axis=(-2, -1))
+    return np.asarray(total + _sum_of_further(system, velocity[..., system.chains :, :]))
 
 
 def acceleration(

@@ -68,12 +68,12 @@ class _Follower:
         """Exchange [frame, entry] of frames of which the first was the last one before, or the start."""
         problem, state = self._problem, self._state
         exchange = np.repeat(self._until, block.frames, axis=0)
-        w = _velocity_of_state(block)
+        (x, _), w = block.atoms, _velocity_of_state(block)
         pushed = np.array(sorted({load.bead for load in problem.system.loads}), dtype=np.int64)
         end = state.frame_arrays(1, problem.chains, len(pushed))
         for frame in range(1, block.frames):
             if block.time[frame - 1] < self._over:
-                state.restart(block, frame - 1, w[frame - 1])
+                state.restart(block, frame - 1, x[frame - 1], w[frame - 1])
                 number = round(float(block.time[frame - 1]) / problem.every) * self._steps
                 frames = end._replace(exchange=exchange[frame : frame + 1])
                 state.advance(BLANES_MOAN, problem.every / self._steps, number, self._steps, pushed, frames)

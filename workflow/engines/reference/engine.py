@@ -181,13 +181,19 @@ class IntegratorState:
         exchange = np.zeros((frames, len(EXCHANGES)))
         return FrameArrays(x, v, exchange, np.empty((frames, *self.contact_state.shape)))
 
-    def restart(self, block: Trajectory, frame: int, v: Floats) -> None:
-        """Continue from a frame of all beads, with the state's velocities [line, bead]; only some rows may move."""
+    def restart(self, block: Trajectory, frame: int, x: Floats, v: Floats) -> None:
+        """Continue from a frame of all beads, of which only some rows may move.
+
+        Args:
+            block: frames.
+            frame: position of the frame, from 0.
+            x: displacements of all atoms in it, [line, bead].
+            v: velocities of the state, [line, bead].
+        """
         moving = block.moving
-        x, _ = block.atoms
         if block.contact_state is not None:
             self.contact_state[:] = block.contact_state[frame]
-        self.x[1:-1], self.v[1:-1] = x[frame].T, v.T
+        self.x[1:-1], self.v[1:-1] = x.T, v.T
         self.span[:2], self.span[3] = (moving.start + 1, min(moving.stop, block.problem.beads)), 1
         self.compiled.push[:] = 0.0
 
