@@ -156,16 +156,16 @@ def survey(
     direction = direction_of(problem)
     along = problem if direction > 0 else mirrored_problem(problem)
     arrival = usual_arrival(problem) if arrival is None else arrival
-    ahead = _peaks_ahead(first, problem)
+    ahead = _peaks_ahead(first.peaks[direction], first.tracks, problem)
     succession = changes(ahead, problem)
     waves = leading_waves(ahead, problem, arrival, succession)
-    shared = _shared(first, waves, problem)
+    shared = _shared(first, waves, problem, along)
     pulses, crests = _distinct_from_sound(first.tracks, waves, direction, problem)
     clear = _clear_of_ends(pulses, waves, direction, problem)
     at = [measured_at(pulse, problem, first.last_time, mask) for pulse, mask in zip(pulses, clear, strict=True)]
     chosen = _with_waveforms(waves)
     passages = _passages(waves.where(chosen), direction, pulses, at)
-    waveforms, energies = _second_reading(read, problem, passages, len(chosen), shared)
+    waveforms, energies = _second_reading(read, passages, len(chosen), shared, problem, along)
     shapes = _of_one_pulse(waveforms.shape(), passages, pulses, problem)
     mixed = _of_others(shared.bead[energies.place], waves, pulses, problem, direction)
     energies.wave[mixed] = energies.wave_error[mixed] = np.nan
@@ -291,17 +291,15 @@ def _first_reading(
     )
 
 
-def _peaks_ahead(first: _FirstReading, problem: Problem) -> Peaks:
+def _peaks_ahead(peaks: Peaks, tracks: tuple[Pulse, ...], problem: Problem) -> Peaks:
     """Peaks in the direction of the leading waves, beyond kicks; with kicks from both sides those of pulses alone."""
-    peaks = first.peaks[direction_of(problem)]
-    return beyond_kicks(of_pulses(peaks, first.tracks) if opposed(problem) else peaks, problem)
+    return beyond_kicks(of_pulses(peaks, tracks) if opposed(problem) else peaks, problem)
 
 
-def _shared(first: _FirstReading, waves: Waves, problem: Problem) -> Sharing:
+def _shared(first: _FirstReading, waves: Waves, problem: Problem, along: Problem) -> Sharing:
     """Leading waves of all chains at the same beads, counted along their way, with the energy input of the run."""
-    if direction_of(problem) < 0:
-        waves, problem = mirrored_waves(waves, problem), mirrored_problem(problem)
-    return replace(sharing(waves, problem, first.impulses), energy=first.energy)
+    counted = waves if along is problem else mirrored_waves(waves, problem)
+    return replace(sharing(counted, along, first.impulses), energy=first.energy)
 
 
 def _characters(
@@ -316,16 +314,23 @@ def _characters(
 
 
 def _second_reading(
-    read: Callable[[], Iterable[Trajectory]], problem: Problem, passages: Passages, leading: int, shared: Sharing
+    read: Callable[[], Iterable[Trajectory]],
+    passages: Passages,
+    leading: int,
+    shared: Sharing,
+    problem: Problem,
+    along: Problem,
 ) -> tuple[Waveforms, EnergyShares]:
-    """Waveforms of passages, of which the first are of leading waves, and shares of energy along the way of these."""
-    forwards = direction_of(problem) > 0
+    """Waveforms of passages, of which the first are of leading waves, and shares of energy along the way of these.
+
+    ``along`` is the problem as the leading waves run through it: mirrored, where they run towards bead 1.
+    """
     weighed = np.arange(len(passages)) >= (leading if physics.alike(problem.system) else 0)
     waveforms = Waveforms(problem, passages, weighed)
-    energies = EnergyShares(problem if forwards else mirrored_problem(problem), shared)
+    energies = EnergyShares(along, shared)
     for block in read():
         waveforms.add(block)
-        energies.add(block if forwards else mirrored(block))
+        energies.add(block if along is problem else mirrored(block))
     return waveforms, energies
 
 
