@@ -24,6 +24,7 @@ from functools import cache
 from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lammps_inputs.numbers import known
 from lammps_inputs.units import REDUCED, SI, Scale
@@ -191,6 +192,26 @@ def to_csv(columns: Mapping[str, Iterable[Any]]) -> str:
     for row in zip(*values, strict=True):
         writer.writerow(["" if isinstance(entry, float) and known(entry) is None else entry for entry in row])
     return out.getvalue()
+
+
+def structured(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.void]:
+    """Structured array, [row], with a field for each column, [row]; a field has the type of its column."""
+    rows = len(next(iter(columns.values())))
+    array = np.zeros(rows, dtype=[(name, column.dtype) for name, column in columns.items()])
+    for name, column in columns.items():
+        array[name] = column
+    return array
+
+
+def data_frame(array: NDArray[np.void], heading: Callable[[str], str]) -> Any:
+    """Data frame of pandas with the fields of a structured array, [row], as columns under their headings.
+
+    Raises:
+        ImportError: pandas is not installed.
+    """
+    import pandas as pd
+
+    return pd.DataFrame(array).rename(columns={name: heading(name) for name in array.dtype.names or ()})
 
 
 def table(record: Any, scale: Scale) -> dict[str, Any]:

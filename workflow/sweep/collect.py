@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.quantity import to_csv
+from analysis.quantity import data_frame, structured, to_csv
 from analysis.sharing.verdict import EquipartitionState
 from analysis.trajectory import Flags, Floats
 from lammps_inputs import InputError, file_names, html, library, strict_yaml
@@ -137,10 +137,7 @@ class SweepTable:
                 columns[name] = np.array(["" if row[name] is None else str(row[name]) for row in self.rows])
             else:
                 columns[name] = self.numbers(name)
-        made = np.zeros(len(self.rows), dtype=[(name, column.dtype) for name, column in columns.items()])
-        for name, column in columns.items():
-            made[name] = column
-        return made
+        return structured(columns)
 
     def pandas(self) -> Any:
         """The table as a ``pandas.DataFrame``, headed with units.
@@ -151,9 +148,7 @@ class SweepTable:
         Raises:
             ImportError: pandas is not installed; `array` needs nothing.
         """
-        import pandas as pd
-
-        return pd.DataFrame(self.array()).rename(columns={name: self.heading(name) for name in self.columns})
+        return data_frame(self.array(), self.heading)
 
     def to_csv(self) -> str:
         """One line a case; numbers read back exactly, and what is unknown is empty.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.conservation import Conservation
-from analysis.quantity import QuantityColumn, declare, declared, derived, result, to_csv
+from analysis.quantity import QuantityColumn, data_frame, declare, declared, derived, result, structured, to_csv
 from analysis.shape.exact_wave import wave_of
 from analysis.sharing.equipartition import AGREEMENTS, Estimate, resolved, runs_exact_waves
 from analysis.sharing.is_solitary import Character, Tolerances
@@ -130,11 +130,7 @@ class WavesTable(Waves):
             >>> granchain.analyze("out").waves.array().dtype.names[:3]
             ('chain', 'bead', 'pulse')
         """
-        columns = {name: getattr(self, name) for name in self.columns}
-        made = np.zeros(len(self), dtype=[(name, column.dtype) for name, column in columns.items()])
-        for name, column in columns.items():
-            made[name] = column
-        return made
+        return structured({name: getattr(self, name) for name in self.columns})
 
     def pandas(self) -> Any:
         """Data frame of the table, with the headings of ``waves.csv``.
@@ -145,9 +141,7 @@ class WavesTable(Waves):
         Raises:
             ImportError: pandas is not installed; `array` needs nothing.
         """
-        import pandas as pd
-
-        return pd.DataFrame(self.array()).rename(columns={name: self.heading(name) for name in self.columns})
+        return data_frame(self.array(), self.heading)
 
     def to_csv(self) -> str:
         """Text of ``waves.csv``; numbers read back exactly, and an undefined number is empty.
