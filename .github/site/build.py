@@ -45,8 +45,7 @@ def equations(text: str) -> str:
         return formula.replace("|", "&#x7C;").replace("*", "&#x2A;").replace("_", "&#x5F;")
 
     pieces = CODE.split(text)
-    pieces[::2] = [LINE_BEGINS.sub(" ", piece) for piece in pieces[::2]]
-    pieces[::2] = [EQUATION.sub(mathml, piece) for piece in pieces[::2]]
+    pieces[::2] = [EQUATION.sub(mathml, LINE_BEGINS.sub(" ", piece)) for piece in pieces[::2]]
     return "".join(pieces)
 
 

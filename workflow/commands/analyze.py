@@ -292,8 +292,8 @@ def _print_train(survey: Survey) -> None:
 def _words(character: Character) -> str:
     """Sentence on the leading wave of a chain, at the bead where it was measured."""
     place, varies = f"at bead {character.bead}", math.isfinite(character.variation)
-    parts = []
-    if math.isfinite(character.speed_excess):
+    parts, has_exact_wave = [], math.isfinite(character.speed_excess)
+    if has_exact_wave:
         if not math.isfinite(character.residual):
             return (
                 f"the shape of the leading wave {place} cannot be compared, as a larger pulse overlaps or the record "
@@ -309,12 +309,12 @@ def _words(character: Character) -> str:
             f"{CONSTANT_OVER} beads have its mass"
         )
     if varies:
-        of_mass = "" if parts else " of this mass"
+        of_mass = "" if has_exact_wave else " of this mass"
         parts.append(f"its amplitude varies by {character.variation:.1e} over {CONSTANT_OVER} beads{of_mass}")
     fails = [name for name in character.fails if name != "decay"]
     if "decay" in character.fails:
         kind = "decaying" if character.falls else "not steady"
-    elif parts[0].startswith("it differs"):
+    elif has_exact_wave:
         kind = f"not solitary ({', '.join(fails)})" if fails else "solitary"
     else:
         kind = "not steady" if fails else "steady"

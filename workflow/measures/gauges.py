@@ -118,8 +118,7 @@ class ForceMeasurement(Measurement):
         places = [
             f"{self.readings.gauges[place].name}, chain {chain + 1}" for place, chain in np.argwhere(chosen.T).tolist()
         ]
-        more = f" and {len(places) - MOST_CHAINS} more" if len(places) > MOST_CHAINS else ""
-        return ", ".join(places[:MOST_CHAINS]) + more
+        return _first_few(places)
 
     def _unfinished(self) -> Iterator[str]:
         """A line on the gauges at which a force still differs from that at rest at the end of the record."""
@@ -132,11 +131,10 @@ class ForceMeasurement(Measurement):
         if not inside:
             return
         end = scale.written(readings.time[-1], "time")
-        more = f" and {len(inside) - MOST_CHAINS} more" if len(inside) > MOST_CHAINS else ""
         rest = "the static force" if readings.loaded else "0"
         yield (
             f"the record ends (t = {end}) inside a pulse: the force still differs from {rest} (by a share of "
-            f"its largest difference) at {', '.join(inside[:MOST_CHAINS])}{more}; impulses and largest values "
+            f"its largest difference) at {_first_few(inside)}; impulses and largest values "
             "there are those up to the end"
         )
 
@@ -171,6 +169,12 @@ class ForceMeasurement(Measurement):
             return cls(problem, readings.entries(reflected), readings)
 
         return FrameMeter(finish, meter.add)
+
+
+def _first_few(places: list[str]) -> str:
+    """The first `MOST_CHAINS` of some places in words, and how many more there are."""
+    more = f" and {len(places) - MOST_CHAINS} more" if len(places) > MOST_CHAINS else ""
+    return ", ".join(places[:MOST_CHAINS]) + more
 
 
 def _reflected(reflection: Reflection, *, coupled: bool) -> str:

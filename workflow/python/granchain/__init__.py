@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from analysis.tracking.leading_waves import Arrival
-from lammps_inputs import InputError, Scene, plugins
+from lammps_inputs import InputError, Scene, file_names, plugins
 from lammps_inputs.materials import CATALOGUE as materials  # noqa: N811  no constant to those who read it
 from lammps_inputs.materials import Solid
 from workflow.arguments import AnyRun, AnyScene, directory_of, load, path_of, source_of
@@ -228,7 +228,7 @@ def deck(scene: AnyScene, directory: Path | str, *, overwrite: bool = False, for
     """
     path = path_of(directory)
     write_deck(load(scene), path, source=source_of(scene), overwrite=overwrite, force=force)
-    return path / "in.chains"
+    return path / file_names.DECK
 
 
 def analyze(
