@@ -1,4 +1,4 @@
-"""Parts that installed distributions declare as entry points: ingredients, materials, scenes, quantities and studies.
+"""Parts that installed distributions declare as entry points: ingredients, materials, scenes, quantities, commands.
 
 Those of granchain itself are declared in its ``pyproject.toml`` like those of anybody else:
 
@@ -8,6 +8,7 @@ Those of granchain itself are declared in its ``pyproject.toml`` like those of a
 - ``granchain.quantities``: place in the printed analysis, and name = class derived from
   `workflow.measures.base.Measurement`;
 - ``granchain.studies``: command = module with ``add_arguments``, ``execute`` and ``EXAMPLES``;
+- ``granchain.tools``: command that is no study of many runs = such a module;
 - ``granchain.functions``: name in the module ``granchain`` = function for scripts and notebooks, as of a study;
 - ``granchain.schemas``: what `granchain schema` prints = function without arguments.
 """
@@ -22,7 +23,7 @@ DISTRIBUTION = "granchain"
 """Distribution whose parts come first."""
 
 NEEDED = ("ingredients", "materials", "scenes", "quantities")
-"""Kinds without which nothing works; studies may be absent."""
+"""Kinds without which nothing works; studies and tools may be absent."""
 
 
 @functools.cache

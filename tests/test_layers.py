@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-STUDIES = ("studies",) if (ROOT / "workflow" / "studies").exists() else ()  # plug-ins, which may be absent
+PLUG_INS = [name for name in ("studies", "tools") if (ROOT / "workflow" / name).exists()]  # which may be absent
 BELOW = {
     "lammps_inputs": set(),
     "analysis": {"lammps_inputs"},
@@ -29,7 +29,7 @@ LAYERS = {  # the lowest first
         "sweep",
         "view",
         "study_kit",
-        *STUDIES,
+        *PLUG_INS,
         "commands",
     ),
 }

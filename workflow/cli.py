@@ -43,9 +43,10 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Runs": ("run", "deck", "status"),
     "Analysis": ("analyze", "view", "validate"),
     "Studies": ("sweep", "collect", *plugins.declared("studies")),
+    "Tools": tuple(plugins.declared("tools")),
     "Setting up": ("schema", "completion"),
 }
-"""Commands by job: those of `workflow.commands`, and the studies that installed distributions declare."""
+"""Commands by job: those of `workflow.commands`, and the studies and tools that installed distributions declare."""
 
 COMMANDS = tuple(name for names in GROUPS.values() for name in names)
 
@@ -192,27 +193,35 @@ def _listed() -> str:
     lines = ["Shock pulses in granular chains, single or weakly coupled, with or without a static load.", ""]
     lines += [f"Start with {', '.join(FIRST)}. `granchain COMMAND --help` lists options and examples."]
     for job, names in GROUPS.items():
-        lines += ["", job]
+        if names:
+            lines += ["", job]
         for name in names:
             lines += textwrap.wrap(f"  {name:<12}{_summary(name)}", 100, subsequent_indent=" " * 14)
     return "\n".join(lines)
 
 
+def _plug_ins(name: str) -> str:
+    """Kind of plug-ins that declare a command: studies or tools; empty for a command of the core."""
+    return next((kind for kind in ("studies", "tools") if name in plugins.declared(kind)), "")
+
+
 def module_of(name: str) -> Any:
     """The module of a command."""
-    if name in plugins.declared("studies"):
-        return plugins.load("studies", name)
-    return importlib.import_module(f"workflow.commands.{name}")
+    kind = _plug_ins(name)
+    return plugins.load(kind, name) if kind else importlib.import_module(f"workflow.commands.{name}")
 
 
 def _source(name: str) -> Path:
     """File of a command, located without importing it."""
-    study = plugins.declared("studies").get(name)
-    if study is None:
+    kind = _plug_ins(name)
+    if not kind:
         return _HERE / "commands" / f"{name}.py"
-    specification = importlib.util.find_spec(study.module)
+    point = plugins.declared(kind)[name]
+    specification = importlib.util.find_spec(point.module)
     if specification is None or specification.origin is None:
-        raise InputError(f"{study.value}: is declared as the study {name!r} and is no module; mend or uninstall it")
+        raise InputError(
+            f"{point.value}: is declared as {name!r} of granchain.{kind} and is no module; mend or uninstall it"
+        )
     return Path(specification.origin)
 
 

@@ -90,7 +90,7 @@ def test_help_lists_every_command_with_its_job(capsys):
         main(["--help"])
     listed = capsys.readouterr().out
     assert re.findall(r"^  ([a-z]+) +[A-Z]", listed, re.M) == list(COMMANDS)
-    assert re.findall(r"^([A-Z][a-z ]+)$", listed, re.M) == list(GROUPS)
+    assert re.findall(r"^([A-Z][a-z ]+)$", listed, re.M) == [job for job, names in GROUPS.items() if names]
 
 
 # --- where to write ---------------------------------------------------------------------------------------------------
