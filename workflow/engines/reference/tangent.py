@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats
 from lammps_inputs import InputError, Problem, System, laws, physics
 from lammps_inputs.laws import dashpot
 from workflow.engines.reference import engine, kernel
@@ -60,6 +60,16 @@ class TangentFlow:
     state: engine.IntegratorState
     program: Any
     arrays: TangentArrays
+
+    @property
+    def free(self) -> Flags:
+        """Atoms whose motion is not given, [line, bead]; without those that a line lacks."""
+        system = self.problem.system
+        shape = (physics.lines(system), system.beads)
+        free = np.broadcast_to(np.isfinite(physics.masses(system, absent=np.inf)), shape).copy()
+        for motion in system.motions:
+            free[motion.chain - 1, motion.bead - 1] = False
+        return free
 
     @property
     def vectors(self) -> Floats:
