@@ -230,11 +230,12 @@ SI = {
     "speed": "beads/s",
     "frequency": "rad/s",
     "cycles": "Hz",
+    "rate": "1/s",
 }
 """Symbols of what is measured: the units of `Scale`, and those of `PER_TIME`."""
 
-PER_TIME = ("speed", "frequency", "cycles")
-"""What is measured in beads, radians and cycles a unit of time."""
+PER_TIME = ("speed", "frequency", "cycles", "rate")
+"""What is measured in beads, radians, cycles and factors of e a unit of time."""
 
 _PREFIXES = {3: "G", 2: "M", 1: "k", 0: "", -1: "m", -2: "µ", -3: "n", -4: "p"}
 

@@ -96,16 +96,21 @@ class FormulaLaw:
     # --- functions of the strain and of the parameters ----------------------------------------------------------------
 
     @classmethod
-    def source(cls, name: str) -> str:
-        """The force as a function of numbers, in Python, for the reference's compiled kernel."""
+    def source(cls, name: str, function: str) -> str:
+        """The force or the stiffness as a function of numbers, in Python, for the reference's compiled kernel."""
         arguments = ", ".join(cls._fields)  # type: ignore[attr-defined]
-        strain = "max(s, 0.0)" if cls.kind.cut else "s"
+        cut, direction = cls.kind.cut, repr(cls.kind.direction)
+        strain, acts = ("max(s, 0.0)", "s > 0.0") if cut else ("s", "s != 0.0")
         names = {field: field for field in _parameters(cls)} | {STRAIN: "u"}
-        value = expression.written(cls.derived.force, names, "python")
-        acts = "s > 0.0" if cls.kind.cut else "s != 0.0"
+        value = expression.written(getattr(cls.derived, function), names, "python")
+        result = f"strength * per_force * ({value} - at_rest)"
+        if function == "stiffness":
+            strain = f"({strain} if s != 0.0 else 1e-200)"  # formulas such as s^1.5 / s have none exactly at 0
+            acts = "s > 0.0" if cut else "True"
+            result = f"strength * per_force * length * {direction} * ({value})"
         return (
-            f"def {name}(s, {arguments}):\n    u = {cls.kind.direction!r} * length * {strain}\n"
-            f"    return strength * per_force * ({value} - at_rest) if {acts} else 0.0\n"
+            f"def {name}(s, {arguments}):\n    u = {direction} * length * {strain}\n"
+            f"    return {result} if {acts} else 0.0\n"
         )
 
     @classmethod

@@ -104,7 +104,8 @@ class PreloadedPower(NamedTuple):
     @staticmethod
     def stiffness(s: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
         """``p A (d0 + s)+^(p - 1)``."""
-        return Power.stiffness(rest + s, strength, exponent)
+        closed = np.maximum(rest + s, 0.0)
+        return strength * (exponent * closed ** (exponent - 1.0)) * (closed > 0.0)
 
     @staticmethod
     def max_strain(energy: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:

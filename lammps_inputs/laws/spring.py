@@ -275,7 +275,9 @@ class Varying(NamedTuple):
     @staticmethod
     def stiffness(s: Any, t: Any, *law: Any) -> Any:
         """Slope k(t) of the force, independent of the strain."""
-        return Varying.force(np.ones_like(s), t, *law)
+        spring, rate, begin, end, depth, omega, phase = law
+        level = spring + rate * (np.minimum(np.maximum(t, begin), end) - begin)
+        return level * (1.0 + depth * np.sin(omega * t + phase)) * np.ones_like(s)
 
     @staticmethod
     def power(s: Any, t: Any, *law: Any) -> Any:

@@ -80,6 +80,23 @@ class FrameArrays(NamedTuple):
     """[frame, chain, bead + 1]; without chains where no force depends on a state."""
 
 
+class TangentArrays(NamedTuple):
+    """Tangent vectors, [vector, place], that are advanced in place, and scratch arrays.
+
+    As ``v`` of a state, ``dv`` lacks what dashpots whose tension is not cut have given.
+    """
+
+    dx: Floats
+    dv: Floats
+    slopes: Floats
+    """Stiffness of the contact behind each bead, [place]."""
+    pulls: Floats
+    """Change of its force along a vector, [place]."""
+    nearby: Floats
+    gains: Floats
+    """Displacements within a drift and their summed rates, [vector, place]; empty without dashpots."""
+
+
 class Passing(NamedTuple):
     """First maxima of the velocity, NaN where none was, and scratch arrays; flat as the state."""
 
@@ -129,11 +146,24 @@ def make_program(terms: Terms) -> Any:
     return compiled.module(_Writer(terms).text(compiled.digest))
 
 
-class _Writer:
-    """Writes the program of some terms."""
+@functools.cache
+def make_tangent_program(terms: Terms) -> Any:
+    """The module of some terms with the tangent flow, compiled when it is called.
 
-    def __init__(self, terms: Terms) -> None:
+    It has ``advance_tangent(state, tangent, parameters, scheme, first_step, steps)``, which takes some steps after
+    ``first_step`` earlier ones. Each step of the vectors is the derivative of the step of the state.
+    """
+    from workflow import compiled  # numba takes a third of a second to import
+
+    return compiled.module(_Writer(terms, tangent=True).text(compiled.digest))
+
+
+class _Writer:
+    """Writes the program of some terms, or that of their tangent flow."""
+
+    def __init__(self, terms: Terms, *, tangent: bool = False) -> None:
         self._terms = terms
+        self._tangent = tangent
         self._laws: dict[Any, str] = {}
         self._functions: dict[str, str] = {}
         self._used: list[Any] = []
@@ -146,7 +176,7 @@ class _Writer:
             self._laws[law] = name + str(used + 1) * (used > 0)
         called = f"{self._laws[law].lower()}_{function}"
         if hasattr(law, "source"):  # a formula's, which is in no module
-            self._functions[called] = f"\n\n@inlined\n{law.source(called)}"
+            self._functions[called] = f"\n\n@inlined\n{law.source(called, function)}"
         else:
             if called not in self._functions:
                 self._used.append(getattr(law, function))
@@ -155,13 +185,28 @@ class _Writer:
         return f"{term.sign} * {call}" if term.sign else call
 
     def _sum(
-        self, terms: Sequence[Term], function: str, *, rate: bool = False, number: int = 0
+        self,
+        terms: Sequence[Term],
+        function: str,
+        *,
+        rate: bool = False,
+        times_rate: bool = False,
+        number: int = 0,
     ) -> tuple[list[str], str]:
-        """Loops to run before, and the sum of a function of laws at k, the last two added first; empty for none."""
+        """Loops to run before, and the sum of a function of laws at k, the last two added first; empty for none.
+
+        Args:
+            terms: the laws.
+            function: name of the function.
+            rate: whether it takes the rate of the strain.
+            times_rate: whether its values are multiplied by that.
+            number: of the sum among those that the scratch array has room for.
+        """
         loops: list[str] = []
         calls = []
         for term in terms:
             call = self._call(term, function, term.strain, *filter(None, [term.time]), *([term.rate] * rate))
+            call += f" * ({term.rate})" * times_rate
             if term.over:
                 total = f"{term.sums}[{number}, k]"
                 loops += self._lines(template.SUM, total=total, over=term.over, call=call)
@@ -175,7 +220,8 @@ class _Writer:
         """The whole program, with the digest of its laws' functions."""
         places = self._parts_of_a_step()
         sections = [*self._functions_of_loads(), *self._functions_of_dashpots()]
-        sections += [self._filled(section, **places) for section in (template.ADVANCE, template.FOLLOW)]
+        functions = (template.TANGENT,) if self._tangent else (template.ADVANCE, template.FOLLOW)
+        sections += [self._filled(section, **places) for section in functions]
         for law in self._laws:
             if "<locals>" in law.__qualname__:
                 raise TypeError(f"law {law.__qualname__}: must be a class of a module, not of a function")
@@ -237,6 +283,8 @@ class _Writer:
             kick=kick,
             kick_by_means=self._kicks_by_means() if as_lammps else [],
             hold=[*self._held_motions(), *self._work_of_springs()] if self._terms.counts_work else [],
+            tangent_kick=self._tangent_kick() if self._tangent else [],
+            tangent_drift=self._tangent_drift() if self._tangent else [],
             drift=drift,
             updated=self._of_states(template.UPDATE_AS_LAMMPS if as_lammps else template.UPDATE),
         )
@@ -300,6 +348,21 @@ class _Writer:
         lines, across = self._sum(self._terms.across, "force")
         more, ground = self._sum(self._terms.ground, "force")
         return lines + more, "".join(f" - ({total})" for total in (across, ground) if total)
+
+    # --- tangent flow -------------------------------------------------------------------------------------------------
+
+    def _tangent_kick(self) -> list[str]:
+        contacts = " + ".join(self._call(term, "stiffness", term.strain) for term in self._terms.contacts)
+        loops, others = [], ""
+        for terms in (self._terms.across, self._terms.ground):
+            more, total = self._sum([replace(term, v="dx_n") for term in terms], "stiffness", times_rate=True)
+            loops += more
+            others += f" - ({total})" if total else ""
+        return self._lines(template.TANGENT_KICK, contact_slope=contacts, loops=loops, others=others)
+
+    def _tangent_drift(self) -> list[str]:
+        damped = self._terms.dashpots == "drift"
+        return self._lines(template.TANGENT_DRIFT_WITH_IMPULSES if damped else template.TANGENT_DRIFT)
 
     # --- loads and motions --------------------------------------------------------------------------------------------
 

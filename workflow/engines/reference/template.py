@@ -60,8 +60,10 @@ for stage in range(kicks.shape[0]):
         {kick}
         {kick_by_means}
         {hold}
+        {tangent_kick}
     if stage < drifts.shape[0]:
         duration = drifts[stage] * h
+        {tangent_drift}
         {drift}
         time += duration
         span[3] = 1
@@ -332,4 +334,61 @@ low, high = uint64(span[0] * chains), uint64((span[1] + 1) * chains)
 impulses(x, p, squeeze, drag, low, high)
 for k in range(low, high):
     actual[k] = v[k] + drag[k]{per_mass}
+"""
+
+TANGENT = '''
+@compiled
+def advance_tangent(state, tangent, p, scheme, first_step, steps):
+    """Advance a state and tangent vectors by some steps; see `kernel.TangentArrays`."""
+    {parameters}
+    {unpacked}
+    dx, dv, slopes, pulls, nearby, gains = tangent
+    for number in range(first_step, first_step + steps):
+        time = number * h
+        {split_step}
+'''
+
+TANGENT_KICK = """
+for k in range(low + {row}, high):
+    slopes[k] = {contact_slope}
+for n in range(dx.shape[0]):
+    dx_n, dv_n = dx[n], dv[n]
+    for k in range(low + {row}, high):
+        pulls[k] = slopes[k] * (dx_n[k - {row}] - dx_n[k])
+    {loops}
+    for k in range(low, high):
+        dv_n[k] += factor * ((pulls[k] - pulls[k + {row}]{others}){per_mass})
+"""
+
+TANGENT_DRIFT = """
+for n in range(dx.shape[0]):
+    dx_n, dv_n = dx[n], dv[n]
+    for k in range(low, high):
+        dx_n[k] += duration * dv_n[k]
+"""
+
+TANGENT_DRIFT_WITH_IMPULSES = """
+# the linearised drift, by the same Runge-Kutta method: the slope of an impulse is the drag at a rate of 1
+for k in range(low, high):
+    place[k] = x[k]
+    trial[k] = x[k]
+nearby[:] = dx
+gains[:] = 0.0
+for part in range(4):
+    weight, later = 2.0 if 0 < part < 3 else 1.0, duration if part == 2 else 0.5 * duration
+    for n in range(dx.shape[0]):
+        dx_n, dv_n, nearby_n, gains_n = dx[n], dv[n], nearby[n], gains[n]
+        brake(trial, nearby_n, p, squeeze, drag, low, high)
+        for k in range(low, high):
+            change = dv_n[k] + drag[k]{per_mass}
+            gains_n[k] += weight * change
+            nearby_n[k] = dx_n[k] + later * change
+    impulses(trial, p, squeeze, drag, low, high)
+    for k in range(low, high):
+        trial[k] = place[k] + later * (v[k] + drag[k]{per_mass})
+    ?pushed travel(trial, p, time, later, low, high)
+for n in range(dx.shape[0]):
+    dx_n, gains_n = dx[n], gains[n]
+    for k in range(low, high):
+        dx_n[k] += duration / 6.0 * gains_n[k]
 """

@@ -1,0 +1,63 @@
+"""Figure of Lyapunov exponents: their convergence over time, and where there are several, all of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, head, legend_below, letter, new_figure, styled
+from analysis.trajectory import Floats
+from lammps_inputs.units import Label
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """Estimate of an exponent by one run.
+
+    Attributes:
+        name: in the legend.
+        time: [record].
+        exponent: growth until then over the time, [record].
+    """
+
+    name: str
+    time: Floats
+    exponent: Floats
+
+
+@styled
+def draw(
+    runs: Sequence[Convergence], exponents: Floats, errors: Floats, labels: tuple[Label, Label], title: str
+) -> Figure:
+    """Estimates of the largest exponent over time, with the result; beside them all exponents where there are several.
+
+    Args:
+        runs: estimates of the runs.
+        exponents: results, [exponent]; NaN where undefined.
+        errors: their uncertainties.
+        labels: of an exponent and of time.
+        title: for the top.
+    """
+    several = len(exponents) > 1
+    figure = new_figure(3.2, 7.0 if several else 5.5)
+    axes = np.ravel(figure.subplots(1, 2 if several else 1, squeeze=False))
+    for place, run in enumerate(runs):
+        axes[0].plot(run.time, run.exponent, color=CHAIN_COLOURS[place], linestyle=CHAIN_DASHES[place], label=run.name)
+    if np.isfinite(exponents[0]):
+        axes[0].axhspan(
+            exponents[0] - errors[0], exponents[0] + errors[0], color="0.8", label="result, with its uncertainty"
+        )
+    axes[0].set_xscale("log")
+    axes[0].set_xlabel(labels[1].mathtext)
+    axes[0].set_ylabel(f"largest {labels[0].mathtext}")
+    if several:
+        number = np.arange(1, len(exponents) + 1)
+        axes[1].errorbar(number, exponents, yerr=errors, fmt="o", markersize=3, color="black")
+        axes[1].axhline(0.0, color="0.6", linewidth=0.8)
+        axes[1].set_xlabel("number of the exponent")
+        axes[1].set_ylabel(labels[0].mathtext)
+        letter(axes)
+    head(figure, title)
+    legend_below(figure, *axes[0].get_legend_handles_labels())
+    return figure

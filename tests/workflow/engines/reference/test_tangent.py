@@ -1,0 +1,125 @@
+"""The tangent flow is the derivative of the computed map."""
+
+import numpy as np
+import pytest
+
+import granchain
+from granchain import InputError
+from workflow.engines.reference import tangent
+from workflow.engines.reference.schemes import BLANES_MOAN, VERLET
+
+SMALL = {"name": "small", "chains": 1, "beads": 6, "kick": {"velocity": 1}, "duration": 30}
+LOADED = {"precompression": {"force": 3}, "walls": {"left": "bead", "right": "bead"}}
+SMOOTH = {
+    "loaded": LOADED,
+    "coupled": {**LOADED, "chains": 3, "coupling": {"stiffness": 0.2, "cubic": 0.1}},
+    "lattice": {**LOADED, "chains": 7, "coupling": {"stiffness": 0.2, "topology": "ring"}},
+    "formula": {**LOADED, "chains": 2, "coupling": {"force": "k*s/sqrt(1+(s/a)^2)", "k": 0.3, "a": 0.5}},
+    "magnets": {"contact": {"force": "A/(d+s)^p", "A": 1, "p": 4, "d": 1}, **{"walls": LOADED["walls"]}},
+    "exponent": {**LOADED, "contact": {"exponent": 2.5}},
+    "foundation": {**LOADED, "foundation": {"stiffness": 0.4, "cubic": 0.2}},
+    "foundation in time": {
+        **LOADED,
+        "foundation": {"stiffness": {"from": 0.2, "to": 0.6, "times": [3, 9]}},
+    },
+    "unlike masses": {**LOADED, "disorder": {"mass": 0.3, "seed": 1}},
+    "resonators": {**LOADED, "resonators": {"mass": 0.3, "stiffness": 0.5, "damping": 0.05}},
+    "dashpots": {**LOADED, "damping": {"contact": 0.1, "tension": "allowed"}},
+    "drag": {**LOADED, "damping": {"beads": 0.1}},
+    "driven": {**LOADED, "kick": None, "drive": {"displacement": 0.05, "frequency": 0.4}, "damping": {"beads": 0.1}},
+    "pushed": {**LOADED, "kick": None, "push": {"shape": "half-sine", "peak": 0.3, "duration": 2}},
+}
+
+
+def problem_of(changes):
+    scene = {key: value for key, value in {**SMALL, **changes}.items() if value is not None}
+    return granchain.load(scene).resolved().problem()
+
+
+def moved_by(problem, change, steps, step, scheme):
+    """State after some steps from the start, changed, [displacement or velocity, line, bead]."""
+    flow = tangent.make_flow(problem, 0, step, scheme)
+    flow.state.x[1:-1] += change[0].T
+    flow.state.v[1:-1] += change[1].T
+    flow.advance(0, steps)
+    return np.stack([flow.state.x[1:-1].T, flow.state.v[1:-1].T])
+
+
+def random_vectors(flow, count):
+    """Vectors that change no bead whose motion is given."""
+    vectors = np.random.default_rng(1).normal(size=(count, *flow.vectors.shape[1:]))
+    for motion in flow.problem.system.motions:
+        vectors[:, :, motion.chain - 1, motion.bead - 1] = 0.0
+    return vectors
+
+
+QUICK = ("coupled", "dashpots")
+"""Others are slow, as each is compiled."""
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        pytest.param(changes, id=name, marks=() if name in QUICK else pytest.mark.slow)
+        for name, changes in SMOOTH.items()
+    ],
+)
+def test_vectors_are_the_derivative_of_the_computed_map(changes):
+    problem, step, steps = problem_of(changes), 0.04, 300
+    flow = tangent.make_flow(problem, 1, step)
+    vectors = random_vectors(flow, 1)
+    flow.put(vectors)
+    flow.advance(0, steps)
+    # central differences at e and e / 2, extrapolated: errors of order e^4 and of rounding, 1e-16 / e
+    small = 2e-4
+    first, second = (
+        (
+            moved_by(problem, e * vectors[0], steps, step, BLANES_MOAN)
+            - moved_by(problem, -e * vectors[0], steps, step, BLANES_MOAN)
+        )
+        / (2 * e)
+        for e in (small, small / 2)
+    )
+    expected = (4 * second - first) / 3
+    assert np.max(np.abs(flow.vectors[0] - expected)) < 1e-8 * np.max(np.abs(expected))
+
+
+@pytest.mark.parametrize("scheme", [BLANES_MOAN, VERLET], ids=lambda scheme: scheme.name)
+def test_conservative_flow_keeps_areas_in_phase_space(scheme):
+    flow = tangent.make_flow(
+        problem_of({"chains": 2, "coupling": {"stiffness": 0.2}, "disorder": {"mass": 0.3, "seed": 1}}), 2, 0.05, scheme
+    )
+    flow.put(random_vectors(flow, 2))
+
+    def area():
+        (x, v), (y, w) = flow.vectors
+        mass = np.broadcast_to(flow.problem.system.mass, x.shape)
+        return np.sum(mass * (x * w - y * v))
+
+    before, size = area(), np.max(np.abs(flow.vectors))
+    flow.advance(0, 400)
+    # rounding of 400 steps of products of vectors of this size
+    assert abs(area() - before) < 400 * 2.0**-52 * max(size, np.max(np.abs(flow.vectors))) ** 2 * 24
+
+
+def test_state_moves_as_without_vectors():
+    problem = problem_of(SMOOTH["coupled"])
+    alone, flow = (tangent.make_flow(problem, count, 0.05) for count in (0, 3))
+    flow.put(random_vectors(flow, 3))
+    alone.advance(0, 100)
+    flow.advance(0, 100)
+    assert np.array_equal(alone.state.x, flow.state.x)
+    assert np.array_equal(alone.state.v, flow.state.v)
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"damping": {"contact": 0.1, "tension": "cut"}}, "`tension: cut`"),
+        ({"contact": {"yield": {"overlap": 0.1}}}, "contacts that yield"),
+        ({"contact": {"exponent": 1}}, "exponent 1"),
+    ],
+)
+def test_systems_whose_forces_jump_are_refused(changes, reason):
+    with pytest.raises(InputError, match=reason):
+        tangent.make_flow(problem_of(changes), 1, 0.05)
