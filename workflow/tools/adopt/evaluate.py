@@ -112,9 +112,9 @@ class Workplace:
 
     def _link_files(self) -> None:
         """Links to all files beside the deck, and to those beside its folder."""
-        here = self._deck.path.absolute().parent
+        folder_of_deck = self._deck.path.absolute().parent
         self._files.mkdir(parents=True)
-        for folder, copy in ((here, self._files), (here.parent, self._files.parent)):
+        for folder, copy in ((folder_of_deck, self._files), (folder_of_deck.parent, self._files.parent)):
             for file in folder.iterdir():
                 if not (copy / file.name).exists():
                     (copy / file.name).symlink_to(file)
@@ -185,7 +185,8 @@ def main() -> int:
 def _failed(error: Exception) -> int:
     from workflow.engines.lammps.worker import first_line
 
-    print(json.dumps({"error": first_line(error).removeprefix("ERROR: ")}), flush=True)
+    message = re.sub(r" \(\S+\.cpp:\d+\)$", "", first_line(error).removeprefix("ERROR: "))
+    print(json.dumps({"error": message}), flush=True)
     return 1
 
 

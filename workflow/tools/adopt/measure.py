@@ -208,34 +208,37 @@ class _Bench:
         """Springs to the ground from a displacement of all beads, of the ends away from their walls."""
         forces = {}
         for level in LEVELS:
-            there, back = (self._moved(sign * level * self.small) - self.rest for sign in (1.0, -1.0))
+            forward, backward = (self._moved(sign * level * self.small) - self.rest for sign in (1.0, -1.0))
             last = np.zeros(len(self.rows), dtype=bool)
             last[self.chains[:, -1]] = True
-            forces[level] = np.where(last, back, -there) / (level * self.small)
-        one, two, four = (forces[level] for level in LEVELS)
+            forces[level] = np.where(last, backward, -forward) / (level * self.small)
+        weak, medium, strong = (forces[level] for level in LEVELS)
         square = self.small**2
-        self.cubic = (two - one) / (3.0 * square)
-        self.linear = one - self.cubic * square
-        deviation = np.abs(self.linear + 16.0 * self.cubic * square - four)
+        self.cubic = (medium - weak) / (3.0 * square)
+        self.linear = weak - self.cubic * square
+        deviation = np.abs(self.linear + 16.0 * self.cubic * square - strong)
         if np.max(self.overlap) > 0.0:  # walls are pressed, and beads at the ends may not leave them
             for end, beside in ((0, 1), (-1, -2)):
-                for values in (self.linear, self.cubic, deviation, four):
+                for values in (self.linear, self.cubic, deviation, strong):
                     values[self.chains[:, end]] = values[self.chains[:, beside]]
-        self.foundation_scale = np.max(np.abs(four))
+        self.foundation_scale = np.max(np.abs(strong))
         self._foundation_deviation = deviation
 
     def _settle_foundation(self) -> None:
         """Drop stiffnesses that are rounding, and refuse forces that are neither linear nor cubic."""
         least = self.noise / self.small
-        if np.max(self._foundation_deviation) > max(AGREE * self.foundation_scale, least):
+        self._refuse_position(max(AGREE * self.foundation_scale, least))
+        square = self.small**2
+        self.linear[np.abs(self.linear) < least] = 0.0
+        self.cubic[np.abs(self.cubic) * square < max(least, ROUNDED * self.foundation_scale)] = 0.0
+
+    def _refuse_position(self, limit: float) -> None:
+        if np.max(self._foundation_deviation) > limit:
             raise NotMeasuredError(
                 "a force that depends on the position is neither linear nor cubic in the displacement; supported: "
                 "`fix spring/self`, and walls beyond the ends of a chain",
                 *_FORCES,
             )
-        square = self.small**2
-        self.linear[np.abs(self.linear) < least] = 0.0
-        self.cubic[np.abs(self.cubic) * square < max(least, ROUNDED * self.foundation_scale)] = 0.0
 
     def _moved(self, displacement: Any, velocity: Any = 0.0) -> Floats:
         return self.atoms.forces(self.axis, displacement, velocity)
@@ -279,13 +282,14 @@ class _Bench:
 
     def _measure_contacts(self) -> tuple[Floats, float]:
         """Constants of the contacts, [chain, contact], and their exponent."""
-        one, two, four = (self._alternating(level) for level in LEVELS)
-        first = self._of_contacts((two[0] - one[0], two[1] - one[1]))
-        second = self._of_contacts((four[0] - two[0], four[1] - two[1]))
+        weak, medium, strong = (self._alternating(level) for level in LEVELS)
+        first = self._of_contacts((medium[0] - weak[0], medium[1] - weak[1]))
+        second = self._of_contacts((strong[0] - medium[0], strong[1] - medium[1]))
         overlaps = [self.overlap + self._base + level * self.small for level in LEVELS]
         largest = float(np.max(np.abs(first)))
         if not largest > 0.0:
             raise NotMeasuredError("neighbouring beads do not push each other where they overlap", *_CONTACTS)
+        self._refuse_position(max(1e-3 * self.foundation_scale, AGREE * largest / self.small))
         exponent = _exponent(first, second, overlaps)
         change = [high**exponent - low**exponent for low, high in itertools.pairwise(overlaps)]
         strength = first / change[0]
@@ -300,7 +304,7 @@ class _Bench:
         self.contact_force = largest
         self.noise = self._noise(float(np.max(strength)), exponent)
         self._settle_foundation()
-        self._refuse_at_a_distance(strength, exponent, one, overlaps[0])
+        self._refuse_at_a_distance(strength, exponent, weak, overlaps[0])
         return strength, exponent
 
     def _noise(self, strength: float, exponent: float) -> float:
@@ -316,7 +320,7 @@ class _Bench:
         """Refuse forces between beads that are apart: beyond those of closed contacts only constant forces are left."""
         lower, upper = forces
         rest = np.stack([-lower + strength * overlap**exponent, upper - strength * overlap**exponent])
-        between = rest[0][:, 1:] - rest[1][:, :-1]  # of one bead, from either pattern
+        between = rest[0][:, 1:] - rest[1][:, :-1]  # on one bead, from either pattern
         held = (np.abs(lower[:, 1:]) == 0.0) | (np.abs(upper[:, :-1]) == 0.0)
         if np.any(~held & (np.abs(between) > 100.0 * AGREE * self.contact_force)):
             raise NotMeasuredError("beads that are apart act on each other; supported: contacts that touch", *_CONTACTS)
@@ -341,9 +345,9 @@ class _Bench:
         """Drag coefficients from one velocity of all beads, those of the ends away from their walls."""
 
         def force(speed: float) -> Floats:
-            there, back = (self._moved(place, speed) - self._moved(place) for place in (self.small, -self.small))
-            values = there
-            values[self.chains[:, -1]] = back[self.chains[:, -1]]
+            forward, backward = (self._moved(place, speed) - self._moved(place) for place in (self.small, -self.small))
+            values = forward
+            values[self.chains[:, -1]] = backward[self.chains[:, -1]]
             if np.max(self.overlap) > 0.0:  # pressed walls have dashpots of their own
                 for end, beside in ((0, 1), (-1, -2)):
                     values[self.chains[:, end]] = values[self.chains[:, beside]]
@@ -367,16 +371,16 @@ class _Bench:
             lower, upper = moving[0] - still[0] - drag[:, :-1], moving[1] - still[1] - drag[:, 1:]
             return self._of_contacts((lower, upper)) / rate
 
-        one, four = (resistance(level, self.speed) for level in (LEVELS[0], LEVELS[2]))
-        if np.max(np.abs(four)) * self.speed < ROUNDED * self.contact_force:
+        weak, strong = (resistance(level, self.speed) for level in (LEVELS[0], LEVELS[2]))
+        if np.max(np.abs(strong)) * self.speed < ROUNDED * self.contact_force:
             return
         again = resistance(LEVELS[2], 2.0 * self.speed)
-        if np.any(np.abs(again - four) > 1e-5 * np.max(four)) or np.any(four < 0.0):
+        if np.any(np.abs(again - strong) > 1e-5 * np.max(strong)) or np.any(strong < 0.0):
             raise NotMeasuredError("the damping of a contact is not proportional to its velocity", *_CONTACTS)
-        result.dashpot = np.stack([one, four])
+        result.dashpot = np.stack([weak, strong])
         result.dashpot_overlap = np.stack([self.overlap + self._base + level * self.small for level in (1.0, 4.0)])
         elastic = result.strength * result.dashpot_overlap[0] ** result.exponent
-        fast = 4.0 * float(np.max(elastic / np.where(one > 0.0, one, np.inf)))
+        fast = 4.0 * float(np.max(elastic / np.where(weak > 0.0, weak, np.inf)))
         result.cut = bool(np.all(np.abs(resistance(LEVELS[0], -fast) * fast) <= elastic * (1.0 + 1e-5)))
 
     # --- springs between chains and inside beads ----------------------------------------------------------------------
@@ -415,12 +419,12 @@ class _Bench:
             chosen = np.zeros(len(self.rows))
             chosen[part.atoms[present]] = 1.0
             beads = self.chains[part.chain]
-            one, two = ((self._moved(d * chosen) - self.rest)[beads] / d for d in (self.small, 2.0 * self.small))
-            if np.any(np.abs(two - one) > AGREE * np.max(np.abs(two))):
+            weak, medium = ((self._moved(d * chosen) - self.rest)[beads] / d for d in (self.small, 2.0 * self.small))
+            if np.any(np.abs(medium - weak) > AGREE * np.max(np.abs(medium))):
                 raise NotMeasuredError(
                     "the spring of an atom inside a bead is not linear; supported: `bond_coeff N K 0`", *_SPRINGS
                 )
-            part.stiffness = one
+            part.stiffness = weak
             part.damping = (self._moved(0.0, self.speed * chosen) - self.rest)[beads] / self.speed
             part.damping[np.abs(part.damping) * self.speed <= self.noise] = 0.0
 
@@ -501,12 +505,12 @@ def _wall(forces: list[float], steps: list[float], gap: float, exponent: float) 
     first, second = forces[1] - forces[0], forces[2] - forces[1]
 
     def strength(overlap: float) -> tuple[float, float]:
-        one, two, four = ((step + overlap) ** exponent for step in steps)
-        return first / (two - one), second / (four - two)
+        weak, medium, strong = ((step + overlap) ** exponent for step in steps)
+        return first / (medium - weak), second / (strong - medium)
 
     def deviation(overlap: float) -> float:
-        one, two = strength(overlap)
-        return two / one - 1.0
+        weak, medium = strength(overlap)
+        return medium / weak - 1.0
 
     overlap = -gap
     if first > 0.0 and abs(deviation(-gap)) > AGREE and gap == 0.0:

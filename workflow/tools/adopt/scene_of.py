@@ -41,7 +41,7 @@ def tidy(value: float) -> float:
     return float(value)
 
 
-def one(values: Any, message: str, *commands: str) -> float:
+def single_value(values: Any, message: str, *commands: str) -> float:
     """The number that all values are.
 
     Raises:
@@ -222,7 +222,9 @@ class SceneKeys:
             first, last = 0, beads - 1
         if (first, last) != (0, beads - 1):
             keys["rows"] = [first + 1, last + 1]
-        cubic = one(inside[:, 1], "cubic springs between chains differ; supported: one `cubic` of all", *commands)
+        cubic = single_value(
+            inside[:, 1], "cubic springs between chains differ; supported: one `cubic` of all", *commands
+        )
         keys |= {"cubic": cubic} if cubic else {}
         neighbours = [(chain, chain + 1) for chain in range(self.measured.mass.shape[0] - 1)]
         if all(value == each[0] for value in each):
@@ -244,7 +246,7 @@ class SceneKeys:
         first, last = int(rows[0]), int(rows[-1])
         keys: dict[str, Any] = {}
         for name, values in (("stiffness", linear), ("cubic", cubic)):
-            each = [one(row[first : last + 1], message, "fix spring/self", "fix addforce") for row in values]
+            each = [single_value(row[first : last + 1], message, "fix spring/self", "fix addforce") for row in values]
             if any(each):
                 keys[name] = each[0] if all(value == each[0] for value in each) else each
         if (first, last) != (0, linear.shape[1] - 1):
@@ -274,7 +276,7 @@ class SceneKeys:
         if len(present) != present[-1] - present[0] + 1:
             raise NotMeasuredError(message, "set", "read_data")
         values = {
-            name: one(getattr(part, name)[present] / self.unit, message, "bond_coeff", "set", "read_data")
+            name: single_value(getattr(part, name)[present] / self.unit, message, "bond_coeff", "set", "read_data")
             for name in ("mass", "stiffness", "damping")
         }
         keys: dict[str, Any] = {name: value for name, value in values.items() if value or name != "damping"}
@@ -292,7 +294,7 @@ class SceneKeys:
             kinds = STRENGTHS if self.measured.exponent == 1.5 else {"bead": 1.0}
             name = next((n for n, share in kinds.items() if np.allclose(strengths / of_like, share, rtol=SAME)), None)
             message = "the walls of the chains differ; supported: one wall at each end"
-            walls[side] = name or {"stiffness": one(strengths / self.unit, message, "fix wall/gran")}
+            walls[side] = name or {"stiffness": single_value(strengths / self.unit, message, "fix wall/gran")}
         return {"walls": walls} if walls else {}
 
     def _damping(self) -> dict[str, Any]:
@@ -301,12 +303,12 @@ class SceneKeys:
         if np.any(measured.dashpot):
             keys |= self._dashpots_of_contacts()
         message = "the drag of beads differs; supported: one `damping.beads` of all"
-        drag = one(measured.drag / self.unit, message, "fix viscous")
+        drag = single_value(measured.drag / self.unit, message, "fix viscous")
         keys |= {"beads": drag} if drag else {}
         between = [table[2] for table in measured.coupling.values()]
         if np.any(between):
             message = "dashpots between chains differ; supported: one coefficient for all springs"
-            keys["coupling"] = one(np.array(between) / self.unit, message, "pair_coeff")
+            keys["coupling"] = single_value(np.array(between) / self.unit, message, "pair_coeff")
         return {"damping": keys} if keys else {}
 
     def _dashpots_of_contacts(self) -> dict[str, Any]:
@@ -317,13 +319,13 @@ class SceneKeys:
         commands = ("pair_coeff", "pair_style")
         tension = {"tension": "cut"} if measured.cut else {}
         if abs(power) < 1e-5:
-            return {"contact": one(low / self.unit, message, *commands)} | tension
+            return {"contact": single_value(low / self.unit, message, *commands)} | tension
         if abs(power - 0.5) < 1e-5:
             coefficient = low / np.sqrt(near) / self.unit
-            return {"contact": one(coefficient, message, *commands), "law": "viscoelastic"} | tension
+            return {"contact": single_value(coefficient, message, *commands), "law": "viscoelastic"} | tension
         if abs(power - (measured.exponent - 1.0) / 2.0) < 1e-5:
             pair = measured.mass[:, :-1] * measured.mass[:, 1:] / (measured.mass[:, :-1] + measured.mass[:, 1:])
-            ratio = one(low / near**power / np.sqrt(pair * measured.strength), message, *commands)
+            ratio = single_value(low / near**power / np.sqrt(pair * measured.strength), message, *commands)
             share = brentq(lambda e: alpha(e, measured.exponent) - ratio, 1e-6, 1.0, xtol=1e-15)
             return {"contact": tidy(float(share)), "law": "restitution"}
         raise NotMeasuredError(

@@ -205,10 +205,10 @@ timestep 0.001
         ("set atom 3 x 2.5\nrun 10", "clear distances between beads differ"),
         ("variable f equal sin(step)\nfix push all addforce v_f 0 0\nrun 10", "depends on the time"),
         ("run 10\nset atom 1 vx 1\nrun 10", "comes after the first run"),
-        ("variable f atom x^2\nfix push all addforce v_f 0 0\nrun 10", "in.chain:18: fix push"),
+        ("variable f atom x^2\nfix push all addforce v_f 0 0\nrun 10", "in.chain:19: fix push"),
         ("read_data absent.data add append\nrun 10", "absent.data"),
-        ("pair_coef * *\nrun 10", "in.chain:17: pair_coef"),
-        ("timestep\nrun 10", "in.chain:17: timestep: Illegal timestep command"),
+        ("pair_coef * *\nrun 10", "in.chain:18: pair_coef"),
+        ("timestep\nrun 10", "in.chain:18: timestep: Illegal timestep command"),
     ],
 )
 @pytest.mark.slow
