@@ -1,0 +1,1 @@
+"""Scenes from LAMMPS decks of users: LAMMPS evaluates the deck, and its forces are measured."""

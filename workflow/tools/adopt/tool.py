@@ -1,0 +1,61 @@
+"""Write the scene of your own LAMMPS deck, and run both side by side."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from lammps_inputs import InputError, strict_yaml
+from workflow.runs.files import write_text
+from workflow.screen import one_line, print_heading
+from workflow.tools.adopt.adopt import RefusedDeckError, adopt
+
+EXAMPLES = (
+    "adopt in.chain -o chain.yaml                # then: granchain run chain.yaml -o out",
+    "adopt in.chain --var kn 1e5 -o chain.yaml   # as lmp -in in.chain -var kn 1e5",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the deck, the scene to write, and the options of LAMMPS."""
+    parser.add_argument("deck", metavar="IN.FILE", type=Path, help="a LAMMPS deck of one-dimensional chains of spheres")
+    parser.add_argument("data", metavar="DATA", type=Path, nargs="?", help="its data file, if that is elsewhere")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE.yaml", type=Path, required=True, help="the scene to write; must not exist"
+    )
+    parser.add_argument(
+        "--var", metavar=("NAME", "VALUE"), nargs=2, action="append", default=[], help="a variable, as of `lmp -var`"
+    )
+    parser.add_argument(
+        "--limit", metavar="SECONDS", type=float, default=120.0, help="time that LAMMPS may take (default 120)"
+    )
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Write the scene, or print every line that no scene can have."""
+    file = arguments.output
+    if file.suffix not in (".yaml", ".yml"):
+        raise InputError(f"adopt: {file}: scenes are files that end in .yaml")
+    if file.exists() or file.is_symlink():
+        raise InputError(f"adopt: {file}: exists already; choose another name")
+    if not file.parent.is_dir():
+        raise InputError(f"adopt: {file.parent}: no such directory")
+    try:
+        adopted = adopt(arguments.deck, arguments.data, list(map(tuple, arguments.var)), arguments.limit)
+    except RefusedDeckError as error:
+        for line in error.lines:
+            print(f"granchain: {line}", file=sys.stderr)
+        return 2
+    scene = adopted.scene
+    print_heading(scene.name, scene.units)
+    print(f"chains along {adopted.axis}: {scene.chains} of {scene.beads} beads")
+    for note in adopted.notes:
+        print(f"note: {note}")
+    part = "" if adopted.steps == adopted.of else f" of {adopted.of}"
+    print(
+        f"over {adopted.steps}{part} steps velocities of the scene's deck and of {one_line(arguments.deck)} differ by "
+        f"at most {adopted.difference:.1e} V"
+    )
+    head = f"# from the LAMMPS deck {one_line(arguments.deck.name)}\n"
+    write_text(file, head + strict_yaml.dump(scene.plain()))
+    print(f"{one_line(file)}: a scene; `granchain run {one_line(file)} -o out` runs it")
+    return 0
