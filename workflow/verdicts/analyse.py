@@ -147,7 +147,9 @@ class Findings:
     """What an analysis writes, before it is written.
 
     Attributes:
-        survey, conservation, measurements: see `Analysis`.
+        survey: waves, pulses, energies and the verdict, in units of V, T and L.
+        conservation: drifts of energy and momentum, number of frames.
+        measurements: what not every run has, by its key in ``analysis.json``.
         tolerances: within which a pulse is called solitary.
         sha256: fingerprint of the frames that were read.
         tables: file name -> text of each CSV file.
@@ -171,7 +173,17 @@ def measure(
     tolerances: Tolerances | None = None,
     arrival: Arrival | None = None,
 ) -> Findings:
-    """Read the frames of a directory, and return its tables and figures without writing them; see `analyse`.
+    """Read the frames of a directory, also of a run that was cut short, and measure them; nothing is written.
+
+    Args:
+        directory: a run directory.
+        beads: whose velocity over time is drawn; by default three, see `default_beads`.
+        figures: whether there are to be figures.
+        tolerances: within which a pulse is called solitary; by default 1% each.
+        arrival: what counts as the arrival of a wave; by default that of `leading_waves.usual_arrival`.
+
+    Returns:
+        Results, tables and figures.
 
     Raises:
         InputError: no frames, frames that hold what is no number, or a bead that was not recorded.

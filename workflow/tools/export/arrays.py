@@ -2,8 +2,7 @@
 
 import io
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from workflow.runs.labelled import dataset
 from workflow.tools.export.registry import FORMATS
@@ -19,7 +18,7 @@ def netcdf(request: Request) -> Writers:
 
 
 class _SureFile(io.FileIO):
-    """File to write to whose failure is raised at its end: HDF5 ends the process where one of its writes fails."""
+    """File whose writes never fail, but `check` does: HDF5 ends the process where one of its writes fails."""
 
     failure: OSError | None = None
 
@@ -38,30 +37,29 @@ class _SureFile(io.FileIO):
         if self.failure is not None:
             raise self.failure
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *rest: BaseException | TracebackType | None) -> None:
-        super().__exit__(kind, *rest)
-        if kind is None:
-            self.check()
-
 
 def _write_netcdf(request: Request, path: Path) -> None:
     import h5netcdf
 
+    with _SureFile(path, "w+") as stream:
+        with h5netcdf.File(stream, "w") as file:
+            _fill(file, stream, request)
+        stream.check()  # also what it wrote when it was closed
+
+
+def _fill(file: Any, stream: _SureFile, request: Request) -> None:
+    """Write all pieces into a file of h5netcdf, until a write to its stream fails."""
     written = 0
-    with _SureFile(path, "w+") as stream, h5netcdf.File(stream, "w") as file:
-        for piece in request.pieces(FORMATS["netcdf"].file, _BYTES):
-            part = dataset(request.directory, piece)
-            if not written:
-                _begin(file, part)
-            file.resize_dimension("time", written + piece.frames)
-            for name in part.variables:
-                if "time" in part[name].dims:
-                    file.variables[name][written:] = part[name].values
-            written += piece.frames
-            stream.check()
+    for piece in request.pieces(FORMATS["netcdf"].file, _BYTES):
+        part = dataset(request.directory, piece)
+        if not written:
+            _begin(file, part)
+        file.resize_dimension("time", written + piece.frames)
+        for name in part.variables:
+            if "time" in part[name].dims:
+                file.variables[name][written:] = part[name].values
+        written += piece.frames
+        stream.check()
 
 
 def _begin(file: Any, part: Any) -> None:

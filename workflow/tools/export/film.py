@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from analysis.figures.spacetime import COLOURS, STILL, SpaceTime, colour_scale, draw_maps, largest_afar, panels
 from analysis.figures.style import AxisUnit, shown_chains, styled, title
-from analysis.trajectory import Floats, Integers, Trajectory, watch
+from analysis.trajectory import Floats, Integers, Trajectory, direction_of, watch
 from lammps_inputs import InputError, Problem
 from lammps_inputs.ingredients.unequal import radii
 from workflow.screen import count_bar, hint
@@ -254,13 +254,14 @@ class _Stage:
         return max(0, 3 - math.ceil(math.log10(self._problem.duration * self._time.worth)))
 
     def _in_sight(self, frame: Trajectory) -> tuple[int, int]:
-        """First place that is drawn and the one after the last: the front is in the last quarter of them."""
-        sight = min(BEADS_IN_SIGHT, len(self._beads))
+        """First place that is drawn and the one after the last: a quarter of them is ahead of the front."""
+        count, sight = len(self._beads), min(BEADS_IN_SIGHT, len(self._beads))
         fast = np.flatnonzero(np.nanmax(np.abs(frame.velocity[0]), axis=0, initial=0.0) > STILL * self._largest)
-        if len(fast):
-            self._front = max(self._front, int(fast[-1]))
-        first = min(max(0, self._front + 1 - 3 * sight // 4), len(self._beads) - sight)
-        return first, first + sight
+        forwards = direction_of(self._problem) > 0
+        if len(fast):  # counted along the way of the pulse
+            self._front = max(self._front, int(fast[-1]) if forwards else count - 1 - int(fast[0]))
+        first = min(max(0, self._front + 1 - 3 * sight // 4), count - sight)
+        return (first, first + sight) if forwards else (count - first - sight, count - first)
 
     def _segments(self, place: Floats, height: Floats, rows: Integers) -> list[Floats]:
         """Ends of the springs between chains that are shown, in rows of beads [row] counted from 0."""

@@ -130,15 +130,13 @@ def test_a_full_disk_leaves_what_was_there_and_is_one_line(tmp_path, run_of):
         subprocess.run(["umount", "-l", disk], check=True)
 
 
-def write_to_a_full_disk():
+def test_a_write_that_fails_is_raised_when_that_is_checked_and_not_before():
     with arrays._SureFile("/dev/full", "w") as file:
+        file.check()
         assert file.write(b"four") == 4
         assert file.write(b"more") == 4
-
-
-def test_a_write_that_fails_is_raised_at_the_end_and_not_before():
-    with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)):
-        write_to_a_full_disk()
+        with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)):
+            file.check()
 
 
 def test_a_window_is_cut_into_pieces_by_the_beads_that_are_written_not_by_those_of_its_frames(run_of, monkeypatch):
