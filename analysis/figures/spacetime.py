@@ -5,11 +5,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import FuncNorm
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 from matplotlib.patches import Patch
 
 from analysis.figures.style import (
+    AxisUnit,
     FrameContent,
     axis_unit,
     evenly_spaced,
@@ -130,10 +132,27 @@ def _ends(data: SpaceTime) -> tuple[tuple[float, float], tuple[float, float]]:
 def spacetime_figure(data: SpaceTime) -> Figure:
     """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5), those of a lattice as in it.
 
+    A single panel has no title. Grey: where the window has left.
+    """
+    rows, columns = panels(data.problem, len(data.chains))
+    figure = new_figure(0.6 + 3.6 * rows, 2.2 + 2.4 * columns)
+    draw_maps(figure, data)
+    if np.isnan(data.velocity).any():
+        legend_below(figure, [Patch(color=_LEFT)], ["the window has left"])
+    head(figure, title(data.problem, each_chain=True, panels=True, until=data.until))
+    return figure
+
+
+def draw_maps(figure: FigureBase, data: SpaceTime) -> tuple[list[Axes], AxisUnit]:
+    """Draw a map of velocity in space and time of each chain into a figure.
+
     Where less than half of the beads are seen to move, they and some around them are drawn. Colours diverge from a
     velocity of 0 and follow its square root, so that the weak tail is seen beside the pulse and the free end is not cut
     off. The scale ends where all beads do but those up to `NEAR` from a kicked one. Beads that are not evenly
-    spaced stand side by side in columns of one width. A single panel has no title. Grey: where the window has left.
+    spaced stand side by side in columns of one width.
+
+    Returns:
+        The axes of the maps, and the unit of their times.
     """
     problem, chains = data.problem, data.chains
     time = axis_unit(problem, "time", data.time[-1])
@@ -144,7 +163,6 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     rows, columns = panels(problem, len(chains))
     even = evenly_spaced(data.beads)
     places, instants = _ends(data)
-    figure = new_figure(0.6 + 3.6 * rows, 2.2 + 2.4 * columns)
     axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for axis in axes.flat[len(chains) :]:
         axis.remove()
@@ -157,7 +175,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
             interpolation="nearest",
             extent=(*places, *(instant * time.worth for instant in instants)),
             cmap=COLOURS,
-            norm=FuncNorm((signed_root, _square), -top, top),
+            norm=colour_scale(top),
             rasterized=True,
         )
         axis.set_facecolor(_LEFT)
@@ -176,15 +194,18 @@ def spacetime_figure(data: SpaceTime) -> Figure:
         axis.set_ylabel(time.label(FrameContent, "time"))
     shape: dict[str, Any] = {"aspect": 20 * rows, "extendfrac": 0.05 / rows, "fraction": 0.15 / columns}
     beyond = "both" if float(np.max(size)) > largest else "neither"
-    bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=round_ticks(top), extend=beyond, **shape)
+    shown = list(axes.flat[: len(chains)])
+    bar = figure.colorbar(image, ax=shown, ticks=round_ticks(top), extend=beyond, **shape)
     bar.ax.yaxis.set_major_formatter("{x:.4g}")
     bar.ax.minorticks_off()
     end = "\n" if is_narrow() else " "
     bar.set_label(f"{unit.label(FrameContent, 'velocity')};{end}{COLOUR_SCALE}")
-    if np.isnan(data.velocity).any():
-        legend_below(figure, [Patch(color=_LEFT)], ["the window has left"])
-    head(figure, title(problem, each_chain=True, panels=True, until=data.until))
-    return figure
+    return shown, time
+
+
+def colour_scale(top: float) -> FuncNorm:
+    """Scale of colours from -top to top that follows the signed square root of velocities."""
+    return FuncNorm((signed_root, _square), -top, top)
 
 
 def moving_part(beads: Integers | Floats, moves: Flags, all_beads: tuple[float, float]) -> tuple[float, float]:

@@ -87,8 +87,8 @@ def test_every_function_and_what_results_have_is_shown_by_an_example():
         shown |= public(kind)
     shown |= {f"BaseScene.{name}" for name in ("plain", "problem", "resolved", "scale", "units", "unlikely")}
     shown |= {f"Trajectory.{name}" for name in ("bead", "beads", "frames", "measured")}
-    data_frames = {"SweepTable.pandas", "WavesTable.pandas"}  # pandas need not be installed
-    assert shown - set(EXAMPLES) == data_frames
+    # pandas and xarray need not be installed
+    assert shown - set(EXAMPLES) == {"SweepTable.pandas", "WavesTable.pandas", "CompletedRun.dataset"}
 
 
 def public(kind):

@@ -11,6 +11,7 @@ import json
 import math
 import os
 import re
+import shutil
 import tempfile
 import time
 from collections.abc import Iterator
@@ -132,28 +133,57 @@ TEMPORARY = ".granchain-"
 """In the name of a file that is being written, so that a kill leaves nothing that could be somebody else's."""
 
 
+@contextmanager
+def complete(path: Path, *, directory: bool = False) -> Iterator[Path]:
+    """Write a file, or a directory, under another name beside it, which becomes its name at the end of a block.
+
+    Args:
+        path: the file; what was there before is replaced at the end, or is left as it was where something fails.
+        directory: whether it is a directory.
+
+    Yields:
+        Path of an empty file or directory to write to.
+
+    Raises:
+        EndedError: it cannot be written; what was there before still is.
+    """
+    prefix = f".{path.name}{TEMPORARY}"
+    try:
+        if directory:
+            temporary = Path(tempfile.mkdtemp(dir=path.parent, prefix=prefix))
+        else:
+            handle, name = tempfile.mkstemp(dir=path.parent, prefix=prefix)
+            os.close(handle)
+            temporary = Path(name)
+        try:
+            yield temporary
+            temporary.chmod(0o755 if directory else 0o644)
+            if directory and path.is_dir():
+                before = Path(tempfile.mkdtemp(dir=path.parent, prefix=prefix))
+                path.replace(before)
+                temporary.replace(path)
+                shutil.rmtree(before, ignore_errors=True)
+            else:
+                temporary.replace(path)
+        except BaseException:
+            if directory:
+                shutil.rmtree(temporary, ignore_errors=True)
+            else:
+                temporary.unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        reason = error.strerror or error
+        raise EndedError(f"{path}: cannot be written ({reason}); what was there is left as it was") from None
+
+
 def write_bytes(path: Path, content: bytes) -> None:
     """Write a file whole or not at all.
 
     Raises:
         EndedError: it cannot be written; what was there before still is.
     """
-    try:
-        _write(path, content)
-    except OSError as error:
-        raise EndedError(f"{path}: cannot be written ({error.strerror}); what was there is left as it was") from None
-
-
-def _write(path: Path, content: bytes) -> None:
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}{TEMPORARY}")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    with complete(path) as temporary:
+        temporary.write_bytes(content)
 
 
 def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ...]:

@@ -126,6 +126,68 @@ def analyse(
     Raises:
         InputError: no frames, frames that hold what is no number, or a bead that was not recorded.
     """
+    found = measure(directory, beads=beads, figures=figures, tolerances=tolerances, arrival=arrival)
+    conservation = found.conservation
+    drawn = _write(directory, found)
+    return Analysis(
+        problem=found.survey.problem,
+        survey=found.survey,
+        conservation=conservation,
+        complete=conservation.frames == found.survey.problem.frames + 1,
+        tables=tuple(found.tables),
+        figures=drawn,
+        failure=directory.failure,
+        altered=directory.fingerprint not in ("", found.sha256),
+        measurements=found.measurements,
+    )
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What an analysis writes, before it is written.
+
+    Attributes:
+        survey: waves, pulses, energies and the verdict, in units of V, T and L.
+        conservation: drifts of energy and momentum, number of frames.
+        measurements: what not every run has, by its key in ``analysis.json``.
+        tolerances: within which a pulse is called solitary.
+        sha256: fingerprint of the frames that were read.
+        tables: file name -> text of each CSV file.
+        figures: name -> function that draws the figure; none where none was asked for.
+    """
+
+    survey: Survey
+    conservation: Conservation
+    measurements: dict[str, Measurement]
+    tolerances: Tolerances
+    sha256: str
+    tables: dict[str, str]
+    figures: "dict[str, Callable[[], Figure]]"
+
+
+def measure(
+    directory: RunDirectory,
+    *,
+    beads: tuple[int, ...] | None = None,
+    figures: bool = True,
+    tolerances: Tolerances | None = None,
+    arrival: Arrival | None = None,
+) -> Findings:
+    """Read the frames of a directory, also of a run that was cut short, and measure them; nothing is written.
+
+    Args:
+        directory: a run directory.
+        beads: whose velocity over time is drawn; by default three, see `default_beads`.
+        figures: whether there are to be figures.
+        tolerances: within which a pulse is called solitary; by default 1% each.
+        arrival: what counts as the arrival of a wave; by default that of `leading_waves.usual_arrival`.
+
+    Returns:
+        Results, tables and figures.
+
+    Raises:
+        InputError: no frames, frames that hold what is no number, or a bead that was not recorded.
+    """
     problem, allowed = directory.problem, tolerances or Tolerances()
     shown = default_beads(problem) if beads is None else beads
     _refuse_frames(directory, shown)
@@ -152,18 +214,14 @@ def analyse(
     closed = energy.closed(directory, conservation, exchange)
     measured = (*(meter.finish(results) for meter in meters), closed)
     measurements = {measurement.key: measurement for measurement in measured if measurement is not None}
-    watched = (spacetime, history) if figures else None
-    tables, drawn = _write(directory, results, conservation, allowed, measurements, watched)
-    return Analysis(
-        problem=problem,
+    return Findings(
         survey=results,
         conservation=conservation,
-        complete=conservation.frames == problem.frames + 1,
-        tables=tables,
-        figures=drawn,
-        failure=directory.failure,
-        altered=directory.fingerprint not in ("", fingerprint.sha256()),
         measurements=measurements,
+        tolerances=allowed,
+        sha256=fingerprint.sha256(),
+        tables=_tables(results, measurements),
+        figures=_makers(results, measurements, spacetime, history) if figures else {},
     )
 
 
@@ -239,35 +297,28 @@ def _of_collisions(directory: RunDirectory, problem: Problem) -> Impulses | None
     return from_events(problem, from_csv(directory.path / EVENTS, problem.scale), direction_of(problem))
 
 
-def _write(
-    directory: RunDirectory,
-    found: Survey,
-    seen: Conservation,
-    allowed: Tolerances,
-    measurements: dict[str, Measurement],
-    pictures: tuple[Any, Any] | None,
-) -> tuple[tuple[str, ...], tuple[Path, ...]]:
-    """Tables, the report, and figures; returns what tables and figures there are.
-
-    ``pictures`` of velocity in space and time, and of beads; without them nothing is drawn.
-    """
+def _tables(found: Survey, measurements: dict[str, Measurement]) -> dict[str, str]:
+    """File name -> text of each CSV file: the leading waves, and the tables of what only some runs have."""
     tables = {WAVES: waves_table(found).to_csv()}
-    makers = {} if pictures is None else _makers(found, *pictures)
-    for one in measurements.values():
-        if one.table is not None and (rows := one.rows()) is not None:
-            tables[one.table[0]] = csv_of(rows, found.problem.scale)
-        if pictures is not None and one.drawable:
-            makers[one.figure] = one.draw
-    files = figure_files(*makers)
-    claim(directory.path, (*tables, REPORT, *files))
-    if pictures is not None:
+    for measurement in measurements.values():
+        if measurement.table is not None and (rows := measurement.rows()) is not None:
+            tables[measurement.table[0]] = csv_of(rows, found.problem.scale)
+    return tables
+
+
+def _write(directory: RunDirectory, found: Findings) -> tuple[Path, ...]:
+    """Write tables, the report, and figures; returns the files of the figures."""
+    files = figure_files(*found.figures)
+    claim(directory.path, (*found.tables, REPORT, *files))
+    if found.figures:
         retire(directory.path, set(in_any_format(*FIGURES)).difference(files))
-    drawn = tuple(path for name, make in makers.items() for path in write_figure(directory.path, name, make()))
-    for name, text in tables.items():
+    drawn = tuple(path for name, make in found.figures.items() for path in write_figure(directory.path, name, make()))
+    for name, text in found.tables.items():
         write_text(directory.path / name, text)
-    more = {key: one.plain() for key, one in measurements.items()}
-    write_json(directory.path / REPORT, plain(report(found, seen, allowed), found.problem.scale) | more)
-    return tuple(tables), drawn
+    more = {key: measurement.plain() for key, measurement in found.measurements.items()}
+    content = report(found.survey, found.conservation, found.tolerances)
+    write_json(directory.path / REPORT, plain(content, found.survey.problem.scale) | more)
+    return drawn
 
 
 def _sane(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
@@ -307,8 +358,10 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
     return tuple(int(recorded[place]) for place in places)
 
 
-def _makers(found: Survey, spacetime: Any, history: Any) -> "dict[str, Callable[[], Figure]]":
-    """Name -> what draws the figure of what every run has; those that there is something to show in."""
+def _makers(
+    found: Survey, measurements: dict[str, Measurement], spacetime: Any, history: Any
+) -> "dict[str, Callable[[], Figure]]":
+    """Name -> function that draws the figure, of every figure that has something to show."""
     from analysis.figures.spacetime import spacetime_figure
     from analysis.figures.waves import distance_figure, response_figure, shape_figure
 
@@ -325,4 +378,5 @@ def _makers(found: Survey, spacetime: Any, history: Any) -> "dict[str, Callable[
     if len(whole) and runs_exact_waves(system):
         early, late = whole[min(len(whole) - 1, int(np.searchsorted(along_the_way(problem, whole), 10)))], whole[-1]
         makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
+    makers |= {measurement.figure: measurement.draw for measurement in measurements.values() if measurement.drawable}
     return makers

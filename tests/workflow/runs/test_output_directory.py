@@ -4,7 +4,7 @@ import json
 import os
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,7 @@ from lammps_inputs import InputError, Kick, Scene, file_names, strict_yaml
 from workflow.cli import main
 from workflow.errors import EndedError
 from workflow.runs import files
-from workflow.runs.files import RECORD, write_json, write_text
+from workflow.runs.files import RECORD, complete, write_json, write_text
 from workflow.runs.job import load
 from workflow.runs.output_directory import (
     claim,
@@ -266,11 +266,26 @@ def test_what_was_there_stays_where_the_new_cannot_be_written(tmp_path: Path, mo
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(os, "fdopen", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(EndedError, match="what was there is left as it was"):
         write_text(path, "after")
     assert path.read_text() == "before"
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_a_directory_is_replaced_as_one_or_not_at_all(tmp_path: Path, fails: bool) -> None:
+    def write(content: str) -> None:
+        with complete(tmp_path / "store", directory=True) as temporary:
+            (temporary / content).write_text(content)
+            if fails and content == "after":
+                raise KeyboardInterrupt
+
+    write("before")
+    with pytest.raises(KeyboardInterrupt) if fails else nullcontext():
+        write("after")
+    assert [path.name for path in (tmp_path / "store").iterdir()] == ["before" if fails else "after"]
+    assert list(tmp_path.iterdir()) == [tmp_path / "store"]
 
 
 def test_numbers_come_back_from_json_and_what_is_none_is_null(tmp_path: Path) -> None:

@@ -4,7 +4,8 @@ A function has the name and the arguments of its command. A scene may be a name,
 is a `Run` or the path of its directory. Bad input raises `InputError`, a run that fails `RunError`, each with one line
 of text; nothing ends the interpreter. On a terminal and in a notebook long work has a progress bar.
 
-Studies that are installed are functions, too (``fit``, ``design``, ``gallery``), loaded when they are first used.
+Studies and tools that are installed are functions, too (``fit``, ``design``, ``gallery``, ``export``), loaded when they
+are first used.
 
 Examples:
     >>> import granchain
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
     from workflow.studies.design.study import design as design
     from workflow.studies.fit.study import fit as fit
     from workflow.studies.gallery.study import gallery as gallery
+    from workflow.tools.export.tool import export as export
 
     __version__: str
 

@@ -1,0 +1,127 @@
+"""Frames of a run as an `xarray.Dataset`: displacement, velocity and forces with dimensions, units and names."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from analysis import motion
+from analysis.trajectory import Floats, Integers, Trajectory
+from lammps_inputs.links import Along
+
+
+class LabelledArray(NamedTuple):
+    """Array with the names of its dimensions, what it holds, and its unit."""
+
+    dimensions: tuple[str, ...]
+    values: Floats | Integers
+    long_name: str
+    quantity: str = ""
+    """Key of `lammps_inputs.units.SI`; empty for numbers without a unit."""
+
+
+def dataset(block: Trajectory, attributes: Mapping[str, Any] | None = None, *, deforms: bool = True) -> Any:
+    """Frames as an ``xarray.Dataset`` in the scene's units: SI, or reduced units.
+
+    Args:
+        block: frames, dimensionless.
+        attributes: attributes of the dataset.
+        deforms: whether beads deform, so that contacts have overlaps and forces.
+
+    Returns:
+        The dataset, with the dimensions ``time``, ``chain`` and ``bead``; see `labelled` for its variables.
+
+    Raises:
+        ImportError: xarray is not installed.
+    """
+    import xarray
+
+    scale = block.problem.scale
+    variables: dict[str, Any] = {}
+    for name, (dimensions, values, long_name, quantity) in labelled(block, deforms=deforms).items():
+        labels = {"long_name": long_name}
+        if quantity:
+            values, labels["units"] = scale.measured(values, quantity), scale.symbol(quantity)
+        variables[name] = dimensions, values, labels
+    coordinates = {name: variables.pop(name) for name in COORDINATES if name in variables}
+    return xarray.Dataset(variables, coordinates, dict(attributes or {}))
+
+
+COORDINATES = ("time", "chain", "bead", "contact", "resonator", "end")
+"""Variables that number a dimension of their name."""
+
+
+def labelled(block: Trajectory, *, deforms: bool = True) -> dict[str, LabelledArray]:
+    """Coordinates and variables of frames by their names, dimensionless.
+
+    - ``displacement`` and ``velocity`` [time, chain, bead]; of a window at all beads: NaN at those that it has left, 0
+      at those that it has not reached;
+    - ``overlap`` and ``contact_force`` [time, chain, contact], where all beads are recorded and deform;
+    - ``contact_state`` [time, chain, end], where contacts yield;
+    - ``resonator_displacement`` and ``resonator_velocity`` [time, resonator, bead], where there are resonators.
+
+    Args:
+        block: frames.
+        deforms: whether beads deform, so that contacts have overlaps and forces.
+    """
+    problem = block.problem
+    if problem.window is not None:
+        block = block.on(1, problem.beads, behind=np.nan)
+    beads = block.beads
+    at_beads = ("time", "chain", "bead")
+    arrays = {
+        "time": LabelledArray(("time",), block.time, "time", "time"),
+        "chain": LabelledArray(("chain",), np.arange(1, problem.chains + 1), "number of the chain"),
+        "bead": LabelledArray(("bead",), beads, "number of the bead"),
+        "displacement": LabelledArray(at_beads, block.displacement, "displacement along the chain", "length"),
+        "velocity": LabelledArray(at_beads, block.velocity, "velocity along the chain", "velocity"),
+    }
+    if problem.recorded is None and deforms:
+        arrays |= _of_contacts(block)
+    if block.contact_state is not None:
+        ends = np.arange(problem.beads + 1)
+        words = "largest overlap so far of the contact between beads n and n + 1, or with a wall"
+        arrays["end"] = LabelledArray(("end",), ends, "number n of the bead before the contact, 0 at the left wall")
+        arrays["contact_state"] = LabelledArray(("time", "chain", "end"), block.contact_state, words, "length")
+    if block.further_lines is not None:
+        arrays |= _of_resonators(block)
+    return arrays
+
+
+def _of_contacts(block: Trajectory) -> dict[str, LabelledArray]:
+    """Overlaps and forces of contacts, those of dashpots included, at frames of all beads."""
+    system = block.system
+    overlap = motion.overlaps(system, block.displacement)
+    force = motion.contact_force(system, overlap)
+    for link in system.dampers:
+        if isinstance(link, Along):
+            force = force + link.damping(block.displacement, block.velocity)
+    at_contacts = ("time", "chain", "contact")
+    contacts = np.arange(1, block.problem.beads)
+    return {
+        "contact": LabelledArray(("contact",), contacts, "number n of the contact between beads n and n + 1"),
+        "overlap": LabelledArray(at_contacts, overlap, "overlap of beads n and n + 1, negative where apart", "length"),
+        "contact_force": LabelledArray(at_contacts, force, "force between beads n and n + 1", "force"),
+    }
+
+
+def _of_resonators(block: Trajectory) -> dict[str, LabelledArray]:
+    """Motion of the atoms of further lines; NaN where a line has none."""
+    assert block.further_lines is not None
+    masses = block.problem.system.further_mass
+    motions = np.where(np.asarray(masses) > 0.0, block.further_lines, np.nan)
+    at_lines = ("time", "resonator", "bead")
+    count = motions.shape[2]
+    return {
+        "resonator": LabelledArray(
+            ("resonator",),
+            np.arange(1, count + 1),
+            "number of the line of resonators: those of each chain in turn, and again of each further kind",
+        ),
+        "resonator_displacement": LabelledArray(
+            at_lines, motions[:, 0], "displacement of the resonator at the bead", "length"
+        ),
+        "resonator_velocity": LabelledArray(
+            at_lines, motions[:, 1], "velocity of the resonator at the bead", "velocity"
+        ),
+    }
