@@ -183,7 +183,10 @@ def _amplitude(survey: Survey) -> Iterator[str]:
         bead = survey.shared.bead[survey.energies.place[-1]]
         shares = ", ".join(f"chain {chain} has {share:.1%}" for chain, share in enumerate(chains[0], 1))
         more = f" (of {survey.problem.chains} chains)" if survey.problem.chains > MOST_CHAINS else ""
-        yield f"when they pass bead {bead}, {shares}{more} of it, with half of its springs'"
+        yield (
+            f"when the leading waves pass bead {bead}, {shares}{more} of the energy input, with half of that of its "
+            "springs"
+        )
 
 
 def _compared(amplitude: float, system: System, worth: str) -> str:
