@@ -23,7 +23,7 @@ _SCALES = [(ROOT, "square root"), ("linear", "linear"), ("log", "logarithmic")]
 _LEAST = 1e-3
 """Share of the largest value from which on the logarithmic scale is one; it is linear below."""
 
-_POSITIVE = "YlGnBu"
+_POSITIVE = "GnBu"
 """Colours of quantities that are nowhere negative; light is 0, as on the maps of velocities."""
 
 _SHOW = """
@@ -43,10 +43,10 @@ mapper.setv({
 });
 for (const glyph of glyphs) glyph.image = {field: quantity.value};
 for (const bar of bars) {
-  const labels = ticks[scale.value].map(tick => [form(tick / limit), String(+tick.toPrecision(4))]);
+  const written = ticks[scale.value].map(tick => [form(tick / limit), String(+tick.toPrecision(4))]);
   bar.color_mapper.setv({palette, low, high: 1});
-  bar.ticker.ticks = labels.map(([at]) => at);
-  bar.major_label_overrides = new Map(labels);
+  bar.ticker.ticks = written.map(([at]) => at);
+  bar.major_label_overrides = new Map(written);
   bar.title = labels[quantity.value];
 }
 save.filename = save.filename.replace(/map-[a-z]+$/, `map-${quantity.value}`);

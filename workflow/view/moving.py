@@ -20,7 +20,8 @@ from analysis.trajectory import Floats
 from lammps_inputs import Problem
 from workflow.view.attached import draw_resonators, draw_walls
 from workflow.view.downsample import Thinned, Units, behind
-from workflow.view.plots import chain_name, label, lists, name_places, number
+from workflow.view.plots import chain_name, label, label_of, lists, name_places, number
+from workflow.view.save_data import add_tool_of_columns
 from workflow.view.time_bar import time_bar
 
 BEADS_IN_SIGHT = 40
@@ -89,7 +90,7 @@ def moving_beads(
     """
     sight = BEADS_IN_SIGHT * part.spacing
     plot = _plot(part, sight)
-    sources = _drawn(plot, part, colours, units)
+    sources = _drawn(problem, plot, part, colours, units)
     exaggerated = _EXAGGERATED * part.spacing / units["length"].worth
     slider, bar = time_bar(part, units["time"])
     least = STILL * colours.high / units["velocity"].worth * units["force"].worth
@@ -166,7 +167,9 @@ def _plot(part: Thinned, sight: float) -> Any:
     return plot
 
 
-def _drawn(plot: Any, part: Thinned, colours: LinearColorMapper, units: Units) -> dict[str, ColumnDataSource]:
+def _drawn(
+    problem: Problem, plot: Any, part: Thinned, colours: LinearColorMapper, units: Units
+) -> dict[str, ColumnDataSource]:
     """What of beads, contact forces and springs is drawn in a plot, by the name in the script that moves them."""
     balls = ColumnDataSource(name="balls", data={name: [] for name in ("x", "y", "v", "d", "r", "bead", "chain")})
     pushes = ColumnDataSource(name="pushes", data={"x": [], "y": [], "h": []})
@@ -188,4 +191,6 @@ def _drawn(plot: Any, part: Thinned, colours: LinearColorMapper, units: Units) -
             formatters={"@d": number(units["length"]), "@v": number(units["velocity"])},
         )
     )
+    heads = {"chain": "chain", "bead": "bead", label_of("displacement", units): "d", label_of("velocity", units): "v"}
+    add_tool_of_columns(plot, problem.name, balls, heads)
     return {"balls": balls, "pushes": pushes, "ties": ties}
