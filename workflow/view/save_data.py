@@ -76,7 +76,7 @@ save(file, Object.keys(columns), Array.from(values[0], (_, k) => values.map(colu
 def _tool(file: str, code: str, **arguments: Any) -> CustomAction:
     """A tool that saves rows of numbers under the name of a file, without its suffix."""
     callback = CustomJS(args={"file": file, **arguments}, code=_SAVE + code)
-    return CustomAction(description="Save the data as CSV", icon=_ICON, callback=callback)
+    return CustomAction(description="Data as CSV", icon=_ICON, callback=callback)
 
 
 def add_tool_of_curves(plot: Any, scene: str) -> None:

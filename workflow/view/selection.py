@@ -21,7 +21,7 @@ const rows = chains.flatMap((number, c) => {
     const value = images[c].data[name][0][k * beads.length + i];
     return isNaN(value) ? '\N{EN DASH}' : String(+value.toPrecision(6)) + unit;
   });
-  return [`<tr><th scope="row">bead ${beads[i]}, chain ${number}</th><td>${cells.join('</td><td>')}</td></tr>`];
+  return [`<tr><th scope="row">bead ${beads[i]} of chain ${number}</th><td>${cells.join('</td><td>')}</td></tr>`];
 });
 const heads = quantities.map(({words}) => `<th scope="col">${words}</th>`).join('');
 const when = String(+time[k].toPrecision(6)) + time_unit;

@@ -45,7 +45,17 @@ def choose(page, label, word):
     """Choose a word of a list by the keyboard alone."""
     select = page.get_by_label(label, exact=False)
     select.focus()
-    select.press_sequentially(word.split()[0])
+    options = select.locator("option").all_inner_texts()
+    steps = options.index(word) - select.evaluate("one => one.selectedIndex")
+    for _ in range(abs(steps)):
+        page.keyboard.press("ArrowDown" if steps > 0 else "ArrowUp")
+
+
+def choose_bead(page, bead):
+    """Choose a bead by its digits, past no other bead."""
+    select = page.get_by_label("add a bead", exact=False)
+    select.focus()
+    select.press_sequentially(str(bead))
 
 
 def press(page, name, key="Enter"):
@@ -94,26 +104,26 @@ def test_keys_step_forward_and_back_by_one_frame(page):
 
 def test_play_is_as_fast_as_is_chosen(page):
     reached = {}
-    for speed in ("10 x", "0.1 x"):
+    for speed in ("4 x", "0.25 x"):
         choose(page, "speed", speed)
         page.evaluate("() => { Bokeh.documents[0].get_model_by_name('time').value = 0.0; }")
         press(page, "play / pause")
-        page.wait_for_timeout(400)
+        page.wait_for_timeout(1000)
         press(page, "play / pause")
         reached[speed] = value(page, "time")
-    assert 0.0 < 5.0 * reached["0.1 x"] < reached["10 x"] < 20.0
+    assert 0.0 < 5.0 * reached["0.25 x"] < reached["4 x"] < 20.0
     choose(page, "speed", "1 x")
 
 
 def test_a_bead_and_a_chain_are_chosen_by_keys_and_their_numbers_are_those_of_the_run(page, ran):
     choose(page, "of chain", "2")
-    choose(page, "add a bead", str(BEAD))
+    choose_bead(page, BEAD)
     frames = ran.trajectory
     time = float(frames.time[FRAME])
     page.evaluate(f"() => {{ Bokeh.documents[0].get_model_by_name('time').value = {time}; }}")
     page.wait_for_function("() => Bokeh.documents[0].get_model_by_name('readout').text.includes('t = 10<')")
     rows = page.get_by_role("region", name="numbers at the chosen time and bead").locator("tr")
-    assert rows.nth(1).locator("th").inner_text() == f"bead {BEAD}, chain 2"
+    assert rows.nth(1).locator("th").inner_text() == f"bead {BEAD} of chain 2"
     assert rows.count() == 2
     numbers = [float(cell) for cell in rows.nth(1).locator("td").all_inner_texts()]
     system, x, v = ran.directory.problem.system, frames.displacement[FRAME], frames.velocity[FRAME]
@@ -134,7 +144,7 @@ def test_a_bead_and_a_chain_are_chosen_by_keys_and_their_numbers_are_those_of_th
 
 def test_a_link_opens_at_its_time_bead_and_chain_and_what_is_invalid_is_ignored(page, ran, open_page):
     choose(page, "of chain", "2")
-    choose(page, "add a bead", str(BEAD))
+    choose_bead(page, BEAD)
     page.evaluate("() => { Bokeh.documents[0].get_model_by_name('time').value = 10.0; }")
     press(page, "copy link")
     page.wait_for_function("location.hash == '#t=10&bead=8&chain=2'")
@@ -154,7 +164,7 @@ def test_the_numbers_behind_plots_are_saved_as_csv_with_units(page, ran):
     frames = ran.trajectory
     choose(page, "of chain", "all")
     choose(page, "quantity on the maps", "displacement")
-    name, path = saved(page, 0, "Save the data as CSV")
+    name, path = saved(page, 0, "Data as CSV")
     rows = list(csv.DictReader(path.read_text().splitlines()))
     assert name == "seen-map-displacement.csv"
     assert list(rows[0]) == ["time t (reduced)", "chain", "bead", "displacement x (reduced)"]
@@ -164,13 +174,13 @@ def test_the_numbers_behind_plots_are_saved_as_csv_with_units(page, ran):
     assert float(row["time t (reduced)"]) == pytest.approx(frames.time[FRAME])
     assert float(row["displacement x (reduced)"]) == pytest.approx(frames.displacement[FRAME, 1, BEAD - 1], rel=1e-6)
     choose(page, "quantity on the maps", "velocity")
-    name, path = saved(page, 1, "Save the data as CSV")
+    name, path = saved(page, 1, "Data as CSV")
     rows = list(csv.DictReader(path.read_text().splitlines()))
     assert (name, list(rows[0])) == (
         "seen-beads.csv",
         ["chain", "bead", "displacement x (reduced)", "velocity v (reduced)"],
     )
-    name, path = saved(page, 2, "Save the data as CSV")
+    name, path = saved(page, 2, "Data as CSV")
     rows = [row for row in csv.DictReader(path.read_text().splitlines()) if row["curve"] == "bead 4, chain 1"]
     assert name == "seen-velocity.csv"
     velocities = [float(row["velocity v (reduced)"]) for row in rows]
