@@ -1,6 +1,7 @@
 """Energy over time: where that of a run is and what dashpots have dissipated, and the shares of the chains."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -55,30 +56,55 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
     """
     largest = account.most
     time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", largest)
-    layers = [(_WORDS.get(name, name), account.stored[name], colour, "") for name, colour in _STORED.items()]
-    losses = zip(account.losses.items(), _LOST, strict=False)  # there are five at most
-    layers += [(name, part, colour, "////") for (name, part), colour in losses]
-    width = oscillations_to_average(account.kinetic, largest)
+    colours = iter(_LOST)  # there are five at most
+    stored, losses, energy_input, width = budget_curves(account)
+    layers = [(_WORDS.get(name, name), part, _STORED[name], "") for name, part in stored.items()]
+    layers += [(name, part, next(colours), "////") for name, part in losses.items()]
     figure = new_figure(4.2)
     axis = figure.subplots()
     below, t = np.zeros_like(account.time), account.time * time.worth
     for name, part, colour, hatch in layers:
-        if np.max(np.abs(part)) <= _NOTICED * largest:
-            continue
-        above = below + moving_mean(part, width) * energy.worth
+        above = below + part * energy.worth
         axis.fill_between(t, below, above, facecolor=colour, hatch=hatch, edgecolor="white", linewidth=0.0, label=name)
         below = above
-    energy_input = moving_mean(account.energy_input, width)
     axis.plot(t, energy_input * energy.worth, color="black", label="energy input")
     axis.set_xlim(t[0], t[-1])
     least = min(0.0, float(np.min(energy_input)))  # a drive may begin by taking up energy
     axis.set_ylim(1.06 * least * energy.worth, 1.06 * float(np.max(energy_input)) * energy.worth)
     axis.set_xlabel(time.label(Account, "time"))
-    axis.set_ylabel(energy.label(FrameContent, "energy") + _averaged(account.time, width, time))
+    axis.set_ylabel(energy.label(FrameContent, "energy") + averaged(account.time, width, time))
     head(figure, title(problem, until=float(account.time[-1])))
     handles, labels = axis.get_legend_handles_labels()
     legend_beside(figure, handles[::-1], labels[::-1], handleheight=1.4)  # as the layers lie
     return figure
+
+
+class BudgetCurves(NamedTuple):
+    """Energies of a budget, each [instant]; moving means over so many instants, 0 where they are none."""
+
+    stored: dict[str, Floats]
+    losses: dict[str, Floats]
+    energy_input: Floats
+    width: int
+
+    @property
+    def by_words(self) -> dict[str, Floats]:
+        """Energies stored and dissipated, by their names in a legend."""
+        return {_WORDS.get(name, name): part for name, part in (*self.stored.items(), *self.losses.items())}
+
+
+def budget_curves(account: Account) -> BudgetCurves:
+    """Curves of a budget that are large enough to be drawn.
+
+    Where instants are too far apart to show how energy oscillates, they are moving means.
+    """
+    largest = account.most
+    width = oscillations_to_average(account.kinetic, largest)
+    stored, losses = (
+        {name: moving_mean(part, width) for name, part in parts.items() if np.max(np.abs(part)) > _NOTICED * largest}
+        for parts in (account.stored, account.losses)
+    )
+    return BudgetCurves(stored, losses, moving_mean(account.energy_input, width), width)
 
 
 @styled
@@ -100,7 +126,7 @@ def energy_figure(problem: Problem, flow: Flow) -> Figure:
         if kind == "share":
             width = max(oscillations_to_average(share, 1.0) for share in shares.T)
             draw_chains(panel, chains, t, np.stack([moving_mean(share, width) for share in shares.T], axis=1))
-            panel.set_ylabel("share of the energy" + _averaged(flow.time, width, time))
+            panel.set_ylabel("share of the energy" + averaged(flow.time, width, time))
             panel.set_ylim(0.0, max(1.0, 1.05 * float(np.nanmax(shares))))
         elif kind == "centre":
             draw_chains(panel, chains, t, centres)
@@ -169,7 +195,7 @@ def moving_mean(values: Floats, width: int) -> Floats:
         return np.asarray(total / weights)
 
 
-def _averaged(time: Floats, width: int, unit: AxisUnit) -> str:
+def averaged(time: Floats, width: int, unit: AxisUnit) -> str:
     """End of a label of moving means; empty where there are none."""
     if not width:
         return ""

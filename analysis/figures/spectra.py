@@ -21,6 +21,7 @@ from analysis.figures.style import (
     title,
 )
 from analysis.gauges.spectra import SpectrumTable, VelocitySpectra
+from analysis.trajectory import Floats
 from lammps_inputs import Problem
 
 MOST_BEADS = 8
@@ -60,6 +61,28 @@ HIGHEST = 1.25
 """Largest frequency shown, over the highest of the exact branches."""
 
 
+def highest_frequency(spectrum: Map) -> float:
+    """Angular frequency up to which a map is shown, in 1 / T."""
+    return min(HIGHEST * float(spectrum.cell.bands().max()), float(spectrum.frequency[-1]))
+
+
+def shown_power(spectrum: Map) -> tuple[Floats, tuple[float, float], tuple[float, float]]:
+    """Power of a map as it is shown, and the ends of its axes.
+
+    Returns:
+        Decadic logarithm of the power over the largest, [frequency, wavenumber], at least minus `DECADES`; ends in
+        wavenumber, in radians a bead; ends in angular frequency, in 1 / T.
+    """
+    shown = spectrum.frequency <= HIGHEST * spectrum.cell.bands().max()
+    step = float(spectrum.wavenumber[1] - spectrum.wavenumber[0])
+    power, last = spectrum.power[shown], float(spectrum.wavenumber[-1])
+    if last + 0.75 * step < math.pi:  # -pi, at the left edge, is pi, too
+        power, last = np.concatenate([power, power[:, :1]], axis=1), last + step
+    across = (float(spectrum.wavenumber[0]) - 0.5 * step, last + 0.5 * step)
+    up = (-0.5 * spectrum.bin, float(spectrum.frequency[shown][-1]) + 0.5 * spectrum.bin)
+    return np.log10(np.maximum(power, 10.0**-DECADES)), across, up
+
+
 @styled
 def dispersion_figure(problem: Problem, spectrum: Map) -> Figure:
     """The map of the chain with the largest excitation; exact branches as lines, borders of the bands dotted."""
@@ -67,24 +90,15 @@ def dispersion_figure(problem: Problem, spectrum: Map) -> Figure:
     unit = axis_unit(problem, "frequency", float(edges.max()))
     worth = unit.worth
     bands = edges * worth
-    shown = spectrum.frequency * worth <= HIGHEST * bands.max()
-    step = spectrum.wavenumber[1] - spectrum.wavenumber[0]
-    power, last = spectrum.power[shown], spectrum.wavenumber[-1]
-    if last + 0.75 * step < math.pi:  # -pi, at the left edge, is pi, too
-        power, last = np.concatenate([power, power[:, :1]], axis=1), last + step
+    power, (left, right), (bottom, top) = shown_power(spectrum)
     figure = new_figure(4.8, 6.4)
     axis = figure.subplots()
     image = axis.imshow(
-        np.log10(np.maximum(power, 10.0**-DECADES)),
+        power,
         origin="lower",
         aspect="auto",
         interpolation="nearest",
-        extent=(
-            spectrum.wavenumber[0] - 0.5 * step,
-            last + 0.5 * step,
-            -0.5 * spectrum.bin * worth,
-            (spectrum.frequency[shown][-1] + 0.5 * spectrum.bin) * worth,
-        ),
+        extent=(left, right, bottom * worth, top * worth),
         cmap="magma",
         vmin=-DECADES,
         vmax=0.0,
@@ -98,7 +112,7 @@ def dispersion_figure(problem: Problem, spectrum: Map) -> Figure:
     for edge in np.unique(bands.round(12)):
         axis.axhline(edge, color="0.7", **dots)
     axis.set_xlim(-math.pi, math.pi)
-    axis.set_ylim(0.0, min(HIGHEST * bands.max(), float(spectrum.frequency[-1]) * worth))
+    axis.set_ylim(0.0, highest_frequency(spectrum) * worth)
     axis.set_xticks(
         [-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi], [r"$-\pi$", r"$-\pi/2$", "0", r"$\pi/2$", r"$\pi$"]
     )

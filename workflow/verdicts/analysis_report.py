@@ -324,6 +324,12 @@ class EnergyShare:
             QuantityColumn("energy_share_uncertainty", "uncertainty of the share of the energy in the leading waves"),
         ),
     )
+    chains: Floats | None = declare(
+        "energy of each chain, with half of its springs', when the waves (on average) pass the last compared bead at "
+        "which all arrivals are defined",
+        "energy input",
+        f"there is one chain, not all beads are recorded, no pulse keeps its shape, or {TOO_COARSE}",
+    )
 
 
 @result
@@ -522,6 +528,7 @@ def equipartition(found: Survey) -> Equipartition:
             exact=float(np.sum(shared.wave_share[-1])) if len(shared) and runs_exact_waves(system) else None,
             measured=float(measured[-1]) if len(measured) and pulse else None,
             measured_error=float(error[-1]) if len(error) and pulse else None,
+            chains=found.energies.chain[-1] if len(measured) and pulse and found.problem.chains > 1 else None,
         ),
         beat_length=shared.regular_beat if seen else None,
         decay_law=decay,

@@ -38,7 +38,10 @@ class Thinned:
         velocity: likewise; of the run's frames that are nearest to this one, the largest in size, so that peaks stay.
         overlap, force: of each bead with the next of its chain, [chain, frame, bead]; NaN where that is not known, and
             of rigid beads.
-        energy: of each chain's beads, [chain, frame]; NaN where not every bead was recorded.
+        density: energy of each bead, [chain, frame, bead]; NaN where not every bead was recorded.
+        energy: of each chain's beads, [chain, frame]; likewise.
+        resonators: displacement of lines of atoms that are no beads, [line, frame, bead]; NaN where there is no atom.
+        tied_to: number of the chain that each of these lines is tied to.
         bead_stride, frame_stride: every how many there are here.
     """
 
@@ -49,7 +52,10 @@ class Thinned:
     velocity: Floats
     overlap: Floats
     force: Floats
+    density: Floats
     energy: Floats
+    resonators: Floats
+    tied_to: list[int]
     bead_stride: int
     frame_stride: int
 
@@ -76,7 +82,7 @@ class Thinned:
     def measured(self, units: Mapping[str, AxisUnit]) -> "Thinned":
         """Thinned run with its arrays in units of the page, such as ms and mm/s."""
         kinds = {name: name for name in ("time", "velocity", "force", "energy")}
-        kinds |= {"displacement": "length", "overlap": "length"}
+        kinds |= {"displacement": "length", "overlap": "length", "density": "energy", "resonators": "length"}
         return replace(self, **{name: getattr(self, name) * units[kind].worth for name, kind in kinds.items()})
 
 
@@ -102,25 +108,26 @@ def thinned(
     numbers = (problem.frames + 1) * len(chains)
     recorded_numbers = numbers * problem.rows_a_frame // beads.step
     stride = max(1, -(-recorded_numbers // most_numbers), -(-numbers * len(recorded[beads]) // MOST_HELD))
+    tied = _tied(problem, chains)
     parts: list[tuple[Floats, ...]] = []
     nearest: list[Integers] = []  # number of the kept frame that each of some velocities is nearest to
     fastest: list[Floats] = []
     frames_read = 0
     for block in blocks:
         frames = _whole(block[-frames_read % stride :: stride])
-        parts.append(
-            (frames.time, _energy(frames)[:, chains], *(values[:, chains, beads] for values in _of(frames, deforms)))
-        )
+        density = _energy(frames)
+        of_beads = (values[:, chains, beads] for values in (*_of(frames, deforms), density))
+        parts.append((frames.time, density.sum(axis=-1)[:, chains], _resonators(frames, tied)[..., beads], *of_beads))
         near = (np.arange(frames_read, frames_read + block.frames) + stride // 2) // stride
         near, first = np.unique(near, return_index=True)
         largest = replace(block, displacement=block.displacement[first], velocity=_largest(block.velocity, first))
         nearest.append(near)
         fastest.append(_whole(largest).velocity[:, chains, beads])
         frames_read += block.frames
-    time, energy, *values = (np.concatenate(kind) for kind in zip(*parts, strict=True))
+    time, energy, resonators, *values = (np.concatenate(kind) for kind in zip(*parts, strict=True))
     near = np.minimum(np.concatenate(nearest), len(time) - 1)  # the last frames are nearer to one that would follow
     values.append(_largest(np.concatenate(fastest), np.unique(near, return_index=True)[1]))
-    x, overlap, force, v = (np.ascontiguousarray(kind.transpose(1, 0, 2)) for kind in values)
+    x, overlap, force, density, v = (np.ascontiguousarray(kind.transpose(1, 0, 2)) for kind in values)
     return Thinned(
         chains=[chain + 1 for chain in chains],
         beads=recorded[beads],
@@ -129,7 +136,10 @@ def thinned(
         velocity=v,
         overlap=overlap,
         force=force,
+        density=density,
         energy=energy.T,
+        resonators=np.ascontiguousarray(resonators.transpose(1, 0, 2)),
+        tied_to=[chain + 1 for chain in tied.values()][: resonators.shape[1]],
         bead_stride=beads.step,
         frame_stride=stride,
     )
@@ -157,10 +167,27 @@ def _of(frames: Trajectory, deforms: bool) -> tuple[Floats, Floats, Floats]:
 
 
 def _energy(frames: Trajectory) -> Floats:
-    """Energy of each chain's beads, [frame, chain]; NaN where not all beads are recorded."""
+    """Energy of each bead, [frame, chain, bead]; NaN where not all beads are recorded."""
     if not frames.problem.whole:
-        return np.full(frames.velocity.shape[:2], np.nan)
-    return np.asarray(motion.bead_energy(frames.system, frames.displacement, frames.velocity).sum(axis=-1))
+        return np.full(frames.velocity.shape, np.nan)
+    return motion.bead_energy(frames.system, frames.displacement, frames.velocity)
+
+
+def _tied(problem: Problem, chains: list[int]) -> dict[int, int]:
+    """Line of atoms that are no beads -> chain that it is tied to, all counted from 0; for some chains."""
+    tied = {chain: chain for chain in range(problem.chains)}
+    for link in problem.system.ties:
+        tied |= {higher: tied[lower] for lower, higher in link.edges}
+    return {line: chain for line, chain in tied.items() if line >= problem.chains and chain in chains}
+
+
+def _resonators(frames: Trajectory, tied: Mapping[int, int]) -> Floats:
+    """Displacement of tied lines of atoms, [frame, line, bead]; NaN where there is no atom, no line if not recorded."""
+    mass = frames.problem.system.further_mass
+    if mass is None or frames.further_lines is None:
+        return np.zeros((frames.frames, 0, frames.displacement.shape[-1]))
+    lines = np.array(list(tied), dtype=int) - frames.problem.chains
+    return np.where(mass[lines] > 0.0, frames.further_lines[:, 0, lines], np.nan)
 
 
 # --- units ------------------------------------------------------------------------------------------------------------

@@ -1,30 +1,28 @@
-"""Beads, springs and contact forces that move along the chains, under a slider."""
+"""Beads, springs, contact forces, walls and resonators that move along the chains, under a slider."""
 
-import math
 from typing import Any
 
 import numpy as np
-from bokeh.layouts import column, row
+from bokeh.layouts import column
 from bokeh.models import (
     ColumnDataSource,
     CustomJS,
-    CustomJSTickFormatter,
     Div,
     HoverTool,
     LinearColorMapper,
     Range1d,
-    Slider,
     Span,
-    Toggle,
 )
 from bokeh.plotting import figure
 
 from analysis.figures.spacetime import STILL
-from analysis.figures.style import AxisUnit
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
+from workflow.view.attached import draw_resonators, draw_walls
 from workflow.view.downsample import Thinned, Units, behind
-from workflow.view.plots import chain_name, label, lists, name_places, number
+from workflow.view.plots import chain_name, label, label_of, lists, name_places, number
+from workflow.view.save_data import add_tool_of_columns
+from workflow.view.time_bar import time_bar
 
 BEADS_IN_SIGHT = 40
 """Around the front, where beads move."""
@@ -44,11 +42,11 @@ const x = [], y = [], v = [], d = [], r = [], bead = [], chain = [], fx = [], fy
 const sx0 = [], sx1 = [], sy0 = [], sy1 = [], sc = [];
 let front = 0, fastest = 0;
 for (let c = 0; c < images.length; c++) {
-  const vel = images[c].data.velocity[0], force = images[c].data.force[0], dis = moved.data.displacement[c];
+  const {velocity: [vel], force: [force], displacement: [dis]} = images[c].data;
   for (let i = 0; i < n; i++) {
     const at = k * n + i;
     r.push(widest * radius[c][i]); x.push(places[i] + exaggerated * dis[at]); y.push(-c); v.push(vel[at]);
-    d.push(dis[at] * length); bead.push(beads[i]); chain.push(chains[c]);
+    d.push(dis[at]); bead.push(beads[i]); chain.push(chains[c]);
     if (force[at] > least) {
       fx.push(places[i] + 0.5 * spacing); fy.push(-c + 0.3); fh.push(0.45 * force[at] / strongest);
     }
@@ -57,7 +55,7 @@ for (let c = 0; c < images.length; c++) {
 }
 for (const [a, b] of springs)
   for (let i = 0; i < n; i++) {
-    const at = k * n + i, dis = moved.data.displacement, p = exaggerated * dis[a][at], q = exaggerated * dis[b][at];
+    const at = k * n + i, [p, q] = [a, b].map(c => exaggerated * images[c].data.displacement[0][at]);
     sx0.push(places[i] + p); sx1.push(places[i] + q);
     sy0.push(-a); sy1.push(-b); sc.push(Math.min(1, 0.15 + Math.abs(p - q) / spacing));
   }
@@ -68,17 +66,6 @@ const half = 0.5 * most_places, first = places[0] - spacing, last = places[n - 1
 const middle = Math.max(first + half, Math.min(last - half, places[front]));
 if (last - first > most_places) { range.start = middle - half; range.end = middle + half; }
 """
-
-_PLAY = """
-clearInterval(window.playing);
-const last = Math.round((slider.end - slider.start) / slider.step), jump = Math.max(1, Math.round(last / 400));
-if (button.active) window.playing = setInterval(() => {
-  const k = Math.round((slider.value - slider.start) / slider.step);
-  slider.value = k >= last ? slider.start : slider.start + Math.min(last, k + jump) * slider.step;
-}, 40);
-"""
-
-_TIME = "return tick.toFixed(digits) + unit"
 
 
 def moving_beads(
@@ -103,13 +90,9 @@ def moving_beads(
     """
     sight = BEADS_IN_SIGHT * part.spacing
     plot = _plot(part, sight)
-    sources = _drawn(plot, part, colours, units)
-    length = units["length"].worth
-    moved = ColumnDataSource(
-        name="moved", data={"displacement": [(x / length).astype(np.float32) for x in part.displacement]}
-    )
-    slider = _slider(part, units["time"])
-    button = Toggle(label="play / pause", width=100, name="play")
+    sources = _drawn(problem, plot, part, colours, units)
+    exaggerated = _EXAGGERATED * part.spacing / units["length"].worth
+    slider, bar = time_bar(part, units["time"])
     least = STILL * colours.high / units["velocity"].worth * units["force"].worth
     strongest = float(np.nanmax(part.force, initial=0.0))
     move = CustomJS(
@@ -118,14 +101,12 @@ def moving_beads(
             "now": now,
             **lists(part),
             "images": images,
-            "moved": moved,
             **sources,
             "range": plot.x_range,
             "springs": _springs(problem, part),
             "least": least,
             "strongest": strongest,
-            "exaggerated": _EXAGGERATED * part.spacing,
-            "length": length,
+            "exaggerated": exaggerated,
             "spacing": part.spacing,
             "most_places": sight,
             "plot": plot,
@@ -135,22 +116,15 @@ def moving_beads(
         code=_MOVE,
     )
     slider.js_on_change("value", move)
-    button.js_on_change("active", CustomJS(args={"slider": slider, "button": button}, code=_PLAY))
+    resonators = draw_resonators(plot, part, slider, exaggerated, (sight, _WIDEST))
     plot.js_on_change("inner_width", move)  # once, when the page is laid out
-    bar = row(button, slider, sizing_mode="stretch_width")
-    scales = Div(text=_scales(part, units, strongest if strongest > least else 0.0))
+    further = {
+        "hatched": "walls" if draw_walls(plot, problem, part) else "",
+        "small circles": "resonators" if resonators else "",
+    }
+    words = "".join(f"; {look}: {name}" for look, name in further.items() if name)
+    scales = Div(text=_scales(part, units, strongest if strongest > least else 0.0, words))
     return plot, column(bar, scales, sizing_mode="stretch_width")
-
-
-def _slider(part: Thinned, unit: AxisUnit) -> Slider:
-    """A slider whose values are times, written to a tenth of the time between frames."""
-    digits = max(0, 1 - math.floor(math.log10(part.every)))
-    written = CustomJSTickFormatter(args={"digits": digits, "unit": behind(unit)}, code=_TIME)
-    start = float(part.time[0])
-    end = start + max(1, len(part.time) - 1) * part.every
-    slider = Slider(start=start, end=end, value=start, step=part.every, title="time", name="time", format=written)
-    slider.sizing_mode = "stretch_width"
-    return slider
 
 
 def _springs(problem: Problem, part: Thinned) -> list[list[int]]:
@@ -160,14 +134,14 @@ def _springs(problem: Problem, part: Thinned) -> list[list[int]]:
     return [[rows[first], rows[second]] for first, second in edges if first in rows and second in rows]
 
 
-def _scales(part: Thinned, units: Units, strongest: float) -> str:
-    """How velocities, displacements and forces are drawn."""
+def _scales(part: Thinned, units: Units, strongest: float, further: str) -> str:
+    """How velocities, displacements and forces are drawn, and in further words what else."""
     length, force = units["length"], units["force"]
     unit = f"{length.worth:.3g} {length.symbol} (L)" if length.symbol else "L (the unit of length)"
     between = "neighbouring beads" if part.bead_stride == 1 and part.even else "the beads shown"
     forces = f"; bars above the beads: contact forces, the highest {strongest:.3g}{behind(force)}" if strongest else ""
     displacements = f"a displacement of {unit} is drawn as {_EXAGGERATED:g} of the distance between {between}"
-    return f"Colours follow the signed square root of the velocity; {displacements}{forces}."
+    return f"Colours follow the signed square root of the velocity; {displacements}{forces}{further}."
 
 
 def _plot(part: Thinned, sight: float) -> Any:
@@ -193,7 +167,9 @@ def _plot(part: Thinned, sight: float) -> Any:
     return plot
 
 
-def _drawn(plot: Any, part: Thinned, colours: LinearColorMapper, units: Units) -> dict[str, ColumnDataSource]:
+def _drawn(
+    problem: Problem, plot: Any, part: Thinned, colours: LinearColorMapper, units: Units
+) -> dict[str, ColumnDataSource]:
     """What of beads, contact forces and springs is drawn in a plot, by the name in the script that moves them."""
     balls = ColumnDataSource(name="balls", data={name: [] for name in ("x", "y", "v", "d", "r", "bead", "chain")})
     pushes = ColumnDataSource(name="pushes", data={"x": [], "y": [], "h": []})
@@ -215,4 +191,6 @@ def _drawn(plot: Any, part: Thinned, colours: LinearColorMapper, units: Units) -
             formatters={"@d": number(units["length"]), "@v": number(units["velocity"])},
         )
     )
+    heads = {"chain": "chain", "bead": "bead", label_of("displacement", units): "d", label_of("velocity", units): "v"}
+    add_tool_of_columns(plot, problem.name, balls, heads)
     return {"balls": balls, "pushes": pushes, "ties": ties}

@@ -1,7 +1,7 @@
 """What the plots of a run's page share: axes, numbers, looks of lines and legends; and maps in space and time."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -30,6 +30,7 @@ from analysis.figures.style import CHAIN_DASHES as DASHES_ON_PAPER
 from analysis.figures.style import AxisUnit
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
+from lammps_inputs.units import REDUCED, Label
 from workflow.view.downsample import Thinned, Units, axis_label, behind
 
 _SEEN_ON_DARK = {"#000000": "#44aa99", "#882255": "#aa4499"}
@@ -59,7 +60,16 @@ _NAME = "return Number.isInteger(tick) && tick in beads ? String(beads[tick]) : 
 """Of a bead that stands side by side with those that are not its neighbours."""
 
 
-def graph(title: str, name: str, units: Units, y: str, x_range: Range1d, x: str = "time") -> Any:
+NOW = "now"
+"""Name of the lines that mark the time in plots."""
+
+_NOW = ({"line_color": "#000000", "line_width": 4.5}, {"line_color": "#ffe100", "line_width": 2})
+"""Looks of these lines over maps: yellow on a black rim is seen on all their colours."""
+
+
+def graph(
+    title: str, name: str, units: Units, y: str, x_range: Range1d, x: str = "time", y_axis_type: str = "auto"
+) -> Any:
     """A plot of lines, of a quantity over another one or over beads.
 
     Args:
@@ -68,6 +78,7 @@ def graph(title: str, name: str, units: Units, y: str, x_range: Range1d, x: str 
         units: of the page.
         y, x: quantities with a unit; or other words for the latter, which then counts beads.
         x_range: shared by plots over the same quantity.
+        y_axis_type: of Bokeh, such as ``log``.
     """
     plot = figure(
         title=title,
@@ -79,12 +90,14 @@ def graph(title: str, name: str, units: Units, y: str, x_range: Range1d, x: str 
         sizing_mode="stretch_width",
         x_axis_label=axis_label(x, units[x]) if x in units else x,
         y_axis_label=axis_label(y, units[y]),
+        y_axis_type=y_axis_type,
         x_range=x_range,
     )
     plot.toolbar.logo = None
     label(plot)
     if x == "time":
-        plot.add_layout(Span(dimension="height", location=x_range.start, line_color="#888888", line_width=1.5))
+        line = Span(name=NOW, dimension="height", location=x_range.start, line_color="#888888", line_width=1.5)
+        plot.add_layout(line)
     if x not in units:
         plot.xaxis.ticker = whole_numbers()
     return plot
@@ -146,14 +159,18 @@ def chain_name(chain: int) -> str:
     return f"chain {chain}"
 
 
-_DARK_CHOICE = """
-@media (prefers-color-scheme: dark) { .bk-input { background-color: #26292f; color: #ddd; } }
+DARK_CONTROL = """
+@media (prefers-color-scheme: dark) {
+  .bk-input, .bk-btn.bk-btn-default { background-color: #26292f; color: #ddd; border-color: #777; }
+  .bk-btn.bk-btn-default.bk-active { background-color: #4a4f59; }
+}
 """
+"""Buttons and choices in dark mode."""
 
 
 def choice(title: str, value: str, options: Sequence[str | tuple[str, str]], name: str) -> Select:
     """A choice among some words, or among values with words for each."""
-    return Select(title=title, value=value, options=list(options), name=name, stylesheets=[_DARK_CHOICE])
+    return Select(title=title, value=value, options=list(options), name=name, stylesheets=[DARK_CONTROL])
 
 
 def label(plot: Any) -> None:
@@ -196,9 +213,39 @@ return time[Math.max(0, Math.min(time.length - 1, k))].toPrecision(6) + unit
 """
 
 
+class MapQuantity(NamedTuple):
+    """A quantity of the maps: words, and those of a cursor; symbol in TeX, and key of its unit."""
+
+    words: str
+    of_cursor: str
+    symbol: str
+    unit: str
+
+
+MAPPED = {
+    "velocity": MapQuantity("velocity", "velocity", "v", "velocity"),
+    "displacement": MapQuantity("displacement", "displacement", "x", "length"),
+    "overlap": MapQuantity("overlap", "overlap with the next", "\\delta", "length"),
+    "force": MapQuantity("contact force", "force on the next", "F", "force"),
+    "density": MapQuantity("energy of each bead", "energy of the bead", "U", "energy"),
+}
+"""Quantities of a map, as the arrays of a `Thinned` are called."""
+
+
+def label_of(name: str, units: Units) -> str:
+    """Words, symbol and unit of a quantity of the maps, such as ``contact force F (N)``."""
+    shown = MAPPED[name]
+    return Label(shown.words, shown.symbol, units[shown.unit].symbol or REDUCED).plain
+
+
+def shown_quantities(part: Thinned) -> list[str]:
+    """Quantities of a map that are known anywhere."""
+    return [name for name in MAPPED if np.any(np.isfinite(getattr(part, name)))]
+
+
 def image_source(part: Thinned, place: int) -> ColumnDataSource:
     """What a chain's map shows, and where it stands."""
-    arrays = {name: [getattr(part, name)[place].astype(np.float32)] for name in ("velocity", "overlap", "force")}
+    arrays = {name: [getattr(part, name)[place].astype(np.float32)] for name in MAPPED}
     (left, right), (start, end) = ends(part.places, part.spacing), ends(part.time, part.every)
     box = {"x": [left], "y": [start], "dw": [right - left], "dh": [end - start]}
     return ColumnDataSource(name=f"chain-{part.chains[place]}", data={**arrays, **box})
@@ -228,9 +275,7 @@ def maps_of(
         ranges: of beads and of time, shared by all maps.
     """
     rows, across = panels(problem, len(part.chains))
-    # black on a white rim is seen on all colours of a map
-    now = [Span(dimension="width", location=part.time[0], line_color="#ffffff", line_width=4, line_alpha=0.8)]
-    now.append(Span(dimension="width", location=part.time[0], line_color="#000000", line_width=1.5))
+    now = [Span(name=NOW, dimension="width", location=part.time[0], **look_of_line) for look_of_line in _NOW]
     hover = _hover(part, units)
     maps: list[list[Any]] = [[] for _ in range(rows)]
     for place, (source, chain) in enumerate(zip(images, part.chains, strict=True)):
@@ -259,16 +304,14 @@ def maps_of(
 
 
 def _hover(part: Thinned, units: Units) -> dict[str, Any]:
-    """What a cursor over a map says: bead, time, velocity and, where they are known, overlap and force."""
+    """What a cursor over a map says: bead, time, and the quantities of the map that are known."""
     lists = {"beads": part.beads.tolist(), "places": part.places.tolist(), "spacing": part.spacing}
     when = {"time": part.time.tolist(), "unit": behind(units["time"])}
-    kinds = {"velocity": ("velocity", "velocity")}
-    if np.any(np.isfinite(part.overlap)):
-        kinds |= {"overlap": ("overlap with the next", "length"), "force": ("force on the next", "force")}
     formatters = {"$x": CustomJSHover(args=lists, code=_BEAD), "$y": CustomJSHover(args=when, code=_WHEN)}
-    formatters |= {f"@{name}": number(units[kind]) for name, (_, kind) in kinds.items()}
+    shown = shown_quantities(part)
+    formatters |= {f"@{name}": number(units[MAPPED[name].unit]) for name in shown}
     tips = [("bead", "$x{custom}"), ("time", "$y{custom}")]
-    tips += [(words, f"@{name}{{custom}}") for name, (words, _) in kinds.items()]
+    tips += [(MAPPED[name].of_cursor, f"@{name}{{custom}}") for name in shown]
     return {"tooltips": tips, "formatters": formatters}
 
 
@@ -278,9 +321,14 @@ def root_colours(limit: float) -> LinearColorMapper:
     return LinearColorMapper(palette=_palette(signed_root(share)), low=-limit, high=limit, nan_color="#999999")
 
 
-def _palette(share: Floats) -> list[str]:
-    """Colours at shares of the scale, from -1 to 1."""
-    return [to_hex(colour) for colour in mpl.colormaps[COLOURS](0.5 + 0.5 * share)]
+def _palette(share: Floats, name: str = COLOURS) -> list[str]:
+    """Colours of a palette of matplotlib at shares of its scale, from -1 to 1."""
+    return [to_hex(colour) for colour in mpl.colormaps[name](0.5 + 0.5 * share)]
+
+
+def map_palette(name: str = COLOURS) -> list[str]:
+    """Colours of a palette of matplotlib from its one end to the other, by default that of velocities."""
+    return _palette(np.linspace(-1.0, 1.0, 257), name)
 
 
 def _bar(colours: LinearColorMapper, title: str) -> ColorBar:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.layouts import column, gridplot, row
-from bokeh.models import CheckboxGroup, ColumnDataSource, CustomJS, Div, HoverTool, Range1d, Span
+from bokeh.models import CheckboxGroup, ColumnDataSource, CustomJS, Div, HoverTool, Range1d
 
 from analysis.figures.spacetime import STILL, largest_afar, moving_part
 from analysis.gauges.forces import Readings
@@ -15,10 +15,15 @@ from analysis.tracking.leading_waves import Waves
 from analysis.trajectory import Flags, Floats, Integers, mirrored_bead
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
+from workflow.measures.base import Measurement
+from workflow.measures.gauges import ForceMeasurement
 from workflow.view.downsample import Thinned, Units, units_of
+from workflow.view.map_choice import map_choice
+from workflow.view.measured import plots_of
 from workflow.view.moving import moving_beads
 from workflow.view.plots import (
     MARKS,
+    NOW,
     add_legend,
     chain_name,
     ends,
@@ -31,9 +36,15 @@ from workflow.view.plots import (
     number,
     root_colours,
 )
-from workflow.view.traces import traces_of
+from workflow.view.save_data import add_tool_of_curves
+from workflow.view.selection import selection
+from workflow.view.theory import draw_lines, lines_of, peaks_of
+from workflow.view.traces import Traces
 
 # --- graphs over beads ------------------------------------------------------------------------------------------------
+
+
+_THEORY_COLOURS = ("#888888", "#00a651")
 
 
 def distances(problem: Problem, part: Thinned, survey: Survey, bead_range: Range1d, units: Units) -> list[Any]:
@@ -48,7 +59,8 @@ def distances(problem: Problem, part: Thinned, survey: Survey, bead_range: Range
     }
     lags = {chain: _lag(passed, waves.of_chain(kicked), time.worth) for chain, passed in of_chain.items()}
     title = "peak velocity of the leading pulse"
-    graphs = [_over_beads(problem, title, "peaks", "velocity", peaks, bead_range, units)]
+    theory = {name: (bead, value * velocity.worth) for name, (bead, value) in peaks_of(problem, survey).items()}
+    graphs = [_over_beads(problem, title, "peaks", "velocity", peaks, bead_range, units, theory=theory)]
     if sum(len(passed) > 0 for passed in of_chain.values()) > 1:
         title = f"arrival after that in {chain_name(kicked)}"
         graphs.append(_over_beads(problem, title, "arrivals", "time", lags, bead_range, units))
@@ -81,6 +93,8 @@ def _over_beads(
     values: Mapping[int, tuple[Integers | Floats, Floats]],
     bead_range: Range1d,
     units: Units,
+    *,
+    theory: Mapping[str, tuple[Floats, Floats]] | None = None,
 ) -> Any:
     """A quantity over the beads, a line for each chain, broken where a recorded bead has no value.
 
@@ -91,6 +105,7 @@ def _over_beads(
         values: by chain: beads, and their values in units of the page.
         bead_range: of the axis.
         units: of the page.
+        theory: beads and values of lines of theory, by name.
     """
     plot = graph(title, name, units, quantity, bead_range, "bead")
     items = []
@@ -107,6 +122,9 @@ def _over_beads(
     tips = [("bead", "@bead"), (quantity, "@value{custom}")]
     renderers = [glyph for _, drawn in items for glyph in drawn]
     plot.add_tools(HoverTool(renderers=renderers, tooltips=tips, formatters={"@value": number(units[quantity])}))
+    for line_name, (bead, value) in (theory or {}).items():
+        style = {"line_color": _THEORY_COLOURS[len(items) % 2], "line_dash": "dotted", "line_width": 2}
+        items.append((line_name, [plot.line(bead, value, name="theory", **style)]))
     add_legend(plot, items)
     return plot
 
@@ -230,7 +248,7 @@ def layout(
     survey: Survey | None,
     shown: list[int],
     *,
-    readings: Readings | None = None,
+    measurements: Mapping[str, Measurement] | None = None,
     radius: Floats | None = None,
 ) -> Any:
     """The plots of a page.
@@ -240,40 +258,76 @@ def layout(
         part: of its frames, dimensionless.
         survey: the waves in it; None where there are none.
         shown: beads whose velocity over time is drawn first.
-        readings: of the gauges that the scene asks for.
+        measurements: what else was measured, by its key.
         radius: of every bead, [chain, bead]; all are alike without it.
     """
     units = units_of(problem, part)
-    part = part.measured(units)
+    part, measured = part.measured(units), measurements or {}
     images = [image_source(part, place) for place in range(len(part.chains))]
     limit = largest_afar(problem, part.beads, part.velocity)
-    colours = root_colours(limit)
     moves = np.nanmax(np.abs(part.velocity), axis=(0, 1), initial=0.0) > STILL * limit
     all_places = ends(part.places, part.spacing)
     place_range = Range1d(*moving_part(part.places, moves, all_places), bounds=all_places)
     time_range = Range1d(*ends(part.time, part.every), bounds=ends(part.time, part.every))
-    maps = maps_of(problem, part, images, colours, units, (place_range, time_range))
+    of_maps = root_colours(limit)
+    maps = maps_of(problem, part, images, of_maps, units, (place_range, time_range))
     every_map = [plot for line in maps for plot in line]
-    beads = _that_move(part, moves, shown)
-    traces, traces_and_choice = traces_of(part, every_map, images, beads, time_range, units)
-    below = [traces, *forces(problem, part, readings, time_range, units)]
+    grid = _side_by_side(maps)
+    above = [map_choice(problem, part, units, every_map, of_maps, grid.toolbar)]
+    if survey is not None and (lines := lines_of(problem, part.chains, survey, measured)):
+        above.append(draw_lines(lines, part, every_map, units))
+    phase = part.frame_stride == 1 and not problem.system.holds(Fact.PULSE)
+    traces = Traces(part, _that_move(part, moves, shown), time_range, units, phase=phase)
+    traces.follow(every_map, images)
+    below = [*traces.plots, *_graphs(problem, part, survey, measured, (place_range, time_range), units)]
+    for plot in below:
+        add_tool_of_curves(plot, problem.name)
+    further = plots_of(problem, part, measured.values(), time_range, units)
+    plots = [*every_map, *below, *further]
+    now = dict.fromkeys(line for plot in plots for line in plot.center if line.name == NOW)
+    every = np.ones((problem.chains, problem.beads)) if radius is None else radius / np.max(radius)
+    sizes = every[np.ix_(np.array(part.chains) - 1, part.beads - 1)]
+    moving, controls = moving_beads(problem, part, images, list(now), root_colours(limit), units, sizes)
+    slider = controls.select_one({"name": "time"})
+    link, readout = selection(part, units, every_map, slider, traces.bead, traces.chain)
+    chosen = row(traces.choices, link, sizing_mode="stretch_width", styles={"flex-wrap": "wrap", "align-items": "end"})
+    boxes = [_shown_chains(part.chains, [*below, *further])] if len(part.chains) > 1 else []
+    graphs = [*below, *further]
+    for graph_below in graphs:
+        graph_below.styles = {"flex": f"1 1 {_NARROWEST}px"}
+    wrapped = row(*graphs, styles={"flex-wrap": "wrap"}, sizing_mode="stretch_width")
+    return column(*above, grid, controls, chosen, readout, moving, *boxes, wrapped, sizing_mode="stretch_width")
+
+
+def _graphs(
+    problem: Problem,
+    part: Thinned,
+    survey: Survey | None,
+    measurements: Mapping[str, Measurement],
+    ranges: tuple[Range1d, Range1d],
+    units: Units,
+) -> list[Any]:
+    """Forces over time, the leading pulse over the beads, and energies over time, of what there is.
+
+    Args:
+        problem: what was run.
+        part: of its frames, in units of the page.
+        survey: the waves in it; None where there are none.
+        measurements: what else was measured, by its key.
+        ranges: of the places of beads and of time.
+        units: of the page.
+    """
+    place_range, time_range = ranges
+    gauges = measurements.get(ForceMeasurement.key)
+    readings = gauges.readings if isinstance(gauges, ForceMeasurement) else None
+    graphs = forces(problem, part, readings, time_range, units)
     if survey is not None and problem.system.holds(Fact.PULSE):
         all_beads = (float(part.beads[0]) - 1.0, float(part.beads[-1]) + 1.0)
         bead_range = place_range if part.even else Range1d(*all_beads, bounds=all_beads)
-        below += distances(problem, part, survey, bead_range, units)
+        graphs += distances(problem, part, survey, bead_range, units)
     if problem.whole:
-        below.append(energy(part, time_range, units))
-    plots = [*every_map, *below]
-    now = [line for plot in plots for line in plot.center if isinstance(line, Span)]
-    every = np.ones((problem.chains, problem.beads)) if radius is None else radius / np.max(radius)
-    sizes = every[np.ix_(np.array(part.chains) - 1, part.beads - 1)]
-    moving, controls = moving_beads(problem, part, images, list(dict.fromkeys(now)), colours, units, sizes)
-    boxes = [_shown_chains(part.chains, below)] if len(part.chains) > 1 else []
-    graphs = [traces_and_choice, *below[1:]]
-    for graph_or_column in graphs:
-        graph_or_column.styles = {"flex": f"1 1 {_NARROWEST}px"}
-    wrapped = row(*graphs, styles={"flex-wrap": "wrap"}, sizing_mode="stretch_width")
-    return column(_side_by_side(maps), controls, moving, *boxes, wrapped, sizing_mode="stretch_width")
+        graphs.append(energy(part, time_range, units))
+    return graphs
 
 
 def _that_move(part: Thinned, moves: Flags, shown: Sequence[int]) -> list[int]:
@@ -312,7 +366,7 @@ def _side_by_side(maps: list[list[Any]]) -> Any:
         toolbar_options={"logo": None},
         sizing_mode="stretch_width",
     )
-    grid.name = "space-time"
+    grid.name = "map-velocity"
     width = f"(100% - {_BAR + _TIME_AXIS}px) / {across}"
     if across > 1:
         grid.cols = [f"calc({width} + {_TIME_AXIS}px)", *[f"calc({width})"] * (across - 2), "1fr"]

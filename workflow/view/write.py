@@ -18,15 +18,17 @@ from lammps_inputs import InputError, Problem, file_names, references, strict_ya
 from lammps_inputs.ingredients.unequal import radii
 from workflow import provenance
 from workflow.formats import in_any_format
-from workflow.measures.gauges import ForceMeasurement
 from workflow.runs.engines import ENGINES, LAMMPS, RIGID
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.collect import collect
 from workflow.verdicts.analyse import FIGURES, analyse, default_beads
+from workflow.verdicts.analysis_lines import lines as analysis_lines
 from workflow.view.downsample import Thinned, thinned
+from workflow.view.results import results, sentence
 from workflow.view.run_page import layout
+from workflow.view.selection import open_link
 from workflow.view.sweep_page import layout as sweep_layout
 
 # --- HTML -------------------------------------------------------------------------------------------------------------
@@ -101,6 +103,7 @@ pre { overflow: auto; font-size: .85rem; }
 h1 { font-size: 1.4rem; margin: 0 0 .3rem; }
 p { margin: .2rem 0; }
 summary { cursor: pointer; }
+#results p, #results table { font-size: .9rem; }
 </style>
 {% endblock %}
 {% block contents %}
@@ -179,22 +182,12 @@ def write(directory: Path) -> Path:
 def _run(path: Path) -> Path:
     directory = RunDirectory(path)
     problem, scene = directory.problem, directory.scene
-    lines, survey, readings = [_sentence(scene.units)], None, None
+    lines, shown_results, survey, measurements = [sentence(scene.units)], "", None, None
     try:
         analysis = analyse(directory, figures=False)
         survey = analysis.survey
-        readings = next(
-            (
-                measurement.readings
-                for measurement in analysis.measurements.values()
-                if isinstance(measurement, ForceMeasurement)
-            ),
-            None,
-        )
-        if problem.chains > 1:
-            lines.append(_sentence(survey.verdict.sentence))
-        if not analysis.complete:
-            lines.append("The run is incomplete; what there is is shown.")
+        measurements = analysis.measurements
+        shown_results = results(analysis_lines(analysis))
     except InputError as error:
         lines.append(f"Not analysed: {error}")
     check = directory.job.check
@@ -209,20 +202,18 @@ def _run(path: Path) -> Path:
     if (path / file_names.DECK).is_file():
         texts[file_names.DECK] = (path / file_names.DECK).read_text(encoding="utf-8", errors="replace")
     foot = "".join(folded(heading, text) for heading, text in texts.items())
+    root = layout(problem, part, survey, list(default_beads(problem)), measurements=measurements, radius=radii(scene))
     made = render(
         f"{scene.name}: {problem.chains} x {problem.beads} beads",
         scene.name,
-        layout(problem, part, survey, list(default_beads(problem)), readings=readings, radius=radii(scene)),
-        head="".join(f"<p>{escape(line)}</p>" for line in (scene.description, *lines) if line),
+        root,
+        head="".join(f"<p>{escape(line)}</p>" for line in (scene.description, *lines) if line) + shown_results,
+        ready=open_link(root),
         foot=foot + provenance.foot(_cited([directory]), _computed(directory)),
     )
     claim(path, (VIEW,))
     write_text(path / VIEW, made)
     return path / VIEW
-
-
-def _sentence(text: str) -> str:
-    return f"{text[0].upper()}{text[1:]}."
 
 
 def _cited(runs: Iterable[RunDirectory]) -> list[str]:

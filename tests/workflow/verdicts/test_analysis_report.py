@@ -60,7 +60,9 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
         decay=decay,
         verdict=Verdict(EquipartitionState.BEATING, "they beat", expected=Estimate(62.0, 5.0)),
         energies=SimpleNamespace(
-            wave=np.array([[0.5, 0.4], [0.5, 0.48]]), wave_error=np.array([[1e-3, 2e-3], [2e-3, 3e-3]])
+            wave=np.array([[0.5, 0.4], [0.5, 0.48]]),
+            wave_error=np.array([[1e-3, 2e-3], [2e-3, 3e-3]]),
+            chain=np.array([[0.6, 0.4], [0.52, 0.48]]),
         ),
         problem=problem(),
     )
@@ -71,6 +73,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
     assert told["arrivals"] == {"0.1": 20, "0.01": 200, "0.001": 2000}
     assert told["final"] == pytest.approx({"value": 0.34, "uncertainty": 0.01, "reduction": 0.66})
     assert told["range"] == {"first": 6, "last": 7, "least": 0.33, "largest": 0.35}
+    assert told["energy_share"].pop("chains") == [0.52, 0.48]
     assert told["energy_share"] == pytest.approx({"exact": 0.97, "measured": 0.98, "measured_error": 5e-3})
     law = {"v0": 0.6, "n_star": 300.0, "n_star_error": 2.0, "n_star_expected": 270.9, "first": 10, "last": 90}
     assert told["decay_law"] == {**law, "deviation": 0.01}

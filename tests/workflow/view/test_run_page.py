@@ -69,7 +69,9 @@ def test_every_number_is_the_runs_in_the_units_of_its_figures(held):
 
 def found(waves):
     """What a survey found, where chains are compared by peak velocities."""
-    return SimpleNamespace(waves=waves, shared=SimpleNamespace(of_impulses=False))
+    shared = SimpleNamespace(of_impulses=False, final=None)
+    shared.followed = shared
+    return SimpleNamespace(waves=waves, shared=shared, decay=None)
 
 
 def test_lines_over_beads_break_at_recorded_beads_without_a_wave_and_show_those_that_stand_alone(held):
@@ -147,6 +149,7 @@ def test_axes_cursors_and_bars_have_the_unit_of_what_they_show(held):
         "velocity": unit("velocity"),
         **{word: unit("length") for word in ("displacement", "overlap with the next")},
         "force on the next": unit("force"),
+        "energy of the bead": unit("energy"),
     }
     assert [bar.title for bar in root.select({"type": ColorBar})] == [axis("velocity")]
     assert root.select_one({"name": "time"}).format.args["unit"] == unit("time")

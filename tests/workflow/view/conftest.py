@@ -1,0 +1,53 @@
+"""A browser that opens pages without a network."""
+
+import os
+import shutil
+
+import pytest
+
+
+@pytest.fixture(scope="module")
+def browser():
+    path = shutil.which("chromium")
+    if path is None:
+        assert not os.environ.get("CI"), "continuous integration installs chromium"
+        pytest.skip("chromium is not installed")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        started = driver.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
+        yield started
+        started.close()
+
+
+@pytest.fixture(scope="module")
+def open_page(browser):
+    """Opens a page without a network; fails at the end of the module if a page complained or asked for anything."""
+    complaints = []
+
+    def opened(path, fragment="", *, width=1300, height=1700, **options):
+        url = path.resolve().as_uri()
+        context = browser.new_context(offline=True, viewport={"width": width, "height": height}, **options)
+        page = context.new_page()
+        page.set_default_timeout(120_000)
+        page.on("console", lambda said: complaints.append(said.text) if said.type in ("error", "warning") else None)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on(
+            "request",
+            lambda asked: (
+                None
+                if asked.url.split("#")[0] == url or asked.url.startswith(("data:", "blob:"))
+                else complaints.append(asked.url)
+            ),
+        )
+        page.goto(url + fragment)
+        page.wait_for_function("window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle")
+        return page
+
+    yield opened
+    assert complaints == []
+
+
+@pytest.fixture
+def look(open_page):
+    return open_page
