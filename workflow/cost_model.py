@@ -18,8 +18,8 @@ from typing import Any
 
 from lammps_inputs import InputError, Problem, file_names, physics
 from lammps_inputs.numbers import size_text, time_text
-from lammps_inputs.slurm import site
-from lammps_inputs.slurm.step_time import MESSAGES, bead_seconds, frame_seconds, step_seconds
+from lammps_inputs.jobs import site
+from lammps_inputs.jobs.step_time import MESSAGES, bead_seconds, frame_seconds, step_seconds
 
 MEMORY = 1000
 """Memory in bytes a bead of a single chain at the start, when it is largest; 600 to 700 for coupled chains."""

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from lammps_inputs import InputError, file_names
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.jobs.site import JobOptions
 from workflow.cost_model import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
 from workflow.screen import CommandResult, one_line

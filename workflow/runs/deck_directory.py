@@ -5,8 +5,8 @@ from pathlib import Path
 
 from lammps_inputs import InputError, Scene, file_names
 from lammps_inputs.decks import deck
-from lammps_inputs.slurm import job
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.jobs import job
+from lammps_inputs.jobs.site import JobOptions
 from workflow import cost_model
 from workflow.prepare.settings import settle
 from workflow.prepare.step_choice import ChosenStep

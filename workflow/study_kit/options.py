@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lammps_inputs import InputError, file_names, library, strict_yaml
-from lammps_inputs.slurm.job import render_command
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.jobs.job import render_command
+from lammps_inputs.jobs.site import JobOptions
 from lammps_inputs.units import Label
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import claim, make_directory

@@ -6,8 +6,8 @@ from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, file_names, library, load
 from lammps_inputs.decks import deck
-from lammps_inputs.slurm import job
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.jobs import job
+from lammps_inputs.jobs.site import JobOptions
 from workflow.cost_model import with_ranks
 from workflow.errors import RunError
 from workflow.prepare.settings import settle

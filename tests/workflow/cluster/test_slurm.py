@@ -12,8 +12,8 @@ from stock_lammps import run as run_stock
 
 from lammps_inputs import file_names, library, strict_yaml
 from lammps_inputs.decks import deck
-from lammps_inputs.slurm import job
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.jobs import job
+from lammps_inputs.jobs.site import JobOptions
 from workflow.cli import main
 from workflow.runs.files import parts
 from workflow.runs.run_directory import RunDirectory

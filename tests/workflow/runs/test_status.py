@@ -19,8 +19,8 @@ from stock_lammps import scene
 from analysis.files.recording import Writer
 from lammps_inputs import file_names, physics
 from lammps_inputs.decks import continuation, deck
-from lammps_inputs.slurm import job
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.jobs import job
+from lammps_inputs.jobs.site import JobOptions
 from workflow.cli import main
 from workflow.runs.files import RECORD, write_json
 from workflow.runs.status import MEANING, Queue, Queued, parsed_queue, status, statuses

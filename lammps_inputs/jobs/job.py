@@ -32,8 +32,8 @@ from lammps_inputs.decks import deck
 from lammps_inputs.decks.continuation import onward_lines, render_continuation, restart_lines
 from lammps_inputs.errors import InputError
 from lammps_inputs.problem import Problem
-from lammps_inputs.slurm.site import RANKS, JobOptions
-from lammps_inputs.slurm.step_time import MESSAGES, frame_seconds, step_seconds
+from lammps_inputs.jobs.site import RANKS, JobOptions
+from lammps_inputs.jobs.step_time import MESSAGES, frame_seconds, step_seconds
 
 _DIRECTORY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._=,+-]{0,254}")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
@@ -183,7 +183,7 @@ def _with_ranks(word: str) -> str:
 
 def _text(name: str) -> str:
     """Shell commands that are the same in every such job."""
-    return Path(str(importlib.resources.files("lammps_inputs.slurm") / name)).read_text(encoding="utf-8")
+    return Path(str(importlib.resources.files("lammps_inputs.jobs") / name)).read_text(encoding="utf-8")
 
 
 def render_command(
