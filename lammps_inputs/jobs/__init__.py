@@ -1,4 +1,5 @@
-"""The job that runs a deck on a cluster, as text: what a site asks for, the script, arrays of decks.
+"""Jobs that run decks on a cluster, as text: what a site asks for, the script, arrays of decks.
 
-Whoever asks Slurm a question, or counts ranks, is in `workflow.cost_model`.
+`schedulers` is the table of what differs between Slurm, PBS Professional and Grid Engine. Whoever asks a queue, or
+counts ranks, is in `workflow`.
 """
