@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from lammps_inputs.slurm import site
+from lammps_inputs.jobs import site
 from workflow import screen
 from workflow.cli import main
 

@@ -10,33 +10,18 @@ import socket
 import subprocess
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from processes import HANGS, wait_until
+from cluster import Cluster, free_ports, skip_without, stop
+from processes import wait_until
 
 DAEMONS = ("munged", "slurmctld", "slurmd")
 _PATH = f"{os.environ.get('PATH', '')}:/usr/sbin:/usr/bin"
 
 
-@dataclass(frozen=True)
-class Slurm:
-    """A running Slurm.
-
-    Attributes:
-        environment: what its commands need.
-    """
-
-    environment: dict[str, str]
-
-    def call(self, *words: object, cwd: Path | None = None) -> str:
-        """Output of one of Slurm's commands."""
-        done = subprocess.run(
-            [str(word) for word in words], cwd=cwd, env=self.environment, capture_output=True, text=True, timeout=HANGS
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
-        return done.stdout
+class Slurm(Cluster):
+    """A running Slurm."""
 
     def submit(self, directory: Path, *options: object) -> str:
         """Number of the job that ``job.sbatch`` of a directory became."""
@@ -46,27 +31,12 @@ class Slurm:
         """Jobs and tasks that wait or run."""
         return self.call("squeue", "-h", "-r", "-o", "%i %t").splitlines()
 
-    def wait(self) -> None:
-        """Wait until all jobs have ended, also those that jobs submit."""
-        assert wait_until(lambda: not self.queue()), self.queue()
-
-
-def missing() -> str | None:
-    """Why Slurm cannot be started here, or None."""
-    absent = [name for name in DAEMONS if shutil.which(name, path=_PATH) is None]
-    if absent:
-        return f"no {', '.join(absent)}: apt-get install slurm-wlm munge"
-    return None if os.geteuid() == 0 else "Slurm is started by root only"
-
 
 @pytest.fixture(scope="session")
 def slurm() -> Iterator[Slurm]:
     """Slurm with one idle node of two cores (or as many as there are)."""
-    reason = missing()
-    if reason is not None:
-        if os.environ.get("CI"):
-            pytest.fail(reason)
-        pytest.skip(reason)
+    absent = [name for name in DAEMONS if shutil.which(name, path=_PATH) is None]
+    skip_without(absent, "slurm-wlm munge", "Slurm")
     home = Path("/run") / f"granchain-slurm-{os.getpid()}"  # sockets have short paths, and munge wants safe parents
     home.mkdir(mode=0o755)
     processes: list[subprocess.Popen[bytes]] = []
@@ -76,21 +46,14 @@ def slurm() -> Iterator[Slurm]:
         running.call("scancel", "--me")
         running.wait()
     finally:
-        for process in reversed(processes):
-            process.terminate()
-        for process in processes:
-            try:
-                process.wait(HANGS)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+        stop(processes)
         shutil.rmtree(home, ignore_errors=True)
 
 
 def _start(home: Path, processes: list["subprocess.Popen[bytes]"]) -> Slurm:
     for name in ("state", "spool", "munge"):
         (home / name).mkdir(mode=0o755)
-    controller, node = _free_ports(2)
+    controller, node = free_ports(2)
     key = home / "munge" / "key"
     key.write_bytes(os.urandom(128))
     key.chmod(0o600)
@@ -154,13 +117,3 @@ PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 
     assert wait_until(idle), (home / "log").read_text()[-3000:]
     return running
-
-
-def _free_ports(count: int) -> list[int]:
-    held = [socket.socket() for _ in range(count)]
-    for one in held:
-        one.bind(("127.0.0.1", 0))
-    ports = [int(one.getsockname()[1]) for one in held]
-    for one in held:
-        one.close()
-    return ports

@@ -1,4 +1,4 @@
-"""Write the LAMMPS deck of a scene, for any lmp, and a Slurm job for it."""
+"""Write the LAMMPS deck of a scene, for any lmp, and a job for it."""
 
 import argparse
 from pathlib import Path
@@ -13,6 +13,7 @@ from workflow.screen import one_line, print_files, print_heading
 EXAMPLES = (
     "deck two-chains -o deck                                  # then, there: lmp -in in.chains",
     "deck my/scene.yaml -o job --slurm --nodes 2 --time 12:00:00   # then, there: sbatch job.sbatch",
+    "deck my/scene.yaml -o job --scheduler pbs --partition long   # then, there: qsub job.pbs",
 )
 
 
@@ -53,7 +54,8 @@ def execute(arguments: argparse.Namespace) -> int:
         if slower:
             print(slower)
         print_files(arguments.output, written.files)
-        print(f"`sbatch {file_names.JOB}` there submits the job; `granchain status {directory}` shows its state")
+        submission = written.options.of_scheduler.by_hand
+        print(f"`{submission}` there submits the job; `granchain status {directory}` shows its state")
         return 0
     print(f"a run on one core has {size.sentence()}")
     print_files(arguments.output, written.files)

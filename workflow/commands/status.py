@@ -9,7 +9,7 @@ from collections import Counter
 from pathlib import Path
 
 from lammps_inputs import InputError
-from workflow.runs.status import Status, slurm_queue, statuses
+from workflow.runs.status import Status, cluster_queue, statuses
 from workflow.screen import CommandResult, one_line
 
 ANSWERS = "a list of objects"
@@ -36,7 +36,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     for path in arguments.directories:
         if not os.path.lexists(path):
             raise InputError(f"{one_line(path)}: no such directory")
-    states = statuses(arguments.directories, slurm_queue())
+    states = statuses(arguments.directories, cluster_queue())
     for status in states:
         print(line(status))
     if len(states) > 1:

@@ -1,10 +1,10 @@
-"""Run a scene for lists or ranges of any of its fields, locally or as a Slurm array."""
+"""Run a scene for lists or ranges of any of its fields, locally or as one array of jobs on a cluster."""
 
 import argparse
 from pathlib import Path
 
-from lammps_inputs import InputError, file_names
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs import InputError
+from lammps_inputs.jobs.site import JobOptions
 from workflow.cost_model import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
 from workflow.screen import CommandResult, one_line
@@ -77,12 +77,12 @@ def _write(definition: file.Sweep, output: Path, options: JobOptions) -> Command
     under_way = f", {written.under_way} in the queue or running" if written.under_way else ""
     print(f"{output}: {written.tasks} of {written.cases} cases to do{under_way}")
     if written.tasks:
-        ranks = f"{written.ranks} rank{'s' * (written.ranks > 1)}"
-        print(f"`sbatch {file_names.JOB}` there submits one array, each case on {ranks}")
-        if written.numbers > on_cluster.USUAL_LIMIT:
+        ranks, scheduler = f"{written.ranks} rank{'s' * (written.ranks > 1)}", options.of_scheduler
+        print(f"`{scheduler.by_hand}` there submits one array, each case on {ranks}")
+        if written.numbers > scheduler.max_tasks:
             print(
-                f"numbers of its tasks go to {written.numbers - 1}; Slurm's MaxArraySize is often "
-                f"{on_cluster.USUAL_LIMIT}"
+                f"numbers of its tasks go to {written.numbers - 1}; {scheduler.title}'s {scheduler.max_tasks_setting} "
+                f"is often {scheduler.max_tasks}"
             )
     print(f"`granchain status {output}` shows the state, `granchain collect {output}` makes the table")
     return CommandResult(0, {"cases": written.cases, "to_do": written.tasks, "under_way": written.under_way})

@@ -1,12 +1,12 @@
-"""The directory of a deck: LAMMPS input for any ``lmp``, the scene with all defaults, and a Slurm job if asked for."""
+"""The directory of a deck: LAMMPS input for any ``lmp``, the scene with all defaults, and a job if asked for."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
 from lammps_inputs import InputError, Scene, file_names
 from lammps_inputs.decks import deck
-from lammps_inputs.slurm import job
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.jobs import job
+from lammps_inputs.jobs.site import JobOptions
 from workflow import cost_model
 from workflow.prepare.settings import settle
 from workflow.prepare.step_choice import ChosenStep
@@ -48,7 +48,7 @@ def write_deck(
         source: name of the scene in messages.
         overwrite: whether an earlier run's files may be replaced.
         force: whether the time step may be above the stability bound.
-        options: options of a Slurm job; None for no job.
+        options: options of a job; None for no job.
 
     Returns:
         What was written.

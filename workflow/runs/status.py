@@ -1,8 +1,8 @@
 """In what state a directory is: every one has a name, also after a kill, and what to do next is said.
 
-Derived from a local run's own account (``run.json``), a Slurm job's line (``job.state``), or the files alone, and from
-the frames, the lock of a run under way, and what was just written. Slurm's queue is asked where there is one. Nothing
-is written. Half-written and damaged files raise nothing here: what cannot be read is skipped.
+Derived from a local run's own account (``run.json``), a job's line (``job.state``), or the files alone, and from
+the frames, the lock of a run under way, and what was just written. A scheduler's queue is asked where there is one.
+Nothing is written. Half-written and damaged files raise nothing here: what cannot be read is skipped.
 """
 
 import platform
@@ -19,15 +19,14 @@ from typing import Any, Literal
 
 from analysis.files.dump_layout import last_step
 from lammps_inputs import InputError, file_names
+from lammps_inputs.jobs.schedulers import SCHEDULERS, SLURM, ListedJob, Scheduler
 from workflow.engines.lammps.files_on_disk import step_of
 from workflow.runs.files import RECORD, held, parts
 from workflow.runs.job import Job, StudyRecord, load, restart_refused
 
-# --- Slurm's queue ----------------------------------------------------------------------------------------------------
+# --- a scheduler's queue ----------------------------------------------------------------------------------------------
 
-_FORMAT = "%A|%t|%K|%Z"
 _SECONDS = 15.0
-_WAITING = ("PD", "RQ", "RH", "RF", "SE", "RD", "RV", "SO")
 
 
 @dataclass(frozen=True)
@@ -62,30 +61,28 @@ class Queue:
         return min(jobs, key=lambda job: job.waiting, default=None)
 
 
-def slurm_queue() -> Queue | None:
-    """Slurm's queue; None where there is no Slurm."""
-    cluster = _said("scontrol", "show", "config")
-    jobs = _said("squeue", "-h", "-r", "-o", _FORMAT)
-    if cluster is None or jobs is None:
-        return None
-    name = next((line.split("=")[1].strip() for line in cluster.splitlines() if line.startswith("ClusterName")), "")
-    return parsed_queue(name, jobs)
+def cluster_queue() -> Queue | None:
+    """The queue of the first scheduler that answers; None where there is none."""
+    for scheduler in SCHEDULERS.values():
+        answer = scheduler.queue(_output)
+        if answer is not None:
+            return queue_of(*answer)
+    return None
 
 
-def parsed_queue(cluster: str, text: str) -> Queue:
-    """The queue as ``squeue`` prints it; a task works in the directories of its line of the list."""
+def queue_of(cluster: str, listed: Sequence[ListedJob]) -> Queue:
+    """The queue of the jobs that a scheduler lists; a task works in the directories of its line of cases.txt."""
     queue = Queue(cluster)
     lists: dict[Path, list[str]] = {}
-    for line in text.splitlines():
-        number, state, task, directory = [*line.split("|", 3), "", "", ""][:4]
-        where = Path(directory)
+    for job in listed:
+        where = Path(job.directory)
         places = [where]
-        if task.isdigit():
+        if job.task is not None:
             if where not in lists:
                 lists[where] = _lines(where / file_names.CASES)
-            if int(task) < len(lists[where]):
-                places = [where / name for name in lists[where][int(task)].split()]
-        queue.jobs.extend(Queued(number, state in _WAITING, place.resolve()) for place in places)
+            if job.task < len(lists[where]):
+                places = [where / name for name in lists[where][job.task].split()]
+        queue.jobs.extend(Queued(job.number, job.waiting, place.resolve()) for place in places)
     return queue
 
 
@@ -96,7 +93,7 @@ def _lines(path: Path) -> list[str]:
         return []
 
 
-def _said(*words: str) -> str | None:
+def _output(*words: str) -> str | None:
     try:
         done = subprocess.run(words, capture_output=True, text=True, timeout=_SECONDS, stdin=subprocess.DEVNULL)
     except (OSError, subprocess.SubprocessError):
@@ -175,7 +172,7 @@ def status(directory: Path, queue: Queue | None = None) -> Status:
 
     Args:
         directory: any path.
-        queue: Slurm's queue; None where there is no Slurm.
+        queue: queue of the cluster; None where there is no scheduler.
     """
     try:
         return _status(directory, queue)
@@ -193,7 +190,7 @@ def _status(directory: Path, queue: Queue | None) -> Status:
         job = load(recorded)
     account = job is None or job.outcome is not None  # else it only lists what is in the directory
     if reported.is_file() and not (account and recorded.stat().st_mtime > reported.stat().st_mtime):
-        return _of_slurm(directory, reported, queue, queued)
+        return _of_job(directory, reported, queue, queued)
     if job is None:
         return Status(directory, "failed", _last_step(directory), _steps(directory), f"{RECORD} cannot be read")
     if account:
@@ -239,13 +236,13 @@ def _of_files(directory: Path) -> Status:
     if not (directory / file_names.DECK).is_file():
         if (directory / file_names.SCENE).is_file():
             return Status(directory, "incomplete", why="nothing was computed; run it again with --overwrite")
-        if (directory / file_names.JOB).is_file():
-            return Status(directory, "written", why=f"{_sbatch(directory)} starts it")
+        if _scheduler(directory) is not None:
+            return Status(directory, "written", why=f"{_submit(directory)} starts it")
         return Status(directory, "none", why=f"it has no {file_names.SCENE}")
     if not parts(directory):
         start = f"`lmp -in {file_names.DECK}` there"
-        if any((directory / name).is_file() for name in (file_names.JOB, file_names.JOB_INPUT)):
-            start = _sbatch(directory)
+        if _scheduler(directory) is not None or (directory / file_names.JOB_INPUT).is_file():
+            start = _submit(directory)
         return Status(directory, "written", 0, steps, f"{start} starts it")
     if step is not None and steps is not None and step >= steps:
         return Status(directory, "done", step, steps)
@@ -285,8 +282,8 @@ def _seconds(moment: str) -> float:
         return 0.0
 
 
-def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queued | None) -> Status:
-    """State of the directory of a Slurm job, by its account; where the queue has the job, the queue is right."""
+def _of_job(directory: Path, account: Path, queue: Queue | None, queued: Queued | None) -> Status:
+    """State of the directory of a job, by its account; where the queue has the job, the queue is right."""
     report, steps = _report(account), _steps(directory)
     state, number = report.get("state", ""), report.get("job", "")
     step = _latest(_last_step(directory), step_of(directory / file_names.RESTART), 0)
@@ -299,7 +296,7 @@ def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queue
         if queued.waiting:
             return Status(directory, "waiting", step, steps, f"job {queued.number} is in the queue")
         return Status(directory, "running", step, steps, f"job {queued.number}")
-    again, goes_on = _sbatch(directory), _goes_on(directory)
+    again, goes_on = _submit(directory), _goes_on(directory)
     if not report:
         return Status(directory, "failed", step, steps, f"{account.name} cannot be read; {again} tries again")
     if state in ("waiting", "running") and same_cluster:
@@ -319,10 +316,19 @@ def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queue
     return Status(directory, "failed", step, steps, f"{report['reason']}; {again} tries again")
 
 
-def _sbatch(directory: Path) -> str:
+def _submit(directory: Path) -> str:
     """How a job is submitted; a task of an array with its array."""
-    alone = (directory / file_names.JOB).is_file()
-    return f"`sbatch {file_names.JOB}` " + ("there" if alone else f"beside {file_names.CASES}")
+    scheduler = _scheduler(directory)
+    if scheduler is not None:
+        return f"`{scheduler.by_hand}` there"
+    arrays = (parent for parent in directory.absolute().parents if (parent / file_names.CASES).is_file())
+    scheduler = next(filter(None, map(_scheduler, arrays)), SLURM)
+    return f"`{scheduler.by_hand}` beside {file_names.CASES}"
+
+
+def _scheduler(directory: Path) -> Scheduler | None:
+    """Scheduler of the job that a directory holds; None where it holds none."""
+    return next((each for each in SCHEDULERS.values() if (directory / each.script).is_file()), None)
 
 
 def _steps(directory: Path) -> int | None:

@@ -1,4 +1,4 @@
-"""Options that commands of several studies have; such a command as a Slurm job, and its end where it is interrupted."""
+"""Options that commands of several studies have; such a command as a job, and its end where it is interrupted."""
 
 import argparse
 import contextlib
@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lammps_inputs import InputError, file_names, library, strict_yaml
-from lammps_inputs.slurm.job import render_command
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.jobs.job import render_command
+from lammps_inputs.jobs.site import JobOptions
 from lammps_inputs.units import Label
 from workflow.runs.files import write_text
-from workflow.runs.output_directory import claim, make_directory
+from workflow.runs.output_directory import claim, make_directory, retire
 from workflow.screen import CommandResult
 from workflow.study_kit.directory import floats
 from workflow.study_kit.scene_quantities import label
@@ -101,11 +101,13 @@ def as_job(
     # -P: Python imports no modules from the working directory
     command = [sys.executable, "-P", "-m", "workflow", *words]
     text = render_command(options, f"granchain-{words[0]}", command, cores=cores, jobs=jobs, directory=directory)
+    scheduler = options.of_scheduler
     make_directory(directory)
-    claim(directory, (file_names.JOB, file_names.JOB_OUTPUT))
-    write_text(directory / file_names.JOB, text)
-    print(f"`sbatch {file_names.JOB}` in {directory} submits the job; {file_names.JOB_OUTPUT} holds its output")
-    return CommandResult(0, {"job": str(directory / file_names.JOB)})
+    claim(directory, (scheduler.script, file_names.JOB_OUTPUT))
+    retire(directory, set(file_names.JOBS).difference([scheduler.script]))
+    write_text(directory / scheduler.script, text)
+    print(f"`{scheduler.by_hand}` in {directory} submits the job; {file_names.JOB_OUTPUT} holds its output")
+    return CommandResult(0, {"job": str(directory / scheduler.script)})
 
 
 def split(text: str, option: str, example: str) -> tuple[str, str]:

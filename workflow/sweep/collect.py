@@ -20,7 +20,7 @@ from lammps_inputs.numbers import text
 from lammps_inputs.units import REDUCED, Label
 from workflow.runs.files import RECORD, write_figure
 from workflow.runs.job import account
-from workflow.runs.status import slurm_queue, status
+from workflow.runs.status import cluster_queue, status
 from workflow.screen import count_bar
 from workflow.sweep import fields
 from workflow.sweep.run_sweep import Asked, asked, is_analysed, read_json, task
@@ -295,7 +295,7 @@ def collect(directory: Path, at_beads: Sequence[str] = ()) -> SweepTable:
         raise InputError(f"{directory}: cannot be read ({error.strerror})") from None
     if not directories:
         raise InputError(f"{directory}: holds no run directories; `granchain sweep` makes some")
-    queue = slurm_queue() if (directory / file_names.CASES).is_file() else None
+    queue = cluster_queue() if (directory / file_names.CASES).is_file() else None
     states = {path: status(path, queue) for path in directories}
     done = [path for path in directories if states[path].state == "done"]
     complaints = _analyse([path for path in done if not is_analysed(path)])

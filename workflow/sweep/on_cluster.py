@@ -1,4 +1,4 @@
-"""Write a sweep for a cluster: a deck per case, and one Slurm array over those that are not done."""
+"""Write a sweep for a cluster: a deck per case, and one array of jobs over those that are not done."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,8 +6,9 @@ from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, file_names, library, load
 from lammps_inputs.decks import deck
-from lammps_inputs.slurm import job
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.jobs import job
+from lammps_inputs.jobs.schedulers import SCHEDULERS, Scheduler
+from lammps_inputs.jobs.site import JobOptions
 from workflow.cost_model import with_ranks
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
@@ -15,15 +16,12 @@ from workflow.runs.engines import LAMMPS
 from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text
 from workflow.runs.job import Job
 from workflow.runs.output_directory import claim, listed, retire
-from workflow.runs.status import slurm_queue, status
+from workflow.runs.status import cluster_queue, status
 from workflow.screen import count_bar
 from workflow.sweep.file import Sweep, SweepCase, scene_of
 from workflow.sweep.run_sweep import Asked, begin, planned, refuse_if_queued, request
 from workflow.workers import evaluate
 from workflow.workers.pool import Pool, Task, TaskResult
-
-USUAL_LIMIT = 1001
-"""Tasks of an array where a site did not say otherwise (MaxArraySize)."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +55,9 @@ def write_array(definition: Sweep, directory: Path, options: JobOptions) -> Writ
         InputError: as `workflow.sweep.run_sweep.plan`; or the list of cases would change under an array in the queue.
     """
     if definition.engine != LAMMPS.name:
-        raise InputError(f"{definition.source}: engine: a Slurm job runs lammps, not {definition.engine}")
+        raise InputError(f"{definition.source}: engine: a job runs lammps, not {definition.engine}")
     with planned(definition, directory) as cases:
-        queue = slurm_queue()
+        queue = cluster_queue()
         states = {case.name: status(directory / case.name, queue).state for case in cases}
         under_way = [name for name, state in states.items() if state in ("waiting", "running")]
         todo = [case for case in cases if states[case.name] not in ("done", "waiting", "running")]
@@ -69,11 +67,12 @@ def write_array(definition: Sweep, directory: Path, options: JobOptions) -> Writ
         listed = [name for line in lines for name in line]
         new = sorted(states.keys() - set(listed))
         if listed and new:
-            advice = "cases are added to an array's list when it has ended (scancel ends it), or choose another -o"
+            advice = "cases are added to an array's list when it has ended"
+            advice += f" ({options.of_scheduler.cancel} ends it), or choose another -o"
             refuse_if_queued(directory, listed, queue, advice)
         count = options.cases_per_task
         lines += [tuple(new[first : first + count]) for first in range(0, len(new), count)]
-        small = _write_cases(definition, todo, directory.absolute())
+        small = _write_cases(definition, todo, directory.absolute(), options.scheduler)
         options = with_ranks(options, small[0])
         if options.ranks > (rows := small[-1].rows):
             raise InputError(
@@ -83,6 +82,7 @@ def write_array(definition: Sweep, directory: Path, options: JobOptions) -> Writ
         tasks = [place[case.name] for case in todo]
         files = job.render_array(options, lines, name=small[0].name, tasks=tasks, directory=directory)
         claim(directory, (*files, file_names.JOB_OUTPUT))
+        retire(directory, set(file_names.JOBS).difference(files))
         for name, text in files.items():
             write_text(directory / name, text)
     return WrittenSweep(len(cases), len(tasks), len(under_way), options.ranks, len(lines))
@@ -94,7 +94,7 @@ def _lines(directory: Path) -> list[tuple[str, ...]]:
     return [tuple(line.split()) for line in path.read_text(encoding="utf-8").splitlines()] if path.is_file() else []
 
 
-def _write_cases(definition: Sweep, todo: list[SweepCase], directory: Path) -> list[Problem]:
+def _write_cases(definition: Sweep, todo: list[SweepCase], directory: Path, scheduler: str) -> list[Problem]:
     """Write what each case needs, on all cores; the problems of the fewest beads and of the fewest rows.
 
     Raises:
@@ -110,7 +110,12 @@ def _write_cases(definition: Sweep, todo: list[SweepCase], directory: Path) -> l
     cases = []
     for case in todo:
         wanted, source = request(definition, case, scene_of(definition, case)), f"{definition.source}: case {case.name}"
-        arguments = {"directory": str(directory / case.name), "case": wanted.plain(), "source": source}
+        arguments = {
+            "directory": str(directory / case.name),
+            "case": wanted.plain(),
+            "source": source,
+            "scheduler": scheduler,
+        }
         cases.append(evaluate.Computation(case.name, Task(f"{__name__}:write_case", arguments)))
     with count_bar("decks") as progress, Pool() as pool:
         sizes = evaluate.evaluate(cases, pool=pool, progress=progress, tell=ready)
@@ -118,7 +123,7 @@ def _write_cases(definition: Sweep, todo: list[SweepCase], directory: Path) -> l
     return [load(directory / name / file_names.SCENE).problem() for name in fewest]
 
 
-def write_case(directory: str, case: dict[str, Any], source: str) -> dict[str, Any]:
+def write_case(directory: str, case: dict[str, Any], source: str, scheduler: str) -> dict[str, Any]:
     """Write the deck of a case, unless it is there whole, and what a job needs beside it; a restart is resumed.
 
     Returns:
@@ -126,13 +131,14 @@ def write_case(directory: str, case: dict[str, Any], source: str) -> dict[str, A
     """
     path, wanted = Path(directory), Asked(**case)
     try:
-        problem = _write_case(path, wanted, library.from_plain(wanted.scene, source), source)
+        problem = _write_case(path, wanted, source, SCHEDULERS[scheduler])
     except InputError as error:
         return {"refused": str(error)}
     return {"beads": problem.chains * problem.rows, "rows": problem.rows}
 
 
-def _write_case(path: Path, wanted: Asked, scene: Scene, source: str) -> Problem:
+def _write_case(path: Path, wanted: Asked, source: str, scheduler: Scheduler) -> Problem:
+    scene = library.from_plain(wanted.scene, source)
     if not all((path / name).is_file() for name in (file_names.SCENE, file_names.DECK, file_names.DATA)):
         _write_deck(path, wanted, scene, source)
     try:
@@ -145,7 +151,7 @@ def _write_case(path: Path, wanted: Asked, scene: Scene, source: str) -> Problem
         if (path / name).read_bytes() != text.encode("utf-8"):  # damaged
             write_text(path / name, text)
     retire(path, listed(path).difference(LAMMPS_FILES, file_names.JOB_FILES))  # of a run that did not end here
-    files = job.case_files(problem)
+    files = job.case_files(problem, scheduler)
     claim(path, file_names.JOB_FILES)
     write_json(path / RECORD, Job(files=sorted(listed(path)), request=wanted.plain()).plain())
     for name, text in files.items():

@@ -31,7 +31,7 @@ from workflow.runs.resume import resume
 from workflow.runs.run import CompletedRun, run
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.size import refuse_beforehand
-from workflow.runs.status import Queue, slurm_queue, status
+from workflow.runs.status import Queue, cluster_queue, status
 from workflow.screen import count_bar
 from workflow.sweep.file import Sweep, SweepCase, all_cases, scene_of
 from workflow.verdicts.analyse import analyse
@@ -237,7 +237,7 @@ def sweep(
     with planned(definition, directory) as cases:
         others = len(_others(directory, cases))
         if (directory / file_names.CASES).is_file():  # leave cases to the jobs of a cluster that were sent out for them
-            refuse_if_queued(directory, [case.name for case in cases], slurm_queue(), "wait for it, or end it first")
+            refuse_if_queued(directory, [case.name for case in cases], cluster_queue(), "wait for it, or end it first")
         missing = _missing(cases, directory, figures=figures)
         before = len(cases) - len(missing)
         drawn = formats.asked() if figures else ()
@@ -359,7 +359,7 @@ def _refuse_what_cannot_run(where: str, engine: str, scene: Scene) -> None:
 
 
 def refuse_if_queued(directory: Path, names: Iterable[str], queue: Queue | None, advice: str) -> None:
-    """See that no case waits in Slurm's queue or runs.
+    """See that no case waits in a queue or runs.
 
     Raises:
         InputError: one does; says what to do.

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from lammps_inputs import file_names
-from lammps_inputs.slurm import site
+from lammps_inputs.jobs import site
 from workflow.cli import main
 from workflow.runs.files import RECORD
 

@@ -11,9 +11,9 @@ from stock_lammps import WHEEL, scene
 
 from lammps_inputs import file_names, find
 from lammps_inputs.decks import continuation, deck
+from lammps_inputs.jobs.step_time import MESSAGES, bead_seconds
 from lammps_inputs.library import installed
 from lammps_inputs.numbers import size_text, time_text
-from lammps_inputs.slurm.step_time import MESSAGES, bead_seconds
 from workflow import cost_model
 
 PEAK_MEMORY = f"""

@@ -12,12 +12,12 @@ from stock_lammps import run as run_stock
 
 from lammps_inputs import file_names, library, strict_yaml
 from lammps_inputs.decks import deck
-from lammps_inputs.slurm import job
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.jobs import job
+from lammps_inputs.jobs.site import JobOptions
 from workflow.cli import main
 from workflow.runs.files import parts
 from workflow.runs.run_directory import RunDirectory
-from workflow.runs.status import slurm_queue, status, statuses
+from workflow.runs.status import cluster_queue, status, statuses
 
 pytest_plugins = ("slurm",)
 
@@ -64,7 +64,7 @@ def written(case, directory, **options):
 
 
 def told(directory):
-    return status(directory, slurm_queue())
+    return status(directory, cluster_queue())
 
 
 def assert_same(directory, expected):
@@ -158,9 +158,9 @@ def test_in_an_array_a_case_that_fails_is_told_and_the_others_are_done(cluster, 
     for file, text in job.render_array(JobOptions(**site(array_limit=2)), cases).items():
         (tmp_path / file).write_text(text)
     cluster.submit(tmp_path)
-    assert [one.state for one in statuses([tmp_path], slurm_queue())].count("waiting") > 0
+    assert [one.state for one in statuses([tmp_path], cluster_queue())].count("waiting") > 0
     cluster.wait()
-    found = statuses([tmp_path], slurm_queue())
+    found = statuses([tmp_path], cluster_queue())
     assert [one.state for one in found] == ["done", "failed", "done"]
     assert "ended before in.job did: ERROR" in found[1].why
     assert main(["status", str(tmp_path)]) == 1

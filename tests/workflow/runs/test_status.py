@@ -19,11 +19,12 @@ from stock_lammps import scene
 from analysis.files.recording import Writer
 from lammps_inputs import file_names, physics
 from lammps_inputs.decks import continuation, deck
-from lammps_inputs.slurm import job
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.jobs import job
+from lammps_inputs.jobs.schedulers import slurm_jobs
+from lammps_inputs.jobs.site import JobOptions
 from workflow.cli import main
 from workflow.runs.files import RECORD, write_json
-from workflow.runs.status import MEANING, Queue, Queued, parsed_queue, status, statuses
+from workflow.runs.status import MEANING, Queue, Queued, queue_of, status, statuses
 from workflow.study_kit.directory import Study
 
 CASE = scene(chains=2, beads=8, kappa=0.1, duration=10.0, every=0.1)
@@ -219,7 +220,7 @@ def test_why_a_job_ended_is_told_with_what_to_do(state, tmp_path):
 def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):
     (tmp_path / file_names.CASES).write_text("a\nb\n")
     text = f"11|R|0|{tmp_path}\n12|PD|1|{tmp_path}\n13|PD|9|{tmp_path}\n14|CG|N/A|{tmp_path}/c\n"
-    queue = parsed_queue("alps", text)
+    queue = queue_of("alps", slurm_jobs(text))
     assert [(one.number, one.waiting, one.directory.name) for one in queue.jobs] == [
         ("11", False, "a"),
         ("12", True, "b"),
@@ -237,6 +238,18 @@ def test_a_task_that_is_gone_goes_on_with_its_array(tmp_path):
     assert status(directory, alps()).why.endswith(
         "`sbatch job.sbatch` beside cases.txt starts again, as there is no restart"
     )
+
+
+@pytest.mark.parametrize(("name", "submission"), [("pbs", "qsub job.pbs"), ("sge", "qsub job.sge")])
+def test_a_job_of_another_scheduler_is_submitted_by_its_command(name, submission, tmp_path):
+    directory = with_deck(tmp_path / "a")
+    array = job.render_array(JobOptions(scheduler=name), ["a"])
+    files = {**job.case_files(CASE.problem()), **{f"../{file}": text for file, text in array.items()}}
+    for file, text in files.items():
+        (directory / file).write_text(text)
+    assert status(directory).why == f"`{submission}` beside cases.txt starts it"
+    (tmp_path / f"job.{name}").rename(directory / f"job.{name}")
+    assert status(directory).why == f"`{submission}` there starts it"
 
 
 def test_a_directory_of_runs_stands_for_them_all(tmp_path):

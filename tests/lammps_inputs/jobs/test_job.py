@@ -23,8 +23,8 @@ from analysis.files.recording import blocks
 from analysis.trajectory import joined
 from lammps_inputs import InputError, Output, file_names, window
 from lammps_inputs.decks import deck
-from lammps_inputs.slurm import job, site
-from lammps_inputs.slurm.site import JobOptions
+from lammps_inputs.jobs import job, site
+from lammps_inputs.jobs.site import JobOptions
 from workflow.engines.lammps.files_on_disk import step_of
 from workflow.runs.files import parts
 from workflow.runs.run_directory import RunDirectory

@@ -9,12 +9,13 @@ import re
 import shlex
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from lammps_inputs import schema, strict_yaml
 from lammps_inputs.errors import InputError
+from lammps_inputs.jobs.schedulers import SCHEDULERS, Scheduler
 from lammps_inputs.library import describe
 from lammps_inputs.output import Limits
 
@@ -79,6 +80,8 @@ class JobOptions(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
+    scheduler: Literal["slurm", "pbs", "sge"] = "slurm"
+    """Of the cluster: Slurm, PBS Professional or Grid Engine."""
     nodes: Count = 1
     ranks_per_node: Count | None = None
     """None where it is to be advised by the number of beads."""
@@ -97,14 +100,21 @@ class JobOptions(BaseModel):
     cases_per_task: Count = 1
     """Cases that a task of an array computes, one after the other."""
     partition: Names | None = None
+    """Partition, or queue."""
     account: Name | None = None
     qos: Name | None = None
+    """Only of Slurm."""
     constraint: Name | None = None
+    """Only of Slurm."""
+    parallel_environment: Name | None = None
+    """Only of Grid Engine: that of MPI ranks (default mpi), asked for where there are several."""
+    node_environment: Name | None = None
+    """Only of Grid Engine: that of a command on several cores of one node (default smp)."""
     modules: Modules = ()
     limits: Limits | None = None
     """Of runs on this machine, where a scene names none; of no meaning for a job."""
-    launcher: Command = "srun"
-    """What starts the ranks, such as ``srun --mpi=pmi2`` or ``mpirun -np {ranks}``."""
+    launcher: Command | None = None
+    """What starts the ranks, such as ``srun --mpi=pmi2``; by default ``srun`` on Slurm, else ``mpirun -np {ranks}``."""
     lmp: Executable = "lmp"
 
     _from_list = field_validator("modules", mode="before")(strict_yaml.as_tuple)
@@ -114,6 +124,22 @@ class JobOptions(BaseModel):
         if self.margin is not None and self.margin >= self.limit:
             raise ValueError(f"margin: {self.margin} s leave nothing of a time of {self.time}")
         return self
+
+    @model_validator(mode="after")
+    def _suits_scheduler(self) -> Self:
+        scheduler = self.of_scheduler
+        for key in (key for other in SCHEDULERS.values() for key in other.options if key not in scheduler.options):
+            if getattr(self, key) is not None:
+                its = ", ".join(("partition", "account", *scheduler.options))
+                raise ValueError(f"{key}: {scheduler.title} has no such option; it has {its}")
+        if not scheduler.has_lists and "," in (self.partition or ""):
+            raise ValueError(f"partition: {scheduler.title} takes one queue, {self.partition!r} given")
+        return self
+
+    @property
+    def of_scheduler(self) -> Scheduler:
+        """What the scheduler needs in a job."""
+        return SCHEDULERS[self.scheduler]
 
     @property
     def limit(self) -> int:
@@ -192,8 +218,11 @@ def options(named: dict[str, Any], site: Path | None = None) -> JobOptions:
         JobOptions.model_validate(named)
         return JobOptions.model_validate({**(load(site) if site is not None else {}), **named})
     except ValidationError as error:
-        first, _, rest = describe(error, JobOptions).partition(":")
+        words = describe(error, JobOptions)
+        first, _, rest = words.partition(":")
         key, bracket, number = first.partition("[")
+        if key not in named:
+            raise InputError(f"{site}: {words}") from None
         raise InputError(f"--{OPTIONS.get(key, key.replace('_', '-'))}{bracket}{number}:{rest}") from None
 
 

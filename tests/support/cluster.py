@@ -1,0 +1,73 @@
+"""What the real schedulers have in common that tests start on this machine."""
+
+import os
+import socket
+import subprocess
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from processes import HANGS, wait_until
+
+
+@dataclass(frozen=True)
+class Cluster(ABC):
+    """A running scheduler.
+
+    Attributes:
+        environment: what its commands need.
+    """
+
+    environment: dict[str, str]
+
+    def call(self, *words: object, cwd: Path | None = None) -> str:
+        """Output of one of the scheduler's commands."""
+        done = subprocess.run(
+            [str(word) for word in words], cwd=cwd, env=self.environment, capture_output=True, text=True, timeout=HANGS
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    @abstractmethod
+    def queue(self) -> list[str]:
+        """Jobs and tasks that wait or run."""
+
+    def wait(self) -> None:
+        """Wait until all jobs have ended, also those that jobs submit."""
+        assert wait_until(lambda: not self.queue()), self.queue()
+
+
+def skip_without(absent: Sequence[str], packages: str, title: str) -> None:
+    """Skip a test where programs are absent or it is not root who runs it; in CI it fails."""
+    reason = f"{title} is started by root only" if os.geteuid() else ""
+    if absent:
+        reason = f"no {', '.join(absent)}: apt-get install {packages}"
+    if reason and os.environ.get("CI"):
+        pytest.fail(reason)
+    if reason:
+        pytest.skip(reason)
+
+
+def stop(processes: Sequence["subprocess.Popen[bytes]"]) -> None:
+    """End processes, the last one first."""
+    for process in reversed(processes):
+        process.terminate()
+    for process in processes:
+        try:
+            process.wait(HANGS)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def free_ports(count: int) -> list[int]:
+    """Ports of this machine that nothing listens to."""
+    held = [socket.socket() for _ in range(count)]
+    for one in held:
+        one.bind(("127.0.0.1", 0))
+    ports = [int(one.getsockname()[1]) for one in held]
+    for one in held:
+        one.close()
+    return ports
