@@ -23,8 +23,14 @@ from workflow.runs.engines import ENGINES, LAMMPS, RIGID
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import claim
 from workflow.runs.run_directory import RunDirectory
+from workflow.screen import PrintedTable
 from workflow.sweep.collect import collect
 from workflow.verdicts.analyse import FIGURES, analyse, default_beads
+from workflow.verdicts.validate import PAGE as VALIDATION_PAGE
+from workflow.verdicts.validate import Validation
+from workflow.verdicts.validate_run import compare_runs, refuse_other_beads
+from workflow.view import compare_page
+from workflow.view.compared import compared_lines, compared_tables, pairs_of_reference, pairs_of_runs, setting_table
 from workflow.view.downsample import Thinned, thinned
 from workflow.view.run_page import layout
 from workflow.view.sweep_page import layout as sweep_layout
@@ -100,7 +106,16 @@ html > body { margin: 1.2rem auto; padding: 0 1rem; }
 pre { overflow: auto; font-size: .85rem; }
 h1 { font-size: 1.4rem; margin: 0 0 .3rem; }
 p { margin: .2rem 0; }
+h1, p, .values th { overflow-wrap: anywhere; }
 summary { cursor: pointer; }
+.values { overflow-x: auto; font-size: .9rem; }
+.values table { border-collapse: collapse; }
+.values caption { text-align: left; font-weight: 600; padding: 1rem 0 .2rem; }
+.values td, .values th { text-align: right; vertical-align: top; padding: .1rem .4rem .1rem .8rem; white-space: nowrap;
+  border-top: 1px solid #8883; }
+.values :is(td, th):first-child { text-align: left; padding-left: 0; font-weight: 400; white-space: normal;
+  min-width: 9rem; }
+.values td:last-child { min-width: 8rem; white-space: normal; }
 </style>
 {% endblock %}
 {% block contents %}
@@ -248,8 +263,8 @@ def _computed(directory: RunDirectory) -> str:
     return f"The run was computed by {', '.join(filter(None, parts))}."
 
 
-def _left_out(problem: Problem, part: Thinned) -> list[str]:
-    """What a page does not show of a run, in words."""
+def _shown(problem: Problem, part: Thinned) -> list[str]:
+    """Which part of its frames a page shows of a run, in words; empty where it shows all."""
     apart = problem.every * part.frame_stride
     time = axis_unit(problem, "time", apart)
     distance = f"{apart * time.worth:.3g} {time.symbol}" if problem.scale.si else f"{apart:.3g} T"
@@ -258,7 +273,15 @@ def _left_out(problem: Problem, part: Thinned) -> list[str]:
         f"one bead in {part.bead_stride}" if part.bead_stride > 1 else "",
         f"one frame in {part.frame_stride}, {distance} apart" if part.frame_stride > 1 else "",
     ]
-    lines = [f"Shown: {', '.join(filter(None, parts))}; each number is the run's own."] if any(parts) else []
+    return [f"Shown: {', '.join(filter(None, parts))}; each number is the run's own."] if any(parts) else []
+
+
+def _left_out(problem: Problem, part: Thinned) -> list[str]:
+    """What a page does not show of a run, in words."""
+    apart = problem.every * part.frame_stride
+    time = axis_unit(problem, "time", apart)
+    distance = f"{apart * time.worth:.3g} {time.symbol}" if problem.scale.si else f"{apart:.3g} T"
+    lines = _shown(problem, part)
     if part.frame_stride > 1:
         lines.append(
             "Each velocity is the largest in size around its frame, so that no peak is lost;"
@@ -276,6 +299,81 @@ def _left_out(problem: Problem, part: Thinned) -> list[str]:
     if problem.window is not None:
         lines.append("Grey: the window has left; what happened there is not known.")
     return lines
+
+
+# --- comparisons ------------------------------------------------------------------------------------------------------
+
+
+def write_comparison(directory: RunDirectory, against: RunDirectory) -> Path:
+    """Write ``against-B.html`` into the directory of a run, where B is the name of the directory of another one.
+
+    Raises:
+        InputError: they have other numbers of chains or beads, other units, or no bead or time in common.
+    """
+    runs = directory, against
+    refuse_other_beads(runs)
+    comparison, _ = compare_runs(runs)
+    return _compared(runs, comparison, f"against-{against.path.resolve().name}.html")
+
+
+def write_validation(directory: RunDirectory, comparison: Validation, against: RunDirectory | None) -> Path:
+    """Write ``validation.html``, the page of a validation, into the directory of its run.
+
+    Args:
+        directory: directory of the run.
+        comparison: the validation.
+        against: the run that it was compared with; None for the reference.
+    """
+    return _compared((directory,) if against is None else (directory, against), comparison, VALIDATION_PAGE)
+
+
+def _compared(runs: tuple[RunDirectory, ...], comparison: Validation, file: str) -> Path:
+    """Write the page of a comparison into the directory of its run.
+
+    Args:
+        runs: the run, and the other one where it was not compared with the reference.
+        comparison: what differs.
+        file: name of the page.
+    """
+    directory, problem = runs[0], comparison.problem
+    first, second = [*(run.path.resolve().name for run in runs), comparison.against][:2]
+    pairs = pairs_of_runs(runs) if len(runs) == 2 else pairs_of_reference(directory, comparison)
+    frames = compare_page.compared_frames(problem, pairs, shown_chains(problem))
+    root, choose = compare_page.layout(problem, frames, (first, second), default_beads(problem)[0])
+    lines = [*compared_lines(runs, comparison), *_shown(problem, frames.first)]
+    if frames.first.frame_stride > 1:
+        lines.append("Each velocity and each difference is the largest in size around its frame.")
+    if problem.window is not None:
+        lines.append("Grey: the window has left.")
+    made = render(
+        f"{directory.scene.name}: {first} against {second}",
+        f"{directory.scene.name}-{Path(file).stem}",
+        root,
+        ready=choose,
+        head="".join(f"<p>{escape(line)}</p>" for line in lines) + _html_tables(setting_table(runs, comparison)),
+        foot=_html_tables(*compared_tables(runs, comparison)) + provenance.foot(_cited(runs)),
+    )
+    claim(directory.path, (file,))
+    write_text(directory.path / file, made)
+    return directory.path / file
+
+
+def _html_tables(*tables: PrintedTable | None) -> str:
+    """Tables as they are printed on a screen, in HTML, without those that are None; wide ones scroll."""
+    return "".join(map(_html_table, filter(None, tables)))
+
+
+def _html_table(table: PrintedTable) -> str:
+    head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in table.head)
+    rows = "".join(
+        f'<tr><th scope="row">{escape(name)}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}</tr>'
+        for name, *cells in table.rows
+    )
+    parts = f"<caption>{escape(table.title)}</caption><thead><tr>{head}</tr></thead><tbody>{rows}</tbody>"
+    return f'<div class="values" tabindex="0"><table>{parts}</table></div>'
+
+
+# --- sweeps -----------------------------------------------------------------------------------------------------------
 
 
 def _sweep(directory: Path) -> Path:
