@@ -132,7 +132,7 @@ def folded(heading: str, text: str) -> str:
     return f"<details><summary>{escape(heading)}</summary><pre>{escape(text)}</pre></details>"
 
 
-def render(title: str, name: str, root: Any, *, head: str, foot: str, ready: CustomJS | None = None) -> str:
+def render(title: str, name: str, root: Any, *, head: str, foot: str, ready: Iterable[CustomJS] = ()) -> str:
     """The page.
 
     Args:
@@ -158,9 +158,8 @@ def render(title: str, name: str, root: Any, *, head: str, foot: str, ready: Cus
                 tool.filename = f"{name}-{drawn.name}"
     sliders = [model for model in document.models if isinstance(model, Slider)]
     codes = [CustomJS(args={"plots": plots}, code=_DARK), CustomJS(args={"width": _PRINT_PIXELS}, code=_FINE)]
-    for code in (*codes, CustomJS(args={"sliders": sliders}, code=_NAMED), ready):
-        if code is not None:
-            document.js_on_event(DocumentReady, code)
+    for code in (*codes, CustomJS(args={"sliders": sliders}, code=_NAMED), *ready):
+        document.js_on_event(DocumentReady, code)
     variables = {"head": head, "foot": foot}
     made: str = file_html(document, INLINE, title=escape(title), template=_TEMPLATE, template_variables=variables)
     if len(made) > MOST_BYTES:
@@ -349,7 +348,7 @@ def _compared(runs: tuple[RunDirectory, ...], comparison: Validation, file: str)
         f"{directory.scene.name}: {first} against {second}",
         f"{directory.scene.name}-{Path(file).stem}",
         root,
-        ready=choose,
+        ready=[choose],
         head="".join(f"<p>{escape(line)}</p>" for line in lines) + _html_tables(setting_table(runs, comparison)),
         foot=_html_tables(*compared_tables(runs, comparison)) + provenance.foot(_cited(runs)),
     )
@@ -381,15 +380,14 @@ def _sweep(directory: Path) -> Path:
     title = table.scene or directory.name
     wanted = (VIEW, *in_any_format(*FIGURES))
     files = {row["case"]: [file for file in wanted if (directory / row["case"] / file).is_file()] for row in table.rows}
-    root, choose = sweep_layout(table, files, title)
+    root, ready = sweep_layout(table, files, title, directory.resolve().name)
     made = render(
         f"{title}: {len(table.rows)} cases",
         title,
         root,
-        ready=choose,
-        head="<p>A click on a column's head sorts, one on a case or a point opens its page or else its first figure, "
-        f"where there is one (<code>granchain view {escape(directory.name)}/CASE</code> makes a page, "
-        "<code>granchain sweep --figures</code> figures).</p>",
+        ready=ready,
+        head="<p>A click or Enter on a column's head sorts; one on a case opens its page or else its first figure, "
+        "where there is one. A case that is chosen, in the list, the table or the plot, is named below the list.</p>",
         foot=provenance.foot(_cited(RunDirectory(directory / row["case"]) for row in table.rows)),
     )
     path = directory / VIEW
