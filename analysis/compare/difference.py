@@ -149,7 +149,7 @@ class Difference:
             self._velocity.add(block, difference)
             self._displacement.add(block, x - right_x)
             if self._peaks is None:
-                self._peaks = leading_finder(block.problem), leading_finder(block.problem)
+                self._peaks = leading_finder(block.problem), leading_finder(reference.problem)
             for finder, frames in zip(self._peaks, (block, reference), strict=True):
                 finder.add(frames)
             self.conservation.add(block)

@@ -204,9 +204,9 @@ def map_figure(quantity: StudyAxis, over: StudyAxis, beside: StudyAxis, title: s
     grid = np.full((len(rows), len(columns)), np.nan)
     grid[np.searchsorted(rows, beside.values), np.searchsorted(columns, over.values)] = quantity.values
     axis.patch.set(**_UNDEFINED)
-    log = _over_decades(grid)
+    log = over_decades(grid)
     mesh = axis.pcolormesh(
-        _edges(columns), _edges(rows), grid, cmap="viridis", norm="log" if log else None, rasterized=True
+        edges(columns), edges(rows), grid, cmap="viridis", norm="log" if log else None, rasterized=True
     )
     for shown, name in ((over, "x"), (beside, "y")):
         _scale(axis, shown, name)
@@ -256,10 +256,10 @@ def histogram_figure(label: Label, bins: Histogram, statistics: Statistics, titl
     label, worth = label.prefixed(largest_of(np.array([bins.low[0], bins.high[-1]])))
     figure = new_figure(3.2, 5.5)
     axis = figure.subplots()
-    edges = np.append(bins.low, bins.high[-1]) * worth
+    ends = np.append(bins.low, bins.high[-1]) * worth
     if len(bins.low) == 1:  # all values are equal
-        edges = _edges(edges[:1])
-    axis.stairs(bins.count, edges, fill=True, color="0.8")
+        ends = edges(ends[:1])
+    axis.stairs(bins.count, ends, fill=True, color="0.8")
     axis.axvline(statistics.mean * worth, color=_BLUE, label="mean")
     if math.isfinite(statistics.standard_error):
         low, high = ((statistics.mean + sign * statistics.standard_error) * worth for sign in (-1.0, 1.0))
@@ -305,7 +305,7 @@ def _mark(axis: Axes, sought: Sought, over: StudyAxis) -> None:
 def _scale_quantity(axis: Axes, quantity: StudyAxis, holes: int) -> None:
     """Scale the axis of a quantity, not below 0 for a margin alone; below it cases without a number have room."""
     finite = quantity.values[np.isfinite(quantity.values)]
-    if _over_decades(finite):
+    if over_decades(finite):
         axis.set_yscale("log")
         label_log_axis(axis.yaxis)
     else:
@@ -317,7 +317,7 @@ def _scale_quantity(axis: Axes, quantity: StudyAxis, holes: int) -> None:
         _leave_room(axis, holes * _LEVEL)
 
 
-def _over_decades(values: Floats) -> bool:
+def over_decades(values: Floats) -> bool:
     """Whether values are positive, but for those that are NaN, and differ by a factor of more than 30."""
     finite = values[np.isfinite(values)]
     return len(finite) > 0 and bool(finite.min() > 0.0 and finite.max() / finite.min() > 30.0)
@@ -389,7 +389,7 @@ def _shade_between(axis: Axes, passed: Floats) -> None:
     axis.set_xlim(first, last)
 
 
-def _edges(centres: Floats) -> Floats:
+def edges(centres: Floats) -> Floats:
     """Borders of the cells around values: half-way between them, by factors where they are spaced so."""
     if len(centres) == 1:
         half = 0.5 * abs(centres[0]) or 0.5

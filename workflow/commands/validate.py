@@ -2,26 +2,25 @@
 
 import argparse
 import json
-from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
-from analysis.sharing.chain_differences import ChainDifference
 from lammps_inputs import InputError, library
 from workflow.formats import figure_files
 from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import CommandResult, one_line, print_files, print_heading, print_table, progress_bar
 from workflow.verdicts import validate as validation
+from workflow.verdicts import validation_tables as tables
 from workflow.verdicts.validate_against import run_or_file, validate_against
 from workflow.verdicts.validate_run import refuse_another_scene
+from workflow.view import need_bokeh
 
 ANSWERS = "what validation.json holds"
 DRAWS = True
 EXAMPLES = (
     "validate demo",
     "validate again --against demo   # another run of the same scene",
+    "validate demo --page            # writes demo/validation.html, too",
     "validate demo --against mine.csv --units dimensionless --tolerance velocity=1e-4   # in V",
 )
 
@@ -50,12 +49,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help=f"largest error let pass, dimensionless; of {', '.join(validation.TOLERANCES)}",
     )
+    parser.add_argument(
+        "--page",
+        action="store_true",
+        help=f"write {validation.PAGE}, too: an interactive page of the differences from the reference or another run",
+    )
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print a table; exit code 1 when a tolerance is exceeded or something seems wrong."""
     tolerances = _tolerances(arguments.tolerance)
     against = None if arguments.against is None else run_or_file(arguments.against)
+    if arguments.page:
+        need_bokeh()
+        if isinstance(against, Path):
+            raise InputError(
+                f"--page: shows two runs, or a run and the reference, and {against} is a file; leave it out"
+            )
     directory = _directory(arguments, against)
     if against is None:
         comparison = validation.validate(directory, tolerances)
@@ -65,7 +75,13 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     if arguments.output is None:  # else it was printed before the scene was run
         print_heading(comparison.problem.name, directory.scene.units)
     _print(comparison)
-    print_files(directory.path, (validation.REPORT, *figure_files(validation.FIGURE)))
+    files = (validation.REPORT, *figure_files(validation.FIGURE))
+    if arguments.page:
+        from workflow.view.write import write_validation  # bokeh takes half a second to import
+
+        write_validation(directory, comparison, against if isinstance(against, RunDirectory) else None)
+        files = (*files, validation.PAGE)
+    print_files(directory.path, files)
     data = json.loads((directory.path / validation.REPORT).read_text(encoding="utf-8"))
     return CommandResult(0 if comparison.passed else 1, data)
 
@@ -106,22 +122,14 @@ def _tolerances(texts: list[str]) -> dict[str, float]:
 
 def _print(comparison: validation.Validation) -> None:
     runs, against = comparison.runs, one_line(comparison.against)
-    if runs is None:
+    if runs is not None:
+        print(tables.bitwise_line(comparison))
+    if runs is None or not runs.identical:
         _print_quantities(comparison)
-    elif runs.identical:
-        print(
-            f"the run is bitwise the same as {against} ({comparison.compared} frames, sha256 {runs.sha256[0][:12]}...)"
-        )
-    else:
-        since = (
-            "" if runs.since is None else f", from t = {comparison.problem.scale.written(runs.since, 'time', '.5g')} on"
-        )
-        print(f"the run is not bitwise the same as {against}{since}")
-        _print_quantities(comparison)
-        _print_chains(comparison, runs.chains)
-    if runs is not None and runs.changes:
-        rows = [[name, *map(one_line, values)] for name, values in runs.changes.items()]
-        print_table("settings and versions that differ", ["", "this run", against], rows)
+        if (of_chains := tables.chain_table(comparison)) is not None:
+            print_table(*of_chains)
+    if runs is not None and (changes := tables.change_table(runs.changes, against)) is not None:
+        print_table(*changes)
     if not comparison.complete:
         print(f"the run is incomplete: {comparison.frames} of {comparison.problem.frames + 1} frames")
     for remark in comparison.remarks:
@@ -132,31 +140,9 @@ def _print(comparison: validation.Validation) -> None:
 
 
 def _print_quantities(comparison: validation.Validation) -> None:
-    rows, scale = [], comparison.problem.scale
-    for name, deviation in comparison.deviations.items():
-        where = ""
-        if deviation.where is not None:
-            where = deviation.where.words
-            if deviation.where.time is not None:
-                where += f", t = {scale.written(deviation.where.time, 'time', '.5g')}"
-        rms = f"{deviation.rms:.1e}" if np.isfinite(deviation.rms) else ""
-        tolerance = comparison.tolerances[name]
-        limit = f"{tolerance:.1e}" if np.isfinite(tolerance) else "none"
-        rows.append([name, f"{deviation.largest:.2e}", rms, limit, comparison.verdict(name), where])
-    print_table(
-        f"errors against {comparison.against} at {comparison.compared} instants, in V, T and L",
-        ["quantity", "largest", "rms", "tolerance", "", "largest at"],
-        rows,
-    )
-    if comparison.uncertainty is not None:
-        uncertainty = comparison.uncertainty
-        print(
-            f"the uncertainty of the reference integrator is {uncertainty.velocity:.1e} V in velocities and "
-            f"{uncertainty.arrival:.1e} T in arrivals"
-        )
-    if comparison.interpolation is not None:
-        x, v = comparison.interpolation
-        print(f"interpolation between frames adds at most {x:.1e} L to displacements and {v:.1e} V to velocities")
+    print_table(*tables.deviation_table(comparison))
+    for line in tables.uncertainty_lines(comparison):
+        print(line)
     firsts = [
         (deviation.first.time, name, deviation.first)
         for name, deviation in comparison.deviations.items()
@@ -164,21 +150,5 @@ def _print_quantities(comparison: validation.Validation) -> None:
     ]
     if firsts:
         time, name, place = min(firsts, key=lambda first: first[0])
-        print(f"a tolerance is first exceeded by the {name} of {place.words}, at t = {scale.written(time, 'time')}")
-
-
-def _print_chains(comparison: validation.Validation, chains: Sequence[ChainDifference]) -> None:
-    """Impulses and energy of each chain, where one of two runs has rigid beads."""
-    rows = []
-    for difference in chains:
-        sizes = (difference.impulse.largest, difference.impulse.rms, difference.share.largest, difference.share.rms)
-        impulse, impulse_rms, share, share_rms = (f"{size:.2g}" if np.isfinite(size) else "-" for size in sizes)
-        until = "none" if difference.agrees_until is None else str(difference.agrees_until)
-        rows.append([str(difference.chain), impulse, impulse_rms, until, share, share_rms])
-    if rows:
-        within = f"within {comparison.tolerances['impulse']:.0%} to bead"
-        print_table(
-            "differences of first impulses, over the largest of the row, and of shares of energy",
-            ["chain", "first impulse: largest", "rms", within, "share of energy: largest", "rms"],
-            rows,
-        )
+        when = comparison.problem.scale.written(time, "time")
+        print(f"a tolerance is first exceeded by the {name} of {place.words}, at t = {when}")

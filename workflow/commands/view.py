@@ -6,27 +6,35 @@ import sys
 import webbrowser
 from pathlib import Path
 
+from workflow.runs.run_directory import RunDirectory
 from workflow.screen import one_line
 from workflow.view import need_bokeh
 
 EXAMPLES = (
     "view demo                 # writes demo/view.html, and opens it where there is a screen",
+    "view demo --against finer  # compares two runs: writes demo/against-finer.html",
     "view swept --no-open",
 )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the directory."""
+    """Add the directories."""
     parser.add_argument("directory", metavar="DIR", type=Path, help="of a run (also a cut one) or a sweep")
+    parser.add_argument(
+        "--against", metavar="DIR", type=Path, help="another run with the same chains and beads; compares the two"
+    )
     parser.add_argument("--no-open", action="store_true", help="write the page only")
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Write the page; open it in a browser if there is a screen."""
     need_bokeh()
-    from workflow.view.write import write  # bokeh takes half a second to import
+    from workflow.view.write import write, write_comparison  # bokeh takes half a second to import
 
-    page = write(arguments.directory)
+    if arguments.against is None:
+        page = write(arguments.directory)
+    else:
+        page = write_comparison(RunDirectory(arguments.directory), RunDirectory(arguments.against))
     print(f"{one_line(page)}: {page.stat().st_size / 1e6:.1f} MB")
     screen = sys.stdout.isatty() and (
         sys.platform == "darwin" or "DISPLAY" in os.environ or "WAYLAND_DISPLAY" in os.environ

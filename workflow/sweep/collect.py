@@ -32,6 +32,8 @@ from workflow.workers.pool import Pool
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from analysis.figures.studies import StudyAxis
+
 # --- table ------------------------------------------------------------------------------------------------------------
 
 QUANTITIES = collect_columns()
@@ -526,7 +528,7 @@ def drawn(table: SweepTable, quantity: str, over: str, beside: str | None = None
     Raises:
         InputError: no such quantity or field, nothing to draw, too many lines, or several cases at one point.
     """
-    from analysis.figures.studies import StudyAxis, map_figure, swept_figure  # matplotlib takes half a second to import
+    from analysis.figures.studies import StudyAxis, map_figure, swept_figure
 
     refuse_unless_numeric("--plot", quantity)
     axes = named_fields("--over", over, table)
@@ -547,22 +549,38 @@ def drawn(table: SweepTable, quantity: str, over: str, beside: str | None = None
             f"--plot: {len(rows)} cases lie at {len(points)} points; choose among {', '.join(others)} "
             f"with --where {others[0] if others else 'FIELD'}=VALUE, or with --and; --statistics has their mean"
         )
-    rest = replace(table, rows=[{**row, quantity: None} for row in table.rows if row["outcome"] != "done"])
+    rest = replace(table, rows=[row for row in table.rows if row["outcome"] != "done"])
     finite = np.all([np.isfinite(rest.numbers(name)) for name in shown], axis=0).tolist()
     placed = replace(table, rows=rows + [row for row, placeable in zip(rest.rows, finite, strict=True) if placeable])
     along, *second = [StudyAxis(placed.label(name), placed.numbers(name)) for name in shown]
-    error = UNCERTAINTIES.get(quantity)
-    upwards = StudyAxis(
-        placed.label(quantity),
-        placed.numbers(quantity),
-        None if error is None else placed.numbers(error),
-        placed.unsettled(quantity),
-        "uncertainty",
-    )
+    upwards = quantity_axis(placed, quantity)
     title = ", ".join(filter(None, (table.scene, title)))
     if len(axes) == 2:
         return map_figure(upwards, along, second[0], title)
     return swept_figure(upwards, along, second[0] if second else None, title, done.passed(over))
+
+
+def quantity_axis(table: SweepTable, name: str) -> "StudyAxis":
+    """A column as figures and pages draw it, with uncertainties, and which cases are not settled.
+
+    Args:
+        table: table of a sweep; cases that are not done count as having no number.
+        name: name of the column.
+
+    Returns:
+        The axis.
+    """
+    from analysis.figures.studies import StudyAxis  # matplotlib takes half a second to import
+
+    done = [row["outcome"] == "done" for row in table.rows]
+    error = UNCERTAINTIES.get(name)
+    return StudyAxis(
+        table.label(name),
+        np.where(done, table.numbers(name), math.nan),
+        None if error is None else table.numbers(error),
+        table.unsettled(name),
+        "uncertainty",
+    )
 
 
 def refuse_axes(table: SweepTable, names: Sequence[str]) -> None:

@@ -18,7 +18,7 @@ from workflow.engines.reference.step_halving import StepHalving, Uncertainty
 from workflow.formats import figure_files
 from workflow.runs.check import accountant
 from workflow.runs.files import write_figure, write_json
-from workflow.runs.output_directory import claim
+from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.diagnose import Diagnosis, diagnose, rounded
 
@@ -43,6 +43,7 @@ FIRST_ORDER = {"amplitude": 2.5e-4, "arrival": 1e-2}
 
 REPORT = "validation.json"
 FIGURE = "validation"
+PAGE = "validation.html"
 
 _DIAGNOSED_BYTES = 64 << 20
 
@@ -333,8 +334,9 @@ def any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) -> 
 
 
 def write(path: Path, result: Validation, figure: Any) -> None:
-    """Write ``validation.json`` and a figure into a run directory."""
+    """Write ``validation.json`` and a figure into a run directory; remove the page of an earlier validation."""
     claim(path, (REPORT, *figure_files(FIGURE)))
+    retire(path, (PAGE,))
     write_json(path / REPORT, result.plain())
     write_figure(path, FIGURE, figure)
 

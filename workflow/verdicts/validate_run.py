@@ -79,12 +79,30 @@ def validate_run(
         InputError: the runs are of different scenes, or recorded no bead or no time in common.
     """
     refuse_another_scene(directory.scene, str(directory.path), other)
-    runs = directory, other
+    result, difference = compare_runs((directory, other), tolerances)
+    write(directory.path, result, error_figure(result, difference, other.path.name))
+    return result
+
+
+def compare_runs(runs: Runs, tolerances: dict[str, float] | None = None) -> tuple[Validation, Difference]:
+    """Comparison of two runs with the same numbers of chains and beads and the same units; writes nothing.
+
+    Args:
+        runs: the run, and that it is compared with.
+        tolerances: quantity -> largest difference let pass, in place of the one in `TOLERANCES`, dimensionless.
+
+    Returns:
+        The comparison, and the differences that it is made of.
+
+    Raises:
+        InputError: the runs recorded no bead or no time in common.
+    """
+    directory, other = runs
     rigid = [run for run in runs if not ENGINES[run.engine].deforms]
     models_differ = len(rigid) == 1
     unlimited = dict.fromkeys(_AT_AN_INSTANT, math.inf) if models_differ else {}
     limits = limits_of(directory.problem, {**unlimited, **(tolerances or {})})
-    frames, fingerprints = _recorded_by_both(runs), Fingerprints()
+    frames, fingerprints = recorded_by_both(runs), Fingerprints()
     meter = ChainMeter(frames.problem, rigid_first=rigid == [directory]) if models_differ else None
     difference = _difference(runs, frames, limits, fingerprints, meter)
     deviations = _larger(difference.deviations(), _of_snapshots(runs, limits, fingerprints))
@@ -109,8 +127,7 @@ def validate_run(
             chains=chains,
         ),
     )
-    write(directory.path, result, error_figure(result, difference, other.path.name))
-    return result
+    return result, difference
 
 
 def _remarks(runs: Runs, problem: Problem, deviations: dict[str, Deviation], *, models_differ: bool) -> Iterator[str]:
@@ -142,12 +159,43 @@ def refuse_another_scene(scene: Scene, source: str, other: RunDirectory) -> None
     Raises:
         InputError: names the first field that differs, with both values.
     """
-    fields, other_fields = (dict(_fields(each.plain())) for each in (scene, other.scene))
-    for name in dict.fromkeys((*fields, *other_fields)):
-        value, other_value = (each.get(name, "not given") for each in (fields, other_fields))
-        if value != other_value and name.partition(".")[0] not in NOT_PHYSICS:
+    for name, (value, other_value) in scene_changes(scene, other.scene).items():
+        raise InputError(
+            f"{other.path}: is a run of another scene: {name} is {other_value} there, and {value} in {source}"
+        )
+
+
+def scene_changes(scene: Scene, other: Scene) -> dict[str, tuple[str, str]]:
+    """Fields that differ between two scenes, but for the keys of `NOT_PHYSICS`: dotted path -> (value, other value)."""
+    fields, other_fields = (dict(_fields(each.plain())) for each in (scene, other))
+    values = {
+        name: (fields.get(name, "not given"), other_fields.get(name, "not given"))
+        for name in dict.fromkeys((*fields, *other_fields))
+        if name.partition(".")[0] not in NOT_PHYSICS
+    }
+    return {name: (str(first), str(second)) for name, (first, second) in values.items() if first != second}
+
+
+def refuse_other_beads(runs: Runs) -> None:
+    """Refuse two runs whose beads do not correspond, or whose units V, T and L differ.
+
+    Raises:
+        InputError: names what differs, with both values.
+    """
+    first, second = (run.problem for run in runs)
+    for name in ("chains", "beads"):
+        numbers = getattr(first, name), getattr(second, name)
+        if numbers[0] != numbers[1]:
             raise InputError(
-                f"{other.path}: is a run of another scene: {name} is {other_value} there, and {value} in {source}"
+                f"{runs[1].path}: cannot be compared: it has {numbers[1]} {name}, and {runs[0].path} has {numbers[0]}"
+            )
+    for name, symbol in (("velocity", "V"), ("length", "L"), ("mass", "m")):
+        sizes = [getattr(problem.scale, name) for problem in (first, second)]
+        if first.scale.si != second.scale.si or not math.isclose(*sizes, rel_tol=1e-9):
+            units = [problem.scale.written(1.0, name) for problem in (first, second)]
+            raise InputError(
+                f"{runs[1].path}: cannot be compared: its unit {symbol} is {units[1]}, and that of {runs[0].path} "
+                f"{units[0]}; kicks and materials must agree"
             )
 
 
@@ -198,7 +246,7 @@ class Fingerprints:
 
 
 @dataclass(frozen=True)
-class _Recorded:
+class RecordedByBoth:
     """What two runs both recorded, of their frames or of their snapshots.
 
     Attributes:
@@ -213,15 +261,26 @@ class _Recorded:
     snapshots: bool
     same_window: bool
 
-    def blocks(self, run: RunDirectory, stride: int) -> Iterator[Trajectory]:
+    def pairs(self, runs: Runs) -> Iterator[tuple[Trajectory, Trajectory]]:
+        """Blocks of the two at these beads and times; of a window all rows of each."""
+        return simultaneous(*(self._blocks(run, stride) for run, stride in zip(runs, self.strides, strict=True)))
+
+    def _blocks(self, run: RunDirectory, stride: int) -> Iterator[Trajectory]:
         """The frames of one of the runs at these beads and times; a file that ends within a frame is no warning."""
+        problem = replace(self.problem, system=run.problem.system)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", CutDumpWarning)
             for block in run.snapshots(stride) if self.snapshots else run.blocks(stride):
-                yield of_recorded(block, self.problem)
+                yield of_recorded(block, problem)
 
 
-def _recorded_by_both(runs: Runs, *, snapshots: bool = False) -> _Recorded:
+def where_both_hold(first: Trajectory, second: Trajectory) -> tuple[Trajectory, Trajectory]:
+    """Frames of two runs at the rows that are compared: of windows those near the front that both hold."""
+    near, other_near = on_common_rows(near_the_front(first), near_the_front(second))
+    return near, other_near
+
+
+def recorded_by_both(runs: Runs, *, snapshots: bool = False) -> RecordedByBoth:
     """The beads and times that two runs recorded.
 
     Raises:
@@ -249,22 +308,21 @@ def _recorded_by_both(runs: Runs, *, snapshots: bool = False) -> _Recorded:
         window=min((each.window for each in (first, second) if each.window is not None), default=None),
         frames_per_snapshot=None,
     )
-    return _Recorded(problem, strides, snapshots, same_window=first.window == second.window)
+    return RecordedByBoth(problem, strides, snapshots, same_window=first.window == second.window)
 
 
 def _difference(
     runs: Runs,
-    recorded: _Recorded,
+    recorded: RecordedByBoth,
     limits: dict[str, float],
     fingerprints: Fingerprints,
     meter: ChainMeter | None = None,
 ) -> Difference:
     """How far apart two runs are where both recorded; fingerprints and chains are read on the way."""
-    first, second = (recorded.blocks(run, stride) for run, stride in zip(runs, recorded.strides, strict=True))
 
     def pairs() -> Iterator[tuple[Trajectory, Trajectory]]:
-        for blocks in simultaneous(first, second):
-            near_front, other_near_front = on_common_rows(*map(near_the_front, blocks))
+        for blocks in recorded.pairs(runs):
+            near_front, other_near_front = where_both_hold(*blocks)
             fingerprints.add(*(on_common_rows(*blocks) if recorded.same_window else (near_front, other_near_front)))
             if meter is not None:
                 meter.add(near_front, other_near_front)
@@ -280,7 +338,7 @@ def _of_snapshots(runs: Runs, limits: dict[str, float], fingerprints: Fingerprin
     if not all(run.problem.frames_per_snapshot for run in runs):
         return {}
     try:
-        snapshots = _recorded_by_both(runs, snapshots=True)
+        snapshots = recorded_by_both(runs, snapshots=True)
     except InputError:
         return {}
     difference = _difference(runs, snapshots, limits, fingerprints)

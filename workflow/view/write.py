@@ -22,9 +22,15 @@ from workflow.runs.engines import ENGINES, LAMMPS, RIGID
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import claim
 from workflow.runs.run_directory import RunDirectory
+from workflow.screen import PrintedTable
 from workflow.sweep.collect import collect
 from workflow.verdicts.analyse import FIGURES, analyse, default_beads
 from workflow.verdicts.analysis_lines import lines as analysis_lines
+from workflow.verdicts.validate import PAGE as VALIDATION_PAGE
+from workflow.verdicts.validate import Validation
+from workflow.verdicts.validate_run import compare_runs, refuse_other_beads
+from workflow.view import compare_page
+from workflow.view.compared import compared_lines, compared_tables, pairs_of_reference, pairs_of_runs, setting_table
 from workflow.view.downsample import Thinned, thinned
 from workflow.view.results import results, sentence
 from workflow.view.run_page import layout
@@ -102,8 +108,17 @@ html > body { margin: 1.2rem auto; padding: 0 1rem; }
 pre { overflow: auto; font-size: .85rem; }
 h1 { font-size: 1.4rem; margin: 0 0 .3rem; }
 p { margin: .2rem 0; }
+h1, p, .values th { overflow-wrap: anywhere; }
 summary { cursor: pointer; }
 #results p, #results table { font-size: .9rem; }
+.values { overflow-x: auto; font-size: .9rem; }
+.values table { border-collapse: collapse; }
+.values caption { text-align: left; font-weight: 600; padding: 1rem 0 .2rem; }
+.values td, .values th { text-align: right; vertical-align: top; padding: .1rem .4rem .1rem .8rem; white-space: nowrap;
+  border-top: 1px solid #8883; }
+.values :is(td, th):first-child { text-align: left; padding-left: 0; font-weight: 400; white-space: normal;
+  min-width: 9rem; }
+.values td:last-child { min-width: 8rem; white-space: normal; }
 </style>
 {% endblock %}
 {% block contents %}
@@ -120,7 +135,7 @@ def folded(heading: str, text: str) -> str:
     return f"<details><summary>{escape(heading)}</summary><pre>{escape(text)}</pre></details>"
 
 
-def render(title: str, name: str, root: Any, *, head: str, foot: str, ready: CustomJS | None = None) -> str:
+def render(title: str, name: str, root: Any, *, head: str, foot: str, ready: Iterable[CustomJS] = ()) -> str:
     """The page.
 
     Args:
@@ -146,9 +161,8 @@ def render(title: str, name: str, root: Any, *, head: str, foot: str, ready: Cus
                 tool.filename = f"{name}-{drawn.name}"
     sliders = [model for model in document.models if isinstance(model, Slider)]
     codes = [CustomJS(args={"plots": plots}, code=_DARK), CustomJS(args={"width": _PRINT_PIXELS}, code=_FINE)]
-    for code in (*codes, CustomJS(args={"sliders": sliders}, code=_NAMED), ready):
-        if code is not None:
-            document.js_on_event(DocumentReady, code)
+    for code in (*codes, CustomJS(args={"sliders": sliders}, code=_NAMED), *ready):
+        document.js_on_event(DocumentReady, code)
     variables = {"head": head, "foot": foot}
     made: str = file_html(document, INLINE, title=escape(title), template=_TEMPLATE, template_variables=variables)
     if len(made) > MOST_BYTES:
@@ -239,8 +253,8 @@ def _computed(directory: RunDirectory) -> str:
     return f"The run was computed by {', '.join(filter(None, parts))}."
 
 
-def _left_out(problem: Problem, part: Thinned) -> list[str]:
-    """What a page does not show of a run, in words."""
+def _shown(problem: Problem, part: Thinned) -> list[str]:
+    """Which part of its frames a page shows of a run, in words; empty where it shows all."""
     apart = problem.every * part.frame_stride
     time = axis_unit(problem, "time", apart)
     distance = f"{apart * time.worth:.3g} {time.symbol}" if problem.scale.si else f"{apart:.3g} T"
@@ -249,7 +263,15 @@ def _left_out(problem: Problem, part: Thinned) -> list[str]:
         f"one bead in {part.bead_stride}" if part.bead_stride > 1 else "",
         f"one frame in {part.frame_stride}, {distance} apart" if part.frame_stride > 1 else "",
     ]
-    lines = [f"Shown: {', '.join(filter(None, parts))}; each number is the run's own."] if any(parts) else []
+    return [f"Shown: {', '.join(filter(None, parts))}; each number is the run's own."] if any(parts) else []
+
+
+def _left_out(problem: Problem, part: Thinned) -> list[str]:
+    """What a page does not show of a run, in words."""
+    apart = problem.every * part.frame_stride
+    time = axis_unit(problem, "time", apart)
+    distance = f"{apart * time.worth:.3g} {time.symbol}" if problem.scale.si else f"{apart:.3g} T"
+    lines = _shown(problem, part)
     if part.frame_stride > 1:
         lines.append(
             "Each velocity is the largest in size around its frame, so that no peak is lost;"
@@ -269,20 +291,94 @@ def _left_out(problem: Problem, part: Thinned) -> list[str]:
     return lines
 
 
+# --- comparisons ------------------------------------------------------------------------------------------------------
+
+
+def write_comparison(directory: RunDirectory, against: RunDirectory) -> Path:
+    """Write ``against-B.html`` into the directory of a run, where B is the name of the directory of another one.
+
+    Raises:
+        InputError: they have other numbers of chains or beads, other units, or no bead or time in common.
+    """
+    runs = directory, against
+    refuse_other_beads(runs)
+    comparison, _ = compare_runs(runs)
+    return _compared(runs, comparison, f"against-{against.path.resolve().name}.html")
+
+
+def write_validation(directory: RunDirectory, comparison: Validation, against: RunDirectory | None) -> Path:
+    """Write ``validation.html``, the page of a validation, into the directory of its run.
+
+    Args:
+        directory: directory of the run.
+        comparison: the validation.
+        against: the run that it was compared with; None for the reference.
+    """
+    return _compared((directory,) if against is None else (directory, against), comparison, VALIDATION_PAGE)
+
+
+def _compared(runs: tuple[RunDirectory, ...], comparison: Validation, file: str) -> Path:
+    """Write the page of a comparison into the directory of its run.
+
+    Args:
+        runs: the run, and the other one where it was not compared with the reference.
+        comparison: what differs.
+        file: name of the page.
+    """
+    directory, problem = runs[0], comparison.problem
+    first, second = [*(run.path.resolve().name for run in runs), comparison.against][:2]
+    pairs = pairs_of_runs(runs) if len(runs) == 2 else pairs_of_reference(directory, comparison)
+    frames = compare_page.compared_frames(problem, pairs, shown_chains(problem))
+    root, choose = compare_page.layout(problem, frames, (first, second), default_beads(problem)[0])
+    lines = [*compared_lines(runs, comparison), *_shown(problem, frames.first)]
+    if frames.first.frame_stride > 1:
+        lines.append("Each velocity and each difference is the largest in size around its frame.")
+    if problem.window is not None:
+        lines.append("Grey: the window has left.")
+    made = render(
+        f"{directory.scene.name}: {first} against {second}",
+        f"{directory.scene.name}-{Path(file).stem}",
+        root,
+        ready=[choose],
+        head="".join(f"<p>{escape(line)}</p>" for line in lines) + _html_tables(setting_table(runs, comparison)),
+        foot=_html_tables(*compared_tables(runs, comparison)) + provenance.foot(_cited(runs)),
+    )
+    claim(directory.path, (file,))
+    write_text(directory.path / file, made)
+    return directory.path / file
+
+
+def _html_tables(*tables: PrintedTable | None) -> str:
+    """Tables as they are printed on a screen, in HTML, without those that are None; wide ones scroll."""
+    return "".join(map(_html_table, filter(None, tables)))
+
+
+def _html_table(table: PrintedTable) -> str:
+    head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in table.head)
+    rows = "".join(
+        f'<tr><th scope="row">{escape(name)}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}</tr>'
+        for name, *cells in table.rows
+    )
+    parts = f"<caption>{escape(table.title)}</caption><thead><tr>{head}</tr></thead><tbody>{rows}</tbody>"
+    return f'<div class="values" tabindex="0"><table>{parts}</table></div>'
+
+
+# --- sweeps -----------------------------------------------------------------------------------------------------------
+
+
 def _sweep(directory: Path) -> Path:
     table = collect(directory)
     title = table.scene or directory.name
     wanted = (VIEW, *in_any_format(*FIGURES))
     files = {row["case"]: [file for file in wanted if (directory / row["case"] / file).is_file()] for row in table.rows}
-    root, choose = sweep_layout(table, files, title)
+    root, ready = sweep_layout(table, files, title, directory.resolve().name)
     made = render(
         f"{title}: {len(table.rows)} cases",
         title,
         root,
-        ready=choose,
-        head="<p>A click on a column's head sorts, one on a case or a point opens its page or else its first figure, "
-        f"where there is one (<code>granchain view {escape(directory.name)}/CASE</code> makes a page, "
-        "<code>granchain sweep --figures</code> figures).</p>",
+        ready=ready,
+        head="<p>A click or Enter on a column's head sorts; one on a case opens its page or else its first figure, "
+        "where there is one. A case that is chosen, in the list, the table or the plot, is named below the list.</p>",
         foot=provenance.foot(_cited(RunDirectory(directory / row["case"]) for row in table.rows)),
     )
     path = directory / VIEW

@@ -58,6 +58,12 @@ TRACES = """() => {
             dash: line.glyph.line_dash.value, mark: mark.glyph.marker.value, visible: line.visible};
   });
 }"""
+ROWS = """() => {
+  const table = [...Bokeh.documents[0]._all_models.values()].find(it => it.type == 'DataTable');
+  const rows = [...Bokeh.index.find_one_by_id(table.id).shadow_el.querySelectorAll('.slick-row')];
+  return rows.filter(row => row.innerText).map(row => [row.getBoundingClientRect().y, row.innerText])
+    .sort(([first], [second]) => first - second).map(([_, text]) => text.split('\\n')[0]);
+}"""
 TEXT = """() => {
   const words = [];
   const walk = node => { for (const child of node.querySelectorAll('*')) if (child.shadowRoot) {
@@ -290,7 +296,7 @@ def test_the_page_of_a_sweep_draws_any_column_over_any_other(tmp_path, look):
     assert model(page, "cases", "Array.from(it.data.y, y => isNaN(y) ? null : y)") == agree
     assert (
         model(page, "plot log", "it.title.text")
-        == f"{agree.count(None)} of 3 cases have no number here; hollow: not settled"
+        == f"{agree.count(None)} of 3 cases have no number; hollow: not settled"
     )
     page.evaluate("() => { Bokeh.documents[0].get_model_by_name('column').value = 'amplitude'; }")
     assert model(page, "plot log", "it.title.text").endswith("hollow: not settled; bars: uncertainty")
@@ -300,6 +306,87 @@ def test_the_page_of_a_sweep_draws_any_column_over_any_other(tmp_path, look):
     assert model(page, "plot linear", "it.below[0].ticker.min_interval") == 1  # steps are whole numbers
     assert page.locator(".slick-row a").count() == 0  # no case has a page or a figure
     page.evaluate("() => { Bokeh.documents[0].get_model_by_name('column').value = 'amplitude'; }")
-    for value, kept in (("1", [False, False, True]), ("all", [True, True, True])):
-        page.evaluate(f"() => {{ Bokeh.documents[0].get_model_by_name('only coupling.stiffness').value = '{value}'; }}")
+    for active, kept in (([2], [False, False, True]), ([0, 1, 2], [True, True, True])):
+        page.evaluate(f"() => {{ Bokeh.documents[0].get_model_by_name('only coupling.stiffness').active = {active}; }}")
         assert model(page, "filter", "it.booleans") == kept
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """A sweep over two fields, three values of each, in which one case has a page and some have not settled."""
+    directory = tmp_path_factory.mktemp("view") / "swept"
+    vary = {"coupling.stiffness": [0.02, 0.1, 1.0], "duration": [20.0, 30.0, 40.0]}
+    table = granchain.sweep({"scene": SCENE, "vary": vary, "engine": "reference"}, directory, jobs=1, check=False)
+    granchain.view(directory / table.rows[0]["case"])
+    granchain.view(directory)
+    return directory, table
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_page_of_a_sweep_over_two_fields_is_used_by_keys_alone(swept, look, scheme):
+    directory, table = swept
+    page = look(directory / "view.html", color_scheme=scheme)
+
+    def choose(label, text):
+        page.get_by_label(label, exact=True).focus()
+        page.keyboard.type(text)
+
+    choose("as", "map")
+    page.wait_for_function("() => Bokeh.documents[0].get_model_by_name('top').children[0].name.startsWith('map')")
+    edges = [model(page, "cases", f"Array.from(it.data.{side})") for side in ("left", "right", "bottom", "top")]
+    fields = [table.numbers(name) for name in table.fields]
+    for low, high, values in (*zip(edges[::2], edges[1::2], fields, strict=True),):
+        assert np.all((np.array(low) < values) & (values < np.array(high)))
+    unsettled = table.unsettled("amplitude") & np.isfinite(table.numbers("amplitude"))
+    assert model(page, "cases", "Array.from(it.data.open, Boolean)") == unsettled.tolist()
+
+    first, second = (row["case"] for row in table.rows[:2])
+    page.get_by_label("case", exact=True).focus()
+    for case in (first, second):
+        page.keyboard.press("ArrowDown")
+        page.wait_for_function(f"() => Bokeh.documents[0].get_model_by_name('named').text.includes('{case}')")
+        link = f'<a href="{case}/view.html">' in model(page, "named", "it.text")
+        assert link == (case == first)
+    assert f"granchain view swept/{second}" in model(page, "named", "it.text")
+    assert model(page, "cases", "it.selected.indices") == [1]
+
+    head = page.locator(".slick-header-column", has_text="duration").first
+    head.focus()
+    for order in (["20"] * 3 + ["30"] * 3 + ["40"] * 3, ["40"] * 3 + ["30"] * 3 + ["20"] * 3):
+        page.keyboard.press("Enter")
+        page.wait_for_function(
+            f"() => ({ROWS})().map(text => text.split('duration=')[1]).join() == '{','.join(order)}'"
+        )
+    for width in (1280, 600):
+        page.set_viewport_size({"width": width, "height": 900})
+        page.wait_for_function(f"() => document.documentElement.scrollWidth <= {width}")
+
+
+@pytest.mark.slow
+def test_the_table_of_a_sweep_is_not_drawn_again_at_rest(swept, look):
+    page = look(swept[0] / "view.html")
+    drawings = page.evaluate("""async () => {
+      const table = [...Bokeh.documents[0]._all_models.values()].find(it => it.type == 'DataTable');
+      const view = Bokeh.index.find_one_by_id(table.id), draw = view.updateGrid.bind(view);
+      let drawings = 0;
+      view.updateGrid = () => { drawings++; draw(); };
+      await new Promise(done => setTimeout(done, 500));
+      return drawings;
+    }""")
+    assert drawings == 0
+
+
+@pytest.mark.slow
+def test_a_map_is_blank_where_several_cases_lie_at_one_point_until_values_are_chosen(tmp_path, look):
+    vary = {"coupling.stiffness": [0.1, 1.0], "duration": [20.0, 30.0], "kick.velocity": [1.0, 2.0]}
+    granchain.sweep({"scene": SCENE, "vary": vary, "engine": "reference"}, tmp_path / "swept", jobs=1, check=False)
+    page = look(granchain.view(tmp_path / "swept").path)
+    page.get_by_label("as", exact=True).select_option("map")
+    drawn = "Array.from(it.data.left).filter(side => !isNaN(side)).length"
+    title = "() => Bokeh.documents[0].get_model_by_name('top').children[0].title.text"
+    page.wait_for_function(f"() => ({title})().startsWith('several cases at one point: choose one value of kick')")
+    assert model(page, "cases", drawn) == 0
+    page.evaluate("() => { Bokeh.documents[0].get_model_by_name('only kick.velocity').active = [0]; }")
+    page.wait_for_function(f"() => !({title})().startsWith('several')")
+    assert model(page, "cases", drawn) == 8

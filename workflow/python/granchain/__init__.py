@@ -422,17 +422,18 @@ def plot(table: SweepTable, quantity: str, over: str, beside: str | None = None)
     return NotebookFigure(collecting.drawn(table, quantity, over, beside))
 
 
-def view(run_or_sweep: AnyRun) -> Page:
-    """Write the interactive page of a run or a sweep, ``view.html`` in its directory.
+def view(run_or_sweep: AnyRun, against: AnyRun | None = None) -> Page:
+    """Write the interactive page of a run or a sweep, ``view.html``, or of two runs, ``against-B.html``.
 
     Args:
-        run_or_sweep: a run, or the directory of a run or a sweep.
+        run_or_sweep: a run, or the directory of a run or a sweep; the page is in its directory.
+        against: another run with the same chains and beads, or its directory B.
 
     Returns:
         The page, which a notebook displays.
 
     Raises:
-        InputError: there are no frames or cases, or Bokeh is not installed.
+        InputError: there are no frames or cases, the two runs cannot be compared, or Bokeh is not installed.
 
     Examples:
         >>> granchain.view("out")
@@ -441,6 +442,8 @@ def view(run_or_sweep: AnyRun) -> Page:
     need_bokeh()
     from workflow.view import write
 
+    if against is not None:
+        return Page(write.write_comparison(directory_of(run_or_sweep), directory_of(against)))
     if isinstance(run_or_sweep, running.CompletedRun):
         run_or_sweep = run_or_sweep.directory
     path = run_or_sweep.path if isinstance(run_or_sweep, RunDirectory) else path_of(run_or_sweep)
