@@ -222,7 +222,7 @@ def _run(path: Path) -> Path:
         scene.name,
         root,
         head="".join(f"<p>{escape(line)}</p>" for line in (scene.description, *lines) if line) + shown_results,
-        ready=open_link(root),
+        ready=[open_link(root)],
         foot=foot + provenance.foot(_cited([directory]), _computed(directory)),
     )
     claim(path, (VIEW,))
