@@ -1,12 +1,9 @@
 """Write an interactive HTML page of a run or sweep."""
 
 import argparse
-import os
-import sys
-import webbrowser
 from pathlib import Path
 
-from workflow.screen import one_line
+from workflow.screen import one_line, open_in_browser
 from workflow.view import need_bokeh
 
 EXAMPLES = (
@@ -28,11 +25,6 @@ def execute(arguments: argparse.Namespace) -> int:
 
     page = write(arguments.directory)
     print(f"{one_line(page)}: {page.stat().st_size / 1e6:.1f} MB")
-    screen = sys.stdout.isatty() and (
-        sys.platform == "darwin" or "DISPLAY" in os.environ or "WAYLAND_DISPLAY" in os.environ
-    )
-    if screen and not arguments.no_open:
-        webbrowser.open(page.resolve().as_uri())
-    elif not arguments.no_open:
+    if not arguments.no_open and not open_in_browser(page.resolve().as_uri()):
         print(f"there is no screen here: open {one_line(page)} in a browser")
     return 0
