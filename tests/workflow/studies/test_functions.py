@@ -50,9 +50,9 @@ def test_the_state_of_the_process_is_as_before(name, tmp_path, monkeypatch):
     assert_state_remains(lambda: CALLS[name](tmp_path), tmp_path)
 
 
-def test_functions_of_studies_are_those_that_are_declared_and_that_type_checkers_see():
+def test_functions_of_studies_and_tools_are_those_that_are_declared_and_that_type_checkers_see():
     source = Path(granchain.__file__).read_text(encoding="utf-8")
-    seen = set(re.findall(r"^    from workflow\.studies\.\S+ import (\w+) as", source, re.M))
+    seen = set(re.findall(r"^    from workflow\.(?:studies|tools)\.\S+ import (\w+) as", source, re.M))
     assert seen == {
         name for name, point in plugins.declared("functions").items() if point.value.startswith("workflow.")
     }

@@ -99,13 +99,13 @@ def look(browser):
     """Opens a page without a network; fails at its end if the page complained."""
     complaints = []
 
-    def opened(path, **options):
+    def opened(path, waiting="window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle", **options):
         page = browser.new_context(offline=True, viewport={"width": 1300, "height": 1700}, **options).new_page()
         page.set_default_timeout(120_000)
         page.on("console", lambda said: complaints.append(said.text) if said.type in ("error", "warning") else None)
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.goto(path.resolve().as_uri())
-        page.wait_for_function("window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle")
+        page.wait_for_function(waiting)
         return page
 
     yield opened
@@ -202,6 +202,21 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     assert bars["x"] == (contact + 1.5).tolist()  # between bead n and the next
     assert bars["h"] == pytest.approx(0.45 * force[3, chain, contact] / force.max(), rel=1e-4, abs=1e-6)
     assert bars["y"] == pytest.approx(0.3 - chain + 0.5 * np.array(bars["h"]))
+
+
+@pytest.mark.slow
+def test_the_page_in_a_notebook_is_part_of_it_wherever_it_is_moved(ran, tmp_path, look):
+    cell = ran.view()._repr_html_()
+    (tmp_path / "moved.html").write_text(f"<!DOCTYPE html><script>window.Bokeh = null</script>{cell}")
+    page = look(tmp_path / "moved.html", waiting="frames[0].Bokeh && frames[0].Bokeh.documents[0]?.is_idle")
+    assert page.frame_locator("iframe").get_by_role("heading").first.inner_text() == "seen: 2 x 20 beads"
+    assert page.evaluate("frames[0].Bokeh.documents[0].get_model_by_name('traces').data.time.length") == 201
+
+
+def test_a_large_page_in_a_notebook_is_a_link(ran, monkeypatch):
+    page = ran.view()
+    monkeypatch.setattr(granchain, "MOST_EMBEDDED", 1000)
+    assert page._repr_html_() == f'<p><a href="{page.path.resolve().as_uri()}">{page.path}</a></p>'
 
 
 @pytest.mark.slow

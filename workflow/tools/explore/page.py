@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from bokeh.document import Document
 from bokeh.events import DocumentReady
 from bokeh.layouts import column, row
-from bokeh.models import Button, Checkbox, CustomJS, Div, Slider, TextInput
+from bokeh.models import Button, CheckboxGroup, CustomJS, Div, Slider, TextInput
 
 from lammps_inputs import InputError, Scene, html, library, references, strict_yaml
 from lammps_inputs.numbers import time_text
@@ -123,9 +123,9 @@ class Tab:
             parts += self._widgets[key]
         return [Div(text=escape(scene.units)), *parts]
 
-    def _switch(self, key: str) -> Checkbox:
-        switch = Checkbox(label=key, active=True, name=f"switch {key}", styles={"font-weight": "bold"})
-        switch.on_change("active", lambda _attribute, _before, active: self._turn(key, active))
+    def _switch(self, key: str) -> CheckboxGroup:
+        switch = CheckboxGroup(labels=[key], active=[0], styles={"font-weight": "bold"})
+        switch.on_change("active", lambda _attribute, _before, active: self._turn(key, bool(active)))
         return switch
 
     def _turn(self, key: str, active: bool) -> None:

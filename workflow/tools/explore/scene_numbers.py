@@ -116,6 +116,6 @@ def slider_range(number: SceneNumber, value: float) -> SliderRange:
     step = 10.0 ** math.floor(math.log10(reach / 100.0))
     if fields.is_whole(number.path):
         step = max(1.0, step)
-    end = math.ceil(reach / step) * step
+    end = math.ceil(reach / step * (1.0 - 1e-9)) * step
     start, end = (-end, 0.0) if value < 0.0 else (0.0, end)
     return SliderRange(max(start, lower), min(end, upper), step)

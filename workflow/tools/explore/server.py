@@ -2,6 +2,7 @@
 
 import asyncio
 import secrets
+from collections.abc import Callable
 
 from bokeh.application import Application
 from bokeh.application.handlers.function import FunctionHandler
@@ -34,6 +35,8 @@ class LocalServer:
 
     def __init__(self, scene: Scene, source: str, port: int = 0) -> None:
         self._scene, self._source = scene, source
+        if not 0 <= port < 1 << 16:
+            raise InputError(f"--port: {port} given; a number from 1024 to 65535, or leave it out for a free one")
         try:
             self._sockets, self._port = bind_sockets(HOST, port)
         except OSError as error:
@@ -45,8 +48,8 @@ class LocalServer:
         """Address of the page; whoever has it can open the page on this machine."""
         return f"http://{HOST}:{self._port}/{self._secret}/"
 
-    async def serve(self, ended: asyncio.Event) -> None:
-        """Serve until an event, or until it is cancelled."""
+    async def serve(self, ended: asyncio.Event, started: Callable[[], None]) -> None:
+        """Serve until an event, or until it is cancelled; call a function when the page can be opened."""
         application = BokehTornado(
             {"/": Application(FunctionHandler(lambda document: self._open(document)))},
             prefix=self._secret,
@@ -59,6 +62,7 @@ class LocalServer:
         server = BaseServer(IOLoop.current(), application, http)
         server.start()
         try:
+            started()
             await ended.wait()
         finally:
             server.stop()

@@ -26,8 +26,11 @@ def execute(arguments: argparse.Namespace) -> int:
     from workflow.tools.explore.server import LocalServer  # bokeh takes half a second to import
 
     server = LocalServer(library.find(arguments.scene), arguments.scene, arguments.port)
-    print(f"{server.address}: the page of {arguments.scene}, on this machine only, until Ctrl-C", flush=True)
-    if not arguments.no_open:
-        open_in_browser(server.address)
-    asyncio.run(server.serve(asyncio.Event()))
+
+    def started() -> None:
+        print(f"{server.address}: the page of {arguments.scene}, on this machine only, until Ctrl-C", flush=True)
+        if not arguments.no_open:
+            open_in_browser(server.address)
+
+    asyncio.run(server.serve(asyncio.Event(), started))
     return 0
