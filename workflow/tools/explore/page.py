@@ -91,9 +91,10 @@ class Tab:
         self._status = Div(name="status", sizing_mode="stretch_width")
         self._sentences = Div(name="sentences", sizing_mode="stretch_width")
         self._plots = column(Div(), sizing_mode="stretch_width")
+        self._units = Div(name="units", sizing_mode="stretch_width")
         self._yaml = Div(name="yaml", sizing_mode="stretch_width", stylesheets=["pre { white-space: pre-wrap; }"])
         self._widgets: dict[str, list[Any]] = {}
-        form = column(*self._form(scene), *self._saving(scene.name), styles={"flex": "1 1 300px"}, name="form")
+        form = column(*self._form(), *self._saving(scene.name), styles={"flex": "1 1 300px"}, name="form")
         results = column(self._status, self._sentences, self._plots, styles={"flex": "4 1 560px", "min-width": "0"})
         for part in (form, results):
             part.sizing_mode = "stretch_width"
@@ -111,7 +112,7 @@ class Tab:
 
     # --- form ---------------------------------------------------------------------------------------------------------
 
-    def _form(self, scene: Scene) -> list[Any]:
+    def _form(self) -> list[Any]:
         """Sliders, fields and switches, in the order of the scene's keys."""
         parts: list[Any] = []
         numbers = numbers_of(self._all)
@@ -121,7 +122,7 @@ class Tab:
             if key in SWITCHED:
                 parts.append(self._switch(key))
             parts += self._widgets[key]
-        return [Div(text=escape(scene.units)), *parts]
+        return [self._units, *parts]
 
     def _switch(self, key: str) -> CheckboxGroup:
         switch = CheckboxGroup(labels=[key], active=[0], styles={"font-weight": "bold"})
@@ -256,6 +257,7 @@ class Tab:
         self._status.text = f"<p role='{role}'{style}>{escape(line)}</p>"
 
     def _show_scene(self, scene: Scene) -> None:
+        self._units.text = escape(scene.units)
         text = strict_yaml.dump(scene.plain())
         self._yaml.update(text=html.text(text), tags=[text])
 

@@ -17,7 +17,7 @@ from workflow.view.downsample import Thinned, units_of
 from workflow.view.plots import add_legend, chain_name, choice, ends, graph, image_source, look, maps_of, root_colours
 from workflow.view.write import themed
 
-NARROWEST = 400
+NARROWEST = 330
 """Pixels of a plot of lines; two stand side by side where there is room."""
 
 BRIGHTER, DARKER = 1.25, 0.5

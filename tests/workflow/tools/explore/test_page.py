@@ -135,6 +135,7 @@ def test_a_changed_number_shows_what_a_run_of_the_saved_scene_by_the_reference_w
     page = opened(address)
     type_into(page, "coupling stiffness k (reduced)", "0.15")
     wait_for(page, "stiffness: 0.15")
+    assert page.evaluate("Bokeh.documents[0].get_model_by_name('units').text").endswith("kappa = 0.15")
     with page.expect_download() as download:
         page.get_by_role("button", name="save YAML").click()
     assert download.value.suggested_filename == "two.yaml"
