@@ -198,7 +198,7 @@ def test_a_sweep_is_a_table_as_array_and_as_pandas_if_that_is_there(tmp_path):
     assert array["kick.velocity"].tolist() == [1.0, 2.0]
     assert array["engine"].tolist() == ["reference", "reference"]
     assert array["outcome"].tolist() == ["done", "done"]
-    assert "kick.velocity" in Cells(found._repr_html_()).text
+    assert "kick.velocity (reduced)" in Cells(found._repr_html_()).text
     pd = pytest.importorskip("pandas")
     assert isinstance(found.pandas(), pd.DataFrame)
 

@@ -21,13 +21,14 @@ from workflow.tools.explore.compute import ComputedScene, computed
 from workflow.tools.explore.picture import Picture
 from workflow.tools.explore.scene_numbers import SWITCHED, SceneNumber, numbers_of, read, slider_range, written
 from workflow.verdicts.pulse_sentences import change_sentences, pulse_sentences
-from workflow.verdicts.pulse_table import pulse_table
 from workflow.view.write import TEMPLATE, page_scripts
 
 _FIELD = """
 .bk-input-group > label { white-space: nowrap; }
 @media (prefers-color-scheme: dark) { .bk-input { background-color: #26292f; color: #ddd; } }
 """
+
+_WRAPPED = "pre { white-space: pre-wrap; }"
 
 _FIELD_WIDTH = 110
 
@@ -45,31 +46,36 @@ URL.revokeObjectURL(link.href);
 """
 
 
-class Answer(NamedTuple):
-    """What came of a change: the scene, if it is one, its run, if it was computed, and a line on that."""
+LATE = 300
+"""Milliseconds after which a page says that it is computing."""
 
-    scene: Scene | None
+
+class Answer(NamedTuple):
+    """What came of a change: its run, if it was computed, and a line on that."""
+
     result: ComputedScene | None
     line: str
 
 
-def answer(plain: dict[str, Any], source: str) -> Answer:
+def answer(plain: dict[str, Any], source: str, validated: Callable[[Scene], None]) -> Answer:
     """Validate and compute a scene.
 
     Args:
         plain: its plain data.
         source: what the user calls it, for messages.
+        validated: called with the scene before it is computed.
     """
-    scene, started = None, time.perf_counter()
+    started = time.perf_counter()
     try:
         scene = library.from_plain(plain, source)
+        validated(scene)
         result = computed(scene)
     except (InputError, RunError) as error:
-        return Answer(scene, None, str(error))
+        return Answer(None, str(error))
     except Exception as error:  # no memory, or a mistake of ours: the page goes on
-        return Answer(scene, None, f"{type(error).__name__}: {error}")
+        return Answer(None, f"{type(error).__name__}: {error}")
     seconds = time_text(time.perf_counter() - started)
-    return Answer(scene, result, f"uncertainty of velocities {result.uncertainty:.1e} V; computed in {seconds}")
+    return Answer(result, f"uncertainty of velocities {result.uncertainty:.1e} V; computed in {seconds}")
 
 
 class Tab:
@@ -88,14 +94,14 @@ class Tab:
         self._computing: dict[str, Any] | None = None
         self._closed = False
         self._picture: Picture | None = None
-        self._status = Div(name="status", sizing_mode="stretch_width")
-        self._sentences = Div(name="sentences", sizing_mode="stretch_width")
+        self._sentences = ""
+        self._status = Div(name="status", sizing_mode="stretch_width", disable_math=True)
         self._plots = column(Div(), sizing_mode="stretch_width")
-        self._units = Div(name="units", sizing_mode="stretch_width")
-        self._yaml = Div(name="yaml", sizing_mode="stretch_width", stylesheets=["pre { white-space: pre-wrap; }"])
+        self._units = Div(name="units", sizing_mode="stretch_width", disable_math=True)
+        self._yaml = Div(name="yaml", sizing_mode="stretch_width", stylesheets=[_WRAPPED])
         self._widgets: dict[str, list[Any]] = {}
         form = column(*self._form(), *self._saving(scene.name), styles={"flex": "1 1 300px"}, name="form")
-        results = column(self._status, self._sentences, self._plots, styles={"flex": "4 1 560px", "min-width": "0"})
+        results = column(self._status, self._plots, styles={"flex": "4 1 560px", "min-width": "0"})
         for part in (form, results):
             part.sizing_mode = "stretch_width"
         document.add_root(row(form, results, styles={"flex-wrap": "wrap", "gap": "1rem"}, sizing_mode="stretch_width"))
@@ -209,14 +215,18 @@ class Tab:
         """Compute the scene in a thread, unless one is being computed: the last change is then computed after that."""
         if self._computing is not None or self._closed:
             return
-        self._computing = self._wanted()
-        self._say("computing")
+        plain = self._computing = self._wanted()
+        self._document.add_timeout_callback(lambda: self._say_late(plain), LATE)
         # a daemon, so that the program ends at once
-        threading.Thread(target=self._compute, args=(self._computing,), daemon=True).start()
+        threading.Thread(target=self._compute, args=(plain,), daemon=True).start()
+
+    def _say_late(self, plain: dict[str, Any]) -> None:
+        if self._computing is plain:
+            self._say("computing")
 
     def _compute(self, plain: dict[str, Any]) -> None:
         with screen.with_hints(lambda text: self._next(partial(self._say, text))):
-            computed_answer = answer(plain, self._source)
+            computed_answer = answer(plain, self._source, lambda scene: self._next(partial(self._show_scene, scene)))
         self._next(partial(self._finish, computed_answer))
 
     def _next(self, callback: Callable[[], None]) -> None:
@@ -241,12 +251,12 @@ class Tab:
     # --- results ------------------------------------------------------------------------------------------------------
 
     def _show(self, given: Answer) -> None:
-        self._say(given.line, wrong=given.result is None)
-        if given.scene is not None:
-            self._show_scene(given.scene)
         if given.result is None:
+            self._say(given.line, wrong=True)
             return
-        self._sentences.text = _results(given.result)
+        self._sentences = _listed(given.result)
+        self._say(given.line)
+        self._status.tags = list(self._yaml.tags)  # the scene that is shown
         if self._picture is None or not self._picture.renew(given.result):
             self._picture = Picture(given.result, None if self._picture is None else self._picture.bead)
             self._plots.children = [self._picture.root]
@@ -254,7 +264,7 @@ class Tab:
     def _say(self, line: str, *, wrong: bool = False) -> None:
         role = "alert" if wrong else "status"
         style = " style='color: #d33; font-weight: bold'" if wrong else ""
-        self._status.text = f"<p role='{role}'{style}>{escape(line)}</p>"
+        self._status.text = f"<p role='{role}'{style}>{escape(line)}</p>{self._sentences}"
 
     def _show_scene(self, scene: Scene) -> None:
         self._units.text = escape(scene.units)
@@ -262,10 +272,7 @@ class Tab:
         self._yaml.update(text=html.text(text), tags=[text])
 
 
-def _results(result: ComputedScene) -> str:
-    """Sentences on the pulses, and the table of the leading one."""
+def _listed(result: ComputedScene) -> str:
+    """Sentences on the pulses, as `granchain analyze` prints them."""
     sentences = [*change_sentences(result.survey), *pulse_sentences(result.survey)]
-    table = pulse_table(result.survey)
-    listed = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
-    folded = "" if table is None else f"<details><summary>{table.title}</summary>{html.table('', *table[1:])}</details>"
-    return f"<ul>{listed}</ul>{folded}"
+    return f"<ul>{''.join(f'<li>{escape(sentence)}</li>' for sentence in sentences)}</ul>"

@@ -90,10 +90,11 @@ class Picture:
         )
         if not same or not DARKER * self._limit <= limit <= BRIGHTER * self._limit:
             return False
-        self._part = part
+        before, self._part = self._part, part
         for place, image in enumerate(self._images):
             image.data = dict(_image(part, place).data)
-        self._renew_times()
+        if not np.array_equal(before.time, part.time):
+            self._renew_times()
         self._renew(self._trace, self._velocities())
         if self._peaks is not None:
             self._renew(self._peaks, _peaks(result, part, units["velocity"].worth))
@@ -104,8 +105,7 @@ class Picture:
     def _renew_times(self) -> None:
         """Give axes and cursors the times of other frames."""
         start, end = ends(self._part.time, self._part.every)
-        if (start, end) != self._time_range.bounds:
-            self._time_range.update(start=start, end=end, bounds=(start, end))
+        self._time_range.update(start=start, end=end, bounds=(start, end))
         for plot in self._maps:
             formatter = next(tool for tool in plot.tools if isinstance(tool, HoverTool)).formatters["$y"]
             formatter.args = {**formatter.args, "time": self._part.time.tolist()}

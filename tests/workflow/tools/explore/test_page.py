@@ -38,7 +38,8 @@ YAML = "Bokeh.documents[0].get_model_by_name('yaml').tags[0]"
 # plots that were replaced stay for some seconds
 LINES = """name => [...Bokeh.documents[0]._all_models.values()].filter(one => one.name == name).at(-1).renderers.map(
   line => Array.from(line.data_source.data[line.glyph.y.field], value => isNaN(value) ? null : value))"""
-SENTENCES = "Bokeh.documents[0].get_model_by_name('sentences').text"
+SHOWN = "Bokeh.documents[0].get_model_by_name('status').tags[0]"
+TEXT = f"new DOMParser().parseFromString({STATUS}, 'text/html')"
 
 
 @contextmanager
@@ -106,7 +107,7 @@ def type_into(page, name, words):
 
 def wait_for(page, yaml_words):
     """Wait until a scene with these words has been computed."""
-    page.wait_for_function(f"words => {YAML}.includes(words) && {COMPUTED}", arg=yaml_words)
+    page.wait_for_function(f"words => {YAML}.includes(words) && {SHOWN} == {YAML}", arg=yaml_words)
 
 
 def computed_by_the_command(scene, directory):
@@ -127,7 +128,7 @@ def computed_by_the_command(scene, directory):
 def shown(page):
     """Peak velocities and sentences that a page shows."""
     peaks = [[peak for peak in chain if peak is not None] for chain in page.evaluate(LINES, "peaks")]
-    listed = page.evaluate(f"new DOMParser().parseFromString({SENTENCES}, 'text/html').body.innerText")
+    listed = page.evaluate(f"{TEXT}.body.innerText")
     return peaks, listed
 
 
@@ -153,13 +154,13 @@ def test_an_ingredient_that_is_switched_off_is_left_out_and_comes_back_as_it_was
     page = opened(address)
     before = page.evaluate(LINES, "peaks")
     page.get_by_label("coupling", exact=True).uncheck()
-    page.wait_for_function(f"!{YAML}.includes('coupling:') && {COMPUTED}")
+    page.wait_for_function(f"!{YAML}.includes('coupling:') && {SHOWN} == {YAML}")
     assert strict_yaml.parse(page.evaluate(YAML), "page").keys() == granchain.load(SCENE).plain().keys() - {"coupling"}
     assert not page.get_by_label("coupling stiffness k (reduced)", exact=True).first.is_visible()
     second = page.evaluate(LINES, "peaks")[1]
     assert {value for value in second if value} == set()
     page.get_by_label("coupling", exact=True).check()
-    page.wait_for_function(f"{YAML}.includes('coupling:') && {COMPUTED}")
+    page.wait_for_function(f"{YAML}.includes('coupling:') && {SHOWN} == {YAML}")
     assert page.evaluate(LINES, "peaks") == before
 
 
@@ -176,7 +177,7 @@ def test_a_refused_value_is_one_line_and_the_last_picture_stays(address, opened,
     before = page.evaluate(LINES, "peaks"), page.evaluate(YAML)
     type_into(page, "kicked bead", words)
     page.wait_for_function(WRONG)
-    line = page.evaluate(f"new DOMParser().parseFromString({STATUS}, 'text/html').body.innerText")
+    line = page.evaluate(f"{TEXT}.querySelector('p').innerText")
     assert says in line
     assert "\n" not in line
     assert (page.evaluate(LINES, "peaks"), page.evaluate(YAML)) == before
