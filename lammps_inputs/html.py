@@ -1,5 +1,6 @@
 """How things show themselves in a notebook: small pieces of HTML."""
 
+import base64
 from collections.abc import Iterable, Sequence
 from html import escape
 
@@ -19,6 +20,11 @@ def table(title: str, head: Sequence[str], rows: Iterable[Sequence[object]]) -> 
     return f"<div style='overflow-x: auto'><table>{caption}{''.join(lines)}</table></div>"
 
 
+def with_unit(name: str, unit: str) -> str:
+    """Head of a column, such as ``arrival (s)``; the name alone of what has no unit."""
+    return f"{name} ({unit})" if unit else name
+
+
 def _row(tag: str, cells: Sequence[object]) -> str:
     row = "".join(f"<{tag} style='{_STYLE}'>{escape(_cell(cell))}</{tag}>" for cell in cells)
     return f"<tr>{row}</tr>"
@@ -28,6 +34,11 @@ def _cell(value: object) -> str:
     if value is None or (isinstance(value, float) and known(value) is None):
         return "-"
     return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def image(png: bytes) -> str:
+    """Image that is part of the page."""
+    return f'<img src="data:image/png;base64,{base64.b64encode(png).decode()}" style="max-width: 100%" />'
 
 
 def text(words: str) -> str:

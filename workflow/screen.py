@@ -3,6 +3,9 @@
 import errno
 import math
 import os
+import sys
+import time
+import webbrowser
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
@@ -12,8 +15,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TextIO, TypeVar
 from workflow.errors import RunError
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
-
     from lammps_inputs import Problem
 
 T = TypeVar("T")
@@ -138,6 +139,16 @@ def one_line(text: object) -> str:
     return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in str(text))
 
 
+def open_in_browser(address: str) -> bool:
+    """Open a page in the user's browser; whether there is a screen for one."""
+    has_screen = sys.stdout.isatty() and (
+        sys.platform == "darwin" or "DISPLAY" in os.environ or "WAYLAND_DISPLAY" in os.environ
+    )
+    if has_screen:
+        webbrowser.open(address)
+    return has_screen
+
+
 def cell(value: Any, digits: str = ".6g") -> str:
     """A value of a scene or a quantity in a table; ``-`` where it is undefined."""
     if isinstance(value, list | tuple):
@@ -176,13 +187,52 @@ def count_bar(name: str) -> Iterator[Callable[..., None]]:
         yield show
 
 
+class _NotebookLine:
+    """Line in the output of a notebook's cell that says how much is done, with the methods of rich's bar."""
+
+    def __init__(self) -> None:
+        from IPython.display import display
+
+        self._handle: Any = display({"text/plain": ""}, raw=True, display_id=True)
+        self._fields: dict[str, Any] = {}
+        self._next = 0.0
+
+    def add_task(self, name: str, **fields: Any) -> int:
+        """Begin with a name and how much there is to do."""
+        self._fields = {"description": name, "completed": 0, **fields}
+        return 0
+
+    def update(self, _task: int, **fields: Any) -> None:
+        """Replace the line, at most a few times a second."""
+        self._fields |= fields
+        if time.monotonic() >= self._next:
+            self._next = time.monotonic() + _SECONDS_A_LINE
+            total = self._fields["total"]
+            share = f" {self._fields['completed'] / total:.0%}" if total else ""
+            self.show(f"{self._fields['description']}{share}")
+
+    def show(self, line: str) -> None:
+        """Replace the line."""
+        self._handle.update({"text/plain": line}, raw=True)
+
+
+_SECONDS_A_LINE = 0.25
+
+
 @contextmanager
-def _bar(done: str) -> Iterator["Progress"]:
-    """A bar that says by a template how much is done, and disappears at its end."""
+def _bar(done: str) -> Iterator[Any]:
+    """A bar that says by a template how much is done, and disappears at its end; in a notebook one line."""
     from rich.console import Console  # rich takes a tenth of a second to import
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     console = Console(stderr=True)
+    if console.is_jupyter and _bars.get():
+        line = _NotebookLine()
+        try:
+            yield line
+        finally:
+            line.show("")
+        return
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn(done), TimeRemainingColumn(compact=True))
     shown = _bars.get() and console.is_terminal
     drawing = None

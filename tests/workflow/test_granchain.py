@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from types import FunctionType
@@ -13,13 +14,18 @@ from notebook import NOTEBOOK, executed
 
 import granchain
 from lammps_inputs import InputError, Scene, library
+from lammps_inputs.units import DIMENSIONLESS, Label
 from workflow.cli import COMMANDS, main
+from workflow.sweep.collect import QUANTITIES
 
 SCENE = {"name": "tiny", "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0}
 STEEL = SCENE | {
     "material": {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3},
     "duration": 1e-4,
 }
+
+
+SWEEP = {"scene": SCENE, "vary": {"kick.velocity": [1.0, 2.0]}, "engine": "reference"}
 
 
 class Cells(HTMLParser):
@@ -192,9 +198,45 @@ def test_a_sweep_is_a_table_as_array_and_as_pandas_if_that_is_there(tmp_path):
     assert array["kick.velocity"].tolist() == [1.0, 2.0]
     assert array["engine"].tolist() == ["reference", "reference"]
     assert array["outcome"].tolist() == ["done", "done"]
-    assert "kick.velocity" in Cells(found._repr_html_()).text
+    assert "kick.velocity (reduced)" in Cells(found._repr_html_()).text
     pd = pytest.importorskip("pandas")
     assert isinstance(found.pandas(), pd.DataFrame)
+
+
+def test_heads_of_tables_in_a_notebook_have_units_also_reduced_ones(ran):
+    steel = granchain.analyze(ran, figures=False).waves
+    assert {"arrival (s)", "peak_velocity (m/s)", "width (beads)", "bead"} <= set(Cells(steel._repr_html_()).text)
+    assert [steel.unit(name) for name in ("arrival", "width", "residual", "bead")] == ["s", "beads", "", ""]
+    reduced = replace(steel, scale=DIMENSIONLESS)
+    assert {"arrival (reduced)", "width (beads)"} <= set(Cells(reduced._repr_html_()).text)
+
+
+def test_a_table_of_a_sweep_shows_its_units_and_its_plot_over_one_or_two_fields():
+    def table(*fields):
+        names = ["case", *fields, "outcome", *QUANTITIES, "reason"]
+        rows = [
+            dict.fromkeys(names)
+            | {"case": f"c{a}{b}", "outcome": "done", "amplitude": 0.1 * (a + b)}
+            | dict(zip(fields, (a, b), strict=False))
+            for a in (1, 2)
+            for b in ((1, 2) if len(fields) > 1 else (1,))
+        ]
+        labels = {name: Label(name, "", "m") for name in fields}
+        return granchain.SweepTable(list(fields), rows, si=False, labels=labels)
+
+    for fields, pictures in ((("a",), 1), (("a", "b"), 1), (("a", "b", "c"), 0)):
+        shown = table(*fields)._repr_html_()
+        assert shown.count('<img src="data:image/png') == pictures
+        assert {"a (m)", "amplitude (V)"} <= set(Cells(shown).text)
+
+
+def test_progress_in_a_notebook_is_one_line_that_is_replaced(tmp_path):
+    nbclient, nbformat = pytest.importorskip("nbclient"), pytest.importorskip("nbformat")
+    pytest.importorskip("ipykernel")
+    code = f"import granchain\ngranchain.sweep({SWEEP!r}, 'swept', jobs=1)\nNone"
+    book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(code)])
+    nbclient.NotebookClient(book, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    assert [output["output_type"] for output in book.cells[0].outputs] == ["display_data"]
 
 
 def test_what_a_name_holds_is_text_not_markup():
@@ -220,7 +262,7 @@ def _words(output):
     """Kind and text of an output without its numbers; of a picture that there is one."""
     texts = {"text/plain": output.get("text", []), **output.get("data", {})}
     return {
-        kind: kind == "image/png" or re.sub(r"[-+.\d]+(e[-+]?\d+)?|\s+", "", "".join(text))
+        kind: kind == "image/png" or re.sub(r'src="data:[^"]*"|[-+.\d]+(e[-+]?\d+)?|\s+', "", "".join(text))
         for kind, text in texts.items()
     }
 

@@ -1,13 +1,10 @@
 """Write an interactive HTML page of a run or sweep."""
 
 import argparse
-import os
-import sys
-import webbrowser
 from pathlib import Path
 
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import one_line
+from workflow.screen import one_line, open_in_browser
 from workflow.view import need_bokeh
 
 EXAMPLES = (
@@ -36,11 +33,6 @@ def execute(arguments: argparse.Namespace) -> int:
     else:
         page = write_comparison(RunDirectory(arguments.directory), RunDirectory(arguments.against))
     print(f"{one_line(page)}: {page.stat().st_size / 1e6:.1f} MB")
-    screen = sys.stdout.isatty() and (
-        sys.platform == "darwin" or "DISPLAY" in os.environ or "WAYLAND_DISPLAY" in os.environ
-    )
-    if screen and not arguments.no_open:
-        webbrowser.open(page.resolve().as_uri())
-    elif not arguments.no_open:
+    if not arguments.no_open and not open_in_browser(page.resolve().as_uri()):
         print(f"there is no screen here: open {one_line(page)} in a browser")
     return 0

@@ -121,7 +121,22 @@ class SweepTable:
         names = [*self.fields, "outcome", *self.at_beads, *measured, "reason"]
         names = [name for name in names if any(row[name] not in (None, "") for row in self.rows)]
         rows = [[row[name] for name in names] for row in self.rows]
-        return html.table(repr(self)[1:-1], [self.heading(name) for name in names], rows)
+        head = [html.with_unit(name, self.label(name).unit) for name in names]
+        return html.table(repr(self)[1:-1], head, rows) + self._picture()
+
+    def _picture(self) -> str:
+        """Image of the first printed quantity with numbers over the varied field, or two; empty where there is none."""
+        measured = (name for name in SHOWN if QUANTITIES[name].file != RECORD)
+        quantity = next((name for name in measured if np.sum(np.isfinite(self.numbers(name))) > 1), None)
+        if quantity is None or len(self.fields) not in (1, 2):
+            return ""
+        try:
+            figure = drawn(self, quantity, ",".join(self.fields))
+        except InputError:  # fields without numbers, or several cases at a point
+            return ""
+        from analysis.figures.style import picture  # matplotlib takes half a second to import
+
+        return html.image(picture(figure, "png", dpi=100))
 
     def array(self) -> NDArray[Any]:
         """The table as a structured array, [case]: a field per column, text or float64; NaN is unknown.

@@ -4,11 +4,13 @@
 
 import difflib
 import itertools
+import math
 import re
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Annotated, Any, get_args, get_origin
 
+from annotated_types import Ge, Gt, Le
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
@@ -172,6 +174,17 @@ def is_whole(path: Path) -> bool:
     """Whether a field takes whole numbers only."""
     kinds = _parts(_field(path))
     return int in kinds and float not in kinds
+
+
+def bounds(path: Path) -> tuple[float, float]:
+    """Lower and upper bound of a field of numbers, by its type; infinite where it has none."""
+    lower, upper = -math.inf, math.inf
+    for part in _parts(_field(path)):
+        if isinstance(part, Ge | Gt):
+            lower = max(lower, float(part.ge if isinstance(part, Ge) else part.gt))  # type: ignore[arg-type]
+        elif isinstance(part, Le):
+            upper = min(upper, float(part.le))  # type: ignore[arg-type]
+    return lower, upper
 
 
 def unit(path: Path, scene: dict[str, Any]) -> str:

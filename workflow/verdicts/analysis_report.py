@@ -87,7 +87,7 @@ class WavesTable(Waves):
     def _repr_html_(self) -> str:
         rows = zip(*(getattr(self, name)[:SHOWN].tolist() for name in self.columns), strict=True)
         title = repr(self)[1:-1] + (f"; the first {SHOWN} rows" if len(self) > SHOWN else "")
-        return html.table(title, [self.heading(name) for name in self.columns], rows)
+        return html.table(title, [html.with_unit(name, self.unit(name)) for name in self.columns], rows)
 
     def measured(self, scale: Scale) -> Self:
         """Table of dimensionless waves in the units of a scene.
@@ -119,6 +119,21 @@ class WavesTable(Waves):
             'arrival (s)'
         """
         return self.scale.heading(name, declared(WavesTable)[name][0].unit)
+
+    def unit(self, name: str) -> str:
+        """Unit of a column: symbol of the SI unit, ``reduced``, or that of counts; empty of a pure number.
+
+        Args:
+            name: name of a column.
+
+        Returns:
+            The unit.
+
+        Examples:
+            >>> granchain.analyze("out").waves.unit("arrival"), granchain.analyze("steel").waves.unit("arrival")
+            ('reduced', 's')
+        """
+        return declared(WavesTable)[name][0].symbol_of_unit(si=self.scale.si)
 
     def array(self) -> NDArray[np.void]:
         """Structured array, [wave], with a field for each column, in the units of this table.

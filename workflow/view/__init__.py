@@ -3,8 +3,8 @@
 from lammps_inputs import InputError
 
 
-def need_bokeh() -> None:
-    """See that what draws is there.
+def need_bokeh(command: str = "view") -> None:
+    """See that what draws is there, for a command.
 
     Raises:
         InputError: it is not.
@@ -12,4 +12,4 @@ def need_bokeh() -> None:
     try:
         import bokeh  # noqa: F401
     except ImportError:
-        raise InputError("view: draws with Bokeh, which is not installed; `pip install 'bokeh>=3.4'`") from None
+        raise InputError(f"{command}: draws with Bokeh, which is not installed; `pip install 'bokeh>=3.4'`") from None

@@ -238,7 +238,7 @@ def _forces(title: str, name: str, time: Floats, lines: Sequence[ForceLine], tim
 _NARROWEST = 480
 """Pixels of a plot of lines; two stand side by side where there is room."""
 
-_BAR, _TIME_AXIS = 70, 55
+BAR, TIME_AXIS = 70, 55
 """Pixels of the bar of colours beside the last map of a row, and of the axis beside the first."""
 
 
@@ -367,7 +367,7 @@ def _side_by_side(maps: list[list[Any]]) -> Any:
         sizing_mode="stretch_width",
     )
     grid.name = "map-velocity"
-    width = f"(100% - {_BAR + _TIME_AXIS}px) / {across}"
+    width = f"(100% - {BAR + TIME_AXIS}px) / {across}"
     if across > 1:
-        grid.cols = [f"calc({width} + {_TIME_AXIS}px)", *[f"calc({width})"] * (across - 2), "1fr"]
+        grid.cols = [f"calc({width} + {TIME_AXIS}px)", *[f"calc({width})"] * (across - 2), "1fr"]
     return grid

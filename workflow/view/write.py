@@ -96,7 +96,7 @@ for (const name of ['Figure', 'GridPlot']) {
 """Images are saved in so many pixels and on the page's background: Bokeh draws them with the pixels of the screen, for
 which it asks the window."""
 
-_TEMPLATE = """{% block preamble %}
+TEMPLATE = """{% block preamble %}
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <link rel="icon" href="data:,">
 <style>
@@ -152,22 +152,36 @@ def render(title: str, name: str, root: Any, *, head: str, foot: str, ready: Ite
 
     document = Document()
     document.add_root(root)
-    plots = [model for model in document.models if isinstance(model, Plot)]
+    for code in (themed(root, name), *page_scripts(document), *ready):
+        document.js_on_event(DocumentReady, code)
+    variables = {"head": head, "foot": foot}
+    made: str = file_html(document, INLINE, title=escape(title), template=TEMPLATE, template_variables=variables)
+    if len(made) > MOST_BYTES:
+        raise InputError(f"view: {title}: the page would have {len(made) / 1e6:.0f} MB; record fewer beads or frames")
+    return made
+
+
+def themed(root: Any, name: str) -> CustomJS:
+    """Script that gives plots the colours of the page's theme; it also names their saved images.
+
+    Args:
+        root: Bokeh layout that holds the plots.
+        name: that names of saved images begin with.
+    """
+    plots = [model for model in root.references() if isinstance(model, Plot)]
     for plot in plots:
         plot.border_fill_color = None  # the page's; Bokeh leaves a rim of colours that are changed
     for drawn in (*plots, *root.select({"type": GridPlot})):
         for tool in drawn.toolbar.tools:
             if isinstance(tool, SaveTool) and tool.filename is None:
                 tool.filename = f"{name}-{drawn.name}"
+    return CustomJS(args={"plots": plots}, code=_DARK)
+
+
+def page_scripts(document: Any) -> tuple[CustomJS, CustomJS]:
+    """Scripts that save images in print resolution, and name the sliders of a page for screen readers."""
     sliders = [model for model in document.models if isinstance(model, Slider)]
-    codes = [CustomJS(args={"plots": plots}, code=_DARK), CustomJS(args={"width": _PRINT_PIXELS}, code=_FINE)]
-    for code in (*codes, CustomJS(args={"sliders": sliders}, code=_NAMED), *ready):
-        document.js_on_event(DocumentReady, code)
-    variables = {"head": head, "foot": foot}
-    made: str = file_html(document, INLINE, title=escape(title), template=_TEMPLATE, template_variables=variables)
-    if len(made) > MOST_BYTES:
-        raise InputError(f"view: {title}: the page would have {len(made) / 1e6:.0f} MB; record fewer beads or frames")
-    return made
+    return CustomJS(args={"width": _PRINT_PIXELS}, code=_FINE), CustomJS(args={"sliders": sliders}, code=_NAMED)
 
 
 # --- directories ------------------------------------------------------------------------------------------------------

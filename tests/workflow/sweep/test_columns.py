@@ -202,3 +202,18 @@ def test_the_unit_of_damped_contacts_is_that_of_their_law(law, unit):
 
 def test_degrees_are_degrees_in_all_units():
     assert label("drive.phase", {}).plain == label("drive.phase", SI).plain == "drive phase (degrees)"
+
+
+@pytest.mark.parametrize(
+    ("name", "bounds"),
+    [
+        ("coupling.stiffness", (0.0, 1e30)),
+        ("coupling.stiffness.from", (0.0, 1e30)),
+        ("kick[2].velocity", (-1e30, 1e30)),
+        ("beads", (2.0, 1e8)),
+        ("accuracy", (1e-10, 0.1)),
+        ("output.every", (0.0, 1e30)),
+    ],
+)
+def test_the_bounds_of_a_field_are_those_of_its_type(name, bounds):
+    assert fields.bounds(fields.parse(name)) == bounds

@@ -22,7 +22,7 @@ def test_every_state_of_equipartition_has_a_criterion():
 
 
 def test_every_word_for_a_pulse_has_a_criterion():
-    source = (ROOT / "workflow" / "verdicts" / "analysis_lines.py").read_text(encoding="utf-8")
+    source = (ROOT / "workflow" / "verdicts" / "pulse_sentences.py").read_text(encoding="utf-8")
     kinds = re.findall(r'kind = "(\w+)" if|else "(?:not )?(solitary|steady)"', source)
     assert {word for kind in kinds for word in kind if word} == {"decaying", "solitary", "steady"}
     assert {"decaying", "solitary", "steady"} <= terms.TERMS.keys()

@@ -25,7 +25,15 @@ def open_page(browser):
     """Opens a page without a network; fails at the end of the module if a page complained or asked for anything."""
     complaints = []
 
-    def opened(path, fragment="", *, width=1300, height=1700, **options):
+    def opened(
+        path,
+        fragment="",
+        *,
+        waiting="window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle",
+        width=1300,
+        height=1700,
+        **options,
+    ):
         url = path.resolve().as_uri()
         context = browser.new_context(offline=True, viewport={"width": width, "height": height}, **options)
         page = context.new_page()
@@ -41,7 +49,7 @@ def open_page(browser):
             ),
         )
         page.goto(url + fragment)
-        page.wait_for_function("window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle")
+        page.wait_for_function(waiting)
         return page
 
     yield opened

@@ -178,6 +178,21 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
 
 
 @pytest.mark.slow
+def test_the_page_in_a_notebook_is_part_of_it_wherever_it_is_moved(ran, tmp_path, look):
+    cell = ran.view()._repr_html_()
+    (tmp_path / "moved.html").write_text(f"<!DOCTYPE html><script>window.Bokeh = null</script>{cell}")
+    page = look(tmp_path / "moved.html", waiting="frames[0].Bokeh && frames[0].Bokeh.documents[0]?.is_idle")
+    assert page.frame_locator("iframe").get_by_role("heading").first.inner_text() == "seen: 2 x 20 beads"
+    assert page.evaluate("frames[0].Bokeh.documents[0].get_model_by_name('traces').data.time.length") == 201
+
+
+def test_a_large_page_in_a_notebook_is_a_link(ran, monkeypatch):
+    page = ran.view()
+    monkeypatch.setattr(granchain, "MOST_EMBEDDED", 1000)
+    assert page._repr_html_() == f'<p><a href="{page.path.resolve().as_uri()}">{page.path}</a></p>'
+
+
+@pytest.mark.slow
 def test_the_page_of_many_chains_and_few_beads_answers_clicks_and_keys(tmp_path, look):
     ran = granchain.run(FEW, tmp_path / "run", engine="reference", check=False)
     frames, chains = ran.trajectory, (1, 2, 3, 4, 5, 6, 7, 9, 12)

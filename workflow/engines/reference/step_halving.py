@@ -53,12 +53,14 @@ class StepHalving:
         problem: what to integrate.
         steps_per_frame: steps of the finer run from frame to frame, rounded up to an even number; by default
             `engine.default_steps_per_frame`.
+        velocity_only: whether to leave the bounds on arrivals, energy and momentum NaN, which take most of the time.
     """
 
-    def __init__(self, problem: Problem, *, steps_per_frame: int | None = None) -> None:
+    def __init__(self, problem: Problem, *, steps_per_frame: int | None = None, velocity_only: bool = False) -> None:
         steps = steps_per_frame or engine.default_steps_per_frame(problem)
         self.problem = problem
         self.steps_per_frame = steps + steps % 2
+        self._velocity_only = velocity_only
         self._begin()
 
     def _begin(self) -> None:
@@ -85,9 +87,10 @@ class StepHalving:
             if not math.isfinite(difference):
                 raise RunError(_not_finite(fine, coarse))
             self._velocity = max(self._velocity, difference)
-            for finder, block in zip(self._finders, (fine, coarse), strict=True):
-                finder.add(block)
-            self._conservation.add(fine)
+            if not self._velocity_only:
+                for finder, block in zip(self._finders, (fine, coarse), strict=True):
+                    finder.add(block)
+                self._conservation.add(fine)
             yield fine
 
     def run(self) -> Uncertainty:
@@ -99,6 +102,9 @@ class StepHalving:
     @property
     def uncertainty(self) -> Uncertainty:
         """Bounds on the errors of the blocks that were taken."""
+        if self._velocity_only:
+            unknown = dict.fromkeys(("arrival", "energy", "momentum"), math.nan)
+            return Uncertainty(self.steps_per_frame, SAFETY * self._velocity, **unknown)
         fine, coarse = (leading_passages(finder.result(), self.problem).first() for finder in self._finders)
         fine, coarse = matched(fine, coarse, self.problem.beads)
         arrival = float(np.max(np.abs(fine.time - coarse.time)[sharp(fine)], initial=0.0))

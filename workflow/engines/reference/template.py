@@ -19,6 +19,8 @@ HEAD = '''
 """Compiled step of the reference integrator for one set of laws; written by workflow.engines.reference.kernel."""
 
 # sources of the laws: {digest}
+from functools import partial
+
 from numpy import isnan, uint64
 
 from workflow.compiled import called_by_compiled, compiled, inlined
@@ -143,7 +145,7 @@ for k in range({begin}, {end}):
 """
 
 ADVANCE = '''
-@compiled
+@partial(compiled, nogil=True)  # other threads of Python go on meanwhile
 def advance(state, p, scheme, first_step, steps, recorded, frames):
     """Advance a state by as many frames as are to be filled, so many steps each; see `kernel.Kernel`."""
     {parameters}
@@ -178,7 +180,7 @@ kicks, drifts, h = scheme
 """
 
 FOLLOW = '''
-@compiled
+@partial(compiled, nogil=True)
 def follow(state, p, scheme, first_step, steps, threshold, passing):
     """Take some steps and note the first maximum of every bead."""
     {parameters}

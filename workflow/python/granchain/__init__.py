@@ -4,8 +4,8 @@ A function has the name and the arguments of its command. A scene may be a name,
 is a `Run` or the path of its directory. Bad input raises `InputError`, a run that fails `RunError`, each with one line
 of text; nothing ends the interpreter. On a terminal and in a notebook long work has a progress bar.
 
-Studies and tools that are installed are functions, too (``fit``, ``design``, ``gallery``, ``export``), loaded when they
-are first used.
+Studies and tools that are installed are functions, too (``fit``, ``design``, ``gallery``, ``explore``, ``export``), and
+loaded when they are first used.
 
 Examples:
     >>> import granchain
@@ -17,7 +17,6 @@ Examples:
     array([0.  , 1.82, 3.05])
 """
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -52,6 +51,7 @@ if TYPE_CHECKING:
     from workflow.studies.design.study import design as design
     from workflow.studies.fit.study import fit as fit
     from workflow.studies.gallery.study import gallery as gallery
+    from workflow.tools.explore.notebook import explore as explore
     from workflow.tools.export.tool import export as export
 
     __version__: str
@@ -100,9 +100,13 @@ def __dir__() -> list[str]:
     return sorted([*__all__, *plugins.declared("functions"), "__version__"])
 
 
+MOST_EMBEDDED = 6_000_000
+"""Bytes of a page that is part of a notebook's file when it is displayed; of a larger one there is a link."""
+
+
 @dataclass(frozen=True)
 class Page:
-    """HTML page, which a notebook in a directory above it displays.
+    """HTML page, which a notebook displays: itself, so that it stays when files move, or a link where it is large.
 
     Attributes:
         path: the file; it needs no network.
@@ -114,8 +118,10 @@ class Page:
         return f"<page {self.path}>"
 
     def _repr_html_(self) -> str:
-        place = escape(os.path.relpath(self.path), quote=True)
-        return f'<p><a href="{place}">{place}</a></p><iframe src="{place}" width="100%" height="900"></iframe>'
+        if self.path.stat().st_size > MOST_EMBEDDED:
+            return f'<p><a href="{self.path.resolve().as_uri()}">{escape(str(self.path))}</a></p>'
+        content = escape(self.path.read_text(encoding="utf-8"), quote=True)
+        return f'<iframe srcdoc="{content}" width="100%" height="900"></iframe>'
 
 
 @dataclass(frozen=True)

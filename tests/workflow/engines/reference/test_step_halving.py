@@ -4,6 +4,8 @@ Orders, symmetries and scaling of the schemes are in ``test_engine.py``.
 """
 
 import math
+import threading
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -29,6 +31,24 @@ def to_1e_9():
     """Two chains of 120 beads to t = 192, kappa = 0.1, with an uncertainty of 1e-9: trajectory and uncertainty."""
     halving = accurate_reference(PAPER, 1e-9)
     return engine.run(PAPER, steps_per_frame=halving.steps_per_frame), halving.uncertainty
+
+
+def test_bounds_on_velocities_alone_are_those_beside_others():
+    alone, all_bounds = (StepHalving(problem(), velocity_only=only).run() for only in (True, False))
+    assert alone.velocity == all_bounds.velocity > 0.0
+    assert math.isnan(alone.arrival)
+
+
+def test_other_threads_go_on_while_the_reference_computes():
+    engine.run(replace(PAPER, frames=1))
+    thread = threading.Thread(target=engine.run, args=(PAPER,), kwargs={"steps_per_frame": 500})
+    thread.start()
+    turns = 0
+    while thread.is_alive():
+        time.sleep(1e-3)
+        turns += 1
+    thread.join()
+    assert turns > 100  # where Python's lock is held, one for each of the few blocks of frames
 
 
 # --- against the independent ------------------------------------------------------------------------------------------
