@@ -28,7 +28,7 @@ def execute(arguments: argparse.Namespace) -> int:
     server = LocalServer(library.find(arguments.scene), arguments.scene, arguments.port)
 
     def started() -> None:
-        print(f"{server.address}: the page of {arguments.scene}, on this machine only, until Ctrl-C", flush=True)
+        print(f"the page of {arguments.scene}, on this machine only, until Ctrl-C: {server.address}", flush=True)
         if not arguments.no_open:
             open_in_browser(server.address)
 
