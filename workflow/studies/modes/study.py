@@ -87,6 +87,9 @@ MOST_BRANCHES = 4
 _ORDER = {"energy": 0, "branch": 1, "bifurcation": 2}
 """Which states are checked first."""
 
+_ROUNDING = 1e-13
+"""Relative uncertainty of a frequency below which it is not stated: that of Newton's method."""
+
 UNMEASURED = "the state is stable, or the growth is too slow or too fast to be measured"
 
 
@@ -284,7 +287,7 @@ class ModesResult:
         """What came out, in sentences: bands, and each branch."""
         scale, lines = self.problem.scale, []
         if self.linear.zeros:
-            lines.append(f"{self.linear.zeros} of the {len(self.linear.frequency)} linear modes have the frequency 0")
+            lines.append(f"linear modes of the frequency 0: {self.linear.zeros} of {len(self.linear.frequency)}")
         edges = bands(self.problem.system)
         if edges is not None:
             texts = [" to ".join(f"{scale.measured(end, 'frequency'):.6g}" for end in band) for band in edges]
@@ -302,11 +305,10 @@ class ModesResult:
         frequency = scale.written(2.0 * math.pi / last["period"], "frequency", ".9g")
         start = scale.written(float(self.linear.frequency[branch.mode]), "frequency", ".9g")
         uncertainty = branch.data["uncertainty"]
-        error = (
-            ""
-            if uncertainty is None
-            else f" +- {scale.measured(uncertainty * 2 * math.pi / last['period'], 'frequency'):.0e}"
-        )
+        error = ""
+        if uncertainty is not None:
+            change = max(uncertainty, _ROUNDING) * 2.0 * math.pi / last["period"]
+            error = f" +- {scale.measured(change, 'frequency'):.0e}"
         line = (
             f"the branch of mode {number} (linear frequency {start}) has the frequency {frequency}{error} "
             f"at the energy {energy}; {branch.data['steps']} steps a period"
