@@ -177,6 +177,19 @@ def test_continuation_passes_folds_in_energy_and_in_frequency():
 # --- LAMMPS -----------------------------------------------------------------------------------------------------------
 
 
+def test_the_deck_of_a_state_starts_at_its_displacements_without_kicks():
+    problem, _ = modes_of(FOUR)
+    x = np.array([[0.1, -0.1], [0.2, 0.0]])
+    run = lammps_check.lammps_problem(problem, 0.1, 4.0, 800, 3)
+    files = lammps_check.deck_files(run, x, np.zeros_like(x))
+    assert "kick" not in files["in.chains"]
+    assert files["in.chains"].index("run 0 post no") < files["in.chains"].index("include in.start")  # forces at rest
+    starts = [line.split() for line in files["in.start"].splitlines()]
+    assert [words[2] for words in starts] == ["1", "2", "3", "4"]
+    places = np.array([float(words[4]) for words in starts]).reshape(2, 2)
+    assert np.array_equal(places, run.layout.places + x)
+
+
 @pytest.mark.slow
 def test_lammps_returns_to_a_state_with_order_2_and_leaves_it_at_the_multipliers_rate():
     value = branches.computed(FOUR, "scene", 2, 0.1, 60, [], 0)

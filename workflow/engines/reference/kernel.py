@@ -355,7 +355,9 @@ class _Writer:
 
     def _tangent_kick(self) -> list[str]:
         contacts = " + ".join(self._call(term, "stiffness", term.strain) for term in self._terms.contacts)
-        stiffness, loops, others = [], [], ""
+        stiffness: list[str] = []
+        loops: list[str] = []
+        others = ""
         for terms in (self._terms.across, self._terms.ground):
             along = [replace(term, v="dx_n") for term in terms]
             more, total = self._sum([term for term in along if term.over], "stiffness", times_rate=True)
@@ -368,9 +370,7 @@ class _Writer:
                     stiffness.append(f"    {slope} = {call}")
                     others += f" - {slope} * ({term.rate})"
         before = ["for k in range(low, high):", *stiffness] if stiffness else []
-        return self._lines(
-            template.TANGENT_KICK, contact_slope=contacts, stiffness=before, loops=loops, others=others
-        )
+        return self._lines(template.TANGENT_KICK, contact_slope=contacts, stiffness=before, loops=loops, others=others)
 
     def _tangent_drift(self) -> list[str]:
         damped = self._terms.dashpots == "drift"
