@@ -15,7 +15,7 @@ How the equation becomes LAMMPS:
 import functools
 import io
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -73,15 +73,20 @@ def write(scene: "Scene", directory: Path) -> None:
         (directory / name).write_text(content, encoding="utf-8", newline="\n")
 
 
-def render_deck(problem: Problem) -> str:
-    """The text of ``in.chains``."""
+def render_deck(problem: Problem, start: Sequence[str] = ()) -> str:
+    """The text of ``in.chains``.
+
+    Args:
+        problem: what is computed.
+        start: commands that set positions and velocities at the start, in place of the kicks.
+    """
     system = problem.system
     sections = [
         _title(problem),
         [
             "# parameters; a value on the command line, -var NAME VALUE, replaces the one here",
             *number_lines(problem),
-            *kick_lines(problem),
+            *(() if start else kick_lines(problem)),
             *scheme.variable_lines(problem.scheme),
             STATED,
         ],
@@ -98,7 +103,9 @@ def render_deck(problem: Problem) -> str:
         *interactions(problem),
         motion_lines(problem, "all"),
     ]
-    if system.kicks or system.motions:
+    if start:
+        sections.append(list(start))
+    elif system.kicks or system.motions:
         sections.append(
             [
                 *loads.start_lines(problem.layout),

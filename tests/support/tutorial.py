@@ -29,7 +29,7 @@ _OURS = re.compile(r"granchain [^&|<>;$]*(&& granchain [^&|<>;$]*)*")
 _NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
 
-_STUDY = re.compile(r"^granchain (design|extremes|fit|gallery|threshold|trade)\b", re.M)
+_STUDY = re.compile(r"^granchain (design|extremes|fit|gallery|lyapunov|modes|threshold|trade)\b", re.M)
 
 
 def types_studies(page: str) -> bool:

@@ -92,6 +92,8 @@ class TangentArrays(NamedTuple):
     """Stiffness of the contact behind each bead, [place]."""
     pulls: Floats
     """Change of its force along a vector, [place]."""
+    stiffness: Floats
+    """Stiffness of other links, [term, place]."""
     nearby: Floats
     gains: Floats
     """Displacements within a drift and their summed rates, [vector, place]; empty without dashpots."""
@@ -353,12 +355,22 @@ class _Writer:
 
     def _tangent_kick(self) -> list[str]:
         contacts = " + ".join(self._call(term, "stiffness", term.strain) for term in self._terms.contacts)
-        loops, others = [], ""
+        stiffness: list[str] = []
+        loops: list[str] = []
+        others = ""
         for terms in (self._terms.across, self._terms.ground):
-            more, total = self._sum([replace(term, v="dx_n") for term in terms], "stiffness", times_rate=True)
+            along = [replace(term, v="dx_n") for term in terms]
+            more, total = self._sum([term for term in along if term.over], "stiffness", times_rate=True)
             loops += more
             others += f" - ({total})" if total else ""
-        return self._lines(template.TANGENT_KICK, contact_slope=contacts, loops=loops, others=others)
+            for term in along:
+                if not term.over:  # the slope is the same for all vectors
+                    slope = f"stiffness[{len(stiffness)}, k]"
+                    call = self._call(term, "stiffness", term.strain, *filter(None, [term.time]))
+                    stiffness.append(f"    {slope} = {call}")
+                    others += f" - {slope} * ({term.rate})"
+        before = ["for k in range(low, high):", *stiffness] if stiffness else []
+        return self._lines(template.TANGENT_KICK, contact_slope=contacts, stiffness=before, loops=loops, others=others)
 
     def _tangent_drift(self) -> list[str]:
         damped = self._terms.dashpots == "drift"

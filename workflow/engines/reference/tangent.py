@@ -111,6 +111,7 @@ def make_flow(problem: Problem, vectors: int, step: float, scheme: Scheme = BLAN
     terms, _ = make_terms(system, as_lammps=False, step=step)
     dx, dv = np.zeros((2, vectors, state.x.size))
     slopes, pulls = np.zeros((2, state.x.size))
+    stiffness = np.zeros((len(terms.across) + len(terms.ground), state.x.size))
     nearby, gains = np.zeros((2, vectors if system.dampers else 0, state.x.size))
-    arrays = TangentArrays(dx, dv, slopes, pulls, nearby, gains)
+    arrays = TangentArrays(dx, dv, slopes, pulls, stiffness, nearby, gains)
     return TangentFlow(problem, step, scheme, state, kernel.make_tangent_program(terms), arrays)

@@ -344,7 +344,7 @@ def advance_tangent(state, tangent, p, scheme, first_step, steps):
     """Advance a state and tangent vectors by some steps; see `kernel.TangentArrays`."""
     {parameters}
     {unpacked}
-    dx, dv, slopes, pulls, nearby, gains = tangent
+    dx, dv, slopes, pulls, stiffness, nearby, gains = tangent
     for number in range(first_step, first_step + steps):
         time = number * h
         {split_step}
@@ -353,6 +353,7 @@ def advance_tangent(state, tangent, p, scheme, first_step, steps):
 TANGENT_KICK = """
 for k in range(low + {row}, high):
     slopes[k] = {contact_slope}
+{stiffness}
 for n in range(dx.shape[0]):
     dx_n, dv_n = dx[n], dv[n]
     for k in range(low + {row}, high):

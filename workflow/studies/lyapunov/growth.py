@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from analysis.trajectory import Floats
-from lammps_inputs import InputError, Problem, Scene, library
+from lammps_inputs import Problem
 from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.reference import engine, tangent
+from workflow.study_kit.linearised import problem_of
 
 RECORDS = 200
 """Times at which the growth is recorded."""
@@ -28,22 +29,6 @@ STEPS_PER_INTERVAL = 100
 
 _NEARBY = 1e-9
 """Standard deviation of the change of velocities at the start of a nearby run, in units of V."""
-
-
-def problem_of(plain: dict[str, Any], source: str) -> Problem:
-    """The problem of a scene, whatever its end, time step and output.
-
-    Raises:
-        InputError: it is no scene, or one that cannot be linearised.
-    """
-    left_out = ("window", "timestep", "accuracy", "scheme", "output")
-    scene: Scene = library.from_plain({key: value for key, value in plain.items() if key not in left_out}, source)
-    problem = scene.model_copy(update={"duration": scene.scale.time}).resolved().problem()
-    try:
-        tangent.refuse_without_slope(problem.system)
-    except InputError as error:
-        raise InputError(f"{source}: {error}") from None
-    return problem
 
 
 def usual_step(problem: Problem) -> float:

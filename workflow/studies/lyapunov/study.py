@@ -34,6 +34,7 @@ from workflow.screen import CommandResult, print_files, print_heading
 from workflow.studies.lyapunov import growth
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, print_records, to_csv
+from workflow.study_kit.linearised import problem_of
 from workflow.workers.evaluate import Computation, case
 
 if TYPE_CHECKING:
@@ -209,7 +210,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, exponents: int, d
         InputError: the scene cannot be linearised, or the directory cannot be used.
         RunError: a process was killed.
     """
-    problem = growth.problem_of(scene, source)
+    problem = problem_of(scene, source)
     plans = list(itertools.product(REFINEMENTS, STARTS))
     with STUDY.evaluating(directory) as values:
         answers = values([_case(scene, source, exponents, *plan, duration) for plan in plans])
@@ -338,7 +339,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     name = arguments.scene
     scene = library.find(name)
     plain_scene = scene.plain()
-    problem = growth.problem_of(plain_scene, name)
+    problem = problem_of(plain_scene, name)
     duration = DURATION if arguments.duration is None else arguments.duration / problem.scale.time
     least = growth.RECORDS * growth.STEPS_PER_INTERVAL * growth.usual_step(problem)
     if duration < least:
