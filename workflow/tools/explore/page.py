@@ -107,9 +107,12 @@ class Tab:
         document.add_root(row(form, results, styles={"flex-wrap": "wrap", "gap": "1rem"}, sizing_mode="stretch_width"))
         document.title = f"{scene.name}: explore"
         document.template = TEMPLATE
-        cited = dict.fromkeys(key for keys in references.of_scene(scene).values() for key in keys)
+        cited = references.of_scene(scene)
+        del cited[references.OF_ENGINE]  # LAMMPS, which computes nothing here
         document.template_variables["head"] = f"<p>{escape(scene.description)}</p>"
-        document.template_variables["foot"] = provenance.foot(cited)
+        document.template_variables["foot"] = provenance.foot(
+            dict.fromkeys(key for keys in cited.values() for key in keys)
+        )
         for code in page_scripts(document):
             document.js_on_event(DocumentReady, code)
         document.on_session_destroyed(self._close)
@@ -250,15 +253,15 @@ class Tab:
 
     # --- results ------------------------------------------------------------------------------------------------------
 
-    def _show(self, given: Answer) -> None:
-        if given.result is None:
-            self._say(given.line, wrong=True)
+    def _show(self, outcome: Answer) -> None:
+        if outcome.result is None:
+            self._say(outcome.line, wrong=True)
             return
-        self._sentences = _listed(given.result)
-        self._say(given.line)
+        self._sentences = _listed(outcome.result)
+        self._say(outcome.line)
         self._status.tags = list(self._yaml.tags)  # the scene that is shown
-        if self._picture is None or not self._picture.renew(given.result):
-            self._picture = Picture(given.result, None if self._picture is None else self._picture.bead)
+        if self._picture is None or not self._picture.renew(outcome.result):
+            self._picture = Picture(outcome.result, None if self._picture is None else self._picture.bead)
             self._plots.children = [self._picture.root]
 
     def _say(self, line: str, *, wrong: bool = False) -> None:

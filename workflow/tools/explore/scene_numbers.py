@@ -82,7 +82,10 @@ def written(value: Any) -> str:
         return f"{{{', '.join(f'{key}: {written(part)}' for key, part in value.items())}}}"
     if isinstance(value, list):
         return f"[{', '.join(map(written, value))}]"
-    return text(value) if isinstance(value, float) else str(value)
+    if not isinstance(value, float):
+        return str(value)
+    short = f"{value:g}"
+    return min(short, text(value), key=len) if float(short) == value else text(value)
 
 
 def read(words: str, number: SceneNumber) -> Any:

@@ -58,8 +58,8 @@ def scene_file(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def address(scene_file):
-    with served(scene_file) as (_, found):
-        yield found
+    with served(scene_file) as (_, printed):
+        yield printed
 
 
 @pytest.fixture(scope="module")
@@ -143,8 +143,8 @@ def test_a_changed_number_shows_what_a_run_of_the_saved_scene_by_the_reference_w
     saved = (tmp_path / "saved.yaml").absolute()
     download.value.save_as(saved)
     peaks, sentences = computed_by_the_command(saved.read_text(), tmp_path)
-    found, listed = shown(page)
-    for chain, expected in zip(found, peaks, strict=True):
+    shown_peaks, listed = shown(page)
+    for chain, expected in zip(shown_peaks, peaks, strict=True):
         assert chain == pytest.approx(expected, rel=1e-12)  # frames of a file are rounded
     for sentence in sentences:
         assert sentence in listed
