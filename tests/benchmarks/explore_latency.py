@@ -38,7 +38,7 @@ def main(scene: str = "two-chains", number: str = "coupling.stiffness") -> int:
     command = [sys.executable, "-m", "workflow", "explore", scene, "--no-open"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server, sync_playwright() as driver:
         assert server.stdout is not None
-        address = server.stdout.readline().split()[0].rstrip(":")
+        address = server.stdout.readline().split()[-1]
         started = driver.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         page = started.new_page(viewport={"width": 1280, "height": 1400})
         page.goto(address)

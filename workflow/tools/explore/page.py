@@ -259,10 +259,10 @@ class Tab:
             return
         self._sentences = _listed(outcome.result)
         self._say(outcome.line)
-        self._status.tags = list(self._yaml.tags)  # the scene that is shown
         if self._picture is None or not self._picture.renew(outcome.result):
             self._picture = Picture(outcome.result, None if self._picture is None else self._picture.bead)
             self._plots.children = [self._picture.root]
+        self._status.tags = list(self._yaml.tags)  # the scene that is shown, once it is
 
     def _say(self, line: str, *, wrong: bool = False) -> None:
         role = "alert" if wrong else "status"

@@ -134,9 +134,9 @@ def write(
         RunError: a file cannot be written.
     """
     _refuse_options(options)
+    request = _request(path, formats, options)
     for name in formats:
         need(f"--to {name}", *FORMATS[name].packages)
-    request = _request(path, formats, options)
     named = output is not None and len(formats) == 1 and output.suffix == Path(FORMATS[formats[0]].file).suffix != ""
     folder = output.parent if output is not None and named else output or path
     ours = request.is_run and folder.is_dir() and folder.samefile(path)

@@ -46,7 +46,7 @@ TEXT = f"new DOMParser().parseFromString({STATUS}, 'text/html')"
 def served(path):
     """The command on a scene's file, and the address that it prints."""
     with started([sys.executable, "-m", "workflow", "explore", path, "--no-open"]) as process:
-        yield process, process.stdout.readline().split()[0].rstrip(":")
+        yield process, process.stdout.readline().split()[-1]
 
 
 @pytest.fixture(scope="module")
