@@ -89,7 +89,7 @@ class BudgetCurves(NamedTuple):
 
     @property
     def by_words(self) -> dict[str, Floats]:
-        """Energies stored and dissipated, by their names in a legend."""
+        """Energies stored and dissipated, [instant] each, by their names in a legend."""
         return {_WORDS.get(name, name): part for name, part in (*self.stored.items(), *self.losses.items())}
 
 
@@ -196,7 +196,7 @@ def moving_mean(values: Floats, width: int) -> Floats:
 
 
 def averaged(time: Floats, width: int, unit: AxisUnit) -> str:
-    """End of a label of moving means; empty where there are none."""
+    """End of a label of moving means over ``time`` [instant], in units of T; empty where there are none."""
     if not width:
         return ""
     span = 0.5 * width * float(time[-1] - time[0]) / (len(time) - 1)  # the width of a Hann window at half its height

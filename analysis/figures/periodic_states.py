@@ -60,7 +60,7 @@ def frequency_figure(branches: Sequence[BranchCurve], bands: Floats, labels: tup
 
     Args:
         branches: what is drawn.
-        bands: frequencies of the edges of bands, of which those within a panel are drawn.
+        bands: frequencies of the edges of bands, [edge], of which those within a panel are drawn.
         labels: of energy and frequency.
         title: for the top.
     """

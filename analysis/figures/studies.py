@@ -318,7 +318,7 @@ def _scale_quantity(axis: Axes, quantity: StudyAxis, holes: int) -> None:
 
 
 def over_decades(values: Floats) -> bool:
-    """Whether values are positive, but for those that are NaN, and differ by a factor of more than 30."""
+    """Whether values [case] are positive, but for those that are NaN, and differ by a factor of more than 30."""
     finite = values[np.isfinite(values)]
     return len(finite) > 0 and bool(finite.min() > 0.0 and finite.max() / finite.min() > 30.0)
 
@@ -390,7 +390,7 @@ def _shade_between(axis: Axes, passed: Floats) -> None:
 
 
 def edges(centres: Floats) -> Floats:
-    """Borders of the cells around values: half-way between them, by factors where they are spaced so."""
+    """Borders [value + 1] of the cells around values [value]: half-way between them, by factors where they are spaced so."""
     if len(centres) == 1:
         half = 0.5 * abs(centres[0]) or 0.5
         return np.array([centres[0] - half, centres[0] + half])

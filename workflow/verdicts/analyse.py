@@ -143,7 +143,7 @@ def analyse(
 
 
 @dataclass(frozen=True)
-class Findings:
+class MeasuredFrames:
     """What an analysis writes, before it is written.
 
     Attributes:
@@ -172,7 +172,7 @@ def measure(
     figures: bool = True,
     tolerances: Tolerances | None = None,
     arrival: Arrival | None = None,
-) -> Findings:
+) -> MeasuredFrames:
     """Read the frames of a directory, also of a run that was cut short, and measure them; nothing is written.
 
     Args:
@@ -214,7 +214,7 @@ def measure(
     closed = energy.closed(directory, conservation, exchange)
     measured = (*(meter.finish(results) for meter in meters), closed)
     measurements = {measurement.key: measurement for measurement in measured if measurement is not None}
-    return Findings(
+    return MeasuredFrames(
         survey=results,
         conservation=conservation,
         measurements=measurements,
@@ -306,7 +306,7 @@ def _tables(found: Survey, measurements: dict[str, Measurement]) -> dict[str, st
     return tables
 
 
-def _write(directory: RunDirectory, found: Findings) -> tuple[Path, ...]:
+def _write(directory: RunDirectory, found: MeasuredFrames) -> tuple[Path, ...]:
     """Write tables, the report, and figures; returns the files of the figures."""
     files = figure_files(*found.figures)
     claim(directory.path, (*found.tables, REPORT, *files))

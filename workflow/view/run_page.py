@@ -39,7 +39,7 @@ from workflow.view.plots import (
 from workflow.view.save_data import add_tool_of_curves
 from workflow.view.selection import selection
 from workflow.view.theory import draw_lines, lines_of, peaks_of
-from workflow.view.traces import Traces
+from workflow.view.traces import TracePlot
 
 # --- graphs over beads ------------------------------------------------------------------------------------------------
 
@@ -277,7 +277,7 @@ def layout(
     if survey is not None and (lines := lines_of(problem, part.chains, survey, measured)):
         above.append(draw_lines(lines, part, every_map, units))
     phase = part.frame_stride == 1 and not problem.system.holds(Fact.PULSE)
-    traces = Traces(part, _that_move(part, moves, shown), time_range, units, phase=phase)
+    traces = TracePlot(part, _that_move(part, moves, shown), time_range, units, phase=phase)
     traces.follow(every_map, images)
     below = [*traces.plots, *_graphs(problem, part, survey, measured, (place_range, time_range), units)]
     for plot in below:

@@ -319,7 +319,7 @@ def _map_axes(table: SweepTable, kinds: dict[str, str]) -> dict[str, dict[str, A
 
 
 @dataclass(frozen=True)
-class _Choices:
+class _PageChoices:
     """What a user chooses, and where it stands.
 
     Attributes:
@@ -379,7 +379,7 @@ def _choices(
     colours: Sequence[str],
     *,
     can_be_map: bool,
-) -> _Choices:
+) -> _PageChoices:
     """Choices of what is drawn, of the cases, and of one case.
 
     Args:
@@ -394,7 +394,7 @@ def _choices(
     second = table.fields[1] if len(table.fields) > 1 and table.fields[1] in colours else _ONE_COLOUR
     names = [(key, table.label(key).plain if key else "one colour") for key in colours]
     words = "colour, or vertical axis of a map" if can_be_map else "colour"
-    return _Choices(
+    return _PageChoices(
         over=choice("over", at_first[0], columns, "over"),
         quantity=choice("quantity", at_first[1], columns, "column"),
         colour=choice(words, second, names, "colour"),
@@ -486,7 +486,7 @@ class _Drawing:
     source: ColumnDataSource
     view: CDSView
     marked: ColumnDataSource
-    choices: _Choices
+    choices: _PageChoices
     integers: list[str]
 
 

@@ -56,7 +56,7 @@ traces.data = data;
 """
 
 
-class Traces:
+class TracePlot:
     """Velocities of chosen beads over time and, of runs in which beads oscillate, over their displacements.
 
     Colour and dashes of a line are the chain's, its mark is the bead's; those of the bead where there is one chain. Of

@@ -93,7 +93,7 @@ class RunExponent:
 
 
 @result
-class Estimate:
+class RunningEstimate:
     """The largest exponent of one run up to a time."""
 
     step: float = declare("time step of the reference", "time")
@@ -224,7 +224,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, exponents: int, d
         tables = {
             TABLE: to_csv(Exponent, found.exponents, scale),
             RUNS: to_csv(RunExponent, _of_runs(found), scale),
-            CONVERGENCE: to_csv(Estimate, _estimates(found), scale),
+            CONVERGENCE: to_csv(RunningEstimate, _estimates(found), scale),
         }
         STUDY.write(directory, tables, {FIGURE: _figure(found)})
     return found
@@ -266,10 +266,10 @@ def _of_runs(found: LyapunovResult) -> list[RunExponent]:
     return lines
 
 
-def _estimates(found: LyapunovResult) -> list[Estimate]:
+def _estimates(found: LyapunovResult) -> list[RunningEstimate]:
     usual = growth.usual_step(found.problem)
     return [
-        Estimate(usual / run.refinement, run.start, float(until), float(total / until))
+        RunningEstimate(usual / run.refinement, run.start, float(until), float(total / until))
         for run in found.runs
         for until, total in zip(run.time, run.growth[:, 0], strict=True)
     ]

@@ -78,7 +78,7 @@ def half_monodromy(shooting: Shooting, state: PeriodicState) -> Floats:
 
 
 def monodromy(shooting: Shooting, state: PeriodicState) -> tuple[Floats, float]:
-    """Derivative of the map over a period in canonical coordinates, and the asymmetry (`Multipliers`)."""
+    """Derivative of the map over a period, [coordinate or momentum, same], and the asymmetry (`Multipliers`)."""
     half = half_monodromy(shooting, state)
     count = len(state.y)
     unit, zero = np.eye(count), np.zeros((count, count))

@@ -117,12 +117,12 @@ class Shooting:
         return self.momenta(motion.acceleration(self.problem.system, self.displacement(y)))
 
     def energy(self, y: Floats) -> float:
-        """Energy at rest at coordinates, in units of m V^2."""
+        """Energy at rest at coordinates [mode], in units of m V^2."""
         x = self.displacement(y)
         return float(motion.energy(self.problem.system, x, np.zeros_like(x)))
 
     def flow(self, y: Floats, period: float, vectors: int) -> tangent.TangentFlow:
-        """The motion from coordinates, with so many tangent vectors."""
+        """The motion from coordinates [mode], with so many tangent vectors."""
         flow = tangent.make_flow(self.problem, vectors, 0.5 * period / self.steps)
         flow.state.x[1:-1], flow.state.v[:] = self.displacement(y).T, 0.0
         return flow
@@ -153,7 +153,7 @@ class Shooting:
         return condition
 
     def corrected(self, y: Floats, period: float, condition: Condition) -> Corrected | None:
-        """The periodic state near a guess that meets a condition; None where Newton's method does not converge."""
+        """The periodic state near coordinates [mode] that meets a condition; None where Newton's method does not converge."""
         first, before = period, math.inf
         for iteration in range(ITERATIONS + 1):
             momenta, by_y, by_period = self.half_period(y, period)
@@ -296,7 +296,7 @@ def _turned(direction: Direction, before: Direction) -> bool:
 
 
 def between(first: PeriodicState, second: PeriodicState, share: float) -> tuple[Floats, float]:
-    """Coordinates and period at a share of the way from one state to another."""
+    """Coordinates [mode] and period at a share of the way from one state to another."""
     return first.y + share * (second.y - first.y), first.period + share * (second.period - first.period)
 
 

@@ -208,7 +208,7 @@ class BranchOfMode:
 
 
 @dataclass(frozen=True)
-class Request:
+class ModesRequest:
     """What is asked for, dimensionless.
 
     Attributes:
@@ -361,7 +361,7 @@ def modes_of(problem: Problem, source: str, *, linear_only: bool) -> LinearModes
     return modes
 
 
-def study(scene: dict[str, Any], source: str, directory: Path, request: Request) -> ModesResult:
+def study(scene: dict[str, Any], source: str, directory: Path, request: ModesRequest) -> ModesResult:
     """Compute modes and branches on all cores; branches of an earlier start are not computed again.
 
     Args:
@@ -401,7 +401,9 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Request)
     return found
 
 
-def _branch_case(scene: dict[str, Any], source: str, linear: LinearModes, mode: int, request: Request) -> Computation:
+def _branch_case(
+    scene: dict[str, Any], source: str, linear: LinearModes, mode: int, request: ModesRequest
+) -> Computation:
     arguments = {
         "plain": scene,
         "source": source,
@@ -578,7 +580,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_output(parser)
 
 
-def _requested(arguments: argparse.Namespace, problem: Problem, linear: LinearModes) -> Request:
+def _requested(arguments: argparse.Namespace, problem: Problem, linear: LinearModes) -> ModesRequest:
     """What the arguments ask for.
 
     Raises:
@@ -593,11 +595,11 @@ def _requested(arguments: argparse.Namespace, problem: Problem, linear: LinearMo
             raise InputError(f"--at-energy: {given:g} given; above 0, and at most the largest energy, {largest}")
     alone = [mode for mode in range(count) if linear.alone(mode)]
     if arguments.linear:
-        return Request((), energy, arguments.points, (), lammps=False)
+        return ModesRequest((), energy, arguments.points, (), lammps=False)
     if arguments.mode is None:
         if not alone:
             raise InputError("--mode: each linear mode shares its frequency with another; none can be followed alone")
-        return Request(
+        return ModesRequest(
             tuple(dict.fromkeys((alone[0], alone[-1]))), energy, arguments.points, energies, not arguments.no_lammps
         )
     for number in arguments.mode:
@@ -607,7 +609,7 @@ def _requested(arguments: argparse.Namespace, problem: Problem, linear: LinearMo
             reason = "has the frequency 0" if number <= linear.zeros else "has the frequency of another mode"
             raise InputError(f"--mode: {number} given; it {reason}, so that no branch of it alone can be followed")
     modes = tuple(dict.fromkeys(number - 1 for number in arguments.mode))
-    return Request(modes, energy, arguments.points, energies, not arguments.no_lammps)
+    return ModesRequest(modes, energy, arguments.points, energies, not arguments.no_lammps)
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
@@ -630,7 +632,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     return CommandResult(0 if all(branch.states for branch in found.branches) else 1, found.plain())
 
 
-def _print(found: ModesResult, request: Request) -> None:
+def _print(found: ModesResult, request: ModesRequest) -> None:
     """Print tables of the modes that were followed, given energies, bifurcations and LAMMPS's runs, and sentences."""
     scale, numbers = found.problem.scale, {mode + 1 for mode in request.modes}
     shown = [line for line in found.modes() if not numbers or line.mode in numbers]

@@ -273,7 +273,7 @@ class _Bench:
         return -lower, upper
 
     def _of_contacts(self, forces: tuple[Floats, Floats]) -> Floats:
-        """Of forces on lower and upper beads, those on beads that nothing else can touch."""
+        """Forces on beads that nothing else can touch, of those on lower and upper beads, [chain, contact]."""
         lower, upper = forces
         chosen = upper.copy()
         chosen[:, -1] = lower[:, -1] if upper.shape[1] > 1 else upper[:, -1]

@@ -6,13 +6,13 @@ from typing import Any
 
 from workflow.runs.labelled import dataset
 from workflow.tools.export.registry import FORMATS
-from workflow.tools.export.request import Request, Writers
+from workflow.tools.export.request import ExportRequest, Writers
 
 _BYTES = 32.0
 """Of a bead in a frame, before compression: displacement, velocity, overlap and contact force."""
 
 
-def netcdf(request: Request) -> Writers:
+def netcdf(request: ExportRequest) -> Writers:
     """The file of netCDF 4, compressed without loss."""
     return {FORMATS["netcdf"].file: lambda path: _write_netcdf(request, path)}
 
@@ -38,7 +38,7 @@ class _SureFile(io.FileIO):
             raise self.failure
 
 
-def _write_netcdf(request: Request, path: Path) -> None:
+def _write_netcdf(request: ExportRequest, path: Path) -> None:
     import h5netcdf
 
     with _SureFile(path, "w+") as stream:
@@ -47,7 +47,7 @@ def _write_netcdf(request: Request, path: Path) -> None:
         stream.check()  # also what it wrote when it was closed
 
 
-def _fill(file: Any, stream: _SureFile, request: Request) -> None:
+def _fill(file: Any, stream: _SureFile, request: ExportRequest) -> None:
     """Write all pieces into a file of h5netcdf, until a write to its stream fails."""
     written = 0
     for piece in request.pieces(FORMATS["netcdf"].file, _BYTES):
@@ -75,12 +75,12 @@ def _begin(file: Any, part: Any) -> None:
             variable[...] = values.values
 
 
-def zarr(request: Request) -> Writers:
+def zarr(request: ExportRequest) -> Writers:
     """The directory of a Zarr store of format 2, which every reader knows."""
     return {FORMATS["zarr"].file: lambda path: _write_zarr(request, path)}
 
 
-def _write_zarr(request: Request, path: Path) -> None:
+def _write_zarr(request: ExportRequest, path: Path) -> None:
     written = 0
     for piece in request.pieces(FORMATS["zarr"].file, _BYTES):
         part = dataset(request.directory, piece)

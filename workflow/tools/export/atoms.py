@@ -19,7 +19,7 @@ from lammps_inputs import Problem, laws
 from lammps_inputs.ingredients.unequal import radii
 from workflow.screen import one_line
 from workflow.tools.export.registry import FORMATS
-from workflow.tools.export.request import Request, Writers
+from workflow.tools.export.request import ExportRequest, Writers
 
 
 def springs(problem: Problem) -> list[tuple[int, int, Flags]]:
@@ -33,8 +33,8 @@ def springs(problem: Problem) -> list[tuple[int, int, Flags]]:
 
 
 @dataclass(frozen=True)
-class Atoms:
-    """Atoms of every frame: the recorded beads, and resonators after them; in a window the beads that it holds.
+class DrawnAtoms:
+    """DrawnAtoms of every frame: the recorded beads, and resonators after them; in a window the beads that it holds.
 
     Attributes:
         problem: what was run.
@@ -110,14 +110,14 @@ class Atoms:
             yield float(time), rest + x[frame, self.line, self.column], v[frame, self.line, self.column]
 
 
-def _atoms(request: Request) -> Atoms:
-    return Atoms(request.directory.problem, radii(request.directory.scene))
+def _atoms(request: ExportRequest) -> DrawnAtoms:
+    return DrawnAtoms(request.directory.problem, radii(request.directory.scene))
 
 
 # --- OVITO ------------------------------------------------------------------------------------------------------------
 
 
-def ovito(request: Request) -> Writers:
+def ovito(request: ExportRequest) -> Writers:
     """The file in the format GSD, which holds radii, bonds, velocities and times of all frames."""
     return {FORMATS["ovito"].file: lambda path: _write_gsd(request, path)}
 
@@ -126,7 +126,7 @@ _GSD_BYTES = 24.0
 """Of a bead in a frame: position and velocity, each three numbers of four bytes."""
 
 
-def _write_gsd(request: Request, path: Path) -> None:
+def _write_gsd(request: ExportRequest, path: Path) -> None:
     import gsd.hoomd
 
     atoms = _atoms(request)
@@ -155,7 +155,7 @@ def _write_gsd(request: Request, path: Path) -> None:
                 first = False
 
 
-def _bond(frame: Any, atoms: Atoms) -> None:
+def _bond(frame: Any, atoms: DrawnAtoms) -> None:
     frame.bonds.N = len(atoms.bonds)
     frame.bonds.types = ["spring"]
     frame.bonds.typeid = np.zeros(len(atoms.bonds), dtype=np.uint32)
@@ -169,7 +169,7 @@ def _box(problem: Problem) -> list[float]:
     return [(problem.beads + 1) * layout.spacing, problem.lines * side, 2.0 * layout.diameter]
 
 
-def _middle(lengths: list[float], atoms: Atoms) -> Floats:
+def _middle(lengths: list[float], atoms: DrawnAtoms) -> Floats:
     """Middle of the box, [axis], which GSD has as the origin."""
     return np.array([0.5 * lengths[0], 0.5 * float(np.max(atoms.y)), 0.0])
 
@@ -177,7 +177,7 @@ def _middle(lengths: list[float], atoms: Atoms) -> Floats:
 # --- VMD --------------------------------------------------------------------------------------------------------------
 
 
-def vmd(request: Request) -> Writers:
+def vmd(request: ExportRequest) -> Writers:
     """The script that makes the molecule, its frames and how it is drawn: ``vmd -e frames.vmd``."""
     return {FORMATS["vmd"].file: lambda path: _write_vmd(request, path)}
 
@@ -186,7 +186,7 @@ _VMD_BYTES = 20.0
 """Of a bead in a frame: x and the velocity as text."""
 
 
-def _write_vmd(request: Request, path: Path) -> None:
+def _write_vmd(request: ExportRequest, path: Path) -> None:
     atoms = _atoms(request)
     largest = 0.0
     with path.open("w", encoding="ascii") as out:
@@ -219,7 +219,7 @@ _FRAME = "proc frame {time x velocity} { " + "; ".join(
 """Command of Tcl that adds a frame: the one before again, with other places and velocities."""
 
 
-def _vmd_head(atoms: Atoms, block: Trajectory) -> str:
+def _vmd_head(atoms: DrawnAtoms, block: Trajectory) -> str:
     """Commands that make the molecule; each is a line, as VMD reads scripts line by line."""
     neighbours: list[list[int]] = [[] for _ in atoms.line]
     for first, second in atoms.bonds.tolist():

@@ -1,20 +1,20 @@
 """Every figure of a run as vector graphics, with the numbers behind it."""
 
-from workflow.tools.export.request import Request, Writers
+from workflow.tools.export.request import ExportRequest, Writers
 from workflow.tools.export.tables import numbers
 
 
-def svg(request: Request) -> Writers:
+def svg(request: ExportRequest) -> Writers:
     """The figures as SVG, whose text is text."""
     return _figures(request, "svg")
 
 
-def pdf(request: Request) -> Writers:
+def pdf(request: ExportRequest) -> Writers:
     """The figures as PDF."""
     return _figures(request, "pdf")
 
 
-def _figures(request: Request, suffix: str) -> Writers:
+def _figures(request: ExportRequest, suffix: str) -> Writers:
     from analysis.figures.style import picture  # matplotlib takes half a second to import
 
     drawn: Writers = {

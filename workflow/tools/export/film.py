@@ -25,7 +25,7 @@ from lammps_inputs.ingredients.unequal import radii
 from workflow.screen import count_bar, hint
 from workflow.tools.export.atoms import springs
 from workflow.tools.export.registry import FORMATS
-from workflow.tools.export.request import Request, Writers
+from workflow.tools.export.request import ExportRequest, Writers
 
 BEADS_IN_SIGHT = 40
 """Beads that are drawn, about the front."""
@@ -43,17 +43,17 @@ Picture = NDArray[np.uint8]
 """[row, column, colour]"""
 
 
-def mp4(request: Request) -> Writers:
+def mp4(request: ExportRequest) -> Writers:
     """The film in H.264, which browsers and slides play."""
     return {FORMATS["mp4"].file: lambda path: _write_mp4(request, path)}
 
 
-def gif(request: Request) -> Writers:
+def gif(request: ExportRequest) -> Writers:
     """The film as GIF, with the 256 colours of its first picture."""
     return {FORMATS["gif"].file: lambda path: _write_gif(request, path)}
 
 
-def _write_mp4(request: Request, path: Path) -> None:
+def _write_mp4(request: ExportRequest, path: Path) -> None:
     import imageio_ffmpeg
 
     pictures = _pictures(request, FORMATS["mp4"].file)
@@ -84,7 +84,7 @@ def _write_mp4(request: Request, path: Path) -> None:
         raise OSError(errno.EIO, "ffmpeg has not written all pictures; is the disk full?")
 
 
-def _write_gif(request: Request, path: Path) -> None:
+def _write_gif(request: ExportRequest, path: Path) -> None:
     from PIL import Image
 
     pictures = _pictures(request, FORMATS["gif"].file)
@@ -94,7 +94,7 @@ def _write_gif(request: Request, path: Path) -> None:
     first.save(path, format="GIF", save_all=True, append_images=others, duration=duration, loop=0)
 
 
-def _pictures(request: Request, name: str) -> Iterator[Picture]:
+def _pictures(request: ExportRequest, name: str) -> Iterator[Picture]:
     """The pictures of a film, one at a time: frames at equal distances in time."""
     directory, options = request.directory, request.options
     problem = directory.problem

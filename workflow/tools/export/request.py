@@ -12,7 +12,7 @@ from analysis.trajectory import BLOCK_BYTES, Trajectory
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar, hint
 from workflow.sweep.collect import SweepTable, collect
-from workflow.verdicts.analyse import Findings, measure
+from workflow.verdicts.analyse import MeasuredFrames, measure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,7 +42,7 @@ class Options:
 
 
 @dataclass(frozen=True)
-class Request:
+class ExportRequest:
     """A run or a sweep, and the options with which it is exported.
 
     Attributes:
@@ -61,7 +61,7 @@ class Request:
         return RunDirectory(self.path)
 
     @cached_property
-    def findings(self) -> Findings:
+    def findings(self) -> MeasuredFrames:
         """Tables and figures of the run."""
         return measure(self.directory)
 

@@ -4,24 +4,24 @@ import io
 from pathlib import Path
 
 from analysis.quantity import to_csv
-from workflow.tools.export.request import Request, Writers
+from workflow.tools.export.request import ExportRequest, Writers
 
 SWEEP = "table.csv"
 """Name of the table of a sweep, as ``granchain collect`` gives it."""
 
 
-def _texts(request: Request) -> dict[str, str]:
+def _texts(request: ExportRequest) -> dict[str, str]:
     """Name -> text of each table as CSV."""
     return request.findings.tables if request.is_run else {SWEEP: request.sweep.to_csv()}
 
 
-def csv(request: Request) -> Writers:
+def csv(request: ExportRequest) -> Writers:
     """Every table and, of a run, the numbers behind every figure, a file for each panel."""
     files = _of_texts(_texts(request))
     return {**files, **numbers(request)} if request.is_run else files
 
 
-def numbers(request: Request) -> Writers:
+def numbers(request: ExportRequest) -> Writers:
     """Numbers behind every figure of a run, a file of CSV for each panel."""
     from analysis.figures.numbers import panels  # matplotlib takes half a second to import
 
@@ -42,7 +42,7 @@ def _of_texts(texts: dict[str, str]) -> Writers:
     }
 
 
-def parquet(request: Request) -> Writers:
+def parquet(request: ExportRequest) -> Writers:
     """Every table; an undefined number is null, and a column without any number one of float64."""
     return {
         f"{Path(name).stem}.parquet": lambda path, text=text: _write_parquet(text, path)  # type: ignore[misc]

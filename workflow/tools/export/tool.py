@@ -15,7 +15,7 @@ from workflow.runs.output_directory import claim, make_directory
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import CommandResult, one_line
 from workflow.tools.export.registry import FORMATS
-from workflow.tools.export.request import Options, Request, Writers
+from workflow.tools.export.request import Options, ExportRequest, Writers
 
 ANSWERS = "the paths of the files"
 EXAMPLES = (
@@ -211,7 +211,7 @@ def _refuse_options(options: Options) -> None:
             raise InputError(f"{option}: {value} given; {valid}")
 
 
-def _request(path: Path, formats: Sequence[str], options: Options) -> Request:
+def _request(path: Path, formats: Sequence[str], options: Options) -> ExportRequest:
     """What is exported: a run, or a sweep, of which there are tables only.
 
     Raises:
@@ -226,7 +226,7 @@ def _request(path: Path, formats: Sequence[str], options: Options) -> Request:
     for name in formats:
         if not is_run and name not in of_sweeps:
             raise InputError(f"--to {name}: {path} is a sweep, which is exported to {' or '.join(of_sweeps)}")
-    request = Request(path, options, is_run)
+    request = ExportRequest(path, options, is_run)
     if is_run:
         _ = request.directory.dumps  # refuses a directory without frames
     return request

@@ -30,7 +30,7 @@ np.savez(
 """
 
 SPRINGS = [[row, row + 12] for row in range(2, 9)]
-"""Atoms, from 0, that the springs in rows 3 to 9 of two chains of 12 beads tie."""
+"""DrawnAtoms, from 0, that the springs in rows 3 to 9 of two chains of 12 beads tie."""
 
 
 def expected(run, frame):

@@ -7,7 +7,7 @@ import granchain
 from analysis.figures.spacetime import SpaceTime
 from analysis.trajectory import watch
 from workflow.tools.export import film
-from workflow.tools.export.request import Options, Request
+from workflow.tools.export.request import Options, ExportRequest
 
 
 def test_a_film_for_slides_has_the_pictures_and_the_duration_that_are_asked_for(run_of, tmp_path):
@@ -28,7 +28,7 @@ def test_a_gif_has_the_pictures_and_the_duration_that_are_asked_for(run_of, tmp_
 
 
 def pictures(run, **options):
-    request = Request(run.directory.path, Options(pixels=480, **options), is_run=True)
+    request = ExportRequest(run.directory.path, Options(pixels=480, **options), is_run=True)
     return list(film._pictures(request, "film"))
 
 
