@@ -390,7 +390,7 @@ def _shade_between(axis: Axes, passed: Floats) -> None:
 
 
 def edges(centres: Floats) -> Floats:
-    """Borders [value + 1] of the cells around values [value]: half-way between them, by factors where they are spaced so."""
+    """Borders [value + 1] of the cells around values [value], half-way between them, also by factors."""
     if len(centres) == 1:
         half = 0.5 * abs(centres[0]) or 0.5
         return np.array([centres[0] - half, centres[0] + half])

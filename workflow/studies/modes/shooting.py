@@ -153,7 +153,7 @@ class Shooting:
         return condition
 
     def corrected(self, y: Floats, period: float, condition: Condition) -> Corrected | None:
-        """The periodic state near coordinates [mode] that meets a condition; None where Newton's method does not converge."""
+        """The periodic state near coordinates [mode] that meets a condition; None without convergence."""
         first, before = period, math.inf
         for iteration in range(ITERATIONS + 1):
             momenta, by_y, by_period = self.half_period(y, period)

@@ -7,7 +7,7 @@ class Format(NamedTuple):
     """A format of files.
 
     Attributes:
-        writer: module of this package and function in it that makes the files of a `request.ExportRequest`: the name of each,
+        writer: module of this package and function in it that makes the files of an `ExportRequest`: the name of each,
             and what writes it to a path.
         content: what the files hold, for help.
         file: name of its only file, whose ending is that of others; empty where there may be several.

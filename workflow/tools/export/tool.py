@@ -15,7 +15,7 @@ from workflow.runs.output_directory import claim, make_directory
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import CommandResult, one_line
 from workflow.tools.export.registry import FORMATS
-from workflow.tools.export.request import Options, ExportRequest, Writers
+from workflow.tools.export.request import ExportRequest, Options, Writers
 
 ANSWERS = "the paths of the files"
 EXAMPLES = (

@@ -7,7 +7,7 @@ import granchain
 from analysis.figures.spacetime import SpaceTime
 from analysis.trajectory import watch
 from workflow.tools.export import film
-from workflow.tools.export.request import Options, ExportRequest
+from workflow.tools.export.request import ExportRequest, Options
 
 
 def test_a_film_for_slides_has_the_pictures_and_the_duration_that_are_asked_for(run_of, tmp_path):
