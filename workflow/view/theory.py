@@ -148,7 +148,7 @@ _SWATCH = """
 
 
 def peaks_of(problem: Problem, survey: Survey) -> dict[str, tuple[Floats, Floats]]:
-    """Asymptotic amplitude and law of decay in the plot of peak velocities: beads and velocities [point], in V, by name.
+    """Asymptotic amplitude and law of decay in the plot of peak velocities: beads and velocities [point] in V, by name.
 
     Where chains are compared by impulses, there are none.
     """
