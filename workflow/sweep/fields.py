@@ -6,7 +6,7 @@ import difflib
 import itertools
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Annotated, Any, get_args, get_origin
 
@@ -168,6 +168,18 @@ def look_up(scene: dict[str, Any], path: Path) -> Any:
                 return value
             value = value[(number or 1) - 1] if (number or 1) <= len(value) else None
     return value
+
+
+def held(scene: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, float]]:
+    """Dotted path and value of all fields that hold one number in a scene's plain data."""
+    for key, value in scene.items():
+        if isinstance(value, dict):
+            yield from held(value, f"{above}{key}.")
+        elif isinstance(value, list | tuple):
+            for number, part in enumerate(value, 1):
+                yield from held(part, f"{above}{key}[{number}].") if isinstance(part, dict) else ()
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            yield above + key, value
 
 
 def is_whole(path: Path) -> bool:

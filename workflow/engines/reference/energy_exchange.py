@@ -97,16 +97,7 @@ class _Follower:
 
 def _velocity_of_state(block: Trajectory) -> Floats:
     """Velocities of the kernel, [frame, line, bead]: less impulses of dashpots over masses where no tension is cut."""
-    problem = block.problem
-    system = problem.system
     x, v = block.atoms
-    if not system.dampers or any(dashpot.cut(link.law) for link in system.dampers):
+    if any(dashpot.cut(link.law) for link in block.problem.system.dampers):
         return v
-    impulses = np.zeros_like(v)
-    for damper in system.dampers:
-        lines = damper.lines_among(system.chains)
-        damper.drive(impulses[..., lines, :], damper.given(x[..., lines, :]))
-    impulses /= physics.masses(system, absent=np.inf)
-    for motion in system.motions:
-        impulses[..., motion.chain - 1, motion.bead - 1] = 0.0
-    return np.asarray(v - impulses)
+    return np.asarray(v - engine.given_by_dashpots(block.problem, x))

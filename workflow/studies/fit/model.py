@@ -2,7 +2,7 @@
 
 import copy
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -237,8 +237,8 @@ class Model:
         count = len(self.names)
         names, columns = [], []
         varied = {_entries(name, self.scene) for name in self.names}
-        for name in _numbers(self.scene):
-            if _entries(name, self.scene) in varied:
+        for name, _ in fields.held(self.scene):
+            if name.partition(".")[0] in NO_MODEL or _entries(name, self.scene) in varied:
                 continue
             wide = copy.copy(self)
             wide._trajectories = {}
@@ -250,18 +250,6 @@ class Model:
                 continue
         shape = (*self.measured.values.shape, 0)
         return tuple(names), np.stack(columns, axis=-1) if columns else np.empty(shape)
-
-
-def _numbers(scene: dict[str, Any], above: str = "") -> Iterator[str]:
-    """Names of all that holds a number in a scene's plain data."""
-    for key, value in scene.items():
-        if isinstance(value, dict):
-            yield from _numbers(value, f"{above}{key}.")
-        elif isinstance(value, list | tuple):
-            for number, part in enumerate(value, 1):
-                yield from _numbers(part, f"{above}{key}[{number}].") if isinstance(part, dict) else ()
-        elif isinstance(value, int | float) and key not in NO_MODEL:
-            yield above + key
 
 
 def _entries(name: str, scene: dict[str, Any]) -> tuple[tuple[str, int], ...]:

@@ -1,0 +1,204 @@
+"""Derivatives of a run of the reference by numbers of its scene, from the tangent flow.
+
+The motion of a scene whose numbers differ a little obeys the equations linearised about the run, with what these
+numbers change in the forces, masses and time step as a source. The source is the central difference of the forces on
+the beads of the run: it is smooth in the numbers, so that its relative error is some 1e-10 where a number is changed by
+1e-5 of itself. The vectors are advanced by the scheme's own steps, as those of `workflow.engines.reference.tangent`.
+"""
+
+import itertools
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from analysis.trajectory import Floats, Trajectory, frames_per_block, of_atoms
+from lammps_inputs import InputError, Problem, physics
+from workflow.engines.reference import engine, kernel, tangent
+from workflow.engines.reference.kernel import DerivativeFrames, ShiftArrays
+from workflow.engines.reference.kernel_inputs import Term, Terms, make_terms
+from workflow.engines.reference.schemes import BLANES_MOAN
+
+MOST_BYTES = 4e9
+"""Memory that frames of all derivatives may take."""
+
+
+@dataclass(frozen=True)
+class Sides:
+    """Two problems on both sides of another, whose scenes differ in one number.
+
+    Attributes:
+        low, high: with the smaller and the larger number.
+        span: difference of the numbers.
+    """
+
+    low: Problem
+    high: Problem
+    span: float
+
+
+@dataclass(frozen=True)
+class DerivativesOfMotion:
+    """Frames of a run and their derivatives by numbers, at the run's own frames, in units of each problem's scale.
+
+    Attributes:
+        problem: what was run.
+        time: [frame], in units of T.
+        x, v: displacements and velocities [frame, line, bead].
+        dx, dv: their derivatives by each number, [number, frame, line, bead].
+    """
+
+    problem: Problem
+    time: Floats
+    x: Floats
+    v: Floats
+    dx: Floats
+    dv: Floats
+
+    def moved(self, number: int, problem: Problem, change: float) -> Trajectory:
+        """Frames of a problem, in which a number differs by a small change, to first order in the change."""
+        x, v = self.x + change * self.dx[number], self.v + change * self.dv[number]
+        return of_atoms(problem, self.time * (problem.every / self.problem.every), x, v, 1, None, None)
+
+    def trajectory(self) -> Trajectory:
+        """Frames of the run."""
+        return of_atoms(self.problem, self.time, self.x, self.v, 1, None, None)
+
+
+def derivatives_of_motion(
+    problem: Problem, sides: Sequence[Sides], steps_per_frame: int | None = None
+) -> DerivativesOfMotion:
+    """Run a problem with its derivatives by numbers.
+
+    Args:
+        problem: what is integrated; without a window.
+        sides: problems beside it for each number, with frames at the same numbers of steps.
+        steps_per_frame: steps between frames; by default as many as `engine.default_steps_per_frame` says.
+
+    Raises:
+        InputError: the system cannot be linearised, a number changes the form of its equations, or the frames would
+            take too much memory.
+    """
+    system = problem.system
+    tangent.refuse_without_slope(system)
+    steps = engine.default_steps_per_frame(problem) if steps_per_frame is None else steps_per_frame
+    state = engine.make_state(problem, None)
+    terms, _ = make_terms(system, as_lammps=False, step=0.0)
+    shift = _shift_arrays(problem, sides, terms, state.parameters)
+    arrays = tangent.make_arrays(terms, len(sides), state.x.size)
+    for vector, side in zip(arrays.dv, sides, strict=True):
+        start = [physics.initial_velocity(end.system).T for end in (side.low, side.high)]
+        vector.reshape(state.x.shape)[1:-1, : problem.chains] = (start[1] - start[0]) / side.span
+    program = kernel.make_derivative_program(terms)
+    stepping = engine.make_steps(BLANES_MOAN, problem.every / steps)
+    motion = _empty_frames(problem, len(sides))
+    recorded = np.arange(1, problem.beads + 1) if system.dampers else problem.recorded_beads
+    size = frames_per_block(problem)
+    for first in (0, *range(1, problem.frames + 1, size)):
+        place = slice(first, min(first + size, problem.frames + 1) if first else 1)
+        kept = DerivativeFrames(motion.x[place], motion.v[place], motion.dx[:, place], motion.dv[:, place])
+        frames = _frames_of_all(kept, physics.lines(system), problem.beads) if system.dampers else kept
+        earlier, between = max(0, first - 1) * steps, steps if first else 0
+        program.advance_derivatives(
+            state.compiled, arrays, state.parameters, stepping, earlier, between, shift, recorded, frames
+        )
+        if system.dampers:
+            _put_velocities(frames, problem, sides, kept)
+    return motion
+
+
+def _frames_of_all(frames: DerivativeFrames, lines: int, beads: int) -> DerivativeFrames:
+    """Arrays for as many frames of all atoms."""
+    x, v = np.empty((2, len(frames.x), lines, beads))
+    dx, dv = np.empty((2, *frames.dx.shape[:2], lines, beads))
+    return DerivativeFrames(x, v, dx, dv)
+
+
+def _put_velocities(frames: DerivativeFrames, problem: Problem, sides: Sequence[Sides], kept: DerivativeFrames) -> None:
+    """Complete the velocities of frames of all atoms by what dashpots have given, and keep those that are recorded."""
+    v = frames.v + engine.given_by_dashpots(problem, frames.x)
+    dv = [rate + _given(side, frames.x, way) for side, way, rate in zip(sides, frames.dx, frames.dv, strict=True)]
+    for array, values in zip(kept, (frames.x, v, frames.dx, np.array(dv)), strict=True):
+        array[:] = values[..., : problem.lines, problem.recorded_beads - 1]
+
+
+def _empty_frames(problem: Problem, numbers: int) -> DerivativesOfMotion:
+    """Arrays for all frames.
+
+    Raises:
+        InputError: they would take too much memory.
+    """
+    time = np.arange(problem.frames + 1, dtype=np.float64) * problem.every
+    shape = (len(time), problem.lines, len(problem.recorded_beads))
+    size = 16.0 * (1 + numbers) * float(np.prod(shape))
+    if size > MOST_BYTES:
+        raise InputError(
+            f"the frames of {numbers} derivatives would take {size / 1e9:.2g} GB of memory, more than "
+            f"{MOST_BYTES / 1e9:g}; record less often, with a larger `output.every`"
+        )
+    x, v = np.empty((2, *shape))
+    dx, dv = np.empty((2, numbers, *shape))
+    return DerivativesOfMotion(problem, time, x, v, dx, dv)
+
+
+def _given(sides: Sides, x: Floats, dx: Floats) -> Floats:
+    """Derivative of the velocities that dashpots have given, [frame, line, bead]."""
+    half = 0.5 * sides.span * dx
+    low, high = engine.given_by_dashpots(sides.low, x - half), engine.given_by_dashpots(sides.high, x + half)
+    return np.asarray((high - low) / sides.span)
+
+
+def _shift_arrays(problem: Problem, sides: Sequence[Sides], terms: Terms, parameters: tuple[Any, ...]) -> ShiftArrays:
+    """Parameters of the sides, how they are weighed, and in what they differ.
+
+    Raises:
+        InputError: a number changes the form of the equations.
+    """
+    ends = [end for side in sides for end in (side.low, side.high)]
+    made = [make_terms(end.system, as_lammps=False, step=0.0) for end in ends]
+    ratios = np.array([end.every / problem.every for end in ends])
+    for (other, values), ratio in zip(made, ratios, strict=True):
+        times = [values[n] - ratio * parameters[n] for n, name in enumerate(terms.names) if name == terms.bends]
+        if _form(other) != _form(terms) or any(np.max(np.abs(apart)) > 1e-12 * problem.duration for apart in times):
+            raise InputError("no derivative: a small change of the number changes the form of the equations of motion")
+    groups = [terms.contacts, (*terms.across, *terms.ground), tuple(itertools.chain(*terms.dampers))]
+    names = [_names(group) | {terms.inverse_mass} if group else set() for group in (*groups, _loads(terms))]
+    stacked = tuple(np.stack(values) for values in zip(*(values for _, values in made), strict=True))
+    differs = np.zeros((len(sides), len(names)), dtype=bool)
+    for number in range(len(sides)):
+        low, high = 2 * number, 2 * number + 1
+        unequal = {name for name, array in zip(terms.names, stacked, strict=True) if np.any(array[low] != array[high])}
+        differs[number] = [bool(unequal & group) or ratios[low] != ratios[high] for group in names]
+    weights = np.array([weight for side in sides for weight in (-1.0 / side.span, 1.0 / side.span)])
+    return ShiftArrays(stacked, weights, ratios, differs)
+
+
+def _loads(terms: Terms) -> tuple[Term, ...]:
+    return (*terms.loads, *terms.motions)
+
+
+def _names(terms: Iterable[Term]) -> set[str]:
+    """Names of the parameters that terms read."""
+    texts = (text for term in terms for text in (term.strain_text, term.rate_text, *term.parameters, term.over))
+    return {name for text in texts for name in re.findall(r"[A-Za-z_]\w*", text)}
+
+
+def same_form(problem: Problem, other: Problem) -> bool:
+    """Whether the forces of two problems differ in numbers alone, so that one program computes both."""
+    (terms, values), (others, numbers) = (
+        make_terms(given.system, as_lammps=False, step=0.0) for given in (problem, other)
+    )
+    return _form(terms) == _form(others) and list(map(np.shape, values)) == list(map(np.shape, numbers))
+
+
+def _form(terms: Terms) -> Terms:
+    """Terms with the text of the force in place of a formula's law, whose other texts have numbers in exponents."""
+
+    def with_texts(group: tuple[Term, ...]) -> tuple[Term, ...]:
+        laws = (term.law.source("", "force") if hasattr(term.law, "source") else term.law for term in group)
+        return tuple(replace(term, law=law) for term, law in zip(group, laws, strict=True))
+
+    across, ground = with_texts(terms.across), with_texts(terms.ground)
+    return replace(terms, contacts=with_texts(terms.contacts), across=across, ground=ground)
