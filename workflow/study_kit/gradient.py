@@ -8,25 +8,31 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from analysis.trajectory import Floats, Trajectory, blocks
-from lammps_inputs import InputError, Problem, library
+from lammps_inputs import InputError, Problem, Scene, library
+from lammps_inputs.numbers import known
 from lammps_inputs.units import REDUCED
 from workflow.engines.reference import engine
 from workflow.engines.reference.derivatives import DerivativesOfMotion, Sides, derivatives_of_motion, same_form
+from workflow.screen import count_bar
 from workflow.study_kit import scene_quantities
+from workflow.study_kit.directory import csv_text
 from workflow.sweep import fields
 
 STEP = 1e-4
-"""Relative change of a field, for the central difference of forces: its error is some 1e-9 of it."""
+"""Relative change of a field, for the central difference of forces."""
+
+FORCES = 1e-7
+"""Relative error of that difference: some 1e-8 for steep laws and for beads whose motion is given."""
 
 BESIDE = 1e-9
-"""Relative change of a field whose value is special, such as a whole exponent, to one that is not."""
+"""Relative change of a field whose value is special, such as an exponent of 1.5, to one that is not."""
 
-MOVED = (1e-5, 2e-5)
+NEAR, FAR = 1e-5, 2e-5
 """Largest changes of a velocity, in units of V, along a derivative of the motion where quantities are measured."""
 
 JUMP = 0.1
@@ -68,18 +74,23 @@ class Derivative:
     unit: str
     relative: float | None
 
-    def sentence(self) -> str:
-        """The derivative in words."""
+    def cells(self) -> list[str]:
+        """Cells of a line of the printed table under `HEAD`."""
+        names = [self.quantity, self.field]
         if self.derivative is None or self.uncertainty is None:
-            reason = "is undefined" if self.value is None else "jumps or bends, so that it has no derivative"
-            return f"{self.quantity} {reason} (by {self.field})"
-        unit = f" {self.unit}" if self.unit else ""
+            return [*names, "-", "undefined" if self.value is None else "jumps", self.unit, "-"]
         digits = _digits(self.derivative, self.uncertainty)
-        share = "" if self.relative is None else f"; 1% more of it makes {self.relative:+.3g}%"
-        return (
-            f"{self.quantity} changes by {self.derivative:+.{digits}g}{unit} (+- {self.uncertainty:.0e}) per unit of "
-            f"{self.field}{share}"
-        )
+        return [
+            *names,
+            f"{self.derivative:+.{digits}g}",
+            f"{self.uncertainty:.0e}",
+            self.unit,
+            "-" if self.relative is None else f"{self.relative:+.4f}",
+        ]
+
+
+HEAD = ["quantity", "field", "derivative", "+-", "unit", "relative"]
+"""Heading of `Derivative.cells`."""
 
 
 def _digits(value: float, uncertainty: float) -> int:
@@ -96,7 +107,7 @@ def gradient(
 
     Args:
         plain: plain data of the scene.
-        quantities: names of quantities (`scene_quantities.KNOWN`), or such as ``amplitude@50``, at a bead.
+        quantities: names of quantities (`scene_quantities.KNOWN`), or such as ``peak_velocity@50``, at a bead.
         by: dotted paths of fields that hold a number other than 0; None for all of the scene.
         source: name of the scene in messages.
 
@@ -109,30 +120,47 @@ def gradient(
     """
     varied = _Varied.of(plain, tuple(quantities), by, source)
     steps = engine.default_steps_per_frame(varied.problem)
-    coarse = varied.derivatives(steps)
-    for _ in range(DOUBLINGS):
-        steps *= 2
-        fine = varied.derivatives(steps)
-        change = np.abs(fine.slope - coarse.slope)
-        size = np.maximum(np.abs(fine.slope), 1e-300)
-        if not np.any(change > GOAL * size):
-            break
-        coarse = fine
-    return list(varied.lines(fine, SAFETY * change + fine.doubt))
+    with count_bar("derivatives") as count:
+        motion = varied.motion(steps)
+        coarse = varied.slopes(motion, NEAR)
+        for done in range(DOUBLINGS):
+            count(done, DOUBLINGS)
+            steps *= 2
+            motion = varied.motion(steps)
+            slopes = varied.slopes(motion, NEAR)
+            change = np.abs(slopes - coarse)
+            if not np.any(change > GOAL * np.abs(slopes)):
+                break
+            coarse = slopes
+        return list(varied.lines(motion, slopes, change))
 
 
-@dataclass(frozen=True)
-class _Slopes:
-    """Derivatives [quantity, field], what measuring leaves in doubt of them, and the quantities [quantity]."""
+class SceneInUnits(Scene):
+    """A scene whose unit of velocity is another's: that of a scene's own is no smooth function of several kicks."""
 
-    value: Floats
-    slope: Floats
-    doubt: Floats
+    unit_of_velocity: float
+
+    @classmethod
+    def of(cls, scene: Scene, unit_of_velocity: float) -> "SceneInUnits":
+        """A scene with a unit of velocity."""
+        parts = {name: getattr(scene, name) for name in Scene.model_fields}
+        return cls.model_construct(**parts, unit_of_velocity=unit_of_velocity)
+
+    def _speed(self) -> float:
+        return self.unit_of_velocity
 
 
 @dataclass(frozen=True)
 class _Varied:
-    """A scene and its fields that are varied."""
+    """A scene and its fields that are varied.
+
+    Attributes:
+        plain: the scene.
+        problem: its problem.
+        quantities: names of quantities.
+        values: field -> value.
+        source: name of the scene in messages.
+    """
 
     plain: dict[str, Any]
     problem: Problem
@@ -141,94 +169,99 @@ class _Varied:
     source: str
 
     @classmethod
-    def of(cls, plain: dict[str, Any], quantities: tuple[str, ...], by: Sequence[str] | None, source: str) -> "_Varied":
+    def of(cls, plain: dict[str, Any], quantities: tuple[str, ...], by: Sequence[str] | None, source: str) -> Self:
+        """A scene with its duration, time step and output written out."""
         for name in quantities:
             scene_quantities.refuse_unknown(name, source, "quantity")
-        scene = scene_quantities.scene_to_run(plain, quantities, source).resolved()
-        plain = {key: value for key, value in scene.plain().items() if key not in ("until_bead", "accuracy")}
+        scene = scene_quantities.scene_to_run(plain, quantities, source)
+        scene = scene.model_copy(update={"accuracy": None}).resolved()
+        plain = {key: value for key, value in scene.plain().items() if key != "until_bead"}
         names = numbers(plain) if by is None else tuple(dict.fromkeys(by))
         values = {name: _value(plain, name, source) for name in names}
-        beside = {
-            name: value * (1.0 + BESIDE) for name, value in values.items() if _special(plain, name, value, source)
-        }
-        plain = fields.put_all(plain, beside)
-        return cls(plain, library.from_plain(plain, source).problem(), quantities, values | beside, source)
+        special = [name for name, value in values.items() if _special(plain, name, value, source)]
+        values |= {name: values[name] * (1.0 + BESIDE) for name in special}
+        plain = fields.put_all(plain, {name: values[name] for name in special})
+        return cls(plain, library.from_plain(plain, source).problem(), quantities, values, source)
 
-    def at(self, name: str, value: float) -> dict[str, Any]:
-        """The scene with another value of a field."""
-        return fields.put_all(self.plain, {name: value})
+    def at(self, name: str, value: float) -> Scene:
+        """The scene with another value of a field, in this scene's unit of velocity."""
+        return _beside(self.plain, name, value, self.problem.scale.velocity, self.source)
 
-    def sides(self) -> list[Sides]:
-        """Problems on both sides for each field."""
+    def motion(self, steps: int) -> DerivativesOfMotion:
+        """The motion and its derivatives, with so many steps from frame to frame."""
         sides = []
         for name, value in self.values.items():
-            low, high = (_problem(self.at(name, value * (1.0 + step)), name, self.source) for step in (-STEP, STEP))
+            low, high = (self.at(name, value * (1.0 + step)).problem() for step in (-STEP, STEP))
             sides.append(Sides(low, high, 2.0 * STEP * value))
-        return sides
+        return derivatives_of_motion(self.problem, sides, steps)
 
-    def derivatives(self, steps: int) -> _Slopes:
-        """Derivatives with so many steps from frame to frame."""
-        motion = derivatives_of_motion(self.problem, self.sides(), steps)
-        value = self.measured(self.plain, motion.trajectory())
-        slopes, doubts = [], []
-        for number, (name, at) in enumerate(self.values.items()):
-            fastest = float(np.max(np.abs(motion.dv[number]), initial=0.0))
-            near, far = (self.slope(motion, number, name, at, moved, fastest) for moved in MOVED)
-            slopes.append((4.0 * near - far) / 3.0)
-            doubts.append(np.abs(far - near) / 3.0)
-        slope, doubt = np.array(slopes).T, np.array(doubts).T
-        noise = _NOISE * np.abs(value)[:, np.newaxis] / np.abs(list(self.values.values()))
-        return _Slopes(value, np.where(3.0 * doubt > JUMP * np.abs(slope) + noise, np.nan, slope), doubt + noise)
+    def slopes(self, motion: DerivativesOfMotion, moved: float) -> Floats:
+        """Derivatives [quantity, field] by central differences along derivatives of the motion; NaN where undefined.
 
-    def slope(
-        self, motion: DerivativesOfMotion, number: int, name: str, at: float, moved: float, fastest: float
-    ) -> Floats:
-        """Derivatives of the quantities, [quantity], by central differences along the derivative of the motion."""
-        change = min(moved / fastest if fastest > 0.0 else math.inf, moved * abs(at))
-        sides = []
-        for sign in (-1.0, 1.0):
-            plain = self.at(name, at + sign * change)
-            sides.append(self.measured(plain, motion.moved(number, _problem(plain, name, self.source), sign * change)))
-        return np.asarray((sides[1] - sides[0]) / (2.0 * change))
+        Args:
+            motion: the motion and its derivatives.
+            moved: largest change of a velocity, in units of V.
+        """
+        slopes = []
+        for number, (name, value) in enumerate(self.values.items()):
+            change = motion.small(number, abs(value), moved)
+            low, high = (self._beside(motion, number, name, side) for side in (-change, change))
+            slopes.append((high - low) / (2.0 * change))
+        return np.array(slopes).T
 
-    def measured(self, plain: dict[str, Any], trajectory: Trajectory) -> Floats:
+    def _beside(self, motion: DerivativesOfMotion, number: int, name: str, change: float) -> Floats:
+        """Quantities, [quantity], in frames that are moved by a change of a field."""
+        value = self.values[name] + change
+        scene = library.from_plain(fields.put_all(self.plain, {name: value}), self.source)
+        return self.measured(scene, motion.moved(number, change, scene.problem(), self.at(name, value).scale))
+
+    def measured(self, scene: Scene, trajectory: Trajectory) -> Floats:
         """Quantities of frames, [quantity], in the scene's units; NaN where undefined."""
-        scene = library.from_plain(plain, self.source)
         with np.errstate(all="ignore"):
             values = scene_quantities.of_frames(trajectory.problem, partial(blocks, trajectory), scene, self.quantities)
         return np.array([math.nan if values[name] is None else values[name] for name in self.quantities])
 
-    def lines(self, slopes: _Slopes, uncertainty: Floats) -> Iterator[Derivative]:
-        """All derivatives."""
-        for place, quantity in enumerate(self.quantities):
-            value = _known(slopes.value[place])
-            for number, (name, at) in enumerate(self.values.items()):
-                slope = _known(slopes.slope[place, number])
-                share = None if slope is None or not value else slope * at / value
-                doubt = None if slope is None else float(uncertainty[place, number])
-                yield Derivative(quantity, name, value, slope, doubt, self.unit(quantity, name), share)
+    def lines(self, motion: DerivativesOfMotion, near: Floats, change: Floats) -> Iterator[Derivative]:
+        """All derivatives, from those where frames are moved little, [quantity, field].
 
-    def unit(self, quantity: str, name: str) -> str:
+        Args:
+            motion: the motion and its derivatives.
+            near: derivatives by moving frames by `NEAR`.
+            change: their change by the last doubling of the steps.
+        """
+        measured = self.measured(library.from_plain(self.plain, self.source), motion.trajectory())
+        bend = (self.slopes(motion, FAR) - near) / 3.0
+        for place, quantity in enumerate(self.quantities):
+            value = known(float(measured[place]))
+            for number, (name, at) in enumerate(self.values.items()):
+                slope = float(near[place, number] - bend[place, number])
+                noise = 0.0 if value is None else _NOISE * abs(value / at)
+                doubt = abs(float(bend[place, number])) + noise
+                unit = self._unit(quantity, name)
+                if not 3.0 * (doubt - noise) <= JUMP * abs(slope) + noise:  # NaN, too
+                    yield Derivative(quantity, name, value, None, None, unit, None)
+                    continue
+                uncertainty = SAFETY * float(change[place, number]) + doubt + FORCES * abs(slope)
+                yield Derivative(quantity, name, value, slope, uncertainty, unit, slope * at / value if value else None)
+
+    def _unit(self, quantity: str, name: str) -> str:
         """Unit of a quantity over that of a field, such as ``(m/s)/(N/m)``; empty of a number."""
-        above, below = (scene_quantities.label(part, self.plain).unit for part in (quantity, name))
-        above, below = ("" if unit == REDUCED else unit for unit in (above, below))
+        units = [scene_quantities.label(part, self.plain).unit for part in (quantity, name)]
+        above, below = ("" if unit == REDUCED else unit for unit in units)
         return above if not below else f"({above or '1'})/({below})"
 
 
-def _known(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
-
-
-def _problem(plain: dict[str, Any], name: str, source: str) -> Problem:
-    """Problem of a scene with another value of a field.
+def _beside(plain: dict[str, Any], name: str, value: float, unit_of_velocity: float, source: str) -> Scene:
+    """A scene with another value of a field, in a unit of velocity.
 
     Raises:
         InputError: it is no scene.
     """
     try:
-        return library.from_plain(plain, source).problem()
+        scene = library.from_plain(fields.put_all(plain, {name: value}), source)
     except InputError as error:
         raise InputError(f"{source}: no derivative by {name}: a value beside its own is refused ({error})") from None
+    return SceneInUnits.of(scene, unit_of_velocity)
 
 
 def _special(plain: dict[str, Any], name: str, value: float, source: str) -> bool:
@@ -237,9 +270,7 @@ def _special(plain: dict[str, Any], name: str, value: float, source: str) -> boo
     Raises:
         InputError: they have different forms on the two sides.
     """
-    at, low, high = (
-        _problem(fields.put_all(plain, {name: value * (1.0 + step)}), name, source) for step in (0.0, -STEP, STEP)
-    )
+    at, low, high = (_beside(plain, name, value * (1.0 + step), 1.0, source).problem() for step in (0.0, -STEP, STEP))
     if not same_form(low, high):
         raise InputError(f"{source}: no derivative by {name}: the form of the equations changes at its value")
     return not same_form(at, low)
@@ -274,6 +305,6 @@ def _value(plain: dict[str, Any], name: str, source: str) -> float:
     return float(value)
 
 
-def plain_of(derivatives: Sequence[Derivative]) -> list[dict[str, Any]]:
-    """Derivatives as data for JSON."""
-    return [asdict(derivative) for derivative in derivatives]
+def csv_of(derivatives: Sequence[Derivative]) -> str:
+    """CSV text of derivatives, a line for each."""
+    return csv_text([asdict(derivative) for derivative in derivatives])

@@ -16,6 +16,7 @@ import numpy as np
 
 from analysis.trajectory import Floats, Trajectory, frames_per_block, of_atoms
 from lammps_inputs import InputError, Problem, physics
+from lammps_inputs.units import Scale
 from workflow.engines.reference import engine, kernel, tangent
 from workflow.engines.reference.kernel import DerivativeFrames, ShiftArrays
 from workflow.engines.reference.kernel_inputs import Term, Terms, make_terms
@@ -57,10 +58,30 @@ class DerivativesOfMotion:
     dx: Floats
     dv: Floats
 
-    def moved(self, number: int, problem: Problem, change: float) -> Trajectory:
-        """Frames of a problem, in which a number differs by a small change, to first order in the change."""
+    def moved(self, number: int, change: float, problem: Problem, scale: Scale | None = None) -> Trajectory:
+        """Frames of a problem in which a number differs by a small change, to first order in the change.
+
+        Args:
+            number: place of the number.
+            change: its change.
+            problem: the problem that has it.
+            scale: units of the derivatives, those of the sides; None if they are the problem's.
+        """
+        scale = scale or problem.scale
         x, v = self.x + change * self.dx[number], self.v + change * self.dv[number]
-        return of_atoms(problem, self.time * (problem.every / self.problem.every), x, v, 1, None, None)
+        x, v = x * (scale.length / problem.scale.length), v * (scale.velocity / problem.scale.velocity)
+        time = np.arange(len(x), dtype=np.float64) * problem.every
+        return of_atoms(problem, time, np.asarray(x), np.asarray(v), 1, None, None)
+
+    def small(self, number: int, size: float, moved: float) -> float:
+        """Change of a number: a share of its size, or less where a velocity would change by more than that share of V.
+
+        Args:
+            number: place of the number.
+            size: its absolute value, or 1 for a logarithm.
+            moved: the share.
+        """
+        return moved / max(float(np.max(np.abs(self.dv[number]), initial=0.0)), 1.0 / size)
 
     def trajectory(self) -> Trajectory:
         """Frames of the run."""
