@@ -135,6 +135,27 @@ def gradient(
         return list(varied.lines(motion, slopes, change))
 
 
+def values_and_slopes(plain: dict[str, Any], names: Sequence[str], by: Sequence[str], source: str) -> dict[str, Any]:
+    """What a process answers: ``values`` [quantity] and ``slopes`` [quantity, field], None where undefined.
+
+    Steps are twice those of the reference's default. A scene that has no derivatives is ``refused``, with the reason.
+
+    Args:
+        plain: plain data of the scene.
+        names: names of the quantities.
+        by: dotted paths of the fields.
+        source: name of the scene in messages.
+    """
+    try:
+        varied = _Varied.of(plain, tuple(names), by, source)
+        motion = varied.motion(2 * engine.default_steps_per_frame(varied.problem))
+        values = varied.measured(library.from_plain(varied.plain, source), motion.trajectory())
+        slopes = varied.slopes(motion, NEAR)
+    except (InputError, ValueError, ArithmeticError) as error:
+        return {"refused": str(error)}
+    return {"values": list(map(known, values.tolist())), "slopes": [list(map(known, row)) for row in slopes.tolist()]}
+
+
 class SceneInUnits(Scene):
     """A scene whose unit of velocity is another's: that of a scene's own is no smooth function of several kicks."""
 

@@ -251,7 +251,7 @@ class Model:
         steps, velocity = self._steps_of(scene), scene.scale.velocity
         sides = []
         for place in range(len(self.names)):
-            ends = []
+            ends: list[Problem] = []
             for change in (-STEP, STEP):
                 moved = parameters.copy()
                 moved[place] += change
@@ -263,8 +263,8 @@ class Model:
         columns = []
         for place, side in enumerate(sides):
             runs = [motion.moved(place, change, end) for change, end in ((-STEP, side.low), (STEP, side.high))]
-            low, high = (self._traces_of(run, parameters) for run in runs)
-            columns.append(np.asarray((high - low) / side.span))
+            earlier, later = (self._traces_of(run, parameters) for run in runs)
+            columns.append(np.asarray((later - earlier) / side.span))
         return columns
 
     def slope(self, parameters: Floats, place: int) -> Floats:
