@@ -23,11 +23,11 @@ from workflow.study_kit import scene_quantities
 from workflow.study_kit.directory import csv_text
 from workflow.sweep import fields
 
-STEP = 1e-4
-"""Relative change of a field, for the central difference of forces."""
+SIDES = (-1e-4, -5e-5, 5e-5, 1e-4)
+"""Relative changes of a field, for central differences of forces."""
 
 FORCES = 1e-7
-"""Relative error of that difference: some 1e-8 for steep laws and for beads whose motion is given."""
+"""Relative error of these differences: rounding of the way of beads whose motion is given; mostly far below."""
 
 BESIDE = 1e-9
 """Relative change of a field whose value is special, such as an exponent of 1.5, to one that is not."""
@@ -37,6 +37,9 @@ NEAR, FAR = 1e-5, 2e-5
 
 JUMP = 0.1
 """Relative difference of derivatives by these two from which on the quantity is said to have none."""
+
+_CURVED = 1e3
+"""Largest second derivative of a smooth quantity by the logarithm of a field, over the quantity."""
 
 _NOISE = 1e-9
 """Relative change of a quantity by a relative change of 1 of a field, below which a derivative is that of rounding."""
@@ -212,8 +215,8 @@ class _Varied:
         """The motion and its derivatives, with so many steps from frame to frame."""
         sides = []
         for name, value in self.values.items():
-            low, high = (self.at(name, value * (1.0 + step)).problem() for step in (-STEP, STEP))
-            sides.append(Sides(low, high, 2.0 * STEP * value))
+            ends = tuple(self.at(name, value * (1.0 + change)).problem() for change in SIDES)
+            sides.append(Sides(ends, tuple(value * change for change in SIDES)))
         return derivatives_of_motion(self.problem, sides, steps)
 
     def slopes(self, motion: DerivativesOfMotion, moved: float) -> Floats:
@@ -224,10 +227,13 @@ class _Varied:
             moved: largest change of a velocity, in units of V.
         """
         slopes = []
+        middle = self.measured(library.from_plain(self.plain, self.source), motion.trajectory())
         for number, (name, value) in enumerate(self.values.items()):
             change = motion.small(number, abs(value), moved)
             low, high = (self._beside(motion, number, name, side) for side in (-change, change))
-            slopes.append((high - low) / (2.0 * change))
+            bend = np.abs(high - 2.0 * middle + low) - _CURVED * (change / value) ** 2 * np.abs(middle)
+            bends = bend > JUMP * np.abs(high - low)
+            slopes.append(np.where(bends, np.nan, (high - low) / (2.0 * change)))
         return np.array(slopes).T
 
     def _beside(self, motion: DerivativesOfMotion, number: int, name: str, change: float) -> Floats:
@@ -291,7 +297,7 @@ def _special(plain: dict[str, Any], name: str, value: float, source: str) -> boo
     Raises:
         InputError: they have different forms on the two sides.
     """
-    at, low, high = (_beside(plain, name, value * (1.0 + step), 1.0, source).problem() for step in (0.0, -STEP, STEP))
+    at, low, high = (_beside(plain, name, value * (1.0 + step), 1.0, source).problem() for step in (0.0, *SIDES[1:3]))
     if not same_form(low, high):
         raise InputError(f"{source}: no derivative by {name}: the form of the equations changes at its value")
     return not same_form(at, low)

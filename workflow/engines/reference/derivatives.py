@@ -10,6 +10,7 @@ import itertools
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -28,16 +29,22 @@ MOST_BYTES = 4e9
 
 @dataclass(frozen=True)
 class Sides:
-    """Two problems on both sides of another, whose scenes differ in one number.
+    """Problems beside another, whose scenes differ in one number.
 
     Attributes:
-        low, high: with the smaller and the larger number.
-        span: difference of the numbers.
+        problems: two or more, as many smaller as larger.
+        changes: by how much the number of each differs from the run's.
     """
 
-    low: Problem
-    high: Problem
-    span: float
+    problems: tuple[Problem, ...]
+    changes: tuple[float, ...]
+
+    @cached_property
+    def weights(self) -> Floats:
+        """Weights [side] with which values sum to the derivative, exactly for polynomials up to their number."""
+        size = max(map(abs, self.changes))
+        powers = np.vander(np.array(self.changes) / size, increasing=True).T
+        return np.asarray(np.linalg.solve(powers, np.eye(len(powers))[1]) / size)
 
 
 @dataclass(frozen=True)
@@ -110,8 +117,8 @@ def derivatives_of_motion(
     shift = _shift_arrays(problem, sides, terms, state.parameters)
     arrays = tangent.make_arrays(terms, len(sides), state.x.size)
     for vector, side in zip(arrays.dv, sides, strict=True):
-        start = [physics.initial_velocity(end.system).T for end in (side.low, side.high)]
-        vector.reshape(state.x.shape)[1:-1, : problem.chains] = (start[1] - start[0]) / side.span
+        starts = np.array([physics.initial_velocity(end.system).T for end in side.problems])
+        vector.reshape(state.x.shape)[1:-1, : problem.chains] = np.tensordot(side.weights, starts, axes=1)
     program = kernel.make_derivative_program(terms)
     stepping = engine.make_steps(BLANES_MOAN, problem.every / steps)
     motion = _empty_frames(problem, len(sides))
@@ -166,9 +173,11 @@ def _empty_frames(problem: Problem, numbers: int) -> DerivativesOfMotion:
 
 def _given(sides: Sides, x: Floats, dx: Floats) -> Floats:
     """Derivative of the velocities that dashpots have given, [frame, line, bead]."""
-    half = 0.5 * sides.span * dx
-    low, high = engine.given_by_dashpots(sides.low, x - half), engine.given_by_dashpots(sides.high, x + half)
-    return np.asarray((high - low) / sides.span)
+    given = [
+        weight * engine.given_by_dashpots(end, x + change * dx)
+        for weight, end, change in zip(sides.weights, sides.problems, sides.changes, strict=True)
+    ]
+    return np.asarray(np.sum(given, axis=0))
 
 
 def _shift_arrays(problem: Problem, sides: Sequence[Sides], terms: Terms, parameters: tuple[Any, ...]) -> ShiftArrays:
@@ -177,7 +186,8 @@ def _shift_arrays(problem: Problem, sides: Sequence[Sides], terms: Terms, parame
     Raises:
         InputError: a number changes the form of the equations.
     """
-    ends = [end for side in sides for end in (side.low, side.high)]
+    ends = [end for side in sides for end in side.problems]
+    first_side = np.cumsum([0, *(len(side.problems) for side in sides)])
     made = [make_terms(end.system, as_lammps=False, step=0.0) for end in ends]
     ratios = np.array([end.every / problem.every for end in ends])
     for (other, values), ratio in zip(made, ratios, strict=True):
@@ -188,12 +198,13 @@ def _shift_arrays(problem: Problem, sides: Sequence[Sides], terms: Terms, parame
     names = [_names(group) | {terms.inverse_mass} if group else set() for group in (*groups, _loads(terms))]
     stacked = tuple(np.stack(values) for values in zip(*(values for _, values in made), strict=True))
     differs = np.zeros((len(sides), len(names)), dtype=bool)
-    for number in range(len(sides)):
-        low, high = 2 * number, 2 * number + 1
-        unequal = {name for name, array in zip(terms.names, stacked, strict=True) if np.any(array[low] != array[high])}
-        differs[number] = [bool(unequal & group) or ratios[low] != ratios[high] for group in names]
-    weights = np.array([weight for side in sides for weight in (-1.0 / side.span, 1.0 / side.span)])
-    return ShiftArrays(stacked, weights, ratios, differs)
+    for number, (first, last) in enumerate(itertools.pairwise(first_side)):
+        of_number = {name: arrays[first:last] for name, arrays in zip(terms.names, stacked, strict=True)}
+        unequal = {name for name, arrays in of_number.items() if np.any(arrays != arrays[0])}
+        stretched = bool(np.any(ratios[first:last] != 1.0))
+        differs[number] = [bool(unequal & group) or stretched for group in names]
+    weights = np.concatenate([side.weights for side in sides])
+    return ShiftArrays(stacked, weights, ratios, differs, first_side)
 
 
 def _loads(terms: Terms) -> tuple[Term, ...]:

@@ -102,19 +102,18 @@ class TangentArrays(NamedTuple):
 
 
 class ShiftArrays(NamedTuple):
-    """Parameters on both sides of those of a run; their differences drive the derivatives by what differs.
-
-    Sides of vector n are 2 n and 2 n + 1.
-    """
+    """Parameters beside those of a run; their differences drive the derivatives by what differs."""
 
     parameters: tuple[Any, ...]
     """Each parameter with a first axis [side]."""
     weights: Floats
-    """[side]: the weighted sum over the two sides of a vector is the derivative."""
+    """[side]: the weighted sum over the sides of a vector is the derivative."""
     ratios: Floats
     """[side]: time steps over that of the run."""
     differs: NDArray[np.bool_]
     """[vector, 4]: whether sides differ in forces of contacts, other forces, rates of displacements, and loads."""
+    first_side: Integers
+    """[vector + 1]: number of the first side of each vector, and of all sides."""
 
 
 class DerivativeFrames(NamedTuple):

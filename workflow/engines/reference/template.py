@@ -357,7 +357,7 @@ def advance_derivatives(state, tangent, p, scheme, first_step, steps, shift, rec
     {parameters}
     {unpacked}
     dx, dv, slopes, pulls, stiffness, nearby, gains, rates = tangent
-    q, weights, ratios, differs = shift
+    q, weights, ratios, differs, first_side = shift
     for frame in range(frames.x.shape[0]):
         for number in range(frame * steps, (frame + 1) * steps):
             time = (first_step + number) * h
@@ -424,7 +424,7 @@ for n in range(dx.shape[0]):
     for k in range(low, high):
         dv_n[k] += factor * ((pulls[k] - pulls[k + {row}]{others}){per_mass})
     ?shifted if differs[n, 0] or differs[n, 1]:
-    ?shifted     for s in range(2 * n, 2 * n + 2):
+    ?shifted     for s in range(first_side[n], first_side[n + 1]):
     ?shifted         part_s, time_s = weights[s] * ratios[s] * factor, ratios[s] * time
     ?shifted         shifted_kick(dv_n, x, q, s, part_s, time_s, differs[n, 0], differs[n, 1], pulls, low, high)
 """
@@ -435,14 +435,14 @@ for n in range(dx.shape[0]):
     for k in range(low, high):
         dx_n[k] += duration * dv_n[k]
     ?shifted if differs[n, 2]:
-    ?shifted     for s in range(2 * n, 2 * n + 2):
+    ?shifted     for s in range(first_side[n], first_side[n + 1]):
     ?shifted         shifted_rate(dx_n, x, v, q, s, weights[s] * ratios[s] * duration, x, x, low, high)
     {loads_of_sides}
 """
 
 SHIFTED_LOADS = """
 if differs[n, 3]:
-    for s in range(2 * n, 2 * n + 2):
+    for s in range(first_side[n], first_side[n + 1]):
         shifted_travel(dx_n, q, s, weights[s], ratios[s] * time, ratios[s] * duration, low, high)
         shifted_give(dv_n, q, s, weights[s], ratios[s] * time, ratios[s] * duration, low, high)
 """
@@ -462,13 +462,13 @@ for part in range(4):
         for k in range(low, high):
             rates[k] = dv_n[k] + drag[k]{per_mass}
         ?shifted if differs[n, 2]:
-        ?shifted     for s in range(2 * n, 2 * n + 2):
+        ?shifted     for s in range(first_side[n], first_side[n + 1]):
         ?shifted         shifted_rate(rates, trial, v, q, s, weights[s] * ratios[s], squeeze, drag, low, high)
         for k in range(low, high):
             gains_n[k] += weight * rates[k]
             nearby_n[k] = dx_n[k] + later * rates[k]
         ?shifted_loads if differs[n, 3]:
-        ?shifted_loads     for s in range(2 * n, 2 * n + 2):
+        ?shifted_loads     for s in range(first_side[n], first_side[n + 1]):
         ?shifted_loads         time_s, later_s = ratios[s] * time, ratios[s] * later
         ?shifted_loads         shifted_travel(nearby_n, q, s, weights[s], time_s, later_s, low, high)
     impulses(trial, p, squeeze, drag, low, high)

@@ -257,14 +257,13 @@ class Model:
                 moved[place] += change
                 beside = SceneInUnits.of(self._scene(self.scene_at(moved), lasts), velocity)
                 ends.append(self._timed(beside, steps))
-            low, high = ends
-            sides.append(Sides(low, high, 2.0 * STEP))
+            sides.append(Sides(tuple(ends), (-STEP, STEP)))
         motion = derivatives_of_motion(self._timed(scene, steps), sides, steps)
         columns = []
         for place, side in enumerate(sides):
-            runs = [motion.moved(place, change, end) for change, end in ((-STEP, side.low), (STEP, side.high))]
+            runs = [motion.moved(place, change, end) for change, end in zip(side.changes, side.problems, strict=True)]
             earlier, later = (self._traces_of(run, parameters) for run in runs)
-            columns.append(np.asarray((later - earlier) / side.span))
+            columns.append(np.asarray((later - earlier) / (2.0 * STEP)))
         return columns
 
     def slope(self, parameters: Floats, place: int) -> Floats:
