@@ -36,13 +36,6 @@ STEEL = {
 TEN = {
     "coupling": (PAIR, "coupling.stiffness"),
     "steel": (STEEL, "material.radius"),
-        {
-            **CHAIN,
-            "material": {"radius": 0.01, "density": 7780, "youngs_modulus": 2e11, "poisson_ratio": 0.3},
-            "duration": 4e-4,
-        },
-        "material.radius",
-    ),
     "load": (LOADED, "precompression.force"),
     "exponent": ({**CHAIN, "contact": {"exponent": 2.0}}, "contact.exponent"),
     "ramp": ({**CHAIN, "contact": {"strength": {"from": 1, "to": 4, "contacts": [2, 12]}}}, "contact.strength.to"),
@@ -51,13 +44,6 @@ TEN = {
     "dashpots": ({**LOADED, "damping": {"contact": 0.05, "tension": "allowed"}}, "damping.contact"),
     "push": ({**CHAIN, "kick": None, "push": {"shape": "half-sine", "peak": 0.5, "duration": 2}}, "push.peak"),
     "magnets": (MAGNETS, "contact.p"),
-        {
-            **CHAIN,
-            "contact": {"force": "A/(d+s)^p", "A": 1, "p": 4, "d": 1},
-            "walls": {"left": "bead", "right": "bead"},
-        },
-        "contact.p",
-    ),
 }
 QUANTITIES = ("peak_velocity@12", "arrival@12")
 
