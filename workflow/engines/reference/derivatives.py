@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from analysis import motion
 from analysis.trajectory import Floats, Trajectory, frames_per_block, of_atoms
 from lammps_inputs import InputError, Problem, physics
 from lammps_inputs.units import Scale
@@ -121,20 +122,22 @@ def derivatives_of_motion(
         vector.reshape(state.x.shape)[1:-1, : problem.chains] = np.tensordot(side.weights, starts, axes=1)
     program = kernel.make_derivative_program(terms)
     stepping = engine.make_steps(BLANES_MOAN, problem.every / steps)
-    motion = _empty_frames(problem, len(sides))
-    recorded = np.arange(1, problem.beads + 1) if system.dampers else problem.recorded_beads
+    moving = _empty_frames(problem, len(sides))
+    stretched = [_stretch(problem, side) for side in sides]
+    direct = not system.dampers and not any(stretched)
+    recorded = problem.recorded_beads if direct else np.arange(1, problem.beads + 1)
     size = frames_per_block(problem)
     for first in (0, *range(1, problem.frames + 1, size)):
         place = slice(first, min(first + size, problem.frames + 1) if first else 1)
-        kept = DerivativeFrames(motion.x[place], motion.v[place], motion.dx[:, place], motion.dv[:, place])
-        frames = _frames_of_all(kept, physics.lines(system), problem.beads) if system.dampers else kept
+        kept = DerivativeFrames(moving.x[place], moving.v[place], moving.dx[:, place], moving.dv[:, place])
+        frames = kept if direct else _frames_of_all(kept, physics.lines(system), problem.beads)
         earlier, between = max(0, first - 1) * steps, steps if first else 0
         program.advance_derivatives(
             state.compiled, arrays, state.parameters, stepping, earlier, between, shift, recorded, frames
         )
-        if system.dampers:
-            _put_velocities(frames, problem, sides, kept)
-    return motion
+        if not direct:
+            _complete(frames, moving.time[place], problem, sides, kept)
+    return moving
 
 
 def _frames_of_all(frames: DerivativeFrames, lines: int, beads: int) -> DerivativeFrames:
@@ -144,11 +147,35 @@ def _frames_of_all(frames: DerivativeFrames, lines: int, beads: int) -> Derivati
     return DerivativeFrames(x, v, dx, dv)
 
 
-def _put_velocities(frames: DerivativeFrames, problem: Problem, sides: Sequence[Sides], kept: DerivativeFrames) -> None:
-    """Complete the velocities of frames of all atoms by what dashpots have given, and keep those that are recorded."""
-    v = frames.v + engine.given_by_dashpots(problem, frames.x)
-    dv = [rate + _given(side, frames.x, way) for side, way, rate in zip(sides, frames.dx, frames.dv, strict=True)]
-    for array, values in zip(kept, (frames.x, v, frames.dx, np.array(dv)), strict=True):
+def _stretch(problem: Problem, sides: Sides) -> float:
+    """Derivative of the logarithm of the time between frames in units of T, which frames at equal times need."""
+    return float(np.sum(sides.weights * np.array([side.every for side in sides.problems]))) / problem.every
+
+
+def _complete(
+    frames: DerivativeFrames, time: Floats, problem: Problem, sides: Sequence[Sides], kept: DerivativeFrames
+) -> None:
+    """Complete the program's frames of all atoms, and keep those that are recorded.
+
+    Velocities get what dashpots have given. The program's derivatives are those at times in units of T, which depends
+    on the number; at equal times a bead is farther on its way.
+
+    Args:
+        frames: frames of all atoms.
+        time: their times [frame], in units of T.
+        problem: what is integrated.
+        sides: problems beside it.
+        kept: frames of the recorded beads, which are filled.
+    """
+    x, v = frames.x, frames.v + engine.given_by_dashpots(problem, frames.x)
+    system = of_atoms(problem, time, x, v).system_at(slice(None))
+    acceleration = motion.acceleration(system, x, time=time, velocity=v)
+    dx, dv = [], []
+    for side, way, rate in zip(sides, frames.dx, frames.dv, strict=True):
+        later = (_stretch(problem, side) * time)[:, np.newaxis, np.newaxis]
+        dx.append(way + later * v)
+        dv.append(rate + _given(side, x, way) + later * acceleration)
+    for array, values in zip(kept, (x, v, np.array(dx), np.array(dv)), strict=True):
         array[:] = values[..., : problem.lines, problem.recorded_beads - 1]
 
 
@@ -189,9 +216,8 @@ def _shift_arrays(problem: Problem, sides: Sequence[Sides], terms: Terms, parame
     ends = [end for side in sides for end in side.problems]
     first_side = np.cumsum([0, *(len(side.problems) for side in sides)])
     made = [make_terms(end.system, as_lammps=False, step=0.0) for end in ends]
-    ratios = np.array([end.every / problem.every for end in ends])
-    for (other, values), ratio in zip(made, ratios, strict=True):
-        times = [values[n] - ratio * parameters[n] for n, name in enumerate(terms.names) if name == terms.bends]
+    for other, values in made:
+        times = [values[n] - parameters[n] for n, name in enumerate(terms.names) if name == terms.bends]
         if _form(other) != _form(terms) or any(np.max(np.abs(apart)) > 1e-12 * problem.duration for apart in times):
             raise InputError("no derivative: a small change of the number changes the form of the equations of motion")
     groups = [terms.contacts, (*terms.across, *terms.ground), tuple(itertools.chain(*terms.dampers))]
@@ -201,10 +227,9 @@ def _shift_arrays(problem: Problem, sides: Sequence[Sides], terms: Terms, parame
     for number, (first, last) in enumerate(itertools.pairwise(first_side)):
         of_number = {name: arrays[first:last] for name, arrays in zip(terms.names, stacked, strict=True)}
         unequal = {name for name, arrays in of_number.items() if np.any(arrays != arrays[0])}
-        stretched = bool(np.any(ratios[first:last] != 1.0))
-        differs[number] = [bool(unequal & group) or stretched for group in names]
+        differs[number] = [bool(unequal & group) for group in names]
     weights = np.concatenate([side.weights for side in sides])
-    return ShiftArrays(stacked, weights, ratios, differs, first_side)
+    return ShiftArrays(stacked, weights, differs, first_side)
 
 
 def _loads(terms: Terms) -> tuple[Term, ...]:

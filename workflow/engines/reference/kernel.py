@@ -108,10 +108,8 @@ class ShiftArrays(NamedTuple):
     """Each parameter with a first axis [side]."""
     weights: Floats
     """[side]: the weighted sum over the sides of a vector is the derivative."""
-    ratios: Floats
-    """[side]: time steps over that of the run."""
     differs: NDArray[np.bool_]
-    """[vector, 4]: whether sides differ in forces of contacts, other forces, rates of displacements, and loads."""
+    """[vector, 4]: whether sides differ in forces of contacts, other forces, dashpots, and loads."""
     first_side: Integers
     """[vector + 1]: number of the first side of each vector, and of all sides."""
 
@@ -439,13 +437,12 @@ class _Writer:
         """Functions that add effects of shifted parameters, which are entries of arrays."""
         loops, others = self._other_forces()
         kick = self._filled(template.SHIFTED_KICK, _OF_SIDE, contact=self._contact_force(), loops=loops, others=others)
-        damped = self._terms.dashpots == "drift"
-        rate = self._filled(
-            template.SHIFTED_RATE, _OF_SIDE, impulses=f" + drag[k]{self._terms.per_mass}" if damped else ""
-        )
-        sections = [kick, rate]
-        if damped:
-            sections.insert(0, self._drag("shifted_impulses", "x", "Impulse", "impulse", shifted=True))
+        sections = [kick]
+        if self._terms.dashpots == "drift":
+            sections += [
+                self._drag("shifted_impulses", "x", "Impulse", "impulse", shifted=True),
+                self._filled(template.SHIFTED_RATE, _OF_SIDE),
+            ]
         if self._terms.pushed_in_drifts:
             travels, gifts, _ = self._effects_of_loads("factor * ")
             sections.append(self._filled(template.SHIFTED_TRAVEL, _OF_SIDE, travels=travels, gifts=gifts))

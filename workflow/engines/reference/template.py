@@ -357,7 +357,7 @@ def advance_derivatives(state, tangent, p, scheme, first_step, steps, shift, rec
     {parameters}
     {unpacked}
     dx, dv, slopes, pulls, stiffness, nearby, gains, rates = tangent
-    q, weights, ratios, differs, first_side = shift
+    q, weights, differs, first_side = shift
     for frame in range(frames.x.shape[0]):
         for number in range(frame * steps, (frame + 1) * steps):
             time = (first_step + number) * h
@@ -373,15 +373,15 @@ def advance_derivatives(state, tangent, p, scheme, first_step, steps, shift, rec
 
 SHIFTED_KICK = '''
 @called_by_compiled
-def shifted_kick(dv, x, q, s, factor, time, contacts, others, pulls, low, high):
+def shifted_kick(dv, x, q, s, factor, time, differs, pulls, low, high):
     """Add the kick of shifted parameters, times a factor."""
     {parameters}
-    if contacts:
+    if differs[0]:
         for k in range(low + {row}, high):
             pulls[k] = {contact}
         for k in range(low, high):
             dv[k] += factor * ((pulls[k] - pulls[k + {row}]){per_mass})
-    if others:
+    if differs[1]:
         {loops}
         for k in range(low, high):
             dv[k] += factor * ((0.0{others}){per_mass})
@@ -389,12 +389,12 @@ def shifted_kick(dv, x, q, s, factor, time, contacts, others, pulls, low, high):
 
 SHIFTED_RATE = '''
 @called_by_compiled
-def shifted_rate(rates, x, v, q, s, factor, squeeze, drag, low, high):
-    """Add the rate of displacements by shifted parameters, times a factor."""
+def shifted_rate(rates, x, q, s, factor, squeeze, drag, low, high):
+    """Add the rate of displacements by dashpots of shifted parameters, times a factor."""
     {parameters}
-    ?damped shifted_impulses(x, q, s, squeeze, drag, low, high)
+    shifted_impulses(x, q, s, squeeze, drag, low, high)
     for k in range(low, high):
-        rates[k] += factor * (v[k]{impulses})
+        rates[k] += factor * (drag[k]{per_mass})
 '''
 
 SHIFTED_TRAVEL = '''
@@ -425,8 +425,7 @@ for n in range(dx.shape[0]):
         dv_n[k] += factor * ((pulls[k] - pulls[k + {row}]{others}){per_mass})
     ?shifted if differs[n, 0] or differs[n, 1]:
     ?shifted     for s in range(first_side[n], first_side[n + 1]):
-    ?shifted         part_s, time_s = weights[s] * ratios[s] * factor, ratios[s] * time
-    ?shifted         shifted_kick(dv_n, x, q, s, part_s, time_s, differs[n, 0], differs[n, 1], pulls, low, high)
+    ?shifted         shifted_kick(dv_n, x, q, s, weights[s] * factor, time, differs[n], pulls, low, high)
 """
 
 TANGENT_DRIFT = """
@@ -434,17 +433,14 @@ for n in range(dx.shape[0]):
     dx_n, dv_n = dx[n], dv[n]
     for k in range(low, high):
         dx_n[k] += duration * dv_n[k]
-    ?shifted if differs[n, 2]:
-    ?shifted     for s in range(first_side[n], first_side[n + 1]):
-    ?shifted         shifted_rate(dx_n, x, v, q, s, weights[s] * ratios[s] * duration, x, x, low, high)
     {loads_of_sides}
 """
 
 SHIFTED_LOADS = """
 if differs[n, 3]:
     for s in range(first_side[n], first_side[n + 1]):
-        shifted_travel(dx_n, q, s, weights[s], ratios[s] * time, ratios[s] * duration, low, high)
-        shifted_give(dv_n, q, s, weights[s], ratios[s] * time, ratios[s] * duration, low, high)
+        shifted_travel(dx_n, q, s, weights[s], time, duration, low, high)
+        shifted_give(dv_n, q, s, weights[s], time, duration, low, high)
 """
 
 TANGENT_DRIFT_WITH_IMPULSES = """
@@ -463,14 +459,13 @@ for part in range(4):
             rates[k] = dv_n[k] + drag[k]{per_mass}
         ?shifted if differs[n, 2]:
         ?shifted     for s in range(first_side[n], first_side[n + 1]):
-        ?shifted         shifted_rate(rates, trial, v, q, s, weights[s] * ratios[s], squeeze, drag, low, high)
+        ?shifted         shifted_rate(rates, trial, q, s, weights[s], squeeze, drag, low, high)
         for k in range(low, high):
             gains_n[k] += weight * rates[k]
             nearby_n[k] = dx_n[k] + later * rates[k]
         ?shifted_loads if differs[n, 3]:
         ?shifted_loads     for s in range(first_side[n], first_side[n + 1]):
-        ?shifted_loads         time_s, later_s = ratios[s] * time, ratios[s] * later
-        ?shifted_loads         shifted_travel(nearby_n, q, s, weights[s], time_s, later_s, low, high)
+        ?shifted_loads         shifted_travel(nearby_n, q, s, weights[s], time, later, low, high)
     impulses(trial, p, squeeze, drag, low, high)
     for k in range(low, high):
         trial[k] = place[k] + later * (v[k] + drag[k]{per_mass})
