@@ -11,9 +11,10 @@ import numpy as np
 from analysis import motion
 from lammps_inputs import Problem
 from workflow.studies.modes import shooting
+from workflow.studies.modes.continuation import Branch, PeriodicState, halfway
 from workflow.studies.modes.floquet import KINDS, Multipliers, multipliers
 from workflow.studies.modes.linear import LinearModes, linear_modes, mass_of_atoms
-from workflow.studies.modes.shooting import Branch, PeriodicState, Shooting
+from workflow.studies.modes.shooting import Shooting
 from workflow.study_kit.linearised import problem_of
 
 STEPS_PER_PERIOD = 40.0
@@ -167,7 +168,7 @@ def _bracket(solver: Shooting, first: Point, second: Point, group: int, bisectio
     """Two states around a change of the number of multipliers of a group (`Multipliers.outside`), closer together."""
     number = first.multipliers.outside()[group]
     for _ in range(bisections):
-        state = shooting.halfway(solver, first.state, second.state)
+        state = halfway(solver, first.state, second.state)
         if state is None:
             break
         point = Point(0.5 * (first.place + second.place), "bifurcation", state, multipliers(solver, state))

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from analysis.trajectory import Floats
-from workflow.studies.modes.shooting import PeriodicState, Shooting
+from workflow.studies.modes.continuation import PeriodicState
+from workflow.studies.modes.shooting import Shooting
 
 KINDS = ("+1", "-1", "collision")
 """Where multipliers leave the unit circle: at 1, at -1, and in pairs elsewhere on it."""

@@ -21,9 +21,10 @@ from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import text
 from workflow.engines.lammps import engine
 from workflow.studies.modes.branches import shooting_of
+from workflow.studies.modes.continuation import PeriodicState
 from workflow.studies.modes.floquet import monodromy
 from workflow.studies.modes.linear import free_atoms, linear_modes
-from workflow.studies.modes.shooting import PeriodicState, Shooting
+from workflow.studies.modes.shooting import Shooting
 from workflow.study_kit.linearised import problem_of
 
 STEPS = 800
