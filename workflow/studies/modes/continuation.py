@@ -1,7 +1,7 @@
 """Newton's method for periodic states, and pseudo-arclength continuation of branches of them (Keller 1977).
 
-What a state's coordinates are, and what is 0 for it, is the shooting method's (`Continuable`). Lengths along a branch are
-relative to the size of the last state, as states grow over decades; continuation passes folds.
+The shooting method (`Continuable`) says what a state's coordinates are, and what is 0 for it. Lengths along a branch
+are relative to the size of the last state, as states grow over decades. Continuation passes folds.
 """
 
 import math
@@ -80,10 +80,8 @@ class Corrected(NamedTuple):
 class Continuable:
     """A shooting method, whose states are found by Newton's method and followed along branches."""
 
-    @property
-    def stretch(self) -> float:
-        """Weight of relative changes of the period in lengths along a branch."""
-        return 1.0
+    stretch: float = 1.0
+    """Weight of relative changes of the period in lengths along a branch."""
 
     def mismatch(self, y: Floats, period: float) -> tuple[Floats, Floats, Floats]:
         """What is 0 for a periodic state, [coordinate], and its derivatives.
