@@ -300,7 +300,7 @@ def computed(
 def _resolved(
     problem: Problem, periods: tuple[float, float], points: int
 ) -> tuple[DrivenShooting, Branch, float | None]:
-    """Shooting with so many steps that twice as many hardly change the largest response, the branch, and that change."""
+    """Shooting with steps of which twice as many hardly change the largest response, the branch, and that change."""
     longest, shortest = periods
     one_period = replace(problem, timestep=longest, steps_per_frame=1)
     pieces = math.ceil(engine.default_steps_per_frame(one_period) / SAMPLES)
