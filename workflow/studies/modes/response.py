@@ -287,7 +287,8 @@ def computed(
     along = [Point(float(k), "branch", state, solver.multipliers(state)) for k, state in enumerate(branch.states)]
     turns = [direction.period for direction in branch.directions]
     changes = list(changes_of_stability(solver, along, turns, bisections, solver.multipliers))
-    states = [*along, *_of_periods(solver, along, further)]
+    behind = [change.after for change in changes if change.after.role == "bifurcation"]
+    states = [*along, *behind, *_of_periods(solver, along, further)]
     return {
         "steps": solver.steps,
         "uncertainty": uncertainty,
