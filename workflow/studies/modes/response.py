@@ -26,6 +26,7 @@ from workflow.engines.reference.energy_exchange import velocity_of_state
 from workflow.engines.reference.schemes import BLANES_MOAN
 from workflow.studies.modes.branches import DOUBLINGS, Bifurcation, Point, changes_of_stability
 from workflow.studies.modes.continuation import (
+    LONGEST,
     NO_CONVERGENCE,
     Branch,
     Condition,
@@ -52,11 +53,14 @@ PIECES = 20.0
 DIFFERENCE = 1e-5
 """Relative difference of the two periods whose maps give the derivative."""
 
-DIGITS = 1e-8
-"""Largest relative change of the frequency by twice the steps, at the largest response."""
+DIGITS = 1e-7
+"""Largest relative change of frequencies by twice the steps, at the largest response and beside folds."""
 
 ROUNDING = 1e-9
 """Deviation of a multiplier's modulus from 1 that rounding can cause, over the norm of the matrix."""
+
+SAME = 1e-12
+"""Relative difference up to which two periods are the same."""
 
 UNDAMPED = 1e-9
 """Rate of decay, over the largest angular frequency, up to which a linear mode counts as undamped."""
@@ -279,8 +283,8 @@ def computed(
         bisections: halvings of the interval of a bifurcation.
 
     Returns:
-        ``steps`` in a period; ``uncertainty``, relative change of the frequency of the largest response by twice the
-        steps; ``why`` the branch ends early; ``states`` in order, see `_state`, and ``bifurcations``, see `_change`.
+        ``steps`` in a period; ``uncertainty``, largest relative change of frequencies by twice the steps (`DIGITS`);
+        ``why`` the branch ends early; ``states`` in order, see `_state`, and ``bifurcations``, see `_change`.
     """
     problem = problem_of(plain, source)
     solver, branch, uncertainty = _resolved(problem, periods, points)
@@ -294,7 +298,7 @@ def computed(
         "uncertainty": uncertainty,
         "why": branch.why,
         "states": [_state(solver, point) for point in sorted(states, key=lambda point: point.place)],
-        "bifurcations": [_change(along, change) for change in changes],
+        "bifurcations": [_change(along, change, uncertainty or 0.0) for change in changes],
     }
 
 
@@ -305,7 +309,7 @@ def _resolved(
     longest, shortest = periods
     one_period = replace(problem, timestep=longest, steps_per_frame=1)
     pieces = math.ceil(engine.default_steps_per_frame(one_period) / SAMPLES)
-    stretch = PIECES * 0.2 / math.log(longest / shortest)
+    stretch = PIECES * LONGEST / math.log(longest / shortest)
     change = None
     for doublings in range(DOUBLINGS + 1):
         steps = pieces * SAMPLES * 2**doublings
@@ -313,14 +317,25 @@ def _resolved(
         branch = _followed(solver, periods, points)
         if not branch.states:
             break
-        top = max(range(len(branch.states)), key=lambda k: float(np.linalg.norm(branch.states[k].y)))
-        state, size = branch.states[top], float(np.linalg.norm(branch.states[top].y))
-        plane = solver.on_plane(branch.directions[top], state.y, state.period, size)
-        corrected = replace(solver, steps=2 * steps).corrected(state.y, state.period, plane)
-        change = None if corrected is None else abs(corrected.state.period / state.period - 1.0)
+        change = _change_by_steps(solver, branch)
         if change is not None and change <= DIGITS:
             break
     return solver, branch, change
+
+
+def _change_by_steps(solver: DrivenShooting, branch: Branch) -> float | None:
+    """Largest relative change of periods by twice the steps (`DIGITS`); None without convergence."""
+    turns, change = [direction.period > 0.0 for direction in branch.directions], 0.0
+    sizes = [float(np.linalg.norm(state.y)) for state in branch.states]
+    checked = {int(np.argmax(sizes)), *(k for k in range(1, len(turns)) if turns[k] != turns[k - 1])}
+    for k in checked:
+        state = branch.states[k]
+        plane = solver.on_plane(branch.directions[k], state.y, state.period, sizes[k])
+        corrected = replace(solver, steps=2 * solver.steps).corrected(state.y, state.period, plane)
+        if corrected is None:
+            return None
+        change = max(change, abs(corrected.state.period / state.period - 1.0))
+    return change
 
 
 def _followed(solver: DrivenShooting, periods: tuple[float, float], points: int) -> Branch:
@@ -341,10 +356,11 @@ def _followed(solver: DrivenShooting, periods: tuple[float, float], points: int)
 
 
 def _of_periods(solver: DrivenShooting, along: Sequence[Point], periods: Sequence[float]) -> Iterator[Point]:
-    """States of given periods, one for each pair of neighbours that they lie between."""
+    """States of given periods, one for each pair of neighbours that they lie between, and none that these have."""
     for (first, second), period in ((pair, period) for pair in pairwise(along) for period in periods):
         low, high = first.state.period, second.state.period
-        if min(low, high) <= period <= max(low, high) and low != high:
+        apart = min(abs(period / low - 1.0), abs(period / high - 1.0)) > SAME
+        if apart and min(low, high) < period < max(low, high):
             state = solver.between_neighbours(first.state, second.state, period)
             if state is not None:
                 place = first.place + (period - low) / (high - low)
@@ -371,10 +387,10 @@ def _state(solver: DrivenShooting, point: Point) -> dict[str, Any]:
     }
 
 
-def _change(along: Sequence[Point], change: Bifurcation) -> dict[str, Any]:
-    """Plain data of a bifurcation: kind, frequencies in cycles per T with a bound of the error, and multipliers."""
+def _change(along: Sequence[Point], change: Bifurcation, uncertainty: float) -> dict[str, Any]:
+    """Plain data of a bifurcation: kind, frequency in cycles per T with its uncertainty, and numbers of multipliers."""
     first, second = 1.0 / change.before.state.period, 1.0 / change.after.state.period
-    error = 0.5 * abs(second - first)
+    error = 0.5 * abs(second - first) + uncertainty * first
     if change.kind == "fold":
         # the frequency is a parabola of the place, whose curvature follows from the states of the continuation around
         low = min(int(change.before.place), len(along) - 2)

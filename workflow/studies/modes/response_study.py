@@ -74,7 +74,9 @@ class ResponseBifurcation:
         digits="",
     )
     frequency: float = declare("frequency of the drive there, in cycles per unit time", "cycles", digits=".8g")
-    uncertainty: float = declare("bound of the error by the interval in which it is", "cycles", digits=".1e")
+    uncertainty: float = declare(
+        "of the interval in which it is, and the change by twice the steps", "cycles", digits=".1e"
+    )
     amplitude: float = declare("largest speed of the chosen bead there", "velocity", digits=".5g")
     before: int = declare("multipliers outside the unit circle before it", digits="d")
     after: int = declare("multipliers outside the unit circle after it", digits="d")
@@ -190,7 +192,7 @@ class ResponseResult:
             distance = {
                 number: float(np.linalg.norm(np.subtract(state["speed"], step["speed"])))
                 for number, state in enumerate(states)
-                if state["stable"] and abs(state["period"] / step["period"] - 1.0) < 1e-12
+                if state["stable"] and abs(state["period"] / step["period"] - 1.0) <= response.SAME
             }
             nearest.append(min(distance, key=distance.__getitem__, default=None))
         return nearest
@@ -250,7 +252,7 @@ class ResponseResult:
             f"{sum(not state['stable'] for state in states)} of {len(states)} responses are unstable",
         ]
         if self.data["uncertainty"] is not None:
-            lines[1] += f", twice as many change this f by {self.data['uncertainty']:.0e} of it"
+            lines[1] += f", twice as many change this f, and those of folds, by {self.data['uncertainty']:.0e} of it"
         if self.data["why"]:
             lines.append(f"the curve ends at f = {frequency(1.0 / states[-1]['period'])}: {self.data['why']}")
         lines += [
@@ -280,10 +282,10 @@ def requested(problem: Problem, source: str, request: ResponseRequest) -> None:
         InputError: see `workflow.studies.modes.response.refuse_no_response`; or there are too many atoms, or no bead
             that is free to move at the place.
     """
-    response.refuse_no_response(problem, source)
     moving = response.moving_atoms(problem.system)
     if np.count_nonzero(moving) > MOST_FREE:
         raise InputError(f"{source}: {np.count_nonzero(moving)} atoms; at most {MOST_FREE} for responses")
+    response.refuse_no_response(problem, source)
     if request.place is not None:
         chain, bead = request.place
         if not (1 <= chain <= problem.chains and 1 <= bead <= problem.beads and moving[chain - 1, bead - 1]):
