@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from workflow.cli import main
-from workflow.studies.modes import lammps_sweep, response, response_study
+from workflow.studies.modes import driven, lammps_sweep, response, response_tables
 from workflow.study_kit.linearised import problem_of
 
 DRIVEN = {
@@ -78,7 +78,7 @@ def test_the_linear_response_of_a_problem_is_that_of_springs_and_dashpots():
     drive = {"force": 1e-3, "frequency": 0.2, "phase": 50}
     scene = DRIVEN | {"beads": 4, "damping": {"beads": 0.05, "contact": 0.1}, "drive": drive}
     problem = problem_of(scene, "scene")
-    x = response.linear_response(problem)[0][0] * problem.scale.length
+    x = driven.linear_response(problem)[0][0] * problem.scale.length
     # overlaps at rest are rounded to what places in LAMMPS distinguish
     assert np.allclose(x, closed_form(scene, drive | {"angle": math.radians(50)}, 0.4 * math.pi), rtol=1e-6, atol=0.0)
 
@@ -116,7 +116,7 @@ def test_newton_returns_to_the_state_after_a_period_to_rounding():
 FOLDS = (0.32127039, 0.31593792)
 """Frequencies of the folds of `DRIVEN`, upper and lower, with 512 steps a period; responses appear and vanish there."""
 
-SWEPT = np.linspace(0.314, 0.324, 6).tolist()
+SWEPT = np.linspace(0.314, 0.324, 4).tolist()
 
 
 @pytest.fixture(scope="module")
@@ -163,9 +163,9 @@ def test_lammps_jumps_at_the_folds_and_else_follows_the_curve_within_the_error_o
     problem, (scale, curve) = problem_of(DRIVEN, "scene"), bent
     periods = [1.0 / (frequency * scale.time) for frequency in SWEPT]
     energy = max(state["energy"] for state in curve["states"])
-    sweep = lammps_sweep.computed(DRIVEN, "scene", periods, energy, response.slowest_decay(problem, "scene"))
-    found = response_study.ResponseResult(problem, (1, 1), curve, sweep)
-    spacing = 0.002 * problem.scale.time
+    sweep = lammps_sweep.computed(DRIVEN, "scene", periods, energy, driven.slowest_decay(problem, "scene"))
+    found = response_tables.ResponseResult(problem, (1, 1), curve, sweep)
+    spacing = (SWEPT[1] - SWEPT[0]) * scale.time
     jumps = {(jump.direction, jump.branch): jump for jump in found.jumps()}
     folds = {change.after: change.frequency for change in found.bifurcations()}
     assert set(jumps) == {("up", "lower"), ("down", "upper")}
@@ -184,7 +184,7 @@ def test_lammps_jumps_at_the_folds_and_else_follows_the_curve_within_the_error_o
         shift = (2.0 * math.pi / raw["steps"]) ** 2 / 24.0  # of the frequencies of velocity Verlet
         assert abs(step.deviation) < 2.0 * shift * slope + math.exp(-lammps_sweep.DECAYED)
         compared += 1
-    assert compared >= 8
+    assert compared >= 5
 
 
 @pytest.mark.slow
@@ -193,7 +193,7 @@ def test_lammps_moves_a_bead_of_prescribed_motion_on_from_step_to_step():
     scene = DRIVEN | {"beads": 3, "damping": {"beads": 0.3}, "drive": shaken}
     solver, state = response_of(scene, 0.18)
     x, v = solver.samples(state)
-    steps = lammps_sweep.computed(scene, "scene", [state.period], 1.0, response.slowest_decay(solver.problem, "scene"))
+    steps = lammps_sweep.computed(scene, "scene", [state.period], 1.0, driven.slowest_decay(solver.problem, "scene"))
     assert [step["direction"] for step in steps] == ["up", "down"]
     for step in steps:
         assert np.allclose(step["speed"], response.largest(v), rtol=1e-3)
@@ -266,13 +266,17 @@ def test_the_command_writes_the_curve_in_units_of_the_scene(tmp_path, capsys):
     }
     path.write_text(json.dumps(DRIVEN | steel | {"duration": 1e-3}))
     words = ["modes", str(path), "--frequencies", "3000,9000", "--no-lammps", "--bead", "1,2", "-o", str(out)]
+    words += ["--points", "8"]
     assert main([*words, "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     with (out / "responses.csv").open() as file:
         lines = list(csv.DictReader(file))
     assert [float(line["frequency (Hz)"]) for line in lines] == [line["frequency"] for line in answer["responses"]]
-    assert [answer["responses"][end]["frequency"] for end in (0, -1)] == pytest.approx([3000.0, 9000.0])
+    assert len(lines) == 8
+    assert answer["responses"][0]["frequency"] == pytest.approx(3000.0)
     assert answer["sweep"] == []
     assert {"bifurcations.csv", "sweep.csv", "response.png"} <= {file.name for file in out.iterdir()}
     assert main(words) == 0  # from the cache
-    assert "amplitudes are largest speeds of bead 2 of chain 1" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "amplitudes are largest speeds of bead 2 of chain 1" in printed
+    assert "Hz: it has 8 states, as many as `--points` allows" in printed

@@ -14,8 +14,9 @@ import numpy as np
 
 from lammps_inputs import physics
 from lammps_inputs.limits.rates import stability_bound
+from workflow.studies.modes.driven import at_period
 from workflow.studies.modes.lammps_check import PER_BOUND, lammps_problem, run
-from workflow.studies.modes.response import SAMPLES, at_period, largest
+from workflow.studies.modes.response import SAMPLES, largest
 from workflow.study_kit.linearised import problem_of
 
 STEPS = 256
@@ -23,6 +24,9 @@ STEPS = 256
 
 DECAYED = 10.0
 """Logarithm by which the slowest small deviation decays within a step of the sweep."""
+
+OVERSHOOT = 9.0
+"""Energy of transients over that of the responses, up to which beads are large enough: three times the velocities."""
 
 FEWEST, MOST = 20, 2000
 """Periods of a step, at least and at most."""
@@ -37,7 +41,7 @@ def computed(
         plain: the scene.
         source: its name in messages.
         periods: of the drive, from the lowest frequency to the highest, in units of T.
-        energy: largest energy of the responses, in units of m V^2, for which beads are large enough.
+        energy: largest energy of the responses, in units of m V^2 (`OVERSHOOT`).
         decay: rate of decay of the slowest small deviation from rest, in 1 / T.
 
     Returns:
@@ -52,7 +56,7 @@ def computed(
     for direction, period in (*itertools.product(["up"], periods), *itertools.product(["down"], reversed(periods))):
         steps = SAMPLES * math.ceil(max(STEPS, PER_BOUND * period / bound) / SAMPLES)
         count = min(MOST, max(FEWEST, math.ceil(DECAYED / (decay * period))))
-        driven = lammps_problem(at_period(problem, period), energy, period, steps, count)
+        driven = lammps_problem(at_period(problem, period), OVERSHOOT * energy, period, steps, count)
         for motion in driven.system.motions:
             place = motion.chain - 1, motion.bead - 1
             x[place], v[place] = 0.0, motion.velocity(0.0)

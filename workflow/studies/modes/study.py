@@ -47,7 +47,6 @@ from workflow.studies.modes.linear import (
     linear_modes,
     refuse_not_conservative,
 )
-from workflow.studies.modes.response_study import ResponseRequest
 from workflow.studies.modes.tables import (
     BifurcationLine,
     BranchOfMode,
@@ -304,26 +303,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--at-energy", metavar="E,...", type=options.listed(float), default=(), help="further states, of these energies"
     )
     parser.add_argument("--linear", action="store_true", help="linear modes alone")
-    parser.add_argument(
-        "--frequencies",
-        metavar="LOW,HIGH",
-        type=options.listed(float),
-        help="of a driven, damped scene: its responses from one frequency of the drive to another, in cycles per unit "
-        "time of the scene, as `drive.frequency`",
-    )
-    parser.add_argument(
-        "--bead",
-        metavar="CHAIN,BEAD",
-        type=options.listed(int),
-        help="bead whose largest speed is the amplitude of responses (default that of the largest)",
-    )
-    parser.add_argument(
-        "--sweep",
-        metavar="N",
-        type=options.within(int, 2, 1000),
-        help=f"frequencies of the sweep in LAMMPS, up and down (default {response_study.STEPS})",
-    )
     parser.add_argument("--no-lammps", action="store_true", help="do not start LAMMPS")
+    response_study.add_arguments(parser)
     options.add_output(parser)
 
 
@@ -359,47 +340,15 @@ def _requested(arguments: argparse.Namespace, problem: Problem, linear: LinearMo
     return ModesRequest(modes, energy, points, energies, not arguments.no_lammps)
 
 
-def _responses_requested(arguments: argparse.Namespace, problem: Problem) -> ResponseRequest | None:
-    """What the arguments ask for of a driven scene; None where they ask for modes.
-
-    Raises:
-        InputError: the range of frequencies is none, or options of the two do not go together.
-    """
-    modes = {"--mode": arguments.mode, "--energy": arguments.energy, "--at-energy": arguments.at_energy}
-    modes["--linear"] = arguments.linear
-    given = arguments.frequencies
-    others = {"--bead": arguments.bead, "--sweep": arguments.sweep} if given is None else modes
-    for option, value in others.items():
-        if value:
-            reason = "belongs to" if given is None else "does not go with"
-            raise InputError(f"{option}: {reason} `--frequencies`, the responses of a driven scene")
-    if given is None:
-        return None
-    if len(given) != 2 or not 0.0 < given[0] < given[1] < math.inf:
-        text = ",".join(f"{value:g}" for value in given)
-        raise InputError(f"--frequencies: {text} given; LOW,HIGH with 0 < LOW < HIGH, such as 0.1,0.3")
-    if arguments.bead is not None and len(arguments.bead) != 2:
-        raise InputError(f"--bead: {len(arguments.bead)} numbers given; CHAIN,BEAD, such as 1,2")
-    low, high = (float(value * problem.scale.time) for value in given)
-    steps = 0 if arguments.no_lammps else arguments.sweep or response_study.STEPS
-    return ResponseRequest((low, high), arguments.points or response_study.POINTS, arguments.bead, steps)
-
-
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print the branches; exit code 1 where a mode has none, 130 when interrupted, with all computed branches kept."""
     name = arguments.scene
     scene = library.find(name)
     plain_scene = scene.plain()
     problem = problem_of(plain_scene, name)
-    responses = _responses_requested(arguments, problem)
-    if responses is not None:
-        response_study.requested(problem, name, responses)
-        print_heading(scene.name, scene.units)
-        try:
-            curve = response_study.study(plain_scene, name, arguments.output, responses)
-        except KeyboardInterrupt:
-            return options.interrupted()
-        return response_study.print_result(curve, arguments.output, sweeping=not arguments.no_lammps)
+    request_of_responses = response_study.requested(arguments, problem)
+    if request_of_responses is not None:
+        return response_study.execute(arguments, scene, request_of_responses)
     linear = modes_of(problem, name, linear_only=arguments.linear)
     request = _requested(arguments, problem, linear)
     print_heading(scene.name, scene.units)
