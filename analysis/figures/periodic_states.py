@@ -87,6 +87,8 @@ def _draw_by_stability(axis: Axes, x: Floats, y: Floats, stable_states: Flags) -
     """Draw a curve through states, [state], solid where they are stable and dashed where they are not."""
     for stable, dashes in ((True, "-"), (False, (0, (3, 2)))):
         shown = stable_states == stable
+        if not np.any(shown):
+            continue
         joined = shown.copy()
         joined[1:] |= shown[:-1]  # the piece between two belongs to the state before
         name = "stable" if stable else "unstable"

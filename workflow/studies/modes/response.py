@@ -235,7 +235,11 @@ def _followed(solver: DrivenShooting, periods: tuple[float, float], points: int)
     """The branch from the response near the linear one at the lowest frequency to an end of the range."""
     start = solver.linear(periods[0])
     if start is None:
-        return Branch([], [], "Newton's method does not converge from the linear response at the lowest frequency")
+        return Branch(
+            [],
+            [],
+            "Newton's method does not converge from the linear response at LOW; take another, farther from resonances",
+        )
 
     def end(last: PeriodicState, following: PeriodicState) -> tuple[PeriodicState | None, str] | None:
         for limit, beyond in zip(periods, (following.period > periods[0], following.period < periods[1]), strict=True):
