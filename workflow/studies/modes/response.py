@@ -235,11 +235,8 @@ def _followed(solver: DrivenShooting, periods: tuple[float, float], points: int)
     """The branch from the response near the linear one at the lowest frequency to an end of the range."""
     start = solver.linear(periods[0])
     if start is None:
-        return Branch(
-            [],
-            [],
-            "Newton's method does not converge from the linear response at LOW; take another, farther from resonances",
-        )
+        why = "Newton's method does not converge from the linear response at LOW; take another, farther from resonances"
+        return Branch([], [], why)
 
     def end(last: PeriodicState, following: PeriodicState) -> tuple[PeriodicState | None, str] | None:
         for limit, beyond in zip(periods, (following.period > periods[0], following.period < periods[1]), strict=True):
