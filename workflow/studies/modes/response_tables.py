@@ -213,7 +213,7 @@ class ResponseResult:
             for jump in self.jumps()
         ]
         if self.sweep and not self.jumps():
-            lines.append("LAMMPS does not jump")
+            lines.append("LAMMPS jumps nowhere from one stable part of the curve to another")
         return lines
 
     def plain(self) -> dict[str, Any]:
