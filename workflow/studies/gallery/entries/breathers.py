@@ -141,16 +141,23 @@ GAP_ENERGY = 12.0
 CENTRES = {"heavy": 41, "light": 43}
 """Kind of the bead in the middle -> number of beads, of which the first and the last are heavy."""
 
+SHORTER, SHORTER_ENERGY = 29, 3.0
+"""Number of beads of another chain with a heavy bead in the middle, and largest energy there."""
+
 MARKS = {"heavy": "s", "light": "o"}
 
 
 @functools.cache
 def _gap(kind: str) -> PeriodicFamily:
     """Branch of the lowest optical mode, with a bead of a kind in the middle."""
+    return lowest_optical(CENTRES[kind], GAP_ENERGY)
+
+
+def lowest_optical(beads: int, energy: float) -> PeriodicFamily:
+    """Branch of the lowest optical mode of a chain whose first and last beads are heavy, up to an energy."""
     kinds = {"heavy": {"mass": 1.0}, "light": {"mass": LIGHT}}
-    beads = CENTRES[kind]
-    plain = chain(beads, 1.0, name=f"{kind}-centred", kinds=kinds, pattern=[*kinds], precompression=LOAD)
-    return follow(plain, (beads + 1) // 2, GAP_ENERGY)
+    plain = chain(beads, 1.0, name=f"diatomic-{beads}", kinds=kinds, pattern=[*kinds], precompression=LOAD)
+    return follow(plain, (beads + 1) // 2, energy)
 
 
 def _asymmetry(family: PeriodicFamily, place: int) -> float:
@@ -209,6 +216,7 @@ def _of_heavy(heavy: PeriodicFamily) -> Statements:
     place = next(int(number) for number in unstable if heavy.values("largest")[number] > 1.1)
     inside = heavy.frequency < OPTICAL
     stable = float(np.sum(heavy.stable & inside))
+    shorter = lowest_optical(SHORTER, SHORTER_ENERGY)
     check = heavy.by_lammps(place)
     growth = math.nan if check["growth"] is None else check["growth"][1] / check["predicted"]
     deep = heavy.values("energy") > heavy.values("energy")[unstable[0]]
@@ -226,7 +234,8 @@ def _of_heavy(heavy: PeriodicFamily) -> Statements:
         published="The breather that is centred on a heavy particle is unstable; its energy profile is symmetric.",
         source="theocharis2010, abstract",
         correction=f"In a chain of {CENTRES['heavy']} beads it is stable down to the frequency {first:.4f}, where its "
-        f"participation number still is {heavy.participation[unstable[0]]:.1f}; below it is unstable.",
+        f"participation number still is {heavy.participation[unstable[0]]:.1f}, and unstable below; with "
+        f"{SHORTER} beads that begins at {shorter.frequency[~shorter.stable][0]:.4f}, farther from the edge.",
     )
     yield state(
         MeasuredQuantity("rate of growth in LAMMPS over the predicted one", {"lammps": growth}, near(1.0, 0.02)),
