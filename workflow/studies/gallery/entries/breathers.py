@@ -73,8 +73,8 @@ def _dark(_: Results) -> Statements:
         MeasuredQuantity("highest linear frequency", {COMPUTED: float(uniform.linear.frequency[-1])}, near(EDGE, 1e-9)),
         MeasuredQuantity("largest relative deviation of the frequency", {COMPUTED: deviation}, at_most(2e-9), "1e"),
         derived=f"The band ends at 2 sqrt(k) = {EDGE:.5f}. Where neighbours move oppositely, with rigid walls as "
-        "mirrors, each bead is an oscillator, x'' = (1 - 2 x)^(3/2) - (1 + 2 x)^(3/2), which was integrated by "
-        f"another program; required up to the energy {UNIFORM_ENERGY:g}, at which the frequency is {exact[-1]:.6f}.",
+        "mirrors, each bead is an oscillator, x'' = (1 - 2 x)^(3/2) - (1 + 2 x)^(3/2), integrated here by scipy's "
+        f"DOP853; required up to the energy {UNIFORM_ENERGY:g}, at which the frequency is {exact[-1]:.6f}.",
     )
     yield state(
         MeasuredQuantity("highest frequency of the states", {COMPUTED: float(np.max(both))}, at_most(EDGE, EDGE)),
@@ -101,7 +101,10 @@ def _dark(_: Results) -> Statements:
         stays(dark, -1),
         derived=f"LAMMPS is started on the last state, of the energy {dark.states[-1]['energy']:g}, which is "
         f"{'stable' if dark.stable[-1] else 'unstable'}.",
-        also=[f"unstable states of the branch with the hole: {np.sum(~dark.stable)} of {len(dark.states)}"],
+        also=[
+            f"unstable states of the branch with the hole: {np.sum(~dark.stable)} of {len(dark.states)}",
+            "the nonlinear instability that the abstract of the source names is not examined",
+        ],
     )
 
 
@@ -266,6 +269,8 @@ def _of_light(light: PeriodicFamily, heavy: PeriodicFamily) -> Statements:
             f"its largest multiplier outside the two folds is {weak:.3f}, that centred on a heavy bead {strong:.3f}",
             f"it is stable down to the frequency {light.frequency[before]:.4f}, where its participation "
             f"number is {light.participation[before]:.1f}",
+            "at lower frequencies contacts open, and a state counts as stable where its largest multiplier is within "
+            f"{np.max(light.values('tolerance')[stable]):.2f} of 1, the error of the multipliers",
         ],
     )
     yield state(
