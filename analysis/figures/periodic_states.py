@@ -1,6 +1,6 @@
 """Figures of periodic states: their frequency over energy, shapes, Floquet multipliers, and motion over a period."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -67,13 +67,7 @@ def frequency_figure(branches: Sequence[BranchCurve], bands: Floats, labels: tup
     figure = new_figure(3.2, 3.6 * max(2, min(3, len(branches))))
     axes = np.ravel(figure.subplots(1, len(branches), squeeze=False))
     for axis, branch in zip(axes, branches, strict=True):
-        for stable, dashes in ((True, "-"), (False, (0, (3, 2)))):
-            shown = branch.stable == stable
-            joined = shown.copy()
-            joined[1:] |= shown[:-1] & ~shown[1:] if stable else False  # the piece between belongs to the state before
-            frequency = np.where(joined, branch.frequency, np.nan)
-            name = "stable" if stable else "unstable"
-            axis.plot(branch.energy, frequency, color=CHAIN_COLOURS[not stable], linestyle=dashes, label=name)
+        _draw_by_stability(axis, branch.energy, branch.frequency, branch.stable)
         if len(branch.bifurcations):
             axis.plot(*branch.bifurcations.T, "o", color="black", markersize=4, label="change of stability")
         limits = axis.get_ylim()
@@ -86,6 +80,47 @@ def frequency_figure(branches: Sequence[BranchCurve], bands: Floats, labels: tup
     letter(axes)
     head(figure, title)
     _legend_of_all(figure, axes)
+    return figure
+
+
+def _draw_by_stability(axis: Axes, x: Floats, y: Floats, stable_states: Flags) -> None:
+    """Draw a curve through states, [state], solid where they are stable and dashed where they are not."""
+    for stable, dashes in ((True, "-"), (False, (0, (3, 2)))):
+        shown = stable_states == stable
+        if not np.any(shown):
+            continue
+        joined = shown.copy()
+        joined[1:] |= shown[:-1]  # the piece between two belongs to the state before
+        name = "stable" if stable else "unstable"
+        values = np.where(joined, y, np.nan)
+        axis.plot(x, values, color=CHAIN_COLOURS[not stable], linestyle=dashes, label=name)
+
+
+@styled
+def response_figure(
+    curve: Floats, stable: Flags, marked: Mapping[str, Floats], labels: tuple[Label, Label], title: str
+) -> Figure:
+    """Amplitude of periodic responses over the frequency of the drive, with folds and LAMMPS's sweep.
+
+    Args:
+        curve: frequency and amplitude of the responses in order, [response, 2].
+        stable: [response].
+        marked: points by name, [point, 2], drawn as markers in order; those without points are left out.
+        labels: of frequency and amplitude.
+        title: for the top.
+    """
+    figure = new_figure(3.6)
+    axis = figure.subplots()
+    _draw_by_stability(axis, curve[:, 0], curve[:, 1], stable)
+    for (name, points), marker in zip(marked.items(), "os^v", strict=True):
+        if len(points):
+            face = "none" if marker in "^v" else "black"
+            axis.plot(*points.T, marker, color="black", markerfacecolor=face, markersize=5, label=name)
+    axis.set_xlabel(labels[0].mathtext)
+    axis.set_ylabel(labels[1].mathtext)
+    axis.set_ylim(bottom=0.0)
+    head(figure, title)
+    _legend_of_all(figure, [axis])
     return figure
 
 

@@ -10,7 +10,7 @@ import pytest
 from lammps_inputs import InputError
 from workflow.cli import main
 from workflow.engines.reference import tangent
-from workflow.studies.modes import branches, floquet, lammps_check, linear, shooting
+from workflow.studies.modes import branches, continuation, floquet, lammps_check, linear, shooting
 from workflow.study_kit.linearised import problem_of
 
 CHAIN = {
@@ -165,7 +165,7 @@ def test_continuation_passes_folds_in_energy_and_in_frequency():
     for values in (energy, frequency):
         assert np.any(np.diff(values) > 0.0)
         assert np.any(np.diff(values) < 0.0)
-    assert max(state.residual for state in branch.states) < shooting.ROUNDED
+    assert max(state.residual for state in branch.states) < continuation.ROUNDED
     # three states of one energy, between the folds near 5.36 and 5.21
     value = branches.computed(CHAIN | {"beads": 6}, "scene", 0, 8.0, 100, [5.3], 0)
     given = [state for state in value["states"] if state["role"] == "energy"]

@@ -167,7 +167,7 @@ def _complete(
         sides: problems beside it.
         kept: frames of the recorded beads, which are filled.
     """
-    x, v = frames.x, frames.v + engine.given_by_dashpots(problem, frames.x)
+    x, v = frames.x, frames.v + engine.given_by_dashpots(problem.system, frames.x)
     system = of_atoms(problem, time, x, v).system_at(slice(None))
     acceleration = motion.acceleration(system, x, time=time, velocity=v)
     dx, dv = [], []
@@ -201,7 +201,7 @@ def _empty_frames(problem: Problem, numbers: int) -> DerivativesOfMotion:
 def _given(sides: Sides, x: Floats, dx: Floats) -> Floats:
     """Derivative of the velocities that dashpots have given, [frame, line, bead]."""
     given = [
-        weight * engine.given_by_dashpots(end, x + change * dx)
+        weight * engine.given_by_dashpots(end.system, x + change * dx)
         for weight, end, change in zip(sides.weights, sides.problems, sides.changes, strict=True)
     ]
     return np.asarray(np.sum(given, axis=0))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.trajectory import EXCHANGES, Floats, Trajectory, joined
-from lammps_inputs import Problem, physics
+from lammps_inputs import Problem, System, physics
 from lammps_inputs.laws import dashpot
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import BLANES_MOAN
@@ -68,7 +68,8 @@ class _Follower:
         """Exchange [frame, entry] of frames of which the first was the last one before, or the start."""
         problem, state = self._problem, self._state
         exchange = np.repeat(self._until, block.frames, axis=0)
-        (x, _), w = block.atoms, _velocity_of_state(block)
+        x, v = block.atoms
+        w = velocity_of_state(problem.system, x, v)
         pushed = np.array(sorted({load.bead for load in problem.system.loads}), dtype=np.int64)
         end = state.frame_arrays(1, problem.chains, len(pushed))
         for frame in range(1, block.frames):
@@ -95,9 +96,14 @@ class _Follower:
         )
 
 
-def _velocity_of_state(block: Trajectory) -> Floats:
-    """Velocities of the kernel, [frame, line, bead]: less impulses of dashpots over masses where no tension is cut."""
-    x, v = block.atoms
-    if any(dashpot.cut(link.law) for link in block.problem.system.dampers):
+def velocity_of_state(system: System, x: Floats, v: Floats) -> Floats:
+    """Velocities of the kernel: less impulses of dashpots over masses where no tension is cut.
+
+    Args:
+        system: whose.
+        x: displacements, [..., line, bead] in units of L.
+        v: velocities, of that shape, in units of V.
+    """
+    if not system.dampers or any(dashpot.cut(link.law) for link in system.dampers):
         return v
-    return np.asarray(v - engine.given_by_dashpots(block.problem, x))
+    return np.asarray(v - engine.given_by_dashpots(system, x))

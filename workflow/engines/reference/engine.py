@@ -245,14 +245,13 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
     return IntegratorState(x, v, span, kernel.make_program(terms), parameters, state)
 
 
-def given_by_dashpots(problem: Problem, x: Floats) -> Floats:
-    """Velocities that dashpots whose tension is not cut have given, [frame, line, bead]; not of beads that are held.
+def given_by_dashpots(system: System, x: Floats) -> Floats:
+    """Velocities that dashpots whose tension is not cut have given, [..., line, bead]; not of beads that are held.
 
     Args:
-        problem: whose dashpots.
-        x: displacements of all atoms, [frame, line, bead].
+        system: whose dashpots.
+        x: displacements of all atoms, [..., line, bead] in units of L.
     """
-    system = problem.system
     impulses = np.zeros_like(x)
     for damper in system.dampers:
         lines = damper.lines_among(system.chains)

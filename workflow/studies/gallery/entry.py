@@ -182,7 +182,7 @@ def line(place: int) -> dict[str, Any]:
 
 
 @styled
-def _panel(labels: tuple[str, str], draw: Draw, results: Results) -> Figure:
+def panel(labels: tuple[str, str], draw: Draw, results: Results) -> Figure:
     """A figure of one panel with labelled axes and a legend."""
     figure = new_figure(3.4, 6.4)
     axis = figure.subplots()
@@ -244,7 +244,7 @@ class Entry:
         notes = [_own_errors(results)] if results else []
         pictures = [*self.pictures(results)]
         if self.draw is not None:
-            pictures.append(drawn("figure", _panel(self.axes, self.draw, results), self.caption))
+            pictures.append(drawn("figure", panel(self.axes, self.draw, results), self.caption))
         return Section(self.title, self.introduction, list(self.statements(results)), pictures, notes, self.sources)
 
 

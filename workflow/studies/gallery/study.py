@@ -125,7 +125,7 @@ def run_entry(name: str, folder: str) -> None:
 # --- command ----------------------------------------------------------------------------------------------------------
 
 EXAMPLES = (
-    "gallery -o gallery                # half a minute; the same command resumes; then open gallery/index.html",
+    "gallery -o gallery                # a minute; the same command resumes; then open gallery/index.html",
     "gallery paper -o gallery          # the statements and figures of the paper; some ten seconds",
     "gallery dimers -o gallery         # this entry; the others remain",
     "gallery --list",

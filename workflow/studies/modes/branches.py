@@ -1,8 +1,9 @@
 """One branch of periodic states as plain data: its states, their stability, and its bifurcations."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -11,9 +12,10 @@ import numpy as np
 from analysis import motion
 from lammps_inputs import Problem
 from workflow.studies.modes import shooting
+from workflow.studies.modes.continuation import Branch, Continuable, PeriodicState, halfway
 from workflow.studies.modes.floquet import KINDS, Multipliers, multipliers
 from workflow.studies.modes.linear import LinearModes, linear_modes, mass_of_atoms
-from workflow.studies.modes.shooting import Branch, PeriodicState, Shooting
+from workflow.studies.modes.shooting import Shooting
 from workflow.study_kit.linearised import problem_of
 
 STEPS_PER_PERIOD = 40.0
@@ -24,6 +26,9 @@ DIGITS = 1e-9
 
 DOUBLINGS = 4
 """Largest number of times that the steps are doubled."""
+
+
+Stability = Callable[[PeriodicState], Multipliers]
 
 
 class Point(NamedTuple):
@@ -93,10 +98,15 @@ def computed(
     problem = problem_of(plain, source)
     modes = linear_modes(problem, source)
     solver, branch, uncertainty = _resolved(problem, modes, mode, energy, points)
+    stability = partial(multipliers, solver)
     points_of_branch = [
-        Point(float(place), "branch", state, multipliers(solver, state)) for place, state in enumerate(branch.states)
+        Point(float(place), "branch", state, stability(state)) for place, state in enumerate(branch.states)
     ]
-    changes = list(_bifurcations(solver, branch, points_of_branch, bisections))
+    turns = [
+        float(solver.force(state.y) @ (direction.y / solver.modes.frequency))
+        for state, direction in zip(branch.states, branch.directions, strict=True)
+    ]
+    changes = list(changes_of_stability(solver, points_of_branch, turns, bisections, stability))
     further = [point for value in energies for point in _of_energy(solver, mode - modes.zeros, points_of_branch, value)]
     further += [change.after for change in changes if change.after.role == "bifurcation"]
     states = sorted([*points_of_branch, *further], key=lambda point: point.place)
@@ -146,31 +156,38 @@ def _of_energy(solver: Shooting, mode: int, points: list[Point], energy: float) 
             yield point._replace(place=point.place, role="energy")
 
 
-def _bifurcations(solver: Shooting, branch: Branch, points: list[Point], bisections: int) -> Iterator[Bifurcation]:
-    """Changes of the number of multipliers outside the unit circle between neighbouring states."""
+def changes_of_stability(
+    method: Continuable, points: Sequence[Point], turns: Sequence[float], bisections: int, stability: Stability
+) -> Iterator[Bifurcation]:
+    """Changes of the number of multipliers outside the unit circle between neighbouring states.
+
+    Args:
+        method: how states are found.
+        points: states of the continuation, in order.
+        turns: of each state, a number whose sign changes where the branch turns back.
+        bisections: halvings of the interval of a bifurcation.
+        stability: multipliers of a state.
+    """
     for place, (first, second) in enumerate(pairwise(points)):
         early, late = first.multipliers.outside(), second.multipliers.outside()
-        if sum(early) == sum(late):
-            continue
-        forces = [
-            solver.force(branch.states[at].y) @ (branch.directions[at].y / solver.modes.frequency)
-            for at in (place, place + 1)
-        ]
         for group, kind in enumerate(KINDS):
-            if early[group] != late[group]:
-                before, after = _bracket(solver, first, second, group, bisections)
-                name = "fold" if kind == "+1" and forces[0] * forces[1] < 0.0 else kind
+            if sum(early) != sum(late) and early[group] != late[group]:
+                before, after = _bracket(method, (first, second), group, bisections, stability)
+                name = "fold" if kind == "+1" and turns[place] * turns[place + 1] < 0.0 else kind
                 yield Bifurcation(name, before, after, (sum(early), sum(late)))
 
 
-def _bracket(solver: Shooting, first: Point, second: Point, group: int, bisections: int) -> tuple[Point, Point]:
+def _bracket(
+    method: Continuable, around: tuple[Point, Point], group: int, bisections: int, stability: Stability
+) -> tuple[Point, Point]:
     """Two states around a change of the number of multipliers of a group (`Multipliers.outside`), closer together."""
+    first, second = around
     number = first.multipliers.outside()[group]
     for _ in range(bisections):
-        state = shooting.halfway(solver, first.state, second.state)
+        state = halfway(method, first.state, second.state)
         if state is None:
             break
-        point = Point(0.5 * (first.place + second.place), "bifurcation", state, multipliers(solver, state))
+        point = Point(0.5 * (first.place + second.place), "bifurcation", state, stability(state))
         if point.multipliers.outside()[group] == number:
             first = point
         else:

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from analysis.trajectory import Floats
-from workflow.studies.modes.shooting import PeriodicState, Shooting
+from workflow.studies.modes.continuation import PeriodicState
+from workflow.studies.modes.shooting import Shooting
 
 KINDS = ("+1", "-1", "collision")
 """Where multipliers leave the unit circle: at 1, at -1, and in pairs elsewhere on it."""
@@ -27,12 +28,12 @@ _FACTOR = 2.0
 
 @dataclass(frozen=True)
 class Multipliers:
-    """Floquet multipliers of a state, without the pair at 1 of its own motion.
+    """Floquet multipliers of a state, of a conservative one without the pair at 1 of its own motion.
 
     Attributes:
         values: [multiplier] complex, in no order.
-        asymmetry: largest deviation of the derivative over half a period from a symplectic matrix.
-        error: largest change of the known eigenvectors of the pair at 1 by the matrix.
+        asymmetry: largest deviation of the derivative over half a period from a symplectic matrix; 0 of a driven state.
+        error: largest change of the known eigenvectors of the pair at 1 by the matrix; of a driven state its rounding.
         tolerance: deviation of a modulus from 1 that errors can cause: that of a pair, by the root of the error.
     """
 

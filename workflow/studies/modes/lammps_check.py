@@ -21,9 +21,10 @@ from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import text
 from workflow.engines.lammps import engine
 from workflow.studies.modes.branches import shooting_of
+from workflow.studies.modes.continuation import PeriodicState
 from workflow.studies.modes.floquet import monodromy
 from workflow.studies.modes.linear import free_atoms, linear_modes
-from workflow.studies.modes.shooting import PeriodicState, Shooting
+from workflow.studies.modes.shooting import Shooting
 from workflow.study_kit.linearised import problem_of
 
 STEPS = 800
@@ -106,7 +107,7 @@ def computed(plain: dict[str, Any], source: str, mode: int, state: dict[str, Any
     problems = [lammps_problem(problem, state["energy"], period, factor * count, periods) for factor in (1, 2)]
     if state["stable"]:
         problems[1] = replace(problems[1], frames=1)
-    runs = [_run(run, x, still) for run in problems]
+    runs = [run(finite, x, still) for finite in problems]
     value: dict[str, Any] = {
         "steps": count,
         "velocity": [float(np.linalg.norm(velocity[1])) for _, velocity in runs],
@@ -125,7 +126,7 @@ def computed(plain: dict[str, Any], source: str, mode: int, state: dict[str, Any
     }
 
 
-def _run(problem: Problem, displacement: Floats, velocity: Floats) -> tuple[Floats, Floats]:
+def run(problem: Problem, displacement: Floats, velocity: Floats) -> tuple[Floats, Floats]:
     """Displacements and velocities, [frame, line, bead] each, of a run of LAMMPS."""
     with tempfile.TemporaryDirectory(prefix="granchain-modes-") as name:
         directory = Path(name)
@@ -166,7 +167,7 @@ def _growth_rate(
     count, root = len(y), np.sqrt(solver.modes.frequency)
     change = np.tensordot(direction[:count] / root, solver.modes.shapes, axes=1)
     change_of_velocity = np.tensordot(direction[count:] * root, solver.modes.shapes, axes=1)
-    other = _run(problem, x + change, change_of_velocity)
+    other = run(problem, x + change, change_of_velocity)
     deviation = _coordinates(solver, *other) - _coordinates(solver, *base)
     away = np.linalg.norm(_coordinates(solver, *base) - start, axis=-1)
     near = (np.linalg.norm(deviation, axis=-1) < FARTHEST * size) & (away < LEFT * size)

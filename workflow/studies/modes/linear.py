@@ -1,12 +1,16 @@
 """Linear modes about the static state: the generalised eigenvalue problem of stiffness and masses at rest."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from analysis import motion
 from analysis.trajectory import Flags, Floats
 from lammps_inputs import InputError, Problem, System, laws, physics
+from lammps_inputs.laws import dashpot
+from lammps_inputs.links import Link
 
 ZERO = 1e-10
 """Squared frequency, over the largest, below which a mode has no stiffness: rounding leaves some 1e-14."""
@@ -75,8 +79,11 @@ def refuse_not_conservative(problem: Problem, source: str) -> None:
     system = problem.system
     reasons = (
         (physics.contacts_with_state(system), "contacts that yield dissipate energy"),
+        (
+            system.motions or any(load.endless for load in system.loads),
+            "a driven bead does work; `--frequencies LOW,HIGH` gives its responses; or leave `drive` out",
+        ),
         (system.dampers, "damping dissipates energy; leave `damping` out"),
-        (system.motions, "a driven bead does work; leave `drive` out, and kick a bead instead"),
         (system.loads, "a push does work; leave `push` out, and kick a bead instead"),
         (physics.varying(system), "a foundation that varies in time does work; give one number as its `stiffness`"),
     )
@@ -86,13 +93,23 @@ def refuse_not_conservative(problem: Problem, source: str) -> None:
 
 
 def stiffness_matrix(system: System) -> Floats:
-    """Stiffness of the links at rest, [atom, atom] of all places [line, bead] in order, in units of m V^2 / L^2."""
+    """Stiffness of the links at rest, [atom, atom] of all places [line, bead] in order, in units of m / T^2."""
+    return _matrix(system, system.links, laws.stiffness)
+
+
+def damping_matrix(system: System) -> Floats:
+    """Damping of the dashpots at rest, [atom, atom] of all places [line, bead] in order, in units of m / T."""
+    return _matrix(system, system.dampers, dashpot.resistance)
+
+
+def _matrix(system: System, links: Sequence[Link], slope_of: Callable[[Any, Floats], Any]) -> Floats:
+    """Forces against displacements, or velocities, of one atom, from the slopes of laws at strains."""
     shape = physics.lines(system), system.beads
     units = np.eye(shape[0] * shape[1]).reshape(-1, *shape)
     forces, rest = np.zeros_like(units), np.zeros(shape)
-    for link in system.links:
+    for link in links:
         lines = link.lines_among(system.chains)
-        slope = laws.stiffness(link.law, link.strain(rest[lines]))
+        slope = slope_of(link.law, link.strain(rest[lines]))
         link.drive(forces[:, lines], slope * link.rate(units[:, lines]))
     return np.asarray(-forces.reshape(len(units), -1))
 

@@ -31,11 +31,23 @@ KNOWN = {
     "precompressed": (0, 3, 0), "resonators": (4, 0, 0), "rosas": (2, 1, 0), "striker-trains": (3, 1, 0),
     "tapered": (1, 4, 2), "wall": (4, 0, 0),
     "two-spheres": (4, 0, 0), "rigid-plane": (4, 0, 0), "impact-restitution": (2, 0, 0),
+    "rectifier": (4, 0, 0), "dark-breathers": (4, 0, 0), "gap-breathers": (6, 1, 0), "mode-beats": (4, 0, 0),
 }  # fmt: skip
 """Statements that hold, do with a correction and do not, by entry; hard spheres are not elastic beads."""
 
 CHEAP = ("kicked-chain", "tapered")
-OWN = (*CHEAP, "collision", "dimer-resonance", "rigid-plane", "wall", "landau-zener", "precompressed", "gravity")
+OWN = (
+    *CHEAP,
+    "collision",
+    "dimer-resonance",
+    "rigid-plane",
+    "wall",
+    "landau-zener",
+    "precompressed",
+    "gravity",
+    "dark-breathers",
+    "mode-beats",
+)
 """`granchain gallery` runs all."""
 
 

@@ -2,6 +2,7 @@
 
 from workflow.studies.gallery.entries import (
     alternating,
+    breathers,
     foundations,
     impacts,
     loaded,
@@ -9,6 +10,7 @@ from workflow.studies.gallery.entries import (
     nonuniform,
     paper_gapped,
     paper_touching,
+    periodic,
     reflections,
     solitary_waves,
 )
@@ -45,4 +47,8 @@ ENTRIES: dict[str, Entry] = {
     "band-gap": loaded.BAND_GAP,
     "resonators": loaded.RESONATORS,
     "gravity": loaded.GRAVITY,
+    "rectifier": periodic.RECTIFIER,
+    "dark-breathers": breathers.DARK_BREATHERS,
+    "gap-breathers": breathers.GAP_BREATHERS,
+    "mode-beats": periodic.MODE_BEATS,
 }

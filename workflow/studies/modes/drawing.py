@@ -1,0 +1,75 @@
+"""Figures of modes and periodic states, from the results of the study."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from analysis.loaded_pulse import bands
+from analysis.trajectory import Floats
+from lammps_inputs.units import Label
+from workflow.studies.modes.tables import BranchOfMode, ModesResult
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from analysis.figures.periodic_states import BranchCurve
+
+FIGURES = ("frequency", "shapes", "multipliers", "motion")
+
+MOST_BRANCHES = 4
+"""Branches that figures show, the first ones."""
+
+
+def figures(found: ModesResult) -> "dict[str, Figure]":
+    """Figures of the first branches; none without branches."""
+    from analysis.figures import periodic_states  # matplotlib takes half a second to import
+
+    curves = [_curve(found, branch) for branch in found.branches if branch.states][:MOST_BRANCHES]
+    if not curves:
+        return {}
+    scale, name = found.problem.scale, found.problem.name
+    energy, frequency = (
+        Label("energy", "E", scale.symbol("energy")),
+        Label("angular frequency", "\\omega", scale.symbol("frequency")),
+    )
+    displacement, time = Label("displacement", "x", scale.symbol("length")), Label("time", "t", scale.symbol("time"))
+    edges = bands(found.problem.system)
+    measured = scale.measured(np.zeros(0) if edges is None else np.unique(edges), "frequency")
+    return {
+        FIGURES[0]: periodic_states.frequency_figure(curves, measured, (energy, frequency), name),
+        FIGURES[1]: periodic_states.shape_figure(curves, name),
+        FIGURES[2]: periodic_states.multiplier_figure(curves, name),
+        FIGURES[3]: periodic_states.motion_figure(curves, (displacement, time), name),
+    }
+
+
+def _curve(found: ModesResult, branch: BranchOfMode) -> "BranchCurve":
+    from analysis.figures.periodic_states import BranchCurve
+
+    scale, states = found.problem.scale, branch.states
+    last = [state for state in states if state["role"] == "branch"][-1]
+    pairs = np.array(last["multipliers"]).reshape(-1, 2)
+    half = np.array(branch.data["motion"])
+    changes: list[tuple[float, float]] = [
+        (scale.measured(line.energy, "energy"), scale.measured(line.frequency, "frequency"))
+        for line in found.bifurcations()
+        if line.mode == branch.mode + 1
+    ]
+    return BranchCurve(
+        name=f"mode {branch.mode + 1}",
+        energy=scale.measured(_floats(states, "energy"), "energy"),
+        frequency=scale.measured(2.0 * np.pi / _floats(states, "period"), "frequency"),
+        stable=np.array([state["stable"] for state in states]),
+        bifurcations=np.array(changes).reshape(-1, 2),
+        linear=found.linear.shapes[branch.mode],
+        last=np.array(last["x"]),
+        multipliers=pairs[:, 0] + 1j * pairs[:, 1],
+        motion=scale.measured(np.concatenate([half, half[-2::-1]]), "length"),
+        period=scale.measured(float(last["period"]), "time"),
+        chains=found.problem.chains,
+    )
+
+
+def _floats(states: Sequence[dict[str, Any]], key: str) -> Floats:
+    return np.array([state[key] for state in states], dtype=np.float64)
