@@ -4,21 +4,17 @@ import argparse
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from analysis.tracking.leading_waves import ARRIVALS
 from lammps_inputs import InputError
-from workflow.runs.engines import ENGINES
-from workflow.runs.files import write_text
-from workflow.runs.output_directory import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import CommandResult, print_files, print_heading, print_table
-from workflow.study_kit import gradient
+from workflow.study_kit.gradient import with_gradient
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.analysis_lines import lines
 from workflow.verdicts.analysis_report import REPORT
+from workflow.verdicts.derivative import HEAD
 
-GRADIENT = "gradient.csv"
 ANSWERS = "what analysis.json holds; with --gradient also the derivatives"
 DRAWS = True
 EXAMPLES = (
@@ -52,41 +48,28 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     if arguments.by is not None and arguments.gradient is None:
         raise InputError("--by: names fields for --gradient, which is missing")
     directory = RunDirectory(arguments.directory)
-    derivatives = [] if arguments.gradient is None else _derivatives(directory, arguments)
     analysis = analyse(
         directory,
         beads=_beads(arguments.beads),
         figures=not arguments.no_figures,
         arrival=arguments.arrival,
     )
+    if arguments.gradient is not None:
+        by = None if arguments.by is None else arguments.by.split(",")
+        analysis = with_gradient(analysis, directory, arguments.gradient.split(","), by)
     print_heading(analysis.problem.name, directory.scene.units)
     for line in lines(analysis):
         if isinstance(line, str):
             print(line)
         else:
             print_table(*line)
+    if analysis.derivatives:
+        print_table("derivatives of quantities by fields", HEAD, [line.cells() for line in analysis.derivatives])
     names = [*analysis.tables, REPORT, *(path.name for path in analysis.figures)]
-    more: dict[str, Any] = {}
-    if derivatives:
-        print_table("derivatives of quantities by fields", gradient.HEAD, [line.cells() for line in derivatives])
-        claim(directory.path, [GRADIENT])
-        write_text(directory.path / GRADIENT, gradient.csv_of(derivatives))
-        names.append(GRADIENT)
-        more = {"gradient": [asdict(line) for line in derivatives]}
     print_files(arguments.directory, names)
-    return CommandResult(0, json.loads((arguments.directory / REPORT).read_text(encoding="utf-8")) | more)
-
-
-def _derivatives(directory: RunDirectory, arguments: argparse.Namespace) -> list[gradient.Derivative]:
-    """Derivatives for the scene of a run.
-
-    Raises:
-        InputError: a name is none, the beads of the run do not deform, or the scene cannot be linearised.
-    """
-    if not ENGINES[directory.engine].deforms:
-        raise InputError(f"--gradient: {directory.path} is a run of rigid beads, which has no derivatives")
-    by = None if arguments.by is None else arguments.by.split(",")
-    return gradient.gradient(directory.scene.plain(), arguments.gradient.split(","), by, str(directory.path))
+    data = json.loads((arguments.directory / REPORT).read_text(encoding="utf-8"))
+    more = {"gradient": [asdict(line) for line in analysis.derivatives]} if analysis.derivatives else {}
+    return CommandResult(0, data | more)
 
 
 def _beads(text: str | None) -> tuple[int, ...] | None:

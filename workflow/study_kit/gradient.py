@@ -6,7 +6,7 @@ then measured in frames that are moved a little along a derivative, both ways, a
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any, Self
 
@@ -18,10 +18,16 @@ from lammps_inputs.numbers import known
 from lammps_inputs.units import REDUCED
 from workflow.engines.reference import engine
 from workflow.engines.reference.derivatives import DerivativesOfMotion, Sides, derivatives_of_motion, same_form
+from workflow.runs.engines import ENGINES
+from workflow.runs.files import write_text
+from workflow.runs.output_directory import claim
+from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar
 from workflow.study_kit import scene_quantities
 from workflow.study_kit.directory import csv_text
 from workflow.sweep import fields
+from workflow.verdicts.analyse import Analysis
+from workflow.verdicts.derivative import Derivative
 
 SIDES = (-1e-4, -5e-5, 5e-5, 1e-4)
 """Relative changes of a field, for central differences of forces."""
@@ -50,57 +56,11 @@ SAFETY = 3.0
 GOAL, DOUBLINGS = 2e-7, 5
 """Relative difference of a run with half the steps that is aimed for, and how often steps are doubled for it."""
 
+GRADIENT = "gradient.csv"
+"""File of the derivatives in a run's directory."""
+
 NOT_VARIED = ("duration", "until_bead", "timestep", "accuracy", "output", "window", "scheme")
 """Keys by which nothing is derived: they say how a scene is computed, and for how long."""
-
-
-@dataclass(frozen=True)
-class Derivative:
-    """Derivative of a quantity of a scene by one of its fields.
-
-    Attributes:
-        quantity: name of the quantity.
-        field: dotted path of the field.
-        value: the quantity, in the scene's unit; None where it is undefined.
-        derivative: change of the quantity over that of the field, in their units; None where the quantity is undefined,
-            jumps or bends.
-        uncertainty: bound on the error of the derivative by time steps and measurement; None without a derivative.
-        unit: unit of the derivative; empty of a number.
-        relative: relative change of the quantity over that of the field; None where either is 0 or undefined.
-    """
-
-    quantity: str
-    field: str
-    value: float | None
-    derivative: float | None
-    uncertainty: float | None
-    unit: str
-    relative: float | None
-
-    def cells(self) -> list[str]:
-        """Cells of a line of the printed table under `HEAD`."""
-        names = [self.quantity, self.field]
-        if self.derivative is None or self.uncertainty is None:
-            return [*names, "-", "undefined" if self.value is None else "jumps", self.unit, "-"]
-        digits = _digits(self.derivative, self.uncertainty)
-        return [
-            *names,
-            f"{self.derivative:+.{digits}g}",
-            f"{self.uncertainty:.0e}",
-            self.unit,
-            "-" if self.relative is None else f"{self.relative:+.4f}",
-        ]
-
-
-HEAD = ["quantity", "field", "derivative", "+-", "unit", "relative"]
-"""Heading of `Derivative.cells`."""
-
-
-def _digits(value: float, uncertainty: float) -> int:
-    """Significant digits that an uncertainty leaves, 2 to 8."""
-    if value == 0.0 or uncertainty == 0.0:
-        return 8
-    return min(8, max(2, 1 + math.floor(math.log10(abs(value) / uncertainty))))
 
 
 def gradient(
@@ -332,6 +292,23 @@ def _value(plain: dict[str, Any], name: str, source: str) -> float:
     return float(value)
 
 
-def csv_of(derivatives: Sequence[Derivative]) -> str:
-    """CSV text of derivatives, a line for each."""
-    return csv_text([asdict(derivative) for derivative in derivatives])
+def with_gradient(
+    analysis: Analysis, directory: RunDirectory, quantities: Sequence[str], by: Sequence[str] | None
+) -> Analysis:
+    """The analysis of a run with derivatives, which are also written beside the frames.
+
+    Args:
+        analysis: the analysis.
+        directory: the run's directory.
+        quantities: names of quantities.
+        by: dotted paths of fields; None for all numbers of the scene.
+
+    Raises:
+        InputError: see `gradient`; or the beads of the run do not deform.
+    """
+    if not ENGINES[directory.engine].deforms:
+        raise InputError(f"--gradient: {directory.path} is a run of rigid beads, which has no derivatives")
+    derivatives = tuple(gradient(directory.scene.plain(), quantities, by, str(directory.path)))
+    claim(directory.path, [GRADIENT])
+    write_text(directory.path / GRADIENT, csv_text([asdict(derivative) for derivative in derivatives]))
+    return replace(analysis, tables=(*analysis.tables, GRADIENT), derivatives=derivatives)

@@ -13,7 +13,7 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.screen import cell
 from workflow.studies.design.file import Design, Variable
 from workflow.studies.design.search import Compute, DesignRecord, worth
-from workflow.study_kit.gradient import Derivative
+from workflow.verdicts.derivative import Derivative
 
 SET_AGAINST = "set against"
 """Heading of the scene `beside`."""

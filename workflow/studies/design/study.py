@@ -32,11 +32,11 @@ from workflow.studies.design.polish import polished, refuse_no_gradient, smooth
 from workflow.studies.design.result import DesignResult, Verified, sensitivity
 from workflow.studies.design.search import RULED_OUT, Compute, DesignRecord, computed, search, worth
 from workflow.study_kit.directory import Study, csv_text, kept_run
-from workflow.study_kit.gradient import HEAD, Derivative
 from workflow.study_kit.gradient import gradient as derivatives
 from workflow.study_kit.options import add_jobs, add_output, as_job, interrupted
 from workflow.study_kit.scene_quantities import by_reference, of_frames, scene_to_run
 from workflow.sweep import fields
+from workflow.verdicts.derivative import HEAD, Derivative
 
 REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "index.html", "beside"
 STUDY = Study("design", f"{PAGE} is the report", tables=(REPORT, TABLE, BEST, PAGE), cache="evaluations.jsonl")
