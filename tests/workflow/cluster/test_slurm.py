@@ -6,6 +6,7 @@ import signal
 
 import numpy as np
 import pytest
+from cluster import POLLED
 from processes import wait_until, working_in
 from stock_lammps import WHEEL, scene
 from stock_lammps import run as run_stock
@@ -178,7 +179,7 @@ def test_a_job_that_was_killed_is_incomplete_and_goes_on_when_submitted_again(cl
     assert (found.state, found.steps) == ("running", 10**8)
     assert main(["status", str(directory)]) == 0
     refused = cluster.submit(directory, "--output=refused", "--job-name=second", "--overcommit")
-    assert wait_until(lambda: not any(line.startswith(refused) for line in cluster.queue()))
+    assert wait_until(lambda: not any(line.startswith(refused) for line in cluster.queue()), every=POLLED)
     assert "computes here" in (directory / "refused").read_text()
     for process in working_in(directory):
         with contextlib.suppress(ProcessLookupError):  # ends with the others
@@ -190,7 +191,7 @@ def test_a_job_that_was_killed_is_incomplete_and_goes_on_when_submitted_again(cl
     assert found.step > 0
     again = cluster.submit(directory)
     assert wait_until((directory / "chains.dump.2.bin").exists), (directory / file_names.JOB_OUTPUT).read_text()
-    assert wait_until(lambda: told(directory).step > found.step)
+    assert wait_until(lambda: told(directory).step > found.step, every=POLLED)
     cluster.call("scancel", again)
     cluster.wait()
     assert told(directory).state == "incomplete"
