@@ -28,7 +28,7 @@ DIVERSE = {
     "name": "test",
     "chains": 3,
     "beads": 20,
-    "duration": 8000.0,
+    "duration": 1000.0,
     "timestep": 0.005,
     "output": {"every": 10.0},
     "kinds": {"heavy": {"mass": 1}, "light": {"mass": 0.5, "stiffness": 2.0}},  # LAMMPS's style `granular`
@@ -105,7 +105,10 @@ def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, 
 
 
 @pytest.mark.slow
-def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(cluster, tmp_path):
+def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(
+    cluster, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(job, "STRETCH", 0.5)  # of which even a short run has several
     case = library.from_plain(DIVERSE, "test")
     directory = written(case, tmp_path / "job", ranks_per_node=1, time="00:01:00", margin=50)
     # the first job computes no more than one stretch until Slurm sends the signal
