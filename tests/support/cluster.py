@@ -11,6 +11,9 @@ from pathlib import Path
 import pytest
 from processes import HANGS, wait_until
 
+POLLED = 0.2
+"""Seconds between two looks at a queue: asking takes the scheduler and its command time that jobs need."""
+
 
 @dataclass(frozen=True)
 class Cluster(ABC):
@@ -36,7 +39,7 @@ class Cluster(ABC):
 
     def wait(self) -> None:
         """Wait until all jobs have ended, also those that jobs submit."""
-        assert wait_until(lambda: not self.queue()), self.queue()
+        assert wait_until(lambda: not self.queue(), every=POLLED), self.queue()
 
 
 def skip_without(absent: Sequence[str], packages: str, title: str) -> None:

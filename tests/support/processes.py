@@ -46,11 +46,16 @@ def children(pid: int) -> list[int]:
     return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
 
 
-def wait_until(condition: Callable[[], object], process: "subprocess.Popen[Any] | None" = None) -> bool:
-    """Whether a condition came true; where a process is to make it true, it is not waited for after its end."""
+def wait_until(
+    condition: Callable[[], object], process: "subprocess.Popen[Any] | None" = None, *, every: float = 0.02
+) -> bool:
+    """Whether a condition came true; where a process is to make it true, it is not waited for after its end.
+
+    It is looked at every so many seconds.
+    """
     end = time.monotonic() + HANGS
     while not condition():
         if time.monotonic() > end or (process is not None and process.poll() is not None):
             return bool(condition())
-        time.sleep(0.02)
+        time.sleep(every)
     return True

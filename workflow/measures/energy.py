@@ -60,25 +60,25 @@ class BudgetMeasurement(Measurement):
         return budget_figure(self.problem, self.values)
 
 
-def closed(directory: RunDirectory, seen: Conservation, exchange: Accountant) -> BudgetMeasurement | None:
-    """The budget of what was seen; None where nothing is exchanged, and where not all beads are recorded.
+def closed(directory: RunDirectory, conservation: Conservation, exchange: Accountant) -> BudgetMeasurement | None:
+    """The budget of a run; None where nothing is exchanged, and where not all beads are recorded.
 
     Args:
         directory: the run.
-        seen: its energy.
+        conservation: its energy.
         exchange: what counted there what was exchanged.
     """
-    if seen.budget is None:
+    if conservation.budget is None:
         return None
-    account = seen.budget.result()
+    account = conservation.budget.result()
     stated = directory.account.check or directory.account.uncertainty
-    found = ClosedAccount(
+    closed_account = ClosedAccount(
         **vars(account),
-        closed=seen.energy_drift,
+        closed=conservation.energy_drift,
         between_frames=exchange.uncertainty / account.most,
         stated=None if stated is None else stated.velocity,
     )
-    return BudgetMeasurement(directory.problem, found)
+    return BudgetMeasurement(directory.problem, closed_account)
 
 
 @dataclass(frozen=True, repr=False)
@@ -101,8 +101,8 @@ class EnergyMeasurement(Measurement):
             return
         rows = []
         for chain in range(min(chains, MOST_CHAINS)):
-            least, most = flow.extremes(chain)
-            ends = [f"{share:.4f} at {when * scale.time:.5g}" for share, when in (least, most)]
+            smallest, largest = flow.extremes(chain)
+            ends = [f"{share:.4f} at {when * scale.time:.5g}" for share, when in (smallest, largest)]
             place = f"{flow.centre[-1, chain]:.1f} +- {flow.spread[-1, chain]:.1f}"
             rows.append([str(chain + 1), *ends, f"{flow.share[-1, chain]:.4f}", place])
         if chains > MOST_CHAINS:
@@ -176,16 +176,18 @@ class CellMeasurement(Measurement):
             return None
         final = FinalEnergy(problem)
 
-        def finish(found: Survey) -> CellMeasurement:
+        def finish(survey: Survey) -> CellMeasurement:
             chains, beads = range(1, problem.chains + 1), period_of(system)
-            each = tuple(left(found, chain, beads) for chain in chains)
+            each = tuple(left(survey, chain, beads) for chain in chains)
             kicked = each[physics.largest_excitation(system)[0] - 1]
             energies = CellEnergies(
                 beads=beads,
                 residual_energy=math.nan if kicked is None else kicked.per_cell,
                 chains=each,
-                last_bead=tuple(final.end(found, chain) for chain in chains),
-                replaced=tuple(final.split(found, one.chain, one.bead) for one in scene.replace or ()),
+                last_bead=tuple(final.end(survey, chain) for chain in chains),
+                replaced=tuple(
+                    final.split(survey, replacement.chain, replacement.bead) for replacement in scene.replace or ()
+                ),
             )
             return cls(problem, energies)
 
@@ -211,4 +213,4 @@ class WindowMeasurement(Measurement):
         if problem.window is None:
             return None
         behind = BehindWindow()
-        return FrameMeter(lambda found: cls(problem, behind.result(found.waves)), behind.add)
+        return FrameMeter(lambda survey: cls(problem, behind.result(survey.waves)), behind.add)

@@ -60,8 +60,11 @@ class ForceMeasurement(Measurement):
         chains = range(min(problem.chains, MOST_CHAINS))
         loaded = readings.loaded
         words = _LOADED_WORDS if loaded else _WORDS
-        shown = [one for one in self.values if one.chain <= MOST_CHAINS]
-        rows = [[one.name if one.chain == 1 else "", str(one.chain), *self._cells(one, words)] for one in shown]
+        shown = [reading for reading in self.values if reading.chain <= MOST_CHAINS]
+        rows = [
+            [reading.name if reading.chain == 1 else "", str(reading.chain), *self._cells(reading, words)]
+            for reading in shown
+        ]
         head = ["force at", "chain", *quantity.headings(Reading, scale, words)]
         yield PrintedTable("forces", head, rows)
         yield from self._uncertain()
@@ -82,13 +85,13 @@ class ForceMeasurement(Measurement):
                     coupled = physics.coupled(problem.system)
                     yield f"{where} {gauge.name} reflects {_reflected(reflection, coupled=coupled)}"
 
-    def _cells(self, one: Reading, names: Iterable[str]) -> list[str]:
+    def _cells(self, reading: Reading, names: Iterable[str]) -> list[str]:
         """Cells of the printed table, by the names of the quantities."""
-        cells = {name: quantity.written(one, name, self.problem.scale, ".6g") for name in names}
+        cells = {name: quantity.written(reading, name, self.problem.scale, ".6g") for name in names}
         cells["dwell"] = "-"
-        if np.isfinite(one.at) and np.isfinite(one.dwell):
-            lasted = quantity.written(one, "dwell", self.problem.scale, ".4g")
-            cells["dwell"] = lasted if one.dwell_ended else f"{lasted} so far"
+        if np.isfinite(reading.at) and np.isfinite(reading.dwell):
+            lasted = quantity.written(reading, "dwell", self.problem.scale, ".4g")
+            cells["dwell"] = lasted if reading.dwell_ended else f"{lasted} so far"
         return list(cells.values())
 
     def _uncertain(self) -> Iterator[str]:
@@ -159,8 +162,8 @@ class ForceMeasurement(Measurement):
         )
         meter = ForceMeter(problem, places)
 
-        def finish(found: Survey) -> ForceMeasurement:
-            passed = (*found.pulses, *found.crests)
+        def finish(survey: Survey) -> ForceMeasurement:
+            passed = (*survey.pulses, *survey.crests)
             sides = {gauge.side for gauge in places if gauge.kind == "wall"}
             reflected = {
                 side: reflections(passed, problem, right=side == "right", error=run.amplitude_error) for side in sides
@@ -199,19 +202,19 @@ class SpectrumMeasurement(Measurement):
 
     def lines(self) -> Iterator[PrintedTable]:
         """The highest line of every bead, and what it has of the drives."""
-        spectra, found, scale = self.spectra, self.values, self.problem.scale
+        spectra, highest, scale = self.spectra, self.values, self.problem.scale
         words = {"frequency": "highest line at", "amplitude": "its velocity"}
         head = ["bead", "chain", *quantity.headings(HighestLine, scale, words)]
         for frequency in spectra.drive:
             at = scale.heading(f"at {frequency / scale.time:.5g}", "cycles")
             head.append(f"{at}, over bead {spectra.beads[0]}")
         rows = []
-        for one in sorted(found.beads, key=lambda line: (spectra.beads.index(line.bead), line.chain)):
-            if one.chain <= MOST_CHAINS:
-                line = [quantity.written(one, name, scale, ".5g") for name in words]
-                passed_on = [quantity.cell(drive.transmissibility, ".5g") for drive in one.at_drive]
-                rows.append([str(one.bead) if one.chain == 1 else "", str(one.chain), *line, *passed_on])
-        start = scale.written(found.after, "time", ".5g")
+        for peak in sorted(highest.beads, key=lambda line: (spectra.beads.index(line.bead), line.chain)):
+            if peak.chain <= MOST_CHAINS:
+                line = [quantity.written(peak, name, scale, ".5g") for name in words]
+                passed_on = [quantity.cell(drive.transmissibility, ".5g") for drive in peak.at_drive]
+                rows.append([str(peak.bead) if peak.chain == 1 else "", str(peak.chain), *line, *passed_on])
+        start = scale.written(highest.after, "time", ".5g")
         yield PrintedTable(f"spectra from t = {start} on", head, rows)
 
     def rows(self) -> SpectrumTable:
@@ -298,13 +301,13 @@ class PlasticMeasurement(Measurement):
 
     def lines(self) -> Iterator[str]:
         """How many have yielded, by how much, and how the largest force falls along the kicked chain."""
-        found, scale = self.values, self.problem.scale
+        yielded, scale = self.values, self.problem.scale
         line = (
-            f"{found.contacts} of {len(self.contacts.contact)} contacts have a permanent overlap, of at most "
-            f"{scale.written(found.permanent, 'length')}"
+            f"{yielded.contacts} of {len(self.contacts.contact)} contacts have a permanent overlap, of at most "
+            f"{scale.written(yielded.permanent, 'length')}"
         )
-        if math.isfinite(found.decay):
-            line += f"; the largest force falls as n^{found.decay:.3f} with the number n of the contact"
+        if math.isfinite(yielded.decay):
+            line += f"; the largest force falls as n^{yielded.decay:.3f} with the number n of the contact"
         yield line
 
     def rows(self) -> YieldTable:
@@ -331,7 +334,7 @@ class PlasticMeasurement(Measurement):
         meter = YieldMeter()
 
         def finish(_: Survey) -> PlasticMeasurement | None:
-            found = meter.result()
-            return None if found is None else cls(problem, *found)
+            yielded = meter.result()
+            return None if yielded is None else cls(problem, *yielded)
 
         return FrameMeter(finish, meter.add)

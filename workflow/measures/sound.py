@@ -66,10 +66,10 @@ class DispersionMeasurement(Measurement):
 
         def finish(_: Survey) -> DispersionMeasurement:
             try:
-                found = collected.result()
+                dispersion = collected.result()
             except NoDispersionError as error:
                 return cls(problem, Bands(str(error)), None)
-            return cls(problem, found.bands(), found)
+            return cls(problem, dispersion.bands(), dispersion)
 
         return FrameMeter(finish, collected.add)
 
@@ -86,11 +86,13 @@ class SoundMeasurement(Measurement):
 
     def lines(self) -> Iterator[str]:
         """Speed of sound, and the leading pulse against it."""
-        scale, wave, found = self.problem.scale, self.values.pulse, bands(self.problem.system)
+        scale, wave, frequencies = self.problem.scale, self.values.pulse, bands(self.problem.system)
         if physics.ground_springs(self.problem.system):
             line = "long waves of sound do not run, as springs to the ground hold the beads"
-            if found is not None:
-                low, high = (f"{scale.measured(end, 'frequency'):.6g}" for end in (found.min(), found.max()))
+            if frequencies is not None:
+                low, high = (
+                    f"{scale.measured(end, 'frequency'):.6g}" for end in (frequencies.min(), frequencies.max())
+                )
                 line += f"; small waves have frequencies from {low} to {high}{scale.each('rad')}"
             yield line
             return
@@ -118,9 +120,9 @@ class SoundMeasurement(Measurement):
         length = bead_length(run.scene)
         pulse = LoadedPulse(problem) if problem.whole and problem.system.holds(Fact.PULSE) else None
 
-        def finish(found: Survey) -> SoundMeasurement:
+        def finish(survey: Survey) -> SoundMeasurement:
             wave = None if pulse is None else pulse.result()
-            return cls(problem, Measured.of(problem, wave, found.crests, length), length)
+            return cls(problem, Measured.of(problem, wave, survey.crests, length), length)
 
         return FrameMeter(finish) if pulse is None else FrameMeter(finish, pulse.add)
 

@@ -171,13 +171,13 @@ class WavesTable(Waves):
         return to_csv({self.heading(name): getattr(self, name) for name in self.columns})
 
 
-def waves_table(found: Survey) -> WavesTable:
+def waves_table(survey: Survey) -> WavesTable:
     """Leading waves of a run with all their columns, in the scene's units."""
-    chain_energy, wave_energy, chain_error, wave_error = _energies(found)
-    shape = found.shape
+    chain_energy, wave_energy, chain_error, wave_error = _energies(survey)
+    shape = survey.shape
     made = WavesTable(
-        **vars(found.waves),
-        lag=_lag(found),
+        **vars(survey.waves),
+        lag=_lag(survey),
         width=shape.width,
         residual=shape.residual,
         chain_energy=chain_energy,
@@ -185,28 +185,28 @@ def waves_table(found: Survey) -> WavesTable:
         chain_energy_error=chain_error,
         wave_energy_error=wave_error,
     )
-    return made.measured(found.problem.scale)
+    return made.measured(survey.problem.scale)
 
 
-def _lag(found: Survey) -> Floats:
+def _lag(survey: Survey) -> Floats:
     """[wave] arrival behind the wave of the chain that was kicked at the same bead; NaN where that was not seen."""
-    waves = found.waves
-    of_kicked = waves.of_chain(found.shared.kicked + 1)
+    waves = survey.waves
+    of_kicked = waves.of_chain(survey.shared.kicked + 1)
     arrival = dict(zip(of_kicked.bead.tolist(), of_kicked.arrival.tolist(), strict=True))
     return waves.arrival - np.array([arrival.get(bead, np.nan) for bead in waves.bead.tolist()], dtype=np.float64)
 
 
-def _energies(found: Survey) -> tuple[Floats, Floats, Floats, Floats]:
+def _energies(survey: Survey) -> tuple[Floats, Floats, Floats, Floats]:
     """Energies of chains and waves at each wave's passage, [wave], and the uncertainties of both; NaN if unknown."""
-    waves, problem, energies = found.waves, found.problem, found.energies
-    bead = found.shared.bead[energies.place]
-    if found.direction < 0:
+    waves, problem, energies = survey.waves, survey.problem, survey.energies
+    bead = survey.shared.bead[energies.place]
+    if survey.direction < 0:
         bead = mirrored_bead(problem, bead)
     shares = [energies.chain, energies.wave, energies.chain_error, energies.wave_error]
     tables = np.full((len(shares), problem.chains, problem.beads + 1), np.nan)
     for of_beads, share in zip(tables, shares, strict=True):
         of_beads[:, bead] = share.T
-    chain, wave, chain_error, wave_error = tables[:, waves.chain - 1, waves.bead] * found.shared.energy
+    chain, wave, chain_error, wave_error = tables[:, waves.chain - 1, waves.bead] * survey.shared.energy
     return chain, wave, chain_error, wave_error
 
 
@@ -278,15 +278,15 @@ class ChainSummary:
     @classmethod
     def of(cls, waves: Waves, problem: Problem, chain: int, succession: tuple[Change, ...] = ()) -> "ChainSummary":
         """Summary of a chain's leading waves, with the changes from one pulse to another that were found."""
-        own = waves.of_chain(chain)
-        if len(own) == 0:
+        chain_waves = waves.of_chain(chain)
+        if len(chain_waves) == 0:
             return cls(chain, 0, [], *[None] * 8)
-        last = last_clear_bead(own, problem)
+        last = last_clear_bead(chain_waves, problem)
         names = ("arrival", "peak_velocity", "speed", "arrival_error", "peak_velocity_error")
-        at = {name: float(getattr(own, name)[last]) for name in names}
+        at = {name: float(getattr(chain_waves, name)[last]) for name in names}
         reduced = {f"{name}_reduced": at[name] for name in ("arrival", "peak_velocity")}
         ended = [change.last for change in succession if change.chain == chain]
-        return cls(chain, len(own), ended, int(own.bead[last]), **at, **reduced)
+        return cls(chain, len(chain_waves), ended, int(chain_waves.bead[last]), **at, **reduced)
 
 
 @result
@@ -467,96 +467,96 @@ class Report:
     pulses: list[PulseEntry] = declare("every pulse, the strongest first")
 
 
-def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> Report:
+def report(survey: Survey, conservation: Conservation, tolerances: Tolerances) -> Report:
     """What is known of every run, dimensionless."""
-    problem, scale = found.problem, found.problem.scale
-    entries = [pulse_entry(found, *pair) for pair in zip(found.pulses, found.characters, strict=True)]
+    problem, scale = survey.problem, survey.problem.scale
+    entries = [pulse_entry(survey, *pair) for pair in zip(survey.pulses, survey.characters, strict=True)]
     return Report(
-        complete=seen.frames == problem.frames + 1,
-        frames=(seen.frames, problem.frames + 1),
-        front=seen.front,
-        energy_drift=seen.energy_drift,
-        momentum_drift=seen.momentum_drift,
-        participation=seen.participation,
+        complete=conservation.frames == problem.frames + 1,
+        frames=(conservation.frames, problem.frames + 1),
+        front=conservation.front,
+        energy_drift=conservation.energy_drift,
+        momentum_drift=conservation.momentum_drift,
+        participation=conservation.participation,
         units="SI" if scale.si else "reduced",
         scale={"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
         kappa=physics.kappa(problem.system),
-        arrival=found.arrival,
+        arrival=survey.arrival,
         waves=[
-            ChainSummary.of(found.waves, problem, chain, found.succession) for chain in range(1, problem.chains + 1)
+            ChainSummary.of(survey.waves, problem, chain, survey.succession) for chain in range(1, problem.chains + 1)
         ],
-        train=train(found),
-        equipartition=equipartition(found),
+        train=train(survey),
+        equipartition=equipartition(survey),
         tolerances=tolerances,
         pulses=sorted(entries, key=lambda entry: -entry.peak_velocity),
     )
 
 
-def train(found: Survey) -> Train | None:
+def train(survey: Survey) -> Train | None:
     """The first pulses of the kicked chain, as many as are steady somewhere; there, at the last such bead.
 
     Each is clear of the ends of the chain and of all other pulses, and its amplitude is constant to `STEADY` over the
     ten beads before. Only pulses count that ran over a quarter of the chain. None where not even the first is steady,
     and where no pulse keeps its shape.
     """
-    if not found.problem.system.holds(Fact.PULSE):
+    if not survey.problem.system.holds(Fact.PULSE):
         return None
-    chain, ahead = found.shared.kicked + 1, found.direction
+    chain, ahead = survey.shared.kicked + 1, survey.direction
     steady: dict[int, list[tuple[float, bool]]] = {}
     far: list[Pulse] = []
-    for pulse, clear in zip(found.pulses, found.clear, strict=True):
-        if (pulse.chain, pulse.direction) != (chain, ahead) or 4 * np.ptp(pulse.bead) < found.problem.beads:
+    for pulse, clear in zip(survey.pulses, survey.clear, strict=True):
+        if (pulse.chain, pulse.direction) != (chain, ahead) or 4 * np.ptp(pulse.bead) < survey.problem.beads:
             continue
         far.append(pulse)
-        alone = clear_of_others(chain, pulse.bead, pulse.arrival, found.pulses, found.problem.every)
+        alone = clear_of_others(chain, pulse.bead, pulse.arrival, survey.pulses, survey.problem.every)
         for at, good in enumerate(clear & alone):
             varies = pulse.variation(at)  # not known where few beads are recorded
-            unknown = np.isnan(varies) and found.problem.recorded is not None
+            unknown = np.isnan(varies) and survey.problem.recorded is not None
             constant = unknown or varies <= STEADY * pulse.peak_velocity[at]
             steady.setdefault(int(pulse.bead[at]), []).append((float(pulse.arrival[at]), bool(good) and constant))
-    first = {bead: sum(accumulate((good for _, good in sorted(seen)), min)) for bead, seen in steady.items()}
-    most = max(first.values(), default=0)
-    if most == 0:
+    first = {bead: sum(accumulate((good for _, good in sorted(passages)), min)) for bead, passages in steady.items()}
+    largest = max(first.values(), default=0)
+    if largest == 0:
         return None
-    best = [bead for bead, count in first.items() if count == most]
-    seen = train_of(far, chain, ahead, max(best) if ahead > 0 else min(best), wave_of(found.problem.system))
-    return seen.where(slice(most))
+    best = [bead for bead, count in first.items() if count == largest]
+    pulses = train_of(far, chain, ahead, max(best) if ahead > 0 else min(best), wave_of(survey.problem.system))
+    return pulses.where(slice(largest))
 
 
-def equipartition(found: Survey) -> Equipartition:
+def equipartition(survey: Survey) -> Equipartition:
     """How the chains share the leading pulse."""
-    shared, decay, verdict, system = found.shared.followed, found.decay, found.verdict, found.problem.system
+    shared, decay, verdict, system = survey.shared.followed, survey.decay, survey.verdict, survey.problem.system
     pulse = system.holds(Fact.PULSE)
-    seen = pulse and resolved(shared, system)
+    is_resolved = pulse and resolved(shared, system)
     final, span = shared.final, shared.span if pulse else None
-    measured, error = (np.sum(energy, axis=1) for energy in (found.energies.wave, found.energies.wave_error))
+    measured, error = (np.sum(energy, axis=1) for energy in (survey.energies.wave, survey.energies.wave_error))
     return Equipartition(
         verdict=verdict.sentence,
         state=verdict.state.value,
         since=verdict.since,
         expected=verdict.expected,
-        amplitudes={str(one): shared.agrees_from(one) if seen else None for one in AGREEMENTS},
-        arrivals={str(one): shared.in_step_from(one) if seen else None for one in AGREEMENTS},
+        amplitudes={str(tolerance): shared.agrees_from(tolerance) if is_resolved else None for tolerance in AGREEMENTS},
+        arrivals={str(tolerance): shared.in_step_from(tolerance) if is_resolved else None for tolerance in AGREEMENTS},
         final=None if final is None else Final(final.value, final.uncertainty),
         range=None if span is None else AmplitudeRange(span[0], int(shared.bead[-1]), *span[1:]),
         energy_share=EnergyShare(
             exact=float(np.sum(shared.wave_share[-1])) if len(shared) and runs_exact_waves(system) else None,
             measured=float(measured[-1]) if len(measured) and pulse else None,
             measured_error=float(error[-1]) if len(error) and pulse else None,
-            chains=found.energies.chain[-1] if len(measured) and pulse and found.problem.chains > 1 else None,
+            chains=survey.energies.chain[-1] if len(measured) and pulse and survey.problem.chains > 1 else None,
         ),
-        beat_length=shared.regular_beat if seen else None,
+        beat_length=shared.regular_beat if is_resolved else None,
         decay_law=decay,
     )
 
 
-def pulse_entry(found: Survey, pulse: Pulse, character: Character) -> PulseEntry:
+def pulse_entry(survey: Survey, pulse: Pulse, character: Character) -> PulseEntry:
     """A pulse, and what it is at the last bead where it was seen whole."""
     return PulseEntry(
         **vars(character),
         chain=pulse.chain,
         direction=pulse.direction,
-        leading=found.leads(pulse),
+        leading=survey.leads(pulse),
         beads=len(pulse),
         first=int(pulse.bead[0]),
         last=int(pulse.bead[-1]),
@@ -568,6 +568,6 @@ def last_clear_bead(waves: Waves, problem: Problem) -> int:
 
     That of the first bead passed, where it passed none so far from that end.
     """
-    way = along_the_way(problem, waves.bead)
-    clear = np.where(way <= max(problem.beads - CLEAR, 1), way, 0)
-    return int(np.argmax(clear)) if clear.any() else int(np.argmin(way))
+    passed = along_the_way(problem, waves.bead)
+    clear = np.where(passed <= max(problem.beads - CLEAR, 1), passed, 0)
+    return int(np.argmax(clear)) if clear.any() else int(np.argmin(passed))

@@ -122,8 +122,10 @@ class CollectColumn:
 
 def tables() -> dict[str, Any]:
     """CSV file -> type whose fields are its columns."""
-    found = {one.table[0]: one.table[1] for one in MEASUREMENTS if one.table is not None}
-    return {WAVES: WavesTable, **found, EVENTS: Collisions, STATISTICS: Statistics, HISTOGRAM: Histogram}
+    of_measurements = {
+        measurement.table[0]: measurement.table[1] for measurement in MEASUREMENTS if measurement.table is not None
+    }
+    return {WAVES: WavesTable, **of_measurements, EVENTS: Collisions, STATISTICS: Statistics, HISTOGRAM: Histogram}
 
 
 def places() -> Iterator[QuantityPlace]:
@@ -135,7 +137,7 @@ def places() -> Iterator[QuantityPlace]:
 
 def _sections() -> list[tuple[str, tuple[str, ...], Any]]:
     """File, key and type."""
-    of_measurements = [(REPORT, (one.key,), one.kind) for one in MEASUREMENTS]
+    of_measurements = [(REPORT, (measurement.key,), measurement.kind) for measurement in MEASUREMENTS]
     return [
         (REPORT, (), Report),
         *of_measurements,
@@ -146,8 +148,8 @@ def _sections() -> list[tuple[str, tuple[str, ...], Any]]:
 
 def collect_columns() -> dict[str, CollectColumn]:
     """Column of the table of a sweep -> what it holds, in their order: numbers of a run first, then text."""
-    found = [CollectColumn(place, column) for place in places() for column in place.quantity.columns]
-    return {one.column.name: one for one in sorted(found, key=lambda one: one.label == "")}
+    columns = [CollectColumn(place, column) for place in places() for column in place.quantity.columns]
+    return {column.column.name: column for column in sorted(columns, key=lambda column: column.label == "")}
 
 
 def explained(word: str) -> str | None:
@@ -160,10 +162,10 @@ def explained(word: str) -> str | None:
     keys = tuple(word.split("."))
     named = [place for place in places() if any(column.name == word for column in place.quantity.columns)]
     named += [place for place in places() if place.path[-len(keys) :] == keys]
-    found: dict[Quantity, list[QuantityPlace]] = {}
+    by_quantity: dict[Quantity, list[QuantityPlace]] = {}
     for place in named:
-        found.setdefault(place.quantity, []).append(place)
-    lines = [line for quantity, at in found.items() for line in _lines(word, quantity, at)]
+        by_quantity.setdefault(place.quantity, []).append(place)
+    lines = [line for quantity, at in by_quantity.items() for line in _lines(word, quantity, at)]
     lines += _held(word)
     if (criterion := terms.explained(word)) is not None:
         lines += _filled(criterion, "    ")
@@ -231,7 +233,7 @@ HEAD = """
 def manual() -> str:
     """The manual's page of quantities, in Markdown."""
     page, last = INTRODUCTION, ""
-    inside = {path[0] for path, _ in walk(Report) if len(path) > 1} | {one.key for one in MEASUREMENTS}
+    inside = {path[0] for path, _ in walk(Report) if len(path) > 1} | {measurement.key for measurement in MEASUREMENTS}
     for place in places():
         grouped = place.file == REPORT and place.path[0] in inside
         name = f"{place.file}: {place.path[0]}" if grouped else place.file

@@ -60,16 +60,19 @@ def distances(problem: Problem, part: Thinned, survey: Survey, bead_range: Range
     lags = {chain: _lag(passed, waves.of_chain(kicked), time.worth) for chain, passed in of_chain.items()}
     title = "peak velocity of the leading pulse"
     theory = {name: (bead, value * velocity.worth) for name, (bead, value) in peaks_of(problem, survey).items()}
-    graphs = [_over_beads(problem, title, "peaks", "velocity", peaks, bead_range, units, theory=theory)]
+    plot = graph(title, "peaks", units, "velocity", bead_range, "bead")
+    graphs = [_draw_over_beads(plot, problem, "velocity", peaks, units, theory=theory)]
     if sum(len(passed) > 0 for passed in of_chain.values()) > 1:
         title = f"arrival after that in {chain_name(kicked)}"
-        graphs.append(_over_beads(problem, title, "arrivals", "time", lags, bead_range, units))
+        plot = graph(title, "arrivals", units, "time", bead_range, "bead")
+        graphs.append(_draw_over_beads(plot, problem, "time", lags, units))
     shared = survey.shared
     if shared.of_impulses:
         bead = shared.bead if survey.direction > 0 else mirrored_bead(problem, shared.bead)
         impulses = {chain: (bead, shared.amplitude[:, chain - 1] * velocity.worth) for chain in part.chains}
         title = "impulse of the first contact, over the mass"
-        graphs.append(_over_beads(problem, title, "impulses", "velocity", impulses, bead_range, units))
+        plot = graph(title, "impulses", units, "velocity", bead_range, "bead")
+        graphs.append(_draw_over_beads(plot, problem, "velocity", impulses, units))
     return graphs
 
 
@@ -85,29 +88,28 @@ def _lag(waves: Waves, reference: Waves, worth: float) -> tuple[Integers, Floats
     return both, (waves.arrival[mine] - reference.arrival[theirs]) * worth
 
 
-def _over_beads(
+def _draw_over_beads(
+    plot: Any,
     problem: Problem,
-    title: str,
-    name: str,
     quantity: str,
     values: Mapping[int, tuple[Integers | Floats, Floats]],
-    bead_range: Range1d,
     units: Units,
     *,
     theory: Mapping[str, tuple[Floats, Floats]] | None = None,
 ) -> Any:
-    """A quantity over the beads, a line for each chain, broken where a recorded bead has no value.
+    """Draw a quantity over the beads, a line for each chain, broken where a recorded bead has no value.
 
     Args:
+        plot: to draw in.
         problem: what was run.
-        title, name: of the plot and of its file.
         quantity: key of its unit.
         values: by chain: beads, and their values in units of the page.
-        bead_range: of the axis.
         units: of the page.
         theory: beads and values of lines of theory, by name.
+
+    Returns:
+        The plot.
     """
-    plot = graph(title, name, units, quantity, bead_range, "bead")
     items = []
     for place, (chain, (bead, value)) in enumerate(values.items()):
         if not len(bead):

@@ -81,12 +81,12 @@ def _through_waves(
         if len(waves) == 0:
             continue
         last = last_clear_bead(waves, problem)
-        way = along_the_way(problem, np.array([1, problem.beads]))
-        time = waves.arrival[last] + (way - along_the_way(problem, int(waves.bead[last]))) / speed
+        distance = along_the_way(problem, np.array([1, problem.beads]))
+        time = waves.arrival[last] + (distance - along_the_way(problem, int(waves.bead[last]))) / speed
         if not np.isfinite(time).all():
             continue
         beads = np.array([1.0, problem.beads])
-        if time[np.argmin(way)] < 0.0:  # the wave is exact only later; its line begins where it meets the start
+        if time[np.argmin(distance)] < 0.0:  # the wave is exact only later; its line begins where it meets the start
             early, late = np.argmin(time), np.argmax(time)
             beads[early] = np.interp(0.0, time[[early, late]], beads[[early, late]])
             time = np.maximum(time, 0.0)
@@ -97,8 +97,8 @@ def _through_waves(
 def _sound(problem: Problem, chains: Sequence[int]) -> dict[int, tuple[Floats, Floats]]:
     """Chain -> points of sound that leaves the kicked bead at the start, along the way of the pulse."""
     kicked = along_the_way(problem, physics.largest_excitation(problem.system)[1])
-    way = np.arange(kicked, problem.beads + 1)
-    beads = along_the_way(problem, way)
+    distance = np.arange(kicked, problem.beads + 1)
+    beads = along_the_way(problem, distance)
     slowness = 1.0 / sound_speed(problem.system)[:, beads - 1]
     time = np.cumsum(np.insert(0.5 * (slowness[:, 1:] + slowness[:, :-1]), 0, 0.0, axis=1), axis=1)
     return {chain: (beads.astype(float), time[chain - 1]) for chain in chains}
@@ -161,7 +161,7 @@ def peaks_of(problem: Problem, survey: Survey) -> dict[str, tuple[Floats, Floats
         lines[name] = (np.array([1.0, problem.beads]), np.full(2, shared.final.value))
     if decay is not None:
         kicked = along_the_way(problem, physics.largest_excitation(problem.system)[1])
-        way = np.arange(decay.first, decay.last + 1)
-        law = decay.v0 * np.maximum(1.0 - (way - kicked) / decay.n_star, 0.0) ** 2.5
-        lines["decay as (1 - n / n*)^2.5"] = (along_the_way(problem, way).astype(float), law)
+        distance = np.arange(decay.first, decay.last + 1)
+        law = decay.v0 * np.maximum(1.0 - (distance - kicked) / decay.n_star, 0.0) ** 2.5
+        lines["decay as (1 - n / n*)^2.5"] = (along_the_way(problem, distance).astype(float), law)
     return lines

@@ -138,7 +138,7 @@ class _Process:
         self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115  closed in `stop`
         # a session of its own, so that Ctrl-C does not reach it; -P: a directory it works in is no place for modules
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "workflow.workers.worker"],
+            [sys.executable, "-P", "-m", "workflow.workers.worker", str(os.getpid())],
             env={**os.environ, **_ONE_THREAD, **environment_of_children()},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,

@@ -1,9 +1,10 @@
 """A process that does one task after another, so that what a fresh interpreter costs is paid once.
 
-Started as ``python -m workflow.workers.worker``. Each line of its input is a task (`workflow.workers.pool.Task`), and
-each is answered with a JSON object: ``value``, or ``failed`` with a reason; ``last`` says that this process can do no
-other. Before it there may be others, each with a ``hint`` for the user. It ends when its input does, and dies with the
-process that started it.
+Started as ``python -m workflow.workers.worker PARENT``, with the number of the process that starts it. Each line of its
+input is a task (`workflow.workers.pool.Task`), and each is answered with a JSON object: ``value``, or ``failed`` with a
+reason; ``last`` says that this process can do no other. Before it there may be others, each with a ``hint`` for the
+user. It ends when its input does, and dies with the process that started it, also where that ended before this one
+came to its first task.
 """
 
 import ctypes
@@ -22,7 +23,7 @@ from workflow.errors import RunError
 
 def main() -> int:
     """Do every task that comes in, until the input ends."""
-    _die_with_parent(os.getppid())
+    _die_with_parent(int(sys.argv[1]))
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what LAMMPS or MPI print is no answer
 

@@ -6,6 +6,7 @@ import signal
 
 import numpy as np
 import pytest
+from cluster import POLLED
 from processes import wait_until, working_in
 from stock_lammps import WHEEL, scene
 from stock_lammps import run as run_stock
@@ -27,7 +28,7 @@ DIVERSE = {
     "name": "test",
     "chains": 3,
     "beads": 20,
-    "duration": 8000.0,
+    "duration": 1000.0,
     "timestep": 0.005,
     "output": {"every": 10.0},
     "kinds": {"heavy": {"mass": 1}, "light": {"mass": 0.5, "stiffness": 2.0}},  # LAMMPS's style `granular`
@@ -104,7 +105,10 @@ def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, 
 
 
 @pytest.mark.slow
-def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(cluster, tmp_path):
+def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(
+    cluster, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(job, "STRETCH", 0.5)  # of which even a short run has several
     case = library.from_plain(DIVERSE, "test")
     directory = written(case, tmp_path / "job", ranks_per_node=1, time="00:01:00", margin=50)
     # the first job computes no more than one stretch until Slurm sends the signal
@@ -178,7 +182,7 @@ def test_a_job_that_was_killed_is_incomplete_and_goes_on_when_submitted_again(cl
     assert (found.state, found.steps) == ("running", 10**8)
     assert main(["status", str(directory)]) == 0
     refused = cluster.submit(directory, "--output=refused", "--job-name=second", "--overcommit")
-    assert wait_until(lambda: not any(line.startswith(refused) for line in cluster.queue()))
+    assert wait_until(lambda: not any(line.startswith(refused) for line in cluster.queue()), every=POLLED)
     assert "computes here" in (directory / "refused").read_text()
     for process in working_in(directory):
         with contextlib.suppress(ProcessLookupError):  # ends with the others
@@ -190,7 +194,7 @@ def test_a_job_that_was_killed_is_incomplete_and_goes_on_when_submitted_again(cl
     assert found.step > 0
     again = cluster.submit(directory)
     assert wait_until((directory / "chains.dump.2.bin").exists), (directory / file_names.JOB_OUTPUT).read_text()
-    assert wait_until(lambda: told(directory).step > found.step)
+    assert wait_until(lambda: told(directory).step > found.step, every=POLLED)
     cluster.call("scancel", again)
     cluster.wait()
     assert told(directory).state == "incomplete"

@@ -219,15 +219,15 @@ def study(scene: dict[str, Any], source: str, directory: Path, exponents: int, d
             for plan, answer in zip(plans, answers, strict=True)
         ]
         accuracy = scene.get("accuracy") or DEFAULT_ACCURACY
-        found = LyapunovResult(problem, runs, combined(runs), duration, accuracy)
+        spectrum = LyapunovResult(problem, runs, combined(runs), duration, accuracy)
         scale = problem.scale
         tables = {
-            TABLE: to_csv(Exponent, found.exponents, scale),
-            RUNS: to_csv(RunExponent, _of_runs(found), scale),
-            CONVERGENCE: to_csv(RunningEstimate, _estimates(found), scale),
+            TABLE: to_csv(Exponent, spectrum.exponents, scale),
+            RUNS: to_csv(RunExponent, _of_runs(spectrum), scale),
+            CONVERGENCE: to_csv(RunningEstimate, _estimates(spectrum), scale),
         }
-        STUDY.write(directory, tables, {FIGURE: _figure(found)})
-    return found
+        STUDY.write(directory, tables, {FIGURE: _figure(spectrum)})
+    return spectrum
 
 
 def _case(
@@ -258,40 +258,40 @@ def combined(runs: list[GrowthOfRun]) -> list[Exponent]:
     return exponents
 
 
-def _of_runs(found: LyapunovResult) -> list[RunExponent]:
-    usual, lines = growth.usual_step(found.problem), []
-    for run in found.runs:
+def _of_runs(spectrum: LyapunovResult) -> list[RunExponent]:
+    usual, lines = growth.usual_step(spectrum.problem), []
+    for run in spectrum.runs:
         for number, (value, error) in enumerate(zip(*growth.exponents_of(run.time, run.growth), strict=True), 1):
             lines.append(RunExponent(usual / run.refinement, run.start, number, float(value), float(error)))
     return lines
 
 
-def _estimates(found: LyapunovResult) -> list[RunningEstimate]:
-    usual = growth.usual_step(found.problem)
+def _estimates(spectrum: LyapunovResult) -> list[RunningEstimate]:
+    usual = growth.usual_step(spectrum.problem)
     return [
         RunningEstimate(usual / run.refinement, run.start, float(until), float(total / until))
-        for run in found.runs
+        for run in spectrum.runs
         for until, total in zip(run.time, run.growth[:, 0], strict=True)
     ]
 
 
-def _figure(found: LyapunovResult) -> "Figure":
+def _figure(spectrum: LyapunovResult) -> "Figure":
     from analysis.figures.exponents import Convergence, draw  # matplotlib takes half a second to import
 
-    scale, usual = found.problem.scale, growth.usual_step(found.problem)
+    scale, usual = spectrum.problem.scale, growth.usual_step(spectrum.problem)
     lines = []
-    for run in found.runs:
+    for run in spectrum.runs:
         step = scale.written(usual / run.refinement, "time", ".3g")
         name = f"step {step}, start {'nearby' if run.start else 'of the scene'}"
         exponent = scale.measured(run.growth[:, 0] / run.time, "rate")
         lines.append(Convergence(name, scale.measured(run.time, "time"), exponent))
-    pairs = [(exponent.exponent, exponent.uncertainty) for exponent in found.exponents]
+    pairs = [(exponent.exponent, exponent.uncertainty) for exponent in spectrum.exponents]
     values, errors = (
         scale.measured(np.array([math.nan if number is None else number for number in part]), "rate")
         for part in zip(*pairs, strict=True)
     )
     unit = Label("exponent", r"\lambda", scale.symbol("rate")), Label("time", "t", scale.symbol("time"))
-    return draw(lines, values, errors, unit, found.problem.name)
+    return draw(lines, values, errors, unit, spectrum.problem.name)
 
 
 def seconds(problem: Problem, exponents: int, duration: float) -> float:
@@ -345,18 +345,18 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     if duration < least:
         shortest = problem.scale.written(least, "time", ".3g")
         raise InputError(f"--duration: {arguments.duration:g} given; at least {shortest}, for {growth.RECORDS} records")
-    most = 2 * int(np.sum(tangent.make_flow(problem, 0, 1.0).free))
-    if arguments.exponents > most:
-        raise InputError(f"--exponents: {arguments.exponents} given; the scene has {most}, two for each free bead")
+    available = 2 * int(np.sum(tangent.make_flow(problem, 0, 1.0).free))
+    if arguments.exponents > available:
+        raise InputError(f"--exponents: {arguments.exponents} given; the scene has {available}, two for each free bead")
     print_heading(scene.name, scene.units)
     print(f"four runs are computed, in about {seconds(problem, arguments.exponents, duration):.2g} s")
     try:
-        found = study(plain_scene, name, arguments.output, arguments.exponents, duration)
+        spectrum = study(plain_scene, name, arguments.output, arguments.exponents, duration)
     except KeyboardInterrupt:
         return options.interrupted()
-    if len(found.exponents) > 1:
-        print_records("exponents", Exponent, found.exponents, problem.scale)
-    for line in found.sentences():
+    if len(spectrum.exponents) > 1:
+        print_records("exponents", Exponent, spectrum.exponents, problem.scale)
+    for line in spectrum.sentences():
         print(line)
     print_files(arguments.output, (TABLE, RUNS, CONVERGENCE, *figure_files(FIGURE)))
-    return CommandResult(1 if found.exponents[0].exponent is None else 0, found.plain())
+    return CommandResult(1 if spectrum.exponents[0].exponent is None else 0, spectrum.plain())

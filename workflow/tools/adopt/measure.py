@@ -345,6 +345,7 @@ class _Bench:
         """Drag coefficients from one velocity of all beads, those of the ends away from their walls."""
 
         def force(speed: float) -> Floats:
+            """Forces on all atoms, [atom], moved with one velocity; those of the ends away from their walls."""
             forward, backward = (self._moved(place, speed) - self._moved(place) for place in (self.small, -self.small))
             values = forward
             values[self.chains[:, -1]] = backward[self.chains[:, -1]]
@@ -366,6 +367,7 @@ class _Bench:
         """Dashpots of the contacts at two overlaps, and whether they cut tension."""
 
         def resistance(level: float, rate: float) -> Floats:
+            """Dashpot forces over the rate at which the contacts close, [chain, contact], at an overlap."""
             still, moving = self._alternating(level), self._alternating(level, rate)
             drag = 0.5 * rate * self._drag[self.chains]
             lower, upper = moving[0] - still[0] - drag[:, :-1], moving[1] - still[1] - drag[:, 1:]

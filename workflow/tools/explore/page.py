@@ -152,7 +152,7 @@ class Tab:
             field.sizing_mode = "stretch_width"
             field.on_change("value", lambda _attribute, _before, words: self._typed(number, words))
             return field
-        whole = fields.is_whole(number.path)
+        is_whole = fields.is_whole(number.path)
         area = slider_range(number, number.value)
         slider = Slider(
             title=number.label,
@@ -167,7 +167,8 @@ class Tab:
             margin=(26, 15, 0, 10),  # beside the field, below its title
         )
         slider.on_change(
-            "value", lambda _attribute, _before, value: self._slid(number, area.rounded(value, whole=whole), field)
+            "value",
+            lambda _attribute, _before, value: self._slid(number, area.rounded(value, is_whole=is_whole), field),
         )
         field.on_change("value", lambda _attribute, _before, words: self._typed(number, words, slider))
         field.width = _FIELD_WIDTH

@@ -107,9 +107,9 @@ class SliderRange:
     end: float
     step: float
 
-    def rounded(self, value: float, *, whole: bool) -> float:
+    def rounded(self, value: float, *, is_whole: bool) -> float:
         """Value of the slider without the rounding of its steps."""
-        return round(value) if whole else float(f"{value:.12g}")
+        return round(value) if is_whole else float(f"{value:.12g}")
 
 
 def slider_range(number: SceneNumber, value: float) -> SliderRange:

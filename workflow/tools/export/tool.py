@@ -5,6 +5,7 @@ import importlib
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TypedDict, Unpack
 
 from lammps_inputs import InputError, file_names, library
 from workflow.arguments import AnyRun, directory_of, path_of
@@ -74,6 +75,20 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     return CommandResult(0, [str(path) for path in paths])
 
 
+class FilmOptions(TypedDict, total=False):
+    """Options of a film.
+
+    Attributes:
+        seconds: its duration.
+        rate: pictures a second.
+        pixels: its width.
+    """
+
+    seconds: float
+    rate: int
+    pixels: int
+
+
 def export(
     run: AnyRun,
     to: str | Sequence[str],
@@ -81,9 +96,7 @@ def export(
     *,
     overwrite: bool = False,
     every: int = 1,
-    seconds: float = Options.seconds,
-    rate: int = Options.rate,
-    pixels: int = Options.pixels,
+    **film: Unpack[FilmOptions],
 ) -> list[Path]:
     """Write a run, or the table of a sweep, in files of other programs, as ``granchain export`` does.
 
@@ -93,9 +106,8 @@ def export(
         output: directory of the files, or name of the file; the run's directory if omitted.
         overwrite: whether existing files at another place than the run's directory may be replaced.
         every: only every so many frames.
-        seconds: duration of a film.
-        rate: pictures of a film a second.
-        pixels: width of a film.
+        **film: ``seconds``, duration of a film; ``rate``, pictures of it a second; ``pixels``, its width; by default
+            those of the command.
 
     Returns:
         Paths of the files.
@@ -109,7 +121,7 @@ def export(
     """
     path = path_of(run) if isinstance(run, str | os.PathLike) else directory_of(run).path
     names = to.split(",") if isinstance(to, str) else list(to)
-    options = Options(every, seconds, rate, pixels)
+    options = Options(every, **film)
     target = None if output is None else path_of(output)
     return write(path, _formats(names), target, options, overwrite=overwrite)
 
