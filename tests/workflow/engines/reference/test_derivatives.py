@@ -14,17 +14,9 @@ STEPS = (-1e-4, -5e-5, 5e-5, 1e-4)
 FIELDS = {
     "coupled": ("coupling.stiffness", "coupling.cubic", "precompression.force"),
     "lattice": ("coupling.stiffness",),
-    "formula": ("coupling.k", "coupling.a"),
-    "magnets": ("contact.A", "contact.p"),
-    "exponent": ("contact.exponent",),
-    "foundation": ("foundation.stiffness", "foundation.cubic"),
     "foundation in time": ("foundation.stiffness.from",),
-    "unlike masses": ("disorder.mass",),
     "resonators": ("resonators.mass", "resonators.stiffness", "resonators.damping"),
-    "dashpots": ("damping.contact", "precompression.force"),
-    "drag": ("damping.beads",),
     "driven": ("drive.frequency", "damping.beads"),
-    "pushed": ("push.duration",),
 }
 QUICK = ("coupled",)
 """Others are slow, as each is compiled."""
