@@ -43,7 +43,7 @@ class Linear(NamedTuple):
     @staticmethod
     def stiffness(s: Any, spring: Any) -> Any:
         """Slope k of the force, independent of the strain."""
-        return spring * np.ones_like(s)
+        return spring + 0.0 * s
 
     @staticmethod
     def max_strain(energy: Any, spring: Any) -> Any:
@@ -169,7 +169,7 @@ class Duffing(NamedTuple):
     @staticmethod
     def stiffness(s: Any, spring: Any, cubic: Any) -> Any:
         """``k + 3 c s**2``."""
-        return spring * np.ones_like(s) + 3.0 * cubic * (s * s)
+        return spring + 3.0 * cubic * (s * s)
 
     @staticmethod
     def max_strain(energy: Any, spring: Any, cubic: Any) -> Any:
@@ -229,7 +229,7 @@ class Instant(NamedTuple):
     @staticmethod
     def stiffness(s: Any, spring: Any, slope: Any) -> Any:
         """Slope k of the force, independent of the strain."""
-        return spring * np.ones_like(s)
+        return spring + 0.0 * s
 
     @staticmethod
     def max_strain(energy: Any, spring: Any, slope: Any) -> Any:
@@ -277,7 +277,7 @@ class Varying(NamedTuple):
         """Slope k(t) of the force, independent of the strain."""
         spring, rate, begin, end, depth, omega, phase = law
         level = spring + rate * (np.minimum(np.maximum(t, begin), end) - begin)
-        return level * (1.0 + depth * np.sin(omega * t + phase)) * np.ones_like(s)
+        return level * (1.0 + depth * np.sin(omega * t + phase)) + 0.0 * s
 
     @staticmethod
     def power(s: Any, t: Any, *law: Any) -> Any:

@@ -3,10 +3,11 @@
 """
 
 import difflib
+import functools
 import itertools
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Annotated, Any, get_args, get_origin
 
@@ -100,15 +101,16 @@ def _with_names(field: str, scene: Mapping[str, Any]) -> list[str]:
     return [f"{key}.{name}.{rest}" for name in (names if isinstance(names, dict) and names else ["NAME"])]
 
 
-def all_fields(model: type[BaseModel], above: str = "") -> list[str]:
+@functools.cache
+def all_fields(model: type[BaseModel], above: str = "") -> tuple[str, ...]:
     """Dotted paths of all fields of a model and its parts, in their order."""
-    paths = []
+    paths: list[str] = []
     for name, field in model.model_fields.items():
         paths.append(f"{above}{name}")
         part = library.model_in(field.annotation)
         if part is not None:
             paths += all_fields(part, f"{above}{name}.")
-    return paths
+    return tuple(paths)
 
 
 def put(scene: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
@@ -168,6 +170,18 @@ def look_up(scene: dict[str, Any], path: Path) -> Any:
                 return value
             value = value[(number or 1) - 1] if (number or 1) <= len(value) else None
     return value
+
+
+def held(scene: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, float]]:
+    """Dotted path and value of all fields that hold one number in a scene's plain data."""
+    for key, value in scene.items():
+        if isinstance(value, dict):
+            yield from held(value, f"{above}{key}.")
+        elif isinstance(value, list | tuple) and key in SEVERAL:
+            for number, part in enumerate(value, 1):
+                yield from held(part, f"{above}{key}[{number}].") if isinstance(part, dict) else ()
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            yield above + key, value
 
 
 def is_whole(path: Path) -> bool:

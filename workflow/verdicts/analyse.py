@@ -33,6 +33,7 @@ from workflow.runs.files import EVENTS, write_figure, write_json, write_text
 from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, WavesTable, report, waves_table
+from workflow.verdicts.derivative import Derivative
 from workflow.verdicts.pulse_table import pulse_table
 
 if TYPE_CHECKING:
@@ -60,6 +61,7 @@ class Analysis:
         altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
         measurements: what not every run has, by its key in ``analysis.json``, in the order of the text
             (`workflow.measures`); ``plain()`` of each is in the scene's units.
+        derivatives: of quantities by fields of the scene, where they were asked for.
     """
 
     problem: Problem
@@ -71,6 +73,7 @@ class Analysis:
     failure: str
     altered: bool
     measurements: dict[str, Measurement]
+    derivatives: tuple[Derivative, ...] = ()
 
     @cached_property
     def waves(self) -> WavesTable:

@@ -353,3 +353,46 @@ def test_the_example_of_the_readme_is_a_design(tmp_path):
     design = file.load(path)
     assert len(design.variables) == 6
     assert physics.alike(library.from_plain(design.beside, "beside").system)
+
+
+BETWEEN = {
+    "scene": {**SCENE, "beads": 24},
+    "vary": {"coupling.stiffness": {"from": 0.05, "to": 0.3}, "walls.right": ["rigid", "bead"]},
+    "minimize": "peak_velocity@15",
+    "search": {"evaluations": 20, "population": 8},
+    "manufacture": {"members": 8},
+    "verify": 1,
+}
+
+
+@pytest.mark.slow
+def test_steps_along_derivatives_end_where_the_objective_is_stationary(tmp_path, capsys):
+    path = tmp_path / "design.yaml"
+    path.write_text(strict_yaml.dump(json.loads(json.dumps(BETWEEN))))
+    assert main(["design", str(path), "-o", str(tmp_path / "d"), "--jobs", "1", "--gradient"]) == 0
+    assert "derivatives at the best design" in capsys.readouterr().out
+    report = json.loads((tmp_path / "d" / "design.json").read_text())
+    [line] = report["derivatives"]
+    assert (line["quantity"], line["field"]) == ("peak_velocity@15", "coupling.stiffness")
+    assert abs(line["relative"]) < 1e-4
+    assert report["asked"] <= 21
+    assert 0.05 < report["best"]["coupling.stiffness"] < 0.3
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({}, "no varied field is one number"),
+        (
+            {
+                "scene": {**SCENE, "contact": {"yield": {"overlap": 0.1}}},
+                "vary": {"coupling.stiffness": {"from": 0.1, "to": 1}},
+            },
+            "contacts that yield",
+        ),
+    ],
+)
+def test_steps_along_derivatives_are_refused_before_the_search(changes, reason, tmp_path, capsys):
+    assert main(["design", str(written(tmp_path, **changes)), "-o", str(tmp_path / "d"), "--gradient"]) == 2
+    assert reason in capsys.readouterr().err
+    assert not (tmp_path / "d").exists()

@@ -291,3 +291,27 @@ def test_a_table_in_units_is_of_no_scene_without(tmp_path):
     reduced = {"name": "a", "beads": 30, "kick": {"velocity": 1.0}, "duration": 20.0}
     with pytest.raises(granchain.InputError, match="is in reduced units"):
         granchain.fit(reduced, data, "kick.velocity", tmp_path / "out")
+
+
+@pytest.mark.slow
+def test_derivatives_along_the_flow_are_those_of_differences_and_fit_the_same(found, tmp_path, monkeypatch):
+    monkeypatch.setattr(study, "STARTS", 1)
+    monkeypatch.setattr(study, "BEGUN", 1)
+    data = measured.table(tmp_path / "data.csv")
+    scene = measured.scene(modulus=1.15, coupling=0.7, kick=0.9)
+    flow, differences = (Model(scene, "scene", list(measured.TRUTH), data, None, gradient=way) for way in (True, False))
+    parameters = np.array([0.0, 0.0, 0.0, measured.LATE / flow.unit_time])
+    columns, expected = (np.nan_to_num(model.slopes(parameters)) for model in (flow, differences))
+    # contacts that open make differences of logarithms by 1e-4 wrong by some 1e-5
+    assert np.max(np.abs(columns - expected)) < 1e-4 * np.max(np.abs(expected))
+    assert fit(tmp_path, "--no-lammps", "--gradient") == 0
+    before, after = (json.loads((path / "fit.json").read_text())["free"] for path in (found, tmp_path / "out"))
+    for name in before:
+        width = before[name]["high"] - before[name]["low"]
+        assert abs(after[name]["value"] - before[name]["value"]) < 1e-3 * width
+
+
+def test_derivatives_along_the_flow_need_forces_with_a_slope(tmp_path, capsys):
+    plastic = {**measured.scene(), "contact": {"yield": {"overlap": 1e-6}}}
+    assert fit(tmp_path, "--gradient", scene=plastic, free="coupling.stiffness") == 2
+    assert "contacts that yield" in capsys.readouterr().err

@@ -106,11 +106,4 @@ def velocity_of_state(system: System, x: Floats, v: Floats) -> Floats:
     """
     if not system.dampers or any(dashpot.cut(link.law) for link in system.dampers):
         return v
-    impulses = np.zeros_like(v)
-    for damper in system.dampers:
-        lines = damper.lines_among(system.chains)
-        damper.drive(impulses[..., lines, :], damper.given(x[..., lines, :]))
-    impulses /= physics.masses(system, absent=np.inf)
-    for motion in system.motions:
-        impulses[..., motion.chain - 1, motion.bead - 1] = 0.0
-    return np.asarray(v - impulses)
+    return np.asarray(v - engine.given_by_dashpots(system, x))

@@ -245,6 +245,23 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
     return IntegratorState(x, v, span, kernel.make_program(terms), parameters, state)
 
 
+def given_by_dashpots(system: System, x: Floats) -> Floats:
+    """Velocities that dashpots whose tension is not cut have given, [..., line, bead]; not of beads that are held.
+
+    Args:
+        system: whose dashpots.
+        x: displacements of all atoms, [..., line, bead] in units of L.
+    """
+    impulses = np.zeros_like(x)
+    for damper in system.dampers:
+        lines = damper.lines_among(system.chains)
+        damper.drive(impulses[..., lines, :], damper.given(x[..., lines, :]))
+    impulses /= physics.masses(system, absent=np.inf)
+    for motion in system.motions:
+        impulses[..., motion.chain - 1, motion.bead - 1] = 0.0
+    return impulses
+
+
 # --- the leading pulse without frames, for chains too long to record --------------------------------------------------
 
 

@@ -97,6 +97,33 @@ class TangentArrays(NamedTuple):
     nearby: Floats
     gains: Floats
     """Displacements within a drift and their summed rates, [vector, place]; empty without dashpots."""
+    rates: Floats
+    """Rates of the displacements of a vector, [place]; empty without dashpots."""
+
+
+class ShiftArrays(NamedTuple):
+    """Parameters beside those of a run; their differences drive the derivatives by what differs."""
+
+    parameters: tuple[Any, ...]
+    """Each parameter with a first axis [side]."""
+    weights: Floats
+    """[side]: the weighted sum over the sides of a vector is the derivative."""
+    differs: NDArray[np.bool_]
+    """[vector, 4]: whether sides differ in forces of contacts, other forces, dashpots, and loads."""
+    first_side: Integers
+    """[vector + 1]: number of the first side of each vector, and of all sides."""
+
+
+class DerivativeFrames(NamedTuple):
+    """Frames to fill: [frame, line, bead] of a state, and [vector, frame, line, bead] of the vectors.
+
+    As in a state, velocities lack what dashpots whose tension is not cut have given.
+    """
+
+    x: Floats
+    v: Floats
+    dx: Floats
+    dv: Floats
 
 
 class Passing(NamedTuple):
@@ -160,12 +187,29 @@ def make_tangent_program(terms: Terms) -> Any:
     return compiled.module(_Writer(terms, tangent=True).text(compiled.digest))
 
 
-class _Writer:
-    """Writes the program of some terms, or that of their tangent flow."""
+@functools.cache
+def make_derivative_program(terms: Terms) -> Any:
+    """The module of some terms with derivatives by parameters, compiled when it is called.
 
-    def __init__(self, terms: Terms, *, tangent: bool = False) -> None:
+    It has ``advance_derivatives(state, tangent, parameters, scheme, first_step, steps, shift, recorded, frames)``,
+    which fills frames of the recorded beads (counted from 1), so many steps each, after ``first_step`` earlier ones.
+    """
+    from workflow import compiled  # numba takes a third of a second to import
+
+    return compiled.module(_Writer(terms, tangent=True, shifted=True).text(compiled.digest))
+
+
+_OF_RUN, _OF_SIDE = "p[{}]", "q[{}][s]"
+"""Source of a parameter by its number, of the run and of a side."""
+
+
+class _Writer:
+    """Writes the program of some terms, or that of their tangent flow, or that of derivatives by their parameters."""
+
+    def __init__(self, terms: Terms, *, tangent: bool = False, shifted: bool = False) -> None:
         self._terms = terms
         self._tangent = tangent
+        self._shifted = shifted
         self._laws: dict[Any, str] = {}
         self._functions: dict[str, str] = {}
         self._used: list[Any] = []
@@ -223,6 +267,9 @@ class _Writer:
         places = self._parts_of_a_step()
         sections = [*self._functions_of_loads(), *self._functions_of_dashpots()]
         functions = (template.TANGENT,) if self._tangent else (template.ADVANCE, template.FOLLOW)
+        if self._shifted:
+            sections += self._shifted_functions()
+            functions = (template.DERIVATIVES,)
         sections += [self._filled(section, **places) for section in functions]
         for law in self._laws:
             if "<locals>" in law.__qualname__:
@@ -241,12 +288,18 @@ class _Writer:
         )
         return "\n\n".join([head, *sections]).lstrip("\n")
 
-    def _filled(self, section: str, **places: str | list[str]) -> str:
-        """A section with its places filled, and the parameters that each of its functions uses unpacked in it."""
+    def _filled(self, section: str, values: str = _OF_RUN, /, **places: str | list[str]) -> str:
+        """A section with its places filled, and the parameters that each of its functions uses unpacked in it.
+
+        Args:
+            section: the text.
+            values: source of a parameter by its number.
+            **places: see `_filled`.
+        """
         functions = []
         for function in "\n".join(self._lines(section, **places)).split("\n\n\n"):
             used = [n for n, name in enumerate(self._terms.names) if re.search(rf"\b{name}\b", function)]
-            unpacked = ", ".join(self._terms.names[n] for n in used), ", ".join(f"p[{n}]" for n in used)
+            unpacked = ", ".join(self._terms.names[n] for n in used), ", ".join(values.format(n) for n in used)
             functions.append(_filled(function, parameters=[" = ".join(unpacked)] if used else []))
         return "\n\n\n".join(functions) + "\n"
 
@@ -261,6 +314,8 @@ class _Writer:
             "counts_work": terms.counts_work,
             "moved_with_loss": terms.moved_with_loss,
             "has_state": bool(terms.with_state),
+            "shifted": self._shifted,
+            "shifted_loads": self._shifted and terms.pushed_in_drifts,
         }
         names = {"per_mass": terms.per_mass, "row": terms.row, "rooms": _ROOM[terms.dashpots]}
         return _filled(section, **switches, **names, **places).strip("\n").split("\n")
@@ -374,7 +429,24 @@ class _Writer:
 
     def _tangent_drift(self) -> list[str]:
         damped = self._terms.dashpots == "drift"
-        return self._lines(template.TANGENT_DRIFT_WITH_IMPULSES if damped else template.TANGENT_DRIFT)
+        section = template.TANGENT_DRIFT_WITH_IMPULSES if damped else template.TANGENT_DRIFT
+        loads = self._lines(template.SHIFTED_LOADS) if self._shifted and self._terms.pushed_in_drifts else []
+        return self._lines(section, loads_of_sides=loads)
+
+    def _shifted_functions(self) -> list[str]:
+        """Functions that add effects of shifted parameters, which are entries of arrays."""
+        loops, others = self._other_forces()
+        kick = self._filled(template.SHIFTED_KICK, _OF_SIDE, contact=self._contact_force(), loops=loops, others=others)
+        sections = [kick]
+        if self._terms.dashpots == "drift":
+            sections += [
+                self._drag("shifted_impulses", "x", "Impulse", "impulse", shifted=True),
+                self._filled(template.SHIFTED_RATE, _OF_SIDE),
+            ]
+        if self._terms.pushed_in_drifts:
+            travels, gifts, _ = self._effects_of_loads("factor * ")
+            sections.append(self._filled(template.SHIFTED_TRAVEL, _OF_SIDE, travels=travels, gifts=gifts))
+        return sections
 
     # --- loads and motions --------------------------------------------------------------------------------------------
 
@@ -404,13 +476,18 @@ class _Writer:
             loops += _over(term, *lines, *["work[0] += given * 0.5 * (early + v[k])"] * counts)
         return loops
 
-    def _functions_of_loads(self) -> list[str]:
+    def _effects_of_loads(self, factor: str = "") -> tuple[list[str], list[str], list[str]]:
+        """Loops over effects on displacements and velocities in a drift, times a factor, and on accelerations."""
         travels, gifts, at = [], [], []
         for term, by_mass, _ in self._acting_in_drifts():
             impulse, gone = self._impulse_and_way(term)
-            travels += _over(term, f"gone = {gone}", f"x[k] += gone{by_mass}")
-            gifts += _over(term, f"given = {impulse}", f"v[k] += given{by_mass}")
+            travels += _over(term, f"gone = {gone}", f"x[k] += {factor}gone{by_mass}")
+            gifts += _over(term, f"given = {impulse}", f"v[k] += {factor}given{by_mass}")
             at += _over(term, f"a[k] += {self._call(term, 'force', 'time')}{by_mass}")
+        return travels, gifts, at
+
+    def _functions_of_loads(self) -> list[str]:
+        travels, gifts, at = self._effects_of_loads()
         sections = [self._filled(template.TRAVEL, travels=travels, gifts=gifts)] * (self._terms.dashpots == "drift")
         return [*sections, self._filled(template.LOAD, loads=at)] if at else []
 
@@ -454,10 +531,11 @@ class _Writer:
         brake = self._drag("brake", "x, v", "Force", "damping", rate=True)
         if self._terms.dashpots != "drift":
             return [brake]
-        impulses = self._drag("impulses", "x", "Impulse", "impulse", rate=False)
-        return [brake, impulses]
+        return [brake, self._drag("impulses", "x", "Impulse", "impulse")]
 
-    def _drag(self, name: str, arguments: str, quantity: str, function: str, *, rate: bool) -> str:
+    def _drag(
+        self, name: str, arguments: str, quantity: str, function: str, *, rate: bool = False, shifted: bool = False
+    ) -> str:
         _, contact = self._sum(self._terms.dampers[0], function, rate=rate)
         loops, held = [], []
         for terms in self._terms.dampers[1:]:
@@ -467,8 +545,9 @@ class _Writer:
         drag = f"squeeze[k] - squeeze[k + {self._terms.row}]" if contact else "0.0"
         return self._filled(
             template.DRAG,
+            _OF_SIDE if shifted else _OF_RUN,
             name=name,
-            arguments=arguments,
+            arguments=f"{arguments}, {'q, s' if shifted else 'p'}",
             what=quantity,
             contacts=self._lines(template.CONTACT_DRAG, contact=contact) if contact else [],
             loops=loops,

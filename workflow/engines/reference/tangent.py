@@ -16,7 +16,7 @@ from lammps_inputs import InputError, Problem, System, laws, physics
 from lammps_inputs.laws import dashpot
 from workflow.engines.reference import engine, kernel
 from workflow.engines.reference.kernel import TangentArrays
-from workflow.engines.reference.kernel_inputs import make_terms
+from workflow.engines.reference.kernel_inputs import Terms, make_terms
 from workflow.engines.reference.schemes import BLANES_MOAN, Scheme
 
 
@@ -109,9 +109,15 @@ def make_flow(problem: Problem, vectors: int, step: float, scheme: Scheme = BLAN
     state = engine.make_state(problem, None)
     state.span[:] = 1, problem.beads, problem.beads, 1  # vectors move beads that are at rest
     terms, _ = make_terms(system, as_lammps=False, step=step)
-    dx, dv = np.zeros((2, vectors, state.x.size))
-    slopes, pulls = np.zeros((2, state.x.size))
-    stiffness = np.zeros((len(terms.across) + len(terms.ground), state.x.size))
-    nearby, gains = np.zeros((2, vectors if system.dampers else 0, state.x.size))
-    arrays = TangentArrays(dx, dv, slopes, pulls, stiffness, nearby, gains)
+    arrays = make_arrays(terms, vectors, state.x.size)
     return TangentFlow(problem, step, scheme, state, kernel.make_tangent_program(terms), arrays)
+
+
+def make_arrays(terms: Terms, vectors: int, places: int) -> TangentArrays:
+    """Vectors that are 0, and scratch arrays of a state of so many places."""
+    dx, dv = np.zeros((2, vectors, places))
+    slopes, pulls = np.zeros((2, places))
+    stiffness = np.zeros((len(terms.across) + len(terms.ground), places))
+    damped = bool(terms.dampers) and terms.dashpots == "drift"
+    nearby, gains = np.zeros((2, vectors if damped else 0, places))
+    return TangentArrays(dx, dv, slopes, pulls, stiffness, nearby, gains, np.zeros(places if damped else 0))

@@ -245,7 +245,7 @@ def load(a, p, time, low, high):
 
 DRAG = '''
 @called_by_compiled
-def {name}({arguments}, p, squeeze, drag, low, high):
+def {name}({arguments}, squeeze, drag, low, high):
     """{what} of all dashpots on the beads of rows that can move, into ``drag``; beads beside them are at rest."""
     {parameters}
     {contacts}
@@ -344,10 +344,72 @@ def advance_tangent(state, tangent, p, scheme, first_step, steps):
     """Advance a state and tangent vectors by some steps; see `kernel.TangentArrays`."""
     {parameters}
     {unpacked}
-    dx, dv, slopes, pulls, stiffness, nearby, gains = tangent
+    dx, dv, slopes, pulls, stiffness, nearby, gains, rates = tangent
     for number in range(first_step, first_step + steps):
         time = number * h
         {split_step}
+'''
+
+DERIVATIVES = '''
+@compiled
+def advance_derivatives(state, tangent, p, scheme, first_step, steps, shift, recorded, frames):
+    """Advance a state and its derivatives by as many frames as are to be filled; see `kernel.ShiftArrays`."""
+    {parameters}
+    {unpacked}
+    dx, dv, slopes, pulls, stiffness, nearby, gains, rates = tangent
+    q, weights, differs, first_side = shift
+    for frame in range(frames.x.shape[0]):
+        for number in range(frame * steps, (frame + 1) * steps):
+            time = (first_step + number) * h
+            {split_step}
+        for j in range(frames.x.shape[1]):
+            for k in range(recorded.shape[0]):
+                frames.x[frame, j, k] = x[recorded[k] * chains + j]
+                frames.v[frame, j, k] = v[recorded[k] * chains + j]
+                for n in range(dx.shape[0]):
+                    frames.dx[n, frame, j, k] = dx[n, recorded[k] * chains + j]
+                    frames.dv[n, frame, j, k] = dv[n, recorded[k] * chains + j]
+'''
+
+SHIFTED_KICK = '''
+@called_by_compiled
+def shifted_kick(dv, x, q, s, factor, time, differs, pulls, low, high):
+    """Add the kick of shifted parameters, times a factor."""
+    {parameters}
+    if differs[0]:
+        for k in range(low + {row}, high):
+            pulls[k] = {contact}
+        for k in range(low, high):
+            dv[k] += factor * ((pulls[k] - pulls[k + {row}]){per_mass})
+    if differs[1]:
+        {loops}
+        for k in range(low, high):
+            dv[k] += factor * ((0.0{others}){per_mass})
+'''
+
+SHIFTED_RATE = '''
+@called_by_compiled
+def shifted_rate(rates, x, q, s, factor, squeeze, drag, low, high):
+    """Add the rate of displacements by dashpots of shifted parameters, times a factor."""
+    {parameters}
+    shifted_impulses(x, q, s, squeeze, drag, low, high)
+    for k in range(low, high):
+        rates[k] += factor * (drag[k]{per_mass})
+'''
+
+SHIFTED_TRAVEL = '''
+@called_by_compiled
+def shifted_travel(x, q, s, factor, time, duration, low, high):
+    """Add how much farther free beads drift under loads of shifted parameters, times a factor."""
+    {parameters}
+    {travels}
+
+
+@called_by_compiled
+def shifted_give(v, q, s, factor, time, duration, low, high):
+    """Add how much faster they get, times a factor."""
+    {parameters}
+    {gifts}
 '''
 
 TANGENT_KICK = """
@@ -361,6 +423,9 @@ for n in range(dx.shape[0]):
     {loops}
     for k in range(low, high):
         dv_n[k] += factor * ((pulls[k] - pulls[k + {row}]{others}){per_mass})
+    ?shifted if differs[n, 0] or differs[n, 1]:
+    ?shifted     for s in range(first_side[n], first_side[n + 1]):
+    ?shifted         shifted_kick(dv_n, x, q, s, weights[s] * factor, time, differs[n], pulls, low, high)
 """
 
 TANGENT_DRIFT = """
@@ -368,6 +433,14 @@ for n in range(dx.shape[0]):
     dx_n, dv_n = dx[n], dv[n]
     for k in range(low, high):
         dx_n[k] += duration * dv_n[k]
+    {loads_of_sides}
+"""
+
+SHIFTED_LOADS = """
+if differs[n, 3]:
+    for s in range(first_side[n], first_side[n + 1]):
+        shifted_travel(dx_n, q, s, weights[s], time, duration, low, high)
+        shifted_give(dv_n, q, s, weights[s], time, duration, low, high)
 """
 
 TANGENT_DRIFT_WITH_IMPULSES = """
@@ -383,15 +456,23 @@ for part in range(4):
         dx_n, dv_n, nearby_n, gains_n = dx[n], dv[n], nearby[n], gains[n]
         brake(trial, nearby_n, p, squeeze, drag, low, high)
         for k in range(low, high):
-            change = dv_n[k] + drag[k]{per_mass}
-            gains_n[k] += weight * change
-            nearby_n[k] = dx_n[k] + later * change
+            rates[k] = dv_n[k] + drag[k]{per_mass}
+        ?shifted if differs[n, 2]:
+        ?shifted     for s in range(first_side[n], first_side[n + 1]):
+        ?shifted         shifted_rate(rates, trial, q, s, weights[s], squeeze, drag, low, high)
+        for k in range(low, high):
+            gains_n[k] += weight * rates[k]
+            nearby_n[k] = dx_n[k] + later * rates[k]
+        ?shifted_loads if differs[n, 3]:
+        ?shifted_loads     for s in range(first_side[n], first_side[n + 1]):
+        ?shifted_loads         shifted_travel(nearby_n, q, s, weights[s], time, later, low, high)
     impulses(trial, p, squeeze, drag, low, high)
     for k in range(low, high):
         trial[k] = place[k] + later * (v[k] + drag[k]{per_mass})
     ?pushed travel(trial, p, time, later, low, high)
 for n in range(dx.shape[0]):
-    dx_n, gains_n = dx[n], gains[n]
+    dx_n, dv_n, gains_n = dx[n], dv[n], gains[n]
     for k in range(low, high):
         dx_n[k] += duration / 6.0 * gains_n[k]
+    {loads_of_sides}
 """

@@ -33,6 +33,7 @@ from workflow.runs import run as running
 from workflow.runs.deck_directory import write_deck
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import progress_bar
+from workflow.study_kit.gradient import with_gradient
 from workflow.sweep import collect as collecting
 from workflow.sweep import file
 from workflow.sweep.collect import SweepTable, named_fields
@@ -240,7 +241,13 @@ def deck(scene: AnyScene, directory: Path | str, *, overwrite: bool = False, for
 
 
 def analyze(
-    run: AnyRun, *, figures: bool = False, beads: Sequence[int] | None = None, arrival: Arrival | None = None
+    run: AnyRun,
+    *,
+    figures: bool = False,
+    beads: Sequence[int] | None = None,
+    arrival: Arrival | None = None,
+    gradient: Sequence[str] = (),
+    by: Sequence[str] | None = None,
 ) -> Analysis:
     """Find the waves in a run, and write ``waves.csv`` and ``analysis.json`` beside the frames.
 
@@ -250,20 +257,27 @@ def analyze(
         beads: beads whose velocity over time is drawn; three by default.
         arrival: definition of an arrival: when the bead is fastest ("maximum"), or the centre of the "impulse" until
             then; by default the latter where beads have gaps.
+        gradient: quantities whose derivatives are computed with the reference, such as ``["peak_velocity@50"]``.
+        by: fields of the scene for these; by default all its numbers.
 
     Returns:
-        The analysis: ``waves`` is the table of ``waves.csv``; ``measurements`` are forces, energy and others.
+        The analysis: ``waves`` is the table of ``waves.csv``; ``measurements`` are forces, energy and others;
+        ``derivatives`` those that were asked for.
 
     Raises:
-        InputError: there are no frames, they are damaged, or a bead was not recorded.
+        InputError: there are no frames, they are damaged, or a bead was not recorded; or there is no such derivative.
 
     Examples:
         >>> analysis = granchain.analyze("out")
         >>> analysis.survey.verdict.sentence[:32]
         'equipartitioned and synchronised'
+        >>> analysis = granchain.analyze("out", gradient=["peak_velocity@50"], by=["coupling.stiffness"])
+        >>> round(analysis.derivatives[0].derivative, 4)  # V per unit of the coupling
+        0.4692
     """
-    chosen = None if beads is None else tuple(beads)
-    return analysing.analyse(directory_of(run), beads=chosen, figures=figures, arrival=arrival)
+    chosen, directory = None if beads is None else tuple(beads), directory_of(run)
+    analysis = analysing.analyse(directory, beads=chosen, figures=figures, arrival=arrival)
+    return with_gradient(analysis, directory, gradient, by) if gradient else analysis
 
 
 def validate(

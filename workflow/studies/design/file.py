@@ -97,6 +97,10 @@ class Variable:
             return values[0]
         return values if self.choices else sorted(values)
 
+    def coordinate(self, value: float) -> float:
+        """Coordinate of a value, of a field that holds one number."""
+        return math.log(value) if self.log else value
+
     def _one(self, coordinate: float) -> Any:
         if self.choices:
             return self.choices[round(coordinate)]

@@ -2,6 +2,7 @@
 
 import statistics
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -12,6 +13,7 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.screen import cell
 from workflow.studies.design.file import Design, Variable
 from workflow.studies.design.search import Compute, DesignRecord, worth
+from workflow.verdicts.derivative import Derivative
 
 SET_AGAINST = "set against"
 """Heading of the scene `beside`."""
@@ -139,6 +141,7 @@ class DesignResult:
         beside: the scene to compare them with; None if there is none.
         sensitivity: effect of manufacturing errors on the best.
         seconds: mean processor time of a design, in s.
+        derivatives: derivatives of the quantities at the best design; none where they were not asked for.
     """
 
     design: Design
@@ -147,6 +150,7 @@ class DesignResult:
     beside: Verified | None
     sensitivity: Sensitivity
     seconds: float
+    derivatives: Sequence[Derivative] = ()
 
     def __repr__(self) -> str:
         best, word = self.best.quantities.get(self.design.objective), "least" if self.design.sign > 0 else "most"
@@ -239,4 +243,5 @@ class DesignResult:
             "manufacture": asdict(self.sensitivity),
             "warnings": self.warnings,
             "seconds_a_design": self.seconds,
+            **({"derivatives": [asdict(line) for line in self.derivatives]} if self.derivatives else {}),
         }

@@ -28,19 +28,26 @@ from workflow.runs.files import as_json
 from workflow.screen import CommandResult, one_line, print_files, print_table
 from workflow.studies.design import file
 from workflow.studies.design.file import Design
+from workflow.studies.design.polish import polished, refuse_no_gradient, smooth
 from workflow.studies.design.result import DesignResult, Verified, sensitivity
 from workflow.studies.design.search import RULED_OUT, Compute, DesignRecord, computed, search, worth
 from workflow.study_kit.directory import Study, csv_text, kept_run
+from workflow.study_kit.gradient import gradient as derivatives
 from workflow.study_kit.options import add_jobs, add_output, as_job, interrupted
 from workflow.study_kit.scene_quantities import by_reference, of_frames, scene_to_run
 from workflow.sweep import fields
+from workflow.verdicts.derivative import HEAD, Derivative
 
 REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "index.html", "beside"
 STUDY = Study("design", f"{PAGE} is the report", tables=(REPORT, TABLE, BEST, PAGE), cache="evaluations.jsonl")
 
 
 def design(
-    definition: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None
+    definition: Mapping[str, Any] | Path | str,
+    directory: Path | str,
+    *,
+    jobs: int | None = None,
+    gradient: bool = False,
 ) -> DesignResult:
     """Find the scene that minimises or maximises a quantity within bounds, on all cores; resumes an interrupted call.
 
@@ -48,6 +55,7 @@ def design(
         definition: a design file, or its content as a mapping.
         directory: new, or resumed.
         jobs: designs at a time; as many as there are cores by default.
+        gradient: whether steps with derivatives follow the search, and the best design is given with its derivatives.
 
     Returns:
         All designs of the search, and the best ones in LAMMPS.
@@ -61,16 +69,17 @@ def design(
         if isinstance(definition, Mapping)
         else file.load(Path(definition))
     )
-    return carry_out(wanted, path_of(directory), jobs)
+    return carry_out(wanted, path_of(directory), jobs, gradient=gradient)
 
 
-def carry_out(design: Design, directory: Path, jobs: int | None = None) -> DesignResult:
+def carry_out(design: Design, directory: Path, jobs: int | None = None, *, gradient: bool = False) -> DesignResult:
     """Search, verify and write; designs and runs of an earlier start are used again.
 
     Args:
         design: the design file.
         directory: made if need be.
         jobs: designs at a time; None for all cores.
+        gradient: whether steps with derivatives follow the search.
 
     Returns:
         The result, which is also written.
@@ -79,12 +88,17 @@ def carry_out(design: Design, directory: Path, jobs: int | None = None) -> Desig
         InputError: the directory or a scene cannot be used, or no design is within the limits.
         RunError: LAMMPS failed.
     """
+    if gradient:
+        refuse_no_gradient(design)
     best_runs = [f"best-{place}" for place in range(1, design.request.verify + 1)]
     study = replace(STUDY, others=(BESIDE, *best_runs))
     with study.evaluating(directory, jobs) as evaluated:
         compute = functools.partial(computed, design, evaluated=evaluated)
         records = search(design, _shown(design, compute))
-        good = sorted((r for r in records if worth(design, r) < RULED_OUT), key=lambda r: worth(design, r))
+        good = _within_limits(design, records)
+        if gradient and good:
+            records += compute([polished(design, good[0], evaluated)])
+            good = _within_limits(design, records)
         study.write(directory, {TABLE: _table(design, records)})
         if not good:
             raise InputError(_why_nothing(design, records))
@@ -99,13 +113,24 @@ def carry_out(design: Design, directory: Path, jobs: int | None = None) -> Desig
         if design.beside is not None:
             quantities = by_reference(design.beside, design.names, f"{design.source}: beside")
             beside = _in_lammps(design, design.beside, directory / BESIDE, DesignRecord({}, quantities, "", 0.0))
+        slopes = gradient_at(best_scene.plain(), design) if gradient else []
         timed = [record.seconds for record in records if design.objective in record.quantities]
-        result = DesignResult(design, records, verified, beside, small, sum(timed) / len(timed))
+        result = DesignResult(design, records, verified, beside, small, sum(timed) / len(timed), slopes)
         study.write(directory, {REPORT: as_json(result.plain()) + "\n"})
         from workflow.studies.design.report import page  # matplotlib takes half a second to import
 
         study.write(directory, {PAGE: page(result)})
     return result
+
+
+def _within_limits(design: Design, records: list[DesignRecord]) -> list[DesignRecord]:
+    """Designs that are scenes, within the limits and with an objective, the best first."""
+    return sorted((r for r in records if worth(design, r) < RULED_OUT), key=lambda r: worth(design, r))
+
+
+def gradient_at(plain: dict[str, Any], design: Design) -> list[Derivative]:
+    """Derivatives of the quantities of a scene by the varied fields."""
+    return derivatives(plain, design.names, [variable.field for variable in smooth(design)], design.source)
 
 
 def _shown(design: Design, compute: Callable[..., list[DesignRecord]]) -> Compute:
@@ -174,6 +199,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("design", metavar="DESIGN.yaml", type=Path, help="a scene, bounds of its fields, an objective")
     add_output(parser)
     add_jobs(parser, "designs at a time (default all cores; of a job cores_per_node, or 1)")
+    parser.add_argument(
+        "--gradient", action="store_true", help="after the search, step on from the best design along derivatives"
+    )
     add_job_arguments(parser)
 
 
@@ -184,9 +212,10 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     if options is not None:
         count = arguments.jobs or options.cores_per_node or 1
         words = ["design", str(arguments.design.absolute()), "-o", ".", "--jobs", str(count)]
+        words += ["--gradient"] if arguments.gradient else []
         return as_job(options, arguments.output, words, cores=count)
     try:
-        result = carry_out(design, arguments.output, arguments.jobs)
+        result = carry_out(design, arguments.output, arguments.jobs, gradient=arguments.gradient)
     except KeyboardInterrupt:
         return interrupted()
     _print(result, arguments)
@@ -205,5 +234,7 @@ def _print(result: DesignResult, arguments: argparse.Namespace) -> None:
     for warning in result.warnings:
         print(f"warning: {one_line(warning)}")
     print(result.tolerance)
+    if result.derivatives:
+        print_table("derivatives at the best design", HEAD, [line.cells() for line in result.derivatives])
     print(f"each design took {result.seconds * 1e3:.3g} ms of processor time")
     print_files(arguments.output, (PAGE, BEST, TABLE))

@@ -2,7 +2,7 @@
 
 import copy
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,10 +13,12 @@ from analysis.files import traces
 from analysis.files.traces import Channel
 from analysis.gauges.gauge import beads_of, read, read_at
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import InputError, Problem, library
+from lammps_inputs import InputError, Problem, Scene, library
 from lammps_inputs.units import REDUCED, SI
-from workflow.engines.reference import engine
+from workflow.engines.reference import engine, tangent
+from workflow.engines.reference.derivatives import Sides, derivatives_of_motion
 from workflow.engines.reference.schemes import VERLET
+from workflow.study_kit.gradient import SceneInUnits
 from workflow.sweep import fields
 from workflow.verdicts.validate_table import check_channels
 
@@ -50,18 +52,27 @@ class Model:
         names: names of the free fields.
         path: the table, see `analysis.files.traces`.
         offset: time of the table minus time of the scene, in the scene's unit; None where it is free.
+        gradient: whether derivatives by fields are those of the tangent flow, not differences.
 
     Raises:
         InputError: the scene is invalid or has no such channels, or a name is that of no field with a number.
     """
 
     def __init__(
-        self, scene: dict[str, Any], source: str, names: Sequence[str], path: Path, offset: float | None
+        self,
+        scene: dict[str, Any],
+        source: str,
+        names: Sequence[str],
+        path: Path,
+        offset: float | None,
+        *,
+        gradient: bool = False,
     ) -> None:
         library.from_plain(scene, source)
         if not names:
             raise InputError("--free: name at least one field, such as coupling.stiffness")
         self.scene, self.source, self.names = scene, source, tuple(names)
+        self.path, self.gradient = path, gradient
         self.start = tuple(self._start(name) for name in names)
         if len({_entries(name, scene) for name in names}) < len(names):
             raise InputError(f"--free: {', '.join(names)}: one field is named twice")
@@ -72,6 +83,8 @@ class Model:
         start = self._problem(scene, 1.0)
         if start.window is not None:
             raise InputError(f"{source}: window: rows behind it have no traces; leave it out")
+        if gradient:
+            tangent.refuse_without_slope(start.system)
         if measured.units and not start.scale.si:
             raise InputError(f"{path}: names units, but {source} has no material, so it is in reduced units")
         check_channels(path, measured.channels, start)
@@ -130,11 +143,22 @@ class Model:
 
     # --- runs ---
 
-    def _problem(self, scene: dict[str, Any], duration: float, *, own_step: bool = False) -> Problem:
-        """Problem of a scene with a duration in the scene's unit, and without its end, accuracy, step and output."""
+    def _scene(self, scene: dict[str, Any], duration: float, *, own_step: bool = False) -> Scene:
+        """A scene with a duration in the scene's unit, and without its end, accuracy, step and output."""
         dropped = ("until_bead", "accuracy") if own_step else ("until_bead", "accuracy", "timestep")
         plain = {key: value for key, value in scene.items() if key not in dropped}
-        return library.from_plain({**plain, "duration": duration, "output": {}}, self.source).problem()
+        return library.from_plain({**plain, "duration": duration, "output": {}}, self.source)
+
+    def _problem(self, scene: dict[str, Any], duration: float, *, own_step: bool = False) -> Problem:
+        """Problem of `_scene`."""
+        return self._scene(scene, duration, own_step=own_step).problem()
+
+    def _timed(self, scene: Scene, steps: int) -> Problem:
+        """Problem of a scene, with so many steps between frames, that lie at the same times for all parameters."""
+        problem = scene.problem()
+        every = self.every / problem.scale.time
+        frames = round(problem.duration / every)
+        return replace(problem, timestep=every / steps, steps_per_frame=steps, frames=frames, recorded=self.beads)
 
     def run(self, parameters: Floats, until: float) -> Trajectory:
         """Motion of the beads next to the channels, from the start until a time.
@@ -150,12 +174,16 @@ class Model:
             InputError: the scene is invalid at these parameters.
             OverflowError: a field has no finite value.
         """
-        frames = max(0, math.ceil(until / self.every)) + _LATER
-        problem = self._problem(self.scene_at(parameters), frames * self.every)
-        steps = max(self._steps, engine.default_steps_per_frame(problem))
-        every = self.every / problem.scale.time
-        problem = replace(problem, timestep=every / steps, steps_per_frame=steps, frames=frames, recorded=self.beads)
-        return engine.run(problem, steps_per_frame=steps)
+        scene = self._scene(self.scene_at(parameters), self._lasts(until))
+        steps = self._steps_of(scene)
+        return engine.run(self._timed(scene, steps), steps_per_frame=steps)
+
+    def _lasts(self, until: float) -> float:
+        """Duration of a run for traces until a time, both in the scene's unit."""
+        return (max(0, math.ceil(until / self.every)) + _LATER) * self.every
+
+    def _steps_of(self, scene: Scene) -> int:
+        return max(self._steps, engine.default_steps_per_frame(scene.problem()))
 
     def trajectory(self, parameters: Floats) -> Trajectory | None:
         """Motion at parameters [parameter] over the time of the table; None where the scene is refused."""
@@ -207,8 +235,36 @@ class Model:
         return np.asarray(values - traces)
 
     def slopes(self, parameters: Floats) -> Floats:
-        """Derivatives of the traces at parameters [parameter], [row, channel, parameter]."""
-        return np.stack([self.slope(parameters, place) for place in range(len(parameters))], axis=-1)
+        """Derivatives of the traces at parameters [parameter], [row, channel, parameter].
+
+        Raises:
+            InputError: the scene is refused on both sides of the parameters.
+        """
+        columns = self._along_flow(parameters) if self.gradient else []
+        columns += [self.slope(parameters, place) for place in range(len(columns), len(parameters))]
+        return np.stack(columns, axis=-1)
+
+    def _along_flow(self, parameters: Floats) -> list[Floats]:
+        """Derivatives of the traces, [row, channel], by the logarithms of the fields, from the tangent flow."""
+        lasts = self._lasts(float(self.measured.time[-1]) - self.offset(parameters))
+        scene = self._scene(self.scene_at(parameters), lasts)
+        steps, velocity = self._steps_of(scene), scene.scale.velocity
+        sides = []
+        for place in range(len(self.names)):
+            ends: list[Problem] = []
+            for change in (-STEP, STEP):
+                moved = parameters.copy()
+                moved[place] += change
+                beside = SceneInUnits.of(self._scene(self.scene_at(moved), lasts), velocity)
+                ends.append(self._timed(beside, steps))
+            sides.append(Sides(tuple(ends), (-STEP, STEP)))
+        motion = derivatives_of_motion(self._timed(scene, steps), sides, steps)
+        columns = []
+        for place, side in enumerate(sides):
+            runs = [motion.moved(place, change, end) for change, end in zip(side.changes, side.problems, strict=True)]
+            earlier, later = (self._traces_of(run, parameters) for run in runs)
+            columns.append(np.asarray((later - earlier) / (2.0 * STEP)))
+        return columns
 
     def slope(self, parameters: Floats, place: int) -> Floats:
         """Derivative of the traces at parameters [parameter] by one of them, [row, channel]."""
@@ -237,8 +293,8 @@ class Model:
         count = len(self.names)
         names, columns = [], []
         varied = {_entries(name, self.scene) for name in self.names}
-        for name in _numbers(self.scene):
-            if _entries(name, self.scene) in varied:
+        for name, _ in fields.held(self.scene):
+            if name.partition(".")[0] in NO_MODEL or _entries(name, self.scene) in varied:
                 continue
             wide = copy.copy(self)
             wide._trajectories = {}
@@ -250,18 +306,6 @@ class Model:
                 continue
         shape = (*self.measured.values.shape, 0)
         return tuple(names), np.stack(columns, axis=-1) if columns else np.empty(shape)
-
-
-def _numbers(scene: dict[str, Any], above: str = "") -> Iterator[str]:
-    """Names of all that holds a number in a scene's plain data."""
-    for key, value in scene.items():
-        if isinstance(value, dict):
-            yield from _numbers(value, f"{above}{key}.")
-        elif isinstance(value, list | tuple):
-            for number, part in enumerate(value, 1):
-                yield from _numbers(part, f"{above}{key}[{number}].") if isinstance(part, dict) else ()
-        elif isinstance(value, int | float) and key not in NO_MODEL:
-            yield above + key
 
 
 def _entries(name: str, scene: dict[str, Any]) -> tuple[tuple[str, int], ...]:

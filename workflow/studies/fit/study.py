@@ -15,12 +15,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.stats import qmc
 
-from analysis.files.traces import Traces
 from analysis.gauges.gauge import read_at
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, installed_scenes, library, strict_yaml
@@ -68,6 +67,7 @@ def fit(
     *,
     offset: float | None = None,
     lammps: bool = True,
+    gradient: bool = False,
 ) -> Fit:
     """Estimate fields of a scene from measured traces, with confidence intervals where a test of fit is passed.
 
@@ -80,6 +80,7 @@ def fit(
         directory: created if it does not exist.
         offset: by how much the table's times are later than the scene's; None to estimate it, too.
         lammps: whether to run the fitted scene in LAMMPS.
+        gradient: whether derivatives are those of the tangent flow, not differences of runs.
 
     Returns:
         Estimates with intervals, in the scene's units, the test of fit, and the residuals of each channel.
@@ -89,46 +90,32 @@ def fit(
         RunError: LAMMPS failed.
     """
     names = [free] if isinstance(free, str) else list(free)
-    source = source_of(scene)
     plain = load(scene).plain()
-    return carry_out(plain, Path(against), names, path_of(directory), source=source, offset=offset, lammps=lammps)
+    model = Model(plain, source_of(scene), names, Path(against), offset, gradient=gradient)
+    return carry_out(model, path_of(directory), lammps=lammps)
 
 
-def carry_out(
-    scene: dict[str, Any],
-    path: Path,
-    names: list[str],
-    directory: Path,
-    *,
-    source: str,
-    offset: float | None = None,
-    lammps: bool = True,
-) -> Fit:
+def carry_out(model: Model, directory: Path, *, lammps: bool = True) -> Fit:
     """Estimate fields of a scene from measured traces, and write the result.
 
     Args:
-        scene: plain data of the scene, with values to start from.
-        path: the table, see `analysis.files.traces`.
-        names: names of the free fields.
+        model: traces of the scene by its fields, and the measured ones.
         directory: made if need be.
-        source: name of the scene in messages.
-        offset: time of the table minus time of the scene, in the scene's unit; None to estimate it, too.
         lammps: whether to run the fitted scene in LAMMPS.
 
     Returns:
         The result, which is also written.
 
     Raises:
-        InputError: the scene, the table, a field or the directory cannot be used.
+        InputError: the table or the directory cannot be used.
         RunError: LAMMPS failed.
     """
-    model = Model(scene, source, names, path, offset)
     with STUDY.opened(directory):
-        size = _sizes(model.measured, path, len(names) + model.finds_offset)
+        size = _sizes(model)
         estimated = _best(model, size)
         result = judged(model, estimated, size)
         comment = "" if result.fits is not False else f"# {result.verdict}\n"
-        fitted = library.from_plain(model.scene_at(estimated.parameters), source).plain()
+        fitted = library.from_plain(model.scene_at(estimated.parameters), model.source).plain()
         STUDY.write(directory, {FITTED: comment + strict_yaml.dump(fitted)})
         if lammps:
             result = replace(result, lammps=_in_lammps(model, estimated, directory / LAMMPS))
@@ -140,13 +127,14 @@ def carry_out(
     return result
 
 
-def _sizes(measured: Traces, path: Path, unknowns: int) -> Floats:
+def _sizes(model: Model) -> Floats:
     """Largest value of the data, [channel], in the channel's unit.
 
     Raises:
         InputError: there are too few values, or all values of a channel are zero.
     """
-    if int(np.isfinite(measured.values).sum()) <= unknowns:
+    measured, path = model.measured, model.path
+    if int(np.isfinite(measured.values).sum()) <= len(model.names) + model.finds_offset:
         raise InputError(f"{path}: has fewer values than there are unknowns")
     size = np.nanmax(np.abs(measured.values), axis=0)
     for channel, largest in zip(measured.channels, size, strict=True):
@@ -227,6 +215,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="by how much times of FILE are later than the scene's, such as --offset=-1e-5 (default: found, too)",
     )
     add_output(parser)
+    parser.add_argument(
+        "--gradient", action="store_true", help="take derivatives from the tangent flow, not from differences of runs"
+    )
     parser.add_argument("--no-lammps", action="store_true", help="do not run the fitted scene in LAMMPS")
     add_job_arguments(parser)
 
@@ -236,15 +227,15 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     options = job_options(arguments)
     if options is not None:
         return as_job(options, arguments.output, _words(arguments), cores=1, jobs=1)
-    result = carry_out(
+    model = Model(
         library.find(arguments.scene).plain(),
-        arguments.against,
+        arguments.scene,
         [name.strip() for name in arguments.free.split(",") if name.strip()],
-        arguments.output,
-        source=arguments.scene,
-        offset=arguments.offset,
-        lammps=not arguments.no_lammps,
+        arguments.against,
+        arguments.offset,
+        gradient=arguments.gradient,
     )
+    result = carry_out(model, arguments.output, lammps=not arguments.no_lammps)
     _print(result, arguments)
     return CommandResult(0 if result.converged and result.fits is not False else 1, result.plain())
 
@@ -257,6 +248,7 @@ def _words(arguments: argparse.Namespace) -> list[str]:
     words = ["fit", path, "--against", str(arguments.against.absolute()), "--free", arguments.free, "-o", "."]
     words += [] if arguments.offset is None else [f"--offset={arguments.offset!r}"]
     words += formats.words()
+    words += ["--gradient"] if arguments.gradient else []
     return [*words, *(["--no-lammps"] if arguments.no_lammps else [])]
 
 

@@ -1,0 +1,75 @@
+"""Derivatives by numbers of a scene are those of the computed motion."""
+
+import numpy as np
+import pytest
+from smooth_scenes import SMALL, SMOOTH
+
+import granchain
+from granchain import InputError
+from workflow.engines.reference import engine
+from workflow.engines.reference.derivatives import Sides, derivatives_of_motion
+from workflow.sweep import fields
+
+STEPS = (-1e-4, -5e-5, 5e-5, 1e-4)
+FIELDS = {
+    "coupled": ("coupling.stiffness", "coupling.cubic", "precompression.force"),
+    "lattice": ("coupling.stiffness",),
+    "foundation in time": ("foundation.stiffness.from",),
+    "resonators": ("resonators.mass", "resonators.stiffness", "resonators.damping"),
+    "driven": ("drive.frequency", "damping.beads"),
+}
+QUICK = ("coupled",)
+"""Others are slow, as each is compiled."""
+
+
+def resolved(changes):
+    scene = {key: value for key, value in {**SMALL, **changes}.items() if value is not None}
+    return granchain.load(scene).resolved().plain()
+
+
+def beside(scene, name, share):
+    """Problem of a scene with a number that is off by a share of it, and by how much."""
+    value = fields.look_up(scene, fields.parse(name, scene))
+    return granchain.load(fields.put_all(scene, {name: value * (1.0 + share)})).problem(), value * share
+
+
+def sides_of(scene, name):
+    return Sides(*zip(*(beside(scene, name, share) for share in STEPS), strict=True))
+
+
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=() if kind in QUICK else pytest.mark.slow) for kind in FIELDS]
+)
+def test_derivatives_are_those_of_the_computed_motion(kind):
+    scene = resolved(SMOOTH[kind])
+    problem = granchain.load(scene).problem()
+    steps = engine.default_steps_per_frame(problem)
+    motion = derivatives_of_motion(problem, [sides_of(scene, name) for name in FIELDS[kind]], steps)
+    run = engine.run(problem, steps_per_frame=steps)
+    assert np.array_equal(np.stack([motion.x, motion.v]), np.stack(run.atoms))
+    for number, name in enumerate(FIELDS[kind]):
+        differences = []
+        for share in (4e-4, 2e-4):
+            runs, changes = zip(*(beside(scene, name, sign * share) for sign in (-1.0, 1.0)), strict=True)
+            low, high = (np.stack(engine.run(run, steps_per_frame=steps).atoms) for run in runs)
+            differences.append((high - low) / (changes[1] - changes[0]))
+        expected = (4 * differences[1] - differences[0]) / 3
+        # rounding in the differences of forces, 1e-7 for beads whose motion is given; far below otherwise
+        error = np.max(np.abs(np.stack([motion.dx[number], motion.dv[number]]) - expected))
+        assert error < 3e-7 * np.max(np.abs(expected)), name
+
+
+def test_recorded_beads_alone_are_kept():
+    scene = resolved({**SMOOTH["coupled"], "output": {"beads": [2, 5]}})
+    few = granchain.load(scene).problem()
+    every = granchain.load({**scene, "output": {**scene["output"], "beads": "all"}}).problem()
+    sides = [sides_of(scene, "coupling.stiffness")]
+    motion, complete = (derivatives_of_motion(problem, sides, 4) for problem in (few, every))
+    assert np.array_equal(motion.dv, complete.dv[:, :, :, [1, 4]])
+
+
+def test_frames_beyond_the_memory_are_refused(monkeypatch):
+    monkeypatch.setattr("workflow.engines.reference.derivatives.MOST_BYTES", 1e3)
+    scene = resolved(SMOOTH["coupled"])
+    with pytest.raises(InputError, match=r"record less often, with a larger `output\.every`"):
+        derivatives_of_motion(granchain.load(scene).problem(), [sides_of(scene, "coupling.stiffness")])

@@ -1,0 +1,144 @@
+"""Derivatives of quantities by fields: exact scaling laws, differences of accurate runs, and what is refused."""
+
+import csv
+import json
+from functools import partial
+
+import numpy as np
+import pytest
+
+import granchain
+from analysis.trajectory import blocks
+from granchain import InputError
+from lammps_inputs import library
+from workflow.cli import main
+from workflow.engines.reference import engine
+from workflow.study_kit import scene_quantities
+from workflow.study_kit.gradient import gradient
+from workflow.sweep import fields
+
+CHAIN = {"name": "chain", "chains": 1, "beads": 24, "kick": {"velocity": 1}, "duration": 30}
+PAIR = {**CHAIN, "chains": 2, "coupling": {"stiffness": 0.2}}
+LOADED = {**CHAIN, "precompression": {"force": 0.2}, "kick": {"velocity": 0.3}}
+
+MAGNETS = {
+    **CHAIN,
+    "contact": {"force": "A/(d+s)^p", "A": 1, "p": 4, "d": 1},
+    "walls": {"left": "bead", "right": "bead"},
+}
+STEEL = {
+    **PAIR,
+    "material": {"radius": 0.01, "density": 7780, "youngs_modulus": 2e11, "poisson_ratio": 0.3},
+    "coupling": {"stiffness": 2e7},
+    "duration": 4e-4,
+}
+
+TEN = {
+    "coupling": (PAIR, "coupling.stiffness"),
+    "steel": (STEEL, "material.radius"),
+    "load": (LOADED, "precompression.force"),
+    "exponent": ({**CHAIN, "contact": {"exponent": 2.0}}, "contact.exponent"),
+    "ramp": ({**CHAIN, "contact": {"strength": {"from": 1, "to": 4, "contacts": [2, 12]}}}, "contact.strength.to"),
+    "resonators": ({**CHAIN, "resonators": {"mass": 0.1, "stiffness": 1}}, "resonators.stiffness"),
+    "foundation": ({**PAIR, "foundation": {"stiffness": 0.1}}, "foundation.stiffness"),
+    "dashpots": ({**LOADED, "damping": {"contact": 0.05, "tension": "allowed"}}, "damping.contact"),
+    "push": ({**CHAIN, "kick": None, "push": {"shape": "half-sine", "peak": 0.5, "duration": 2}}, "push.peak"),
+    "magnets": (MAGNETS, "contact.p"),
+}
+QUANTITIES = ("peak_velocity@12", "arrival@12")
+
+
+def scene_of(keys):
+    return granchain.load({key: value for key, value in keys.items() if value is not None}).plain()
+
+
+def measured(plain, steps):
+    """Quantities of a run with so many steps from frame to frame."""
+    scene = library.from_plain(plain, "scene")
+    run = engine.run(scene.problem(), steps_per_frame=steps)
+    values = scene_quantities.of_frames(run.problem, partial(blocks, run), scene, QUANTITIES)
+    return np.array([values[name] for name in QUANTITIES])
+
+
+def test_a_hertzian_chain_has_the_derivatives_of_its_scaling_law():
+    """Without another scale, velocities grow as the kick's and times as its power -1/5."""
+    peak, arrival = gradient(scene_of(CHAIN), QUANTITIES, ["kick.velocity"], "chain")
+    # arrivals are interpolated between frames
+    assert peak.relative == pytest.approx(1.0, abs=1e-7)
+    assert arrival.relative == pytest.approx(-0.2, abs=1e-6)
+    assert arrival.derivative == pytest.approx(arrival.relative * arrival.value)
+
+
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=() if kind == "coupling" else pytest.mark.slow) for kind in TEN]
+)
+def test_derivatives_are_those_of_differences_of_accurate_runs_to_six_digits(kind):
+    keys, name = TEN[kind]
+    plain = granchain.load(scene_of(keys)).resolved().plain()
+    derivatives = gradient(plain, QUANTITIES, [name], kind)
+    steps = 64 * engine.default_steps_per_frame(library.from_plain(plain, kind).problem())
+    value = fields.look_up(plain, fields.parse(name, plain))
+
+    def difference(share):
+        low, high = (measured(fields.put_all(plain, {name: value * (1.0 + side)}), steps) for side in (-share, share))
+        return (high - low) / (2.0 * share * value)
+
+    expected = (4.0 * difference(1e-4) - difference(2e-4)) / 3.0
+    for derivative, right in zip(derivatives, expected, strict=True):
+        assert abs(derivative.derivative - right) < 1e-6 * abs(right), derivative.quantity
+        assert derivative.uncertainty < 3e-5 * abs(right)
+
+
+def test_quantities_that_bend_have_no_derivative():
+    """Of two equal kicks either becomes the larger, and its chain that of the leading wave."""
+    scene = scene_of({**CHAIN, "chains": 2, "kick": [{"velocity": 1}, {"chain": 2, "velocity": 1}]})
+    [line] = gradient(scene, ["peak_velocity@12"], ["kick[1].velocity"], "pair")
+    assert line.value == pytest.approx(0.68, abs=0.01)
+    assert line.derivative is None
+    assert line.cells()[3] == "jumps"
+
+
+def test_quantities_that_are_undefined_have_no_derivative():
+    [line] = gradient(scene_of({**PAIR, "duration": 5}), ["arrival@20"], ["coupling.stiffness"], "short")
+    assert (line.value, line.derivative, line.uncertainty, line.relative) == (None, None, None, None)
+
+
+def test_without_fields_all_numbers_of_the_scene_are_varied():
+    lines = gradient(scene_of({**PAIR, "gap": 0}), ["peak_velocity@12"], None, "pair")
+    assert [line.field for line in lines] == ["coupling.stiffness", "kick.velocity"]
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("gap", "it is not there"),
+        ("chains", "it counts something"),
+        ("duration", "it says how, or how long, a scene is computed"),
+        ("coupling.stifness", "a scene has no field 'coupling.stifness'"),
+    ],
+)
+def test_fields_without_derivative_are_refused(name, reason):
+    with pytest.raises(InputError, match=reason):
+        gradient(scene_of(PAIR), ["peak_velocity@12"], [name], "pair")
+
+
+def test_contacts_that_yield_are_refused():
+    scene = scene_of({**CHAIN, "contact": {"yield": {"overlap": 0.1}}})
+    with pytest.raises(InputError, match="contacts that yield"):
+        gradient(scene, ["peak_velocity@12"], ["kick.velocity"], "plastic")
+
+
+@pytest.mark.usefixtures("lammps_here")
+def test_analyze_prints_and_writes_derivatives(tmp_path, capsys):
+    directory = str(tmp_path / "run")
+    granchain.run(scene_of(PAIR), directory)
+    words = ["analyze", directory, "--no-figures", "--gradient", "peak_velocity@12", "--by", "coupling.stiffness"]
+    assert main(words) == 0
+    printed = capsys.readouterr().out
+    assert "derivatives of quantities by fields" in printed
+    [row] = csv.DictReader((tmp_path / "run" / "gradient.csv").read_text().splitlines())
+    assert float(row["derivative"]) == pytest.approx(float(row["relative"]) * float(row["value"]) / 0.2)
+    assert main([*words, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["gradient"][0]["derivative"] == float(row["derivative"])
+    assert main([*words[:-2], "--by", "beads"]) == 2
+    assert main(["analyze", directory, "--by", "gap"]) == 2

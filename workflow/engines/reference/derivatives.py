@@ -1,0 +1,261 @@
+"""Derivatives of a run of the reference by numbers of its scene, from the tangent flow.
+
+The motion of a scene whose numbers differ a little obeys the equations linearised about the run, with what these
+numbers change in the forces, masses and time step as a source. The source is the central difference of the forces on
+the beads of the run: it is smooth in the numbers, so that its relative error is some 1e-10 where a number is changed by
+1e-5 of itself. The vectors are advanced by the scheme's own steps, as those of `workflow.engines.reference.tangent`.
+"""
+
+import itertools
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from analysis import motion
+from analysis.trajectory import Floats, Trajectory, frames_per_block, of_atoms
+from lammps_inputs import InputError, Problem, physics
+from lammps_inputs.units import Scale
+from workflow.engines.reference import engine, kernel, tangent
+from workflow.engines.reference.kernel import DerivativeFrames, ShiftArrays
+from workflow.engines.reference.kernel_inputs import Term, Terms, make_terms
+from workflow.engines.reference.schemes import BLANES_MOAN
+
+MOST_BYTES = 4e9
+"""Memory that frames of all derivatives may take."""
+
+
+@dataclass(frozen=True)
+class Sides:
+    """Problems beside another, whose scenes differ in one number.
+
+    Attributes:
+        problems: two or more, as many smaller as larger.
+        changes: by how much the number of each differs from the run's.
+    """
+
+    problems: tuple[Problem, ...]
+    changes: tuple[float, ...]
+
+    @cached_property
+    def weights(self) -> Floats:
+        """Weights [side] with which values sum to the derivative, exactly for polynomials up to their number."""
+        size = max(map(abs, self.changes))
+        powers = np.vander(np.array(self.changes) / size, increasing=True).T
+        return np.asarray(np.linalg.solve(powers, np.eye(len(powers))[1]) / size)
+
+
+@dataclass(frozen=True)
+class DerivativesOfMotion:
+    """Frames of a run and their derivatives by numbers, at the run's own frames, in units of each problem's scale.
+
+    Attributes:
+        problem: what was run.
+        time: [frame], in units of T.
+        x, v: displacements and velocities [frame, line, bead].
+        dx, dv: their derivatives by each number, [number, frame, line, bead].
+    """
+
+    problem: Problem
+    time: Floats
+    x: Floats
+    v: Floats
+    dx: Floats
+    dv: Floats
+
+    def moved(self, number: int, change: float, problem: Problem, scale: Scale | None = None) -> Trajectory:
+        """Frames of a problem in which a number differs by a small change, to first order in the change.
+
+        Args:
+            number: place of the number.
+            change: its change.
+            problem: the problem that has it.
+            scale: units of the derivatives, those of the sides; None if they are the problem's.
+        """
+        scale = scale or problem.scale
+        x, v = self.x + change * self.dx[number], self.v + change * self.dv[number]
+        x, v = x * (scale.length / problem.scale.length), v * (scale.velocity / problem.scale.velocity)
+        time = np.arange(len(x), dtype=np.float64) * problem.every
+        return of_atoms(problem, time, np.asarray(x), np.asarray(v), 1, None, None)
+
+    def small(self, number: int, size: float, moved: float) -> float:
+        """Change of a number: a share of its size, or less where a velocity would change by more than that share of V.
+
+        Args:
+            number: place of the number.
+            size: its absolute value, or 1 for a logarithm.
+            moved: the share.
+        """
+        return moved / max(float(np.max(np.abs(self.dv[number]), initial=0.0)), 1.0 / size)
+
+    def trajectory(self) -> Trajectory:
+        """Frames of the run."""
+        return of_atoms(self.problem, self.time, self.x, self.v, 1, None, None)
+
+
+def derivatives_of_motion(
+    problem: Problem, sides: Sequence[Sides], steps_per_frame: int | None = None
+) -> DerivativesOfMotion:
+    """Run a problem with its derivatives by numbers.
+
+    Args:
+        problem: what is integrated; without a window.
+        sides: problems beside it for each number, with frames at the same numbers of steps.
+        steps_per_frame: steps between frames; by default as many as `engine.default_steps_per_frame` says.
+
+    Raises:
+        InputError: the system cannot be linearised, a number changes the form of its equations, or the frames would
+            take too much memory.
+    """
+    system = problem.system
+    tangent.refuse_without_slope(system)
+    steps = engine.default_steps_per_frame(problem) if steps_per_frame is None else steps_per_frame
+    state = engine.make_state(problem, None)
+    terms, _ = make_terms(system, as_lammps=False, step=0.0)
+    shift = _shift_arrays(problem, sides, terms, state.parameters)
+    arrays = tangent.make_arrays(terms, len(sides), state.x.size)
+    for vector, side in zip(arrays.dv, sides, strict=True):
+        starts = np.array([physics.initial_velocity(end.system).T for end in side.problems])
+        vector.reshape(state.x.shape)[1:-1, : problem.chains] = np.tensordot(side.weights, starts, axes=1)
+    program = kernel.make_derivative_program(terms)
+    stepping = engine.make_steps(BLANES_MOAN, problem.every / steps)
+    moving = _empty_frames(problem, len(sides))
+    stretched = [_stretch(problem, side) for side in sides]
+    direct = not system.dampers and not any(stretched)
+    recorded = problem.recorded_beads if direct else np.arange(1, problem.beads + 1)
+    size = frames_per_block(problem)
+    for first in (0, *range(1, problem.frames + 1, size)):
+        place = slice(first, min(first + size, problem.frames + 1) if first else 1)
+        kept = DerivativeFrames(moving.x[place], moving.v[place], moving.dx[:, place], moving.dv[:, place])
+        frames = kept if direct else _frames_of_all(kept, physics.lines(system), problem.beads)
+        earlier, between = max(0, first - 1) * steps, steps if first else 0
+        program.advance_derivatives(
+            state.compiled, arrays, state.parameters, stepping, earlier, between, shift, recorded, frames
+        )
+        if not direct:
+            _complete(frames, moving.time[place], problem, sides, kept)
+    return moving
+
+
+def _frames_of_all(frames: DerivativeFrames, lines: int, beads: int) -> DerivativeFrames:
+    """Arrays for as many frames of all atoms."""
+    x, v = np.empty((2, len(frames.x), lines, beads))
+    dx, dv = np.empty((2, *frames.dx.shape[:2], lines, beads))
+    return DerivativeFrames(x, v, dx, dv)
+
+
+def _stretch(problem: Problem, sides: Sides) -> float:
+    """Derivative of the logarithm of the time between frames in units of T, which frames at equal times need."""
+    return float(np.sum(sides.weights * np.array([side.every for side in sides.problems]))) / problem.every
+
+
+def _complete(
+    frames: DerivativeFrames, time: Floats, problem: Problem, sides: Sequence[Sides], kept: DerivativeFrames
+) -> None:
+    """Complete the program's frames of all atoms, and keep those that are recorded.
+
+    Velocities get what dashpots have given. The program's derivatives are those at times in units of T, which depends
+    on the number; at equal times a bead is farther on its way.
+
+    Args:
+        frames: frames of all atoms.
+        time: their times [frame], in units of T.
+        problem: what is integrated.
+        sides: problems beside it.
+        kept: frames of the recorded beads, which are filled.
+    """
+    x, v = frames.x, frames.v + engine.given_by_dashpots(problem.system, frames.x)
+    system = of_atoms(problem, time, x, v).system_at(slice(None))
+    acceleration = motion.acceleration(system, x, time=time, velocity=v)
+    dx, dv = [], []
+    for side, way, rate in zip(sides, frames.dx, frames.dv, strict=True):
+        later = (_stretch(problem, side) * time)[:, np.newaxis, np.newaxis]
+        dx.append(way + later * v)
+        dv.append(rate + _given(side, x, way) + later * acceleration)
+    for array, values in zip(kept, (x, v, np.array(dx), np.array(dv)), strict=True):
+        array[:] = values[..., : problem.lines, problem.recorded_beads - 1]
+
+
+def _empty_frames(problem: Problem, numbers: int) -> DerivativesOfMotion:
+    """Arrays for all frames.
+
+    Raises:
+        InputError: they would take too much memory.
+    """
+    time = np.arange(problem.frames + 1, dtype=np.float64) * problem.every
+    shape = (len(time), problem.lines, len(problem.recorded_beads))
+    size = 16.0 * (1 + numbers) * float(np.prod(shape))
+    if size > MOST_BYTES:
+        raise InputError(
+            f"the frames of {numbers} derivatives would take {size / 1e9:.2g} GB of memory, more than "
+            f"{MOST_BYTES / 1e9:g}; record less often, with a larger `output.every`"
+        )
+    x, v = np.empty((2, *shape))
+    dx, dv = np.empty((2, numbers, *shape))
+    return DerivativesOfMotion(problem, time, x, v, dx, dv)
+
+
+def _given(sides: Sides, x: Floats, dx: Floats) -> Floats:
+    """Derivative of the velocities that dashpots have given, [frame, line, bead]."""
+    given = [
+        weight * engine.given_by_dashpots(end.system, x + change * dx)
+        for weight, end, change in zip(sides.weights, sides.problems, sides.changes, strict=True)
+    ]
+    return np.asarray(np.sum(given, axis=0))
+
+
+def _shift_arrays(problem: Problem, sides: Sequence[Sides], terms: Terms, parameters: tuple[Any, ...]) -> ShiftArrays:
+    """Parameters of the sides, how they are weighed, and in what they differ.
+
+    Raises:
+        InputError: a number changes the form of the equations.
+    """
+    ends = [end for side in sides for end in side.problems]
+    first_side = np.cumsum([0, *(len(side.problems) for side in sides)])
+    made = [make_terms(end.system, as_lammps=False, step=0.0) for end in ends]
+    for other, values in made:
+        times = [values[n] - parameters[n] for n, name in enumerate(terms.names) if name == terms.bends]
+        if _form(other) != _form(terms) or any(np.max(np.abs(apart)) > 1e-12 * problem.duration for apart in times):
+            raise InputError("no derivative: a small change of the number changes the form of the equations of motion")
+    groups = [terms.contacts, (*terms.across, *terms.ground), tuple(itertools.chain(*terms.dampers))]
+    names = [_names(group) | {terms.inverse_mass} if group else set() for group in (*groups, _loads(terms))]
+    stacked = tuple(np.stack(values) for values in zip(*(values for _, values in made), strict=True))
+    differs = np.zeros((len(sides), len(names)), dtype=bool)
+    for number, (first, last) in enumerate(itertools.pairwise(first_side)):
+        of_number = {name: arrays[first:last] for name, arrays in zip(terms.names, stacked, strict=True)}
+        unequal = {name for name, arrays in of_number.items() if np.any(arrays != arrays[0])}
+        differs[number] = [bool(unequal & group) for group in names]
+    weights = np.concatenate([side.weights for side in sides])
+    return ShiftArrays(stacked, weights, differs, first_side)
+
+
+def _loads(terms: Terms) -> tuple[Term, ...]:
+    return (*terms.loads, *terms.motions)
+
+
+def _names(terms: Iterable[Term]) -> set[str]:
+    """Names of the parameters that terms read."""
+    texts = (text for term in terms for text in (term.strain_text, term.rate_text, *term.parameters, term.over))
+    return {name for text in texts for name in re.findall(r"[A-Za-z_]\w*", text)}
+
+
+def same_form(problem: Problem, other: Problem) -> bool:
+    """Whether the forces of two problems differ in numbers alone, so that one program computes both."""
+    (terms, values), (others, numbers) = (
+        make_terms(given.system, as_lammps=False, step=0.0) for given in (problem, other)
+    )
+    return _form(terms) == _form(others) and list(map(np.shape, values)) == list(map(np.shape, numbers))
+
+
+def _form(terms: Terms) -> Terms:
+    """Terms with the text of the force in place of a formula's law, whose other texts have numbers in exponents."""
+
+    def with_texts(group: tuple[Term, ...]) -> tuple[Term, ...]:
+        laws = (term.law.source("", "force") if hasattr(term.law, "source") else term.law for term in group)
+        return tuple(replace(term, law=law) for term, law in zip(group, laws, strict=True))
+
+    across, ground = with_texts(terms.across), with_texts(terms.ground)
+    return replace(terms, contacts=with_texts(terms.contacts), across=across, ground=ground)
