@@ -73,12 +73,13 @@ def write(scene: "Scene", directory: Path) -> None:
         (directory / name).write_text(content, encoding="utf-8", newline="\n")
 
 
-def render_deck(problem: Problem, start: Sequence[str] = ()) -> str:
+def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.0) -> str:
     """The text of ``in.chains``.
 
     Args:
         problem: what is computed.
         start: commands that set positions and velocities at the start, in place of the kicks.
+        opening: how much farther apart than at rest neighbours start, at most, in units of L.
     """
     system = problem.system
     sections = [
@@ -94,7 +95,7 @@ def render_deck(problem: Problem, start: Sequence[str] = ()) -> str:
             *START,
             f"atom_style {_atom_style(problem)}",
             "boundary s f f                   # x: the box follows rebounding beads; y, z: no periodic images",
-            *neighbour_lines(problem),
+            *neighbour_lines(problem, opening),
             *number_fix(problem),
             f"read_data {file_names.DATA}" + " fix numbers NULL Numbers" * bool(number_fix(problem)),
             *group_lines(problem),
@@ -124,12 +125,15 @@ def render_deck(problem: Problem, start: Sequence[str] = ()) -> str:
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
 
 
-def neighbour_lines(problem: Problem) -> list[str]:
-    """The neighbour list, built once with the beads at rest."""
+def neighbour_lines(problem: Problem, opening: float = 0.0) -> list[str]:
+    """The neighbour list, built once: with the beads at rest, or with neighbours farther apart by an opening.
+
+    Second neighbours may be in it, but exert no force: beads are so large that they never touch (`Layout.diameter`).
+    """
     return [
         "atom_modify sort 0 0",
         "comm_modify vel yes",
-        f"neighbor {text(_skin(problem))} bin",
+        f"neighbor {text(_skin(problem) + opening)} bin",
         "neigh_modify once yes            # neighbours on a line never change",
     ]
 

@@ -3,14 +3,16 @@
 import csv
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from analysis import motion
 from lammps_inputs import InputError
 from workflow.cli import main
 from workflow.engines.reference import tangent
-from workflow.studies.modes import branches, continuation, floquet, lammps_check, linear, shooting
+from workflow.studies.modes import branches, continuation, floquet, lammps_check, linear, shooting, study
 from workflow.study_kit.linearised import problem_of
 
 CHAIN = {
@@ -190,6 +192,27 @@ def test_the_deck_of_a_state_starts_at_its_displacements_without_kicks():
     assert np.array_equal(places, run.layout.places + x)
 
 
+def test_lammps_closes_contacts_that_start_open_by_more_than_half_a_diameter_with_order_2():
+    problem, _ = modes_of({key: value for key, value in CHAIN.items() if key != "walls"} | {"beads": 4})
+    x, time = np.array([[-2.25, -2.25, 2.25, 2.25]]), 8.0
+    energy = float(motion.energy(problem.system, x, np.zeros_like(x)))
+    flow = tangent.make_flow(problem, 0, time / 4000)
+    flow.state.x[1:-1], flow.state.v[:] = x.T, 0.0
+    flow.advance(0, 4000)
+    error = []
+    for steps in (800, 1600):
+        run = lammps_check.lammps_problem(problem, energy, time, steps, 1)
+        run = replace(run, steps_per_frame=steps // 40, frames=40)
+        assert x[0, 2] - x[0, 1] > run.layout.diameter / 2.0  # LAMMPS's skin about the places at rest
+        displacement, _ = lammps_check.run(run, x, np.zeros_like(x))
+        error.append(np.max(np.abs(displacement[-1] - flow.state.x[1:-1].T)))
+        places = run.layout.places + displacement
+        assert np.min(places[..., 2:] - places[..., :-2]) > run.layout.diameter  # second neighbours never touch
+        assert np.max(motion.overlaps(problem.system, displacement)) > 1.5  # it closes, beyond its overlap 1 at rest
+    assert math.log2(error[0] / error[1]) == pytest.approx(2.0, abs=0.1)
+    assert error[0] < 1e-4
+
+
 @pytest.mark.slow
 def test_lammps_returns_to_a_state_with_order_2_and_leaves_it_at_the_multipliers_rate():
     value = branches.computed(FOUR, "scene", 2, 0.1, 60, [], 0)
@@ -289,6 +312,26 @@ def test_the_command_writes_tables_arrays_and_figures(tmp_path, capsys):
     assert {"frequency.png", "shapes.png", "multipliers.png", "motion.png"} <= {file.name for file in out.iterdir()}
     assert main(words) == 0  # from the cache
     assert "states of this branch are stable" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_branches_are_written_where_lammps_fails(tmp_path, capsys, monkeypatch):
+    path, out, check_case = tmp_path / "scene.yaml", tmp_path / "out", study._check_case
+
+    def of_wrong_energy(scene, source, branch, number):
+        states = [state | {"energy": 0.01 * state["energy"]} for state in branch.states]
+        return check_case(scene, source, replace(branch, data=branch.data | {"states": states}), number)
+
+    path.write_text(json.dumps(FOUR))
+    monkeypatch.setattr(study, "_check_case", of_wrong_energy)
+    assert main(["modes", str(path), "--mode", "3", "--energy", "0.01", "--points", "40", "-o", str(out)]) == 1
+    error = capsys.readouterr().err
+    assert "the energy has changed by" in error
+    with (out / "states.csv").open() as file:
+        assert float(list(csv.DictReader(file))[-1]["energy"]) == pytest.approx(0.01)
+    with (out / "lammps.csv").open() as file:
+        assert list(csv.DictReader(file)) == []
+    assert {"frequency.png", "states.npz", "decks"} <= {file.name for file in out.iterdir()}
 
 
 def test_linear_modes_alone_are_those_of_touching_chains_across(tmp_path, capsys):

@@ -69,13 +69,14 @@ def steps_per_period(problem: Problem, period: float) -> int:
 
 def deck_files(problem: Problem, displacement: Floats, velocity: Floats) -> dict[str, str]:
     """Deck that starts at displacements and velocities, [line, bead] in units of L and V, by file name."""
+    opening = float(np.max(np.diff(displacement[: problem.chains], axis=-1), initial=0.0))
     places = problem.layout.places[np.arange(len(displacement)) % problem.chains] + displacement
     lines = [
         f"set atom {atom} x {text(places.flat[atom - 1])} vx {text(velocity.flat[atom - 1])}"
         for atom in physics.atom_ids(problem.system).tolist()
     ]
     return {
-        file_names.DECK: deck.render_deck(problem, [f"include {START}"]),
+        file_names.DECK: deck.render_deck(problem, [f"include {START}"], opening),
         file_names.DATA: deck.render_data(problem),
         START: "\n".join(lines) + "\n",
     }

@@ -2,7 +2,7 @@
 
 A response has the period of the drive. Its unknowns are displacements and velocities of all atoms that are free to
 move, at phase 0 of the drive: those that a period returns to themselves. The Jacobian is the tangent flow's; that with
-respect to the period is a central difference of the computed map. The same branch has stable and unstable responses,
+respect to the period is a difference of the computed map. The same branch has stable and unstable responses,
 and folds where it turns back.
 
 Velocities are the reference's, less impulses of dashpots over masses (`workflow.engines.reference.kernel`), which
@@ -49,8 +49,11 @@ FINER = 1024
 PIECES = 20.0
 """Steps along a branch, at least, in which the frequency passes its range."""
 
-DIFFERENCE = 1e-5
-"""Relative difference of the two periods whose maps give the derivative."""
+DIFFERENCE = 1e-7
+"""Relative difference of the two periods whose maps give the derivative, which is as accurate."""
+
+COARSER = 2
+"""Steps of a run of the reference by default, over those of the first branch, which are often enough for `DIGITS`."""
 
 DIGITS = 1e-7
 """Largest relative change of frequencies by twice the steps, at the largest response and beside folds."""
@@ -101,8 +104,8 @@ class DrivenShooting(Continuable):
         flow.advance(0, self.steps)
         return self.coordinates(flow.state.x[1:-1].T, flow.state.v[1:-1].T)
 
-    def mismatch(self, y: Floats, period: float) -> tuple[Floats, Floats, Floats]:
-        """Change of the coordinates [coordinate] by a period, and its derivatives, as the base class has them."""
+    def monodromy(self, y: Floats, period: float) -> tuple[Floats, Floats]:
+        """Coordinates [coordinate] after a period, and their derivatives by those before it, [coordinate, same]."""
         flow, moving = self.flow(y, period, len(y)), moving_atoms(self.problem.system)
         half, unit = len(y) // 2, np.eye(len(y) // 2)
         vectors = np.zeros((len(y), 2, *moving.shape))
@@ -110,9 +113,13 @@ class DrivenShooting(Continuable):
         flow.put(vectors)
         flow.advance(0, self.steps)
         final = self.coordinates(flow.state.x[1:-1].T, flow.state.v[1:-1].T)
-        by_y = self.coordinates(*np.swapaxes(flow.vectors, 0, 1)).T
-        late, early = (self.mapped(y, period * (1.0 + sign * DIFFERENCE)) for sign in (1.0, -1.0))
-        return final - y, by_y - np.eye(len(y)), (late - early) / (2.0 * DIFFERENCE * period)
+        return final, self.coordinates(*np.swapaxes(flow.vectors, 0, 1)).T
+
+    def mismatch(self, y: Floats, period: float) -> tuple[Floats, Floats, Floats]:
+        """Change of the coordinates [coordinate] by a period, and its derivatives, as the base class has them."""
+        final, by_y = self.monodromy(y, period)
+        late = self.mapped(y, period * (1.0 + DIFFERENCE))
+        return final - y, by_y - np.eye(len(y)), (late - final) / (DIFFERENCE * period)
 
     def of_period(self, period: float, size: float) -> Condition:
         """Condition that a state of a size has a period."""
@@ -133,8 +140,7 @@ class DrivenShooting(Continuable):
 
     def multipliers(self, state: PeriodicState) -> Multipliers:
         """Floquet multipliers of a response."""
-        _, change, _ = self.mismatch(state.y, state.period)
-        matrix = change + np.eye(len(state.y))
+        _, matrix = self.monodromy(state.y, state.period)
         error = ROUNDING * max(1.0, float(np.linalg.norm(matrix, 2)))
         return Multipliers(np.linalg.eigvals(matrix), 0.0, error, error)
 
@@ -201,7 +207,7 @@ def _resolved(
     """Shooting with steps of which twice as many hardly change the largest response, the branch, and that change."""
     longest, shortest = periods
     one_period = replace(problem, timestep=longest, steps_per_frame=1)
-    pieces = math.ceil(engine.default_steps_per_frame(one_period) / SAMPLES)
+    pieces = math.ceil(engine.default_steps_per_frame(one_period) / (COARSER * SAMPLES))
     stretch = PIECES * LONGEST / math.log(longest / shortest)
     change = None
     for doublings in range(DOUBLINGS + 1):

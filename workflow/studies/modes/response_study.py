@@ -6,7 +6,7 @@ Frequencies are those of the drive, in cycles per unit time, as the scene has th
 import argparse
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -92,7 +92,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
 
     Raises:
         InputError: the directory cannot be used.
-        RunError: LAMMPS failed, or a process was killed.
+        RunError: LAMMPS failed, and the curve is written; or a process was killed.
     """
     problem = problem_of(scene, source)
     sweeping = bool(request.steps) and not deck.refusal(problem.system)
@@ -106,7 +106,8 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
     }
     with STUDY.evaluating(directory) as values:
         [data] = values([case("workflow.studies.modes.response:computed", arguments, cost=1.0)], of=1 + sweeping)
-        sweep: list[dict[str, Any]] = []
+        curve = ResponseResult(problem, request.place or _largest(problem, data), data, [])
+        _write(directory, curve)  # before LAMMPS, which may fail
         if sweeping and data["states"]:
             energy = max(state["energy"] for state in data["states"])
             sweep_arguments = {
@@ -117,15 +118,20 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
                 "decay": driven.slowest_decay(problem, source),
             }
             [sweep] = values([case("workflow.studies.modes.lammps_sweep:computed", sweep_arguments, cost=1.0)])
-        curve = ResponseResult(problem, request.place or _largest(problem, data), data, sweep)
-        scale = problem.scale
-        tables = {
-            RESPONSES: to_csv(ResponseLine, curve.responses(), scale),
-            BIFURCATIONS: to_csv(ResponseBifurcation, curve.bifurcations(), scale),
-            SWEEP: to_csv(SweepLine, curve.steps(), scale),
-        }
-        STUDY.write(directory, tables, {FIGURE: _figure(curve)} if data["states"] else {})
+            curve = replace(curve, sweep=sweep)
+            _write(directory, curve)
     return curve
+
+
+def _write(directory: Path, curve: ResponseResult) -> None:
+    """Write tables, and the figure where there are responses."""
+    scale = curve.problem.scale
+    tables = {
+        RESPONSES: to_csv(ResponseLine, curve.responses(), scale),
+        BIFURCATIONS: to_csv(ResponseBifurcation, curve.bifurcations(), scale),
+        SWEEP: to_csv(SweepLine, curve.steps(), scale),
+    }
+    STUDY.write(directory, tables, {FIGURE: _figure(curve)} if curve.data["states"] else {})
 
 
 def _largest(problem: Problem, data: dict[str, Any]) -> tuple[int, int]:

@@ -27,7 +27,7 @@ import argparse
 import io
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -150,7 +150,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: ModesReq
 
     Raises:
         InputError: the scene has no such modes, or the directory cannot be used.
-        RunError: LAMMPS failed, or a process was killed.
+        RunError: LAMMPS failed, and all but its table is written; or a process was killed.
     """
     problem = problem_of(scene, source)
     linear = modes_of(problem, source, linear_only=not request.modes)
@@ -158,25 +158,30 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: ModesReq
         computed = values([_branch_case(scene, source, linear, mode, request) for mode in request.modes])
         branches = [BranchOfMode(mode, data) for mode, data in zip(request.modes, computed, strict=True)]
         chosen = _checked(branches) if request.lammps and not deck.refusal(problem.system) else []
+        found = ModesResult(problem, linear, branches, [])
+        _write(directory, found, chosen)  # before LAMMPS, which may fail
         cases = [_check_case(scene, source, branch, number) for branch, number in chosen]
         lines = [
             _lammps_line(branch, number, value) for (branch, number), value in zip(chosen, values(cases), strict=True)
         ]
-        found = ModesResult(problem, linear, branches, lines)
-        scale = problem.scale
-        tables = {
-            MODES: to_csv(LinearMode, found.modes(), scale),
-            STATES: to_csv(StateLine, found.states(), scale),
-            BIFURCATIONS: to_csv(BifurcationLine, found.bifurcations(), scale),
-            LAMMPS: to_csv(LammpsLine, lines, scale),
-        }
-        STUDY.write(directory, tables, figures(found))
-        write_bytes(directory / ARRAYS, _arrays(found))
-        for branch, number in chosen:
-            _write_deck(
-                problem, directory / DECKS / f"mode-{branch.mode + 1}-state-{number}", branch.states[number - 1]
-            )
-    return found
+        STUDY.write(directory, {LAMMPS: to_csv(LammpsLine, lines, problem.scale)})
+    return replace(found, checks=lines)
+
+
+def _write(directory: Path, found: ModesResult, chosen: Sequence[tuple[BranchOfMode, int]]) -> None:
+    """Write tables, arrays and figures, and decks that start on chosen states, given by their numbers."""
+    scale = found.problem.scale
+    tables = {
+        MODES: to_csv(LinearMode, found.modes(), scale),
+        STATES: to_csv(StateLine, found.states(), scale),
+        BIFURCATIONS: to_csv(BifurcationLine, found.bifurcations(), scale),
+        LAMMPS: to_csv(LammpsLine, found.checks, scale),
+    }
+    STUDY.write(directory, tables, figures(found))
+    write_bytes(directory / ARRAYS, _arrays(found))
+    for branch, number in chosen:
+        name = f"mode-{branch.mode + 1}-state-{number}"
+        _write_deck(found.problem, directory / DECKS / name, branch.states[number - 1])
 
 
 def _branch_case(
