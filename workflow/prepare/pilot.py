@@ -73,7 +73,7 @@ _LEAST_ORDER = 2.5
 
 CHAOS = (
     "in so long a run beads behind the front collide again and again, which amplifies any error; "
-    "record beads near the front only, or follow them with `window: auto`"
+    "record beads near the front only, or follow them with `window: auto` (`granchain lyapunov` measures the growth)"
 )
 
 

@@ -67,7 +67,7 @@ Masses = tuple[float | None, float | None]
 NO_LIMIT: Masses = (None, None)
 
 
-def refuse_unknown(name: str, where: str, what: str) -> None:
+def refuse_unknown(name: str, where: str, kind: str) -> None:
     """See that a quantity is one of `KNOWN`, or one of `AT_BEAD` at a bead.
 
     Raises:
@@ -78,7 +78,7 @@ def refuse_unknown(name: str, where: str, what: str) -> None:
         raise InputError(f"{where}: {name[:60]!r} should end in the number of a bead, such as {base}@100")
     if not base and name not in KNOWN:
         hint = library.suggestion(name, KNOWN) or f"; known are {', '.join(KNOWN)}"
-        raise InputError(f"{where}: {name[:60]!r} is no {what}{hint}")
+        raise InputError(f"{where}: {name[:60]!r} is no {kind}{hint}")
 
 
 def heading(name: str, scene: dict[str, Any]) -> str:
@@ -148,9 +148,9 @@ def of_frames(
     exchange = Accountant(problem)
     surveyed = None
     if any(kind.needs_survey for kind in asked_for) or any(name not in (MASS, *_MEASURED, *quick) for name in names):
-        seen, allowed = Conservation(), Tolerances()
-        surveyed = survey(frames, problem, watchers=[seen, *meters], tolerances=allowed, counted=exchange.of)
-        values |= quantity.plain(report(surveyed, seen, allowed), problem.scale)
+        conservation, allowed = Conservation(), Tolerances()
+        surveyed = survey(frames, problem, watchers=[conservation, *meters], tolerances=allowed, counted=exchange.of)
+        values |= quantity.plain(report(surveyed, conservation, allowed), problem.scale)
         at_beads = _at_beads(surveyed.waves, problem, scene, names)
     elif meters:
         for block in frames():
@@ -159,17 +159,17 @@ def of_frames(
                 meter.add(exchange.of(block) if counted else block)
     for measurement in filter(None, (meter.finish(surveyed) for meter in meters)):
         values[measurement.key] = measurement.plain()
-    known = {**quantities(values, {}, scene.plain()), **quick, **at_beads, MASS: mass_of(scene)}
-    return {name: None if known[name] is None else float(known[name]) for name in names}
+    quantities_of_run = {**quantities(values, {}, scene.plain()), **quick, **at_beads, MASS: mass_of(scene)}
+    return {name: None if quantities_of_run[name] is None else float(quantities_of_run[name]) for name in names}
 
 
 def _at_beads(waves: Waves, problem: Problem, scene: Scene, names: tuple[str, ...]) -> dict[str, Any]:
     """Quantities of the kicked chain's leading wave at chosen beads."""
-    found = {}
+    by_name = {}
     for name, (base, bead) in ((name, at_bead(name)) for name in names if at_bead(name)[0]):
-        here = [ChainSummary.of(waves.at(bead), problem, 1 + chain) for chain in range(problem.chains)]
-        found[name] = quantities({"waves": quantity.plain(here, problem.scale)}, {}, scene.plain())[base]
-    return found
+        summaries = [ChainSummary.of(waves.at(bead), problem, 1 + chain) for chain in range(problem.chains)]
+        by_name[name] = quantities({"waves": quantity.plain(summaries, problem.scale)}, {}, scene.plain())[base]
+    return by_name
 
 
 def _is_plain(problem: Problem) -> bool:
@@ -191,13 +191,13 @@ def _quick(
     waves = leading_waves(finder.result(), problem)
     quick: dict[str, float | None] = dict(_at_beads(waves, problem, scene, names))
     if set(names) & set(_OF_SHARING):
-        found = sharing(waves, problem, impulses=None if meter is None else meter.result())
-        final, beat = found.final, found.regular_beat
+        shares = sharing(waves, problem, impulses=None if meter is None else meter.result())
+        final, beat = shares.final, shares.regular_beat
         quick |= {
             "amplitude": None if final is None else final.value,
-            "agree_10": found.agrees_from(0.1),
-            "agree_1": found.agrees_from(0.01),
-            "synchronised_1": found.in_step_from(0.01),
+            "agree_10": shares.agrees_from(0.1),
+            "agree_1": shares.agrees_from(0.01),
+            "synchronised_1": shares.in_step_from(0.01),
             "beat_length": None if beat is None else beat.value,
         }
     if last is not None and problem.whole:
@@ -219,15 +219,15 @@ def evaluated(plain: dict[str, Any], names: tuple[str, ...], source: str, masses
         plain: the scene.
         names: of the quantities.
         source: what to call the scene in messages.
-        masses: of a scene whose mass is beyond them only that is found, and nothing is run.
+        masses: of a scene whose mass is beyond them only that is measured, and nothing is run.
     """
     started = time.process_time()
     answer: dict[str, Any]
     try:
         outside = None if tuple(masses) == NO_LIMIT else _mass_outside(masses, plain, source)
         with np.errstate(all="ignore"):
-            found = by_reference(plain, names, source) if outside is None else {MASS: outside}
-            answer = {"quantities": json.loads(json.dumps(found))}
+            measured = by_reference(plain, names, source) if outside is None else {MASS: outside}
+            answer = {"quantities": json.loads(json.dumps(measured))}
     except (InputError, ValueError, ArithmeticError) as error:
         answer = {"refused": str(error)}
     return {**answer, "seconds": time.process_time() - started}

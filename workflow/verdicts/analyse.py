@@ -39,7 +39,7 @@ from workflow.verdicts.pulse_table import pulse_table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FIGURES = ("spacetime", "response", "distance", "shape", *(one.figure for one in MEASUREMENTS if one.figure))
+FIGURES = ("spacetime", "response", "distance", "shape", *(kind.figure for kind in MEASUREMENTS if kind.figure))
 """All that an analysis may draw."""
 
 LARGEST = 1e100
@@ -129,19 +129,19 @@ def analyse(
     Raises:
         InputError: no frames, frames that hold what is no number, or a bead that was not recorded.
     """
-    found = measure(directory, beads=beads, figures=figures, tolerances=tolerances, arrival=arrival)
-    conservation = found.conservation
-    drawn = _write(directory, found)
+    frames = measure(directory, beads=beads, figures=figures, tolerances=tolerances, arrival=arrival)
+    conservation = frames.conservation
+    drawn = _write(directory, frames)
     return Analysis(
-        problem=found.survey.problem,
-        survey=found.survey,
+        problem=frames.survey.problem,
+        survey=frames.survey,
         conservation=conservation,
-        complete=conservation.frames == found.survey.problem.frames + 1,
-        tables=tuple(found.tables),
+        complete=conservation.frames == frames.survey.problem.frames + 1,
+        tables=tuple(frames.tables),
         figures=drawn,
         failure=directory.failure,
-        altered=directory.fingerprint not in ("", found.sha256),
-        measurements=found.measurements,
+        altered=directory.fingerprint not in ("", frames.sha256),
+        measurements=frames.measurements,
     )
 
 
@@ -300,27 +300,27 @@ def _of_collisions(directory: RunDirectory, problem: Problem) -> Impulses | None
     return from_events(problem, from_csv(directory.path / EVENTS, problem.scale), direction_of(problem))
 
 
-def _tables(found: Survey, measurements: dict[str, Measurement]) -> dict[str, str]:
+def _tables(results: Survey, measurements: dict[str, Measurement]) -> dict[str, str]:
     """File name -> text of each CSV file: the leading waves, and the tables of what only some runs have."""
-    tables = {WAVES: waves_table(found).to_csv()}
+    tables = {WAVES: waves_table(results).to_csv()}
     for measurement in measurements.values():
         if measurement.table is not None and (rows := measurement.rows()) is not None:
-            tables[measurement.table[0]] = csv_of(rows, found.problem.scale)
+            tables[measurement.table[0]] = csv_of(rows, results.problem.scale)
     return tables
 
 
-def _write(directory: RunDirectory, found: MeasuredFrames) -> tuple[Path, ...]:
+def _write(directory: RunDirectory, frames: MeasuredFrames) -> tuple[Path, ...]:
     """Write tables, the report, and figures; returns the files of the figures."""
-    files = figure_files(*found.figures)
-    claim(directory.path, (*found.tables, REPORT, *files))
-    if found.figures:
+    files = figure_files(*frames.figures)
+    claim(directory.path, (*frames.tables, REPORT, *files))
+    if frames.figures:
         retire(directory.path, set(in_any_format(*FIGURES)).difference(files))
-    drawn = tuple(path for name, make in found.figures.items() for path in write_figure(directory.path, name, make()))
-    for name, text in found.tables.items():
+    drawn = tuple(path for name, make in frames.figures.items() for path in write_figure(directory.path, name, make()))
+    for name, text in frames.tables.items():
         write_text(directory.path / name, text)
-    more = {key: measurement.plain() for key, measurement in found.measurements.items()}
-    content = report(found.survey, found.conservation, found.tolerances)
-    write_json(directory.path / REPORT, plain(content, found.survey.problem.scale) | more)
+    more = {key: measurement.plain() for key, measurement in frames.measurements.items()}
+    content = report(frames.survey, frames.conservation, frames.tolerances)
+    write_json(directory.path / REPORT, plain(content, frames.survey.problem.scale) | more)
     return drawn
 
 
@@ -353,33 +353,33 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
     recorded = problem.recorded_beads
     if not problem.system.holds(Fact.PULSE):
         kicked_bead = physics.largest_excitation(problem.system)[1]
-        way = 1 if direction_of(problem) > 0 else -1
+        direction = direction_of(problem)
         return tuple(
-            sorted({int(recorded[np.argmin(np.abs(recorded - kicked_bead - way * far))]) for far in (0, 2, 5)})
+            sorted({int(recorded[np.argmin(np.abs(recorded - kicked_bead - direction * far))]) for far in (0, 2, 5)})
         )
     places = np.unique(np.round(np.array([0.17, 0.5, 0.9]) * (len(recorded) - 1)).astype(int))
     return tuple(int(recorded[place]) for place in places)
 
 
 def _makers(
-    found: Survey, measurements: dict[str, Measurement], spacetime: Any, history: Any
+    results: Survey, measurements: dict[str, Measurement], spacetime: Any, history: Any
 ) -> "dict[str, Callable[[], Figure]]":
     """Name -> function that draws the figure, of every figure that has something to show."""
     from analysis.figures.spacetime import spacetime_figure
     from analysis.figures.waves import distance_figure, response_figure, shape_figure
 
-    problem = found.problem
+    problem = results.problem
     system = problem.system
-    waves = found.waves if system.holds(Fact.PULSE) else None
+    waves = results.waves if system.holds(Fact.PULSE) else None
     makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history, waves)}
     if spacetime is not None and len(spacetime.beads) > 1:
         makers["spacetime"] = lambda: spacetime_figure(spacetime)
-    if len(found.shared) > 1 and system.holds(Fact.PULSE):
-        makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
-    whole = np.unique(along_the_way(problem, found.waves.bead[np.isfinite(found.shape.residual)]))
-    whole = along_the_way(problem, whole[whole <= problem.beads - CLEAR])
-    if len(whole) and runs_exact_waves(system):
-        early, late = whole[min(len(whole) - 1, int(np.searchsorted(along_the_way(problem, whole), 10)))], whole[-1]
-        makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
+    if len(results.shared) > 1 and system.holds(Fact.PULSE):
+        makers["distance"] = lambda: distance_figure(problem, results.shared, results.energies, results.direction)
+    beads = np.unique(along_the_way(problem, results.waves.bead[np.isfinite(results.shape.residual)]))
+    beads = along_the_way(problem, beads[beads <= problem.beads - CLEAR])
+    if len(beads) and runs_exact_waves(system):
+        early, late = beads[min(len(beads) - 1, int(np.searchsorted(along_the_way(problem, beads), 10)))], beads[-1]
+        makers["shape"] = lambda: shape_figure(problem, results.waveforms, sorted({int(early), int(late)}))
     makers |= {measurement.figure: measurement.draw for measurement in measurements.values() if measurement.drawable}
     return makers

@@ -129,14 +129,14 @@ def derivatives_of_motion(
     size = frames_per_block(problem)
     for first in (0, *range(1, problem.frames + 1, size)):
         place = slice(first, min(first + size, problem.frames + 1) if first else 1)
-        kept = DerivativeFrames(moving.x[place], moving.v[place], moving.dx[:, place], moving.dv[:, place])
-        frames = kept if direct else _frames_of_all(kept, physics.lines(system), problem.beads)
+        recorded_frames = DerivativeFrames(moving.x[place], moving.v[place], moving.dx[:, place], moving.dv[:, place])
+        frames = recorded_frames if direct else _frames_of_all(recorded_frames, physics.lines(system), problem.beads)
         earlier, between = max(0, first - 1) * steps, steps if first else 0
         program.advance_derivatives(
             state.compiled, arrays, state.parameters, stepping, earlier, between, shift, recorded, frames
         )
         if not direct:
-            _complete(frames, moving.time[place], problem, sides, kept)
+            _complete(frames, moving.time[place], problem, sides, recorded_frames)
     return moving
 
 
@@ -153,7 +153,7 @@ def _stretch(problem: Problem, sides: Sides) -> float:
 
 
 def _complete(
-    frames: DerivativeFrames, time: Floats, problem: Problem, sides: Sequence[Sides], kept: DerivativeFrames
+    frames: DerivativeFrames, time: Floats, problem: Problem, sides: Sequence[Sides], recorded_frames: DerivativeFrames
 ) -> None:
     """Complete the program's frames of all atoms, and keep those that are recorded.
 
@@ -165,17 +165,17 @@ def _complete(
         time: their times [frame], in units of T.
         problem: what is integrated.
         sides: problems beside it.
-        kept: frames of the recorded beads, which are filled.
+        recorded_frames: frames of the recorded beads, which are filled.
     """
     x, v = frames.x, frames.v + engine.given_by_dashpots(problem.system, frames.x)
     system = of_atoms(problem, time, x, v).system_at(slice(None))
     acceleration = motion.acceleration(system, x, time=time, velocity=v)
     dx, dv = [], []
-    for side, way, rate in zip(sides, frames.dx, frames.dv, strict=True):
+    for side, x_rate, v_rate in zip(sides, frames.dx, frames.dv, strict=True):
         later = (_stretch(problem, side) * time)[:, np.newaxis, np.newaxis]
-        dx.append(way + later * v)
-        dv.append(rate + _given(side, x, way) + later * acceleration)
-    for array, values in zip(kept, (x, v, np.array(dx), np.array(dv)), strict=True):
+        dx.append(x_rate + later * v)
+        dv.append(v_rate + _given(side, x, x_rate) + later * acceleration)
+    for array, values in zip(recorded_frames, (x, v, np.array(dx), np.array(dv)), strict=True):
         array[:] = values[..., : problem.lines, problem.recorded_beads - 1]
 
 
@@ -200,11 +200,11 @@ def _empty_frames(problem: Problem, numbers: int) -> DerivativesOfMotion:
 
 def _given(sides: Sides, x: Floats, dx: Floats) -> Floats:
     """Derivative of the velocities that dashpots have given, [frame, line, bead]."""
-    given = [
+    impulses = [
         weight * engine.given_by_dashpots(end.system, x + change * dx)
         for weight, end, change in zip(sides.weights, sides.problems, sides.changes, strict=True)
     ]
-    return np.asarray(np.sum(given, axis=0))
+    return np.asarray(np.sum(impulses, axis=0))
 
 
 def _shift_arrays(problem: Problem, sides: Sequence[Sides], terms: Terms, parameters: tuple[Any, ...]) -> ShiftArrays:
@@ -245,7 +245,7 @@ def _names(terms: Iterable[Term]) -> set[str]:
 def same_form(problem: Problem, other: Problem) -> bool:
     """Whether the forces of two problems differ in numbers alone, so that one program computes both."""
     (terms, values), (others, numbers) = (
-        make_terms(given.system, as_lammps=False, step=0.0) for given in (problem, other)
+        make_terms(system, as_lammps=False, step=0.0) for system in (problem.system, other.system)
     )
     return _form(terms) == _form(others) and list(map(np.shape, values)) == list(map(np.shape, numbers))
 

@@ -66,16 +66,17 @@ def polished(
     low, high = np.array([variable.bounds for variable in variables]).T
     names = [variable.field for variable in variables]
     size = max(abs(start.quantities.get(design.objective) or 0.0), 1e-300)
-    known: dict[bytes, tuple[dict[str, float], dict[str, Floats]]] = {}
+    computed: dict[bytes, tuple[dict[str, float], dict[str, Floats]]] = {}
 
     def values_at(shares: Floats) -> dict[str, Any]:
+        """Field -> value, at shares [field] of the ranges."""
         coordinates = low + np.clip(shares, 0.0, 1.0) * (high - low)
         moved = {v.field: v.value([float(at)]) for v, at in zip(variables, coordinates, strict=True)}
         return {**start.values, **moved}
 
     def at(shares: Floats) -> tuple[dict[str, float], dict[str, Floats]]:
         """Quantities, and their derivatives by shares of the ranges, at shares [field]."""
-        if shares.tobytes() not in known:
+        if shares.tobytes() not in computed:
             values = values_at(shares)
             arguments = {
                 "plain": fields.put_all(design.scene, values),
@@ -88,11 +89,11 @@ def polished(
                 raise _NoValueError
             by_share = [(high[k] - low[k]) * (values[v.field] if v.log else 1.0) for k, v in enumerate(variables)]
             slopes = np.array(answer["slopes"], dtype=np.float64) * by_share
-            known[shares.tobytes()] = (
+            computed[shares.tobytes()] = (
                 dict(zip(design.names, answer["values"], strict=True)),
                 dict(zip(design.names, slopes, strict=True)),
             )
-        return known[shares.tobytes()]
+        return computed[shares.tobytes()]
 
     sign = design.sign / size
     begin = np.array([v.coordinate(start.values[v.field]) for v in variables])
@@ -116,16 +117,16 @@ def _constraints(design: Design, at: Callable[[Floats], Any]) -> list[dict[str, 
     """Limits of quantities as scipy takes them: functions that are at least 0, over the size of the limit."""
     constraints = []
     for name, limit in design.request.where.items():
-        for bound, way in ((limit.low, 1.0), (limit.high, -1.0)):
+        for bound, sign in ((limit.low, 1.0), (limit.high, -1.0)):
             if bound is not None:
-                constraints.append(_constraint(name, float(bound), way, at))
+                constraints.append(_constraint(name, float(bound), sign, at))
     return constraints
 
 
-def _constraint(name: str, bound: float, way: float, at: Callable[[Floats], Any]) -> dict[str, Any]:
+def _constraint(name: str, bound: float, sign: float, at: Callable[[Floats], Any]) -> dict[str, Any]:
     size = max(abs(bound), 1e-12)
     return {
         "type": "ineq",
-        "fun": lambda shares: way * (at(shares)[0][name] - bound) / size - MARGIN,
-        "jac": lambda shares: way * at(shares)[1][name] / size,
+        "fun": lambda shares: sign * (at(shares)[0][name] - bound) / size - MARGIN,
+        "jac": lambda shares: sign * at(shares)[1][name] / size,
     }
