@@ -38,10 +38,12 @@ def _alternating(amplitude: float) -> float:
     from scipy.integrate import solve_ivp
 
     def rates(_: float, motion_of_bead: Floats) -> list[float]:
+        """Velocity and acceleration, from displacement and velocity [2]."""
         twice = 2.0 * float(motion_of_bead[0])
         return [float(motion_of_bead[1]), (1.0 - twice) ** 1.5 - (1.0 + twice) ** 1.5]
 
     def middle(_: float, motion_of_bead: Floats) -> float:
+        """Displacement, from displacement and velocity [2]."""
         return float(motion_of_bead[0])
 
     solution = solve_ivp(rates, (0.0, 2.0), [amplitude, 0.0], "DOP853", events=middle, rtol=1e-12, atol=1e-15)
