@@ -315,6 +315,25 @@ def test_the_command_writes_tables_arrays_and_figures(tmp_path, capsys):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("lammps_here")
+def test_lammps_agrees_with_every_state_and_its_stability(tmp_path):
+    path, out = tmp_path / "scene.yaml", tmp_path / "out"
+    path.write_text(json.dumps(FOUR))
+    words = ["modes", str(path), "--mode", "3", "--energy", "0.1", "--points", "40", "--every-state", "-o", str(out)]
+    assert main(words) == 0
+    with (out / "states.csv").open() as file, (out / "lammps.csv").open() as checks:
+        states, lines = list(csv.DictReader(file)), list(csv.DictReader(checks))
+    assert [line["state"] for line in lines] == [state["state"] for state in states]
+    for state, line in zip(states, lines, strict=True):
+        size = np.sqrt(float(state["energy"]))
+        assert float(line["velocity_finer"]) < 1e-4 * size
+        if state["stable"] == "yes":
+            assert float(line["later"]) < 0.05 * size  # a hundred times the error of a period
+        elif line["growth"]:
+            assert float(line["growth"]) == pytest.approx(float(line["predicted"]), rel=1e-2)
+
+
+@pytest.mark.slow
 def test_branches_are_written_where_lammps_fails(tmp_path, capsys, monkeypatch):
     path, out, check_case = tmp_path / "scene.yaml", tmp_path / "out", study._check_case
 

@@ -162,7 +162,7 @@ def changes_of_stability(
     """Changes of the number of multipliers outside the unit circle between neighbouring states.
 
     Args:
-        method: how states are found.
+        method: how states are floquet.
         points: states of the continuation, in order.
         turns: of each state, a number whose sign changes where the branch turns back.
         bisections: halvings of the interval of a bifurcation.
@@ -197,7 +197,7 @@ def _bracket(
 
 def _state(solver: Shooting, point: Point) -> dict[str, Any]:
     """Plain data of a state, in units of V, T, L and m V^2; energies of atoms are kinetic ones, means over a period."""
-    state, found, system = point.state, point.multipliers, solver.problem.system
+    state, floquet, system = point.state, point.multipliers, solver.problem.system
     displacement, velocity = solver.samples(state)
     weights = np.full(shooting.SAMPLES + 1, 1.0 / shooting.SAMPLES)
     weights[[0, -1]] *= 0.5
@@ -209,11 +209,11 @@ def _state(solver: Shooting, point: Point) -> dict[str, Any]:
         "period": state.period,
         "residual": state.residual,
         "energy": solver.energy(state.y),
-        "multipliers": [[value.real, value.imag] for value in found.values.tolist()],
-        "largest": found.largest,
-        "stable": found.stable,
-        "tolerance": found.tolerance,
-        "asymmetry": found.asymmetry,
+        "multipliers": [[value.real, value.imag] for value in floquet.values.tolist()],
+        "largest": floquet.largest,
+        "stable": floquet.stable,
+        "tolerance": floquet.tolerance,
+        "asymmetry": floquet.asymmetry,
         "kinetic": kinetic.tolist(),
         "least_overlap": float(np.min(motion.overlaps(system, displacement[:, : system.chains]))),
     }

@@ -96,10 +96,11 @@ class Continuable:
         raise NotImplementedError
 
     def on_plane(self, direction: Direction, y: Floats, period: float, size: float) -> Condition:
-        """Condition that a state is on the plane through a point, to which a direction is perpendicular."""
+        """Condition that a state is on the plane through a point, y [coordinate] and period, normal to a direction."""
         weight = direction.period * self.stretch * size / period
 
         def condition(other: Floats, other_period: float) -> tuple[float, Floats, float]:
+            """Distance from the plane, and its derivatives by coordinates [coordinate] and period."""
             return float(direction.y @ (other - y) + weight * (other_period - period)), direction.y, weight
 
         return condition

@@ -21,20 +21,20 @@ MOST_BRANCHES = 4
 """Branches that figures show, the first ones."""
 
 
-def figures(found: ModesResult) -> "dict[str, Figure]":
+def figures(result: ModesResult) -> "dict[str, Figure]":
     """Figures of the first branches; none without branches."""
     from analysis.figures import periodic_states  # matplotlib takes half a second to import
 
-    curves = [_curve(found, branch) for branch in found.branches if branch.states][:MOST_BRANCHES]
+    curves = [_curve(result, branch) for branch in result.branches if branch.states][:MOST_BRANCHES]
     if not curves:
         return {}
-    scale, name = found.problem.scale, found.problem.name
+    scale, name = result.problem.scale, result.problem.name
     energy, frequency = (
         Label("energy", "E", scale.symbol("energy")),
         Label("angular frequency", "\\omega", scale.symbol("frequency")),
     )
     displacement, time = Label("displacement", "x", scale.symbol("length")), Label("time", "t", scale.symbol("time"))
-    edges = bands(found.problem.system)
+    edges = bands(result.problem.system)
     measured = scale.measured(np.zeros(0) if edges is None else np.unique(edges), "frequency")
     return {
         FIGURES[0]: periodic_states.frequency_figure(curves, measured, (energy, frequency), name),
@@ -44,16 +44,16 @@ def figures(found: ModesResult) -> "dict[str, Figure]":
     }
 
 
-def _curve(found: ModesResult, branch: BranchOfMode) -> "BranchCurve":
+def _curve(result: ModesResult, branch: BranchOfMode) -> "BranchCurve":
     from analysis.figures.periodic_states import BranchCurve
 
-    scale, states = found.problem.scale, branch.states
+    scale, states = result.problem.scale, branch.states
     last = [state for state in states if state["role"] == "branch"][-1]
     pairs = np.array(last["multipliers"]).reshape(-1, 2)
     half = np.array(branch.data["motion"])
     changes: list[tuple[float, float]] = [
         (scale.measured(line.energy, "energy"), scale.measured(line.frequency, "frequency"))
-        for line in found.bifurcations()
+        for line in result.bifurcations()
         if line.mode == branch.mode + 1
     ]
     return BranchCurve(
@@ -62,12 +62,12 @@ def _curve(found: ModesResult, branch: BranchOfMode) -> "BranchCurve":
         frequency=scale.measured(2.0 * np.pi / _floats(states, "period"), "frequency"),
         stable=np.array([state["stable"] for state in states]),
         bifurcations=np.array(changes).reshape(-1, 2),
-        linear=found.linear.shapes[branch.mode],
+        linear=result.linear.shapes[branch.mode],
         last=np.array(last["x"]),
         multipliers=pairs[:, 0] + 1j * pairs[:, 1],
         motion=scale.measured(np.concatenate([half, half[-2::-1]]), "length"),
         period=scale.measured(float(last["period"]), "time"),
-        chains=found.problem.chains,
+        chains=result.problem.chains,
     )
 
 

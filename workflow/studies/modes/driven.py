@@ -96,18 +96,18 @@ def linear_response(problem: Problem) -> tuple[Floats, Floats]:
     system = problem.system
     omega = _drives(system)[0].omega
     mass, moving = mass_of_atoms(system), moving_atoms(system).ravel()
-    force, given = np.zeros((2, *mass.shape), dtype=complex)
+    force, prescribed_motion = np.zeros((2, *mass.shape), dtype=complex)
     offset = np.zeros(mass.shape)
     for load in system.loads:
         _, _, phase = load.law
         force[load.chain - 1, load.bead - 1] += load.law.peak * np.exp(1j * phase)  # type: ignore[attr-defined]
     for prescribed in system.motions:
         place = prescribed.chain - 1, prescribed.bead - 1
-        given[place] = prescribed.amplitude * np.exp(1j * prescribed.phase)
+        prescribed_motion[place] = prescribed.amplitude * np.exp(1j * prescribed.phase)
         offset[place] = -prescribed.amplitude * math.sin(prescribed.phase)
     stiffness = stiffness_matrix(system)
     dynamic = stiffness - omega**2 * np.diag(mass.ravel()) + 1j * omega * damping_matrix(system)
-    complex_amplitude, shift = given.ravel(), offset.ravel()
+    complex_amplitude, shift = prescribed_motion.ravel(), offset.ravel()
     for matrix, right, values in ((dynamic, force.ravel(), complex_amplitude), (stiffness, 0.0, shift)):
         values[moving] = np.linalg.solve(matrix[np.ix_(moving, moving)], (right - matrix @ values)[moving])
     x, v = complex_amplitude.imag + shift, omega * complex_amplitude.real

@@ -148,6 +148,7 @@ def _figure(curve: ResponseResult) -> "Figure":
     scale, lines, changes = curve.problem.scale, curve.responses(), curve.bifurcations()
 
     def points(records: Sequence[Any]) -> Floats:
+        """Frequency and amplitude of lines, [line, 2]."""
         pairs = [
             (scale.measured(each.frequency, "cycles"), scale.measured(each.amplitude, "velocity")) for each in records
         ]
@@ -203,20 +204,20 @@ def requested(arguments: argparse.Namespace, problem: Problem) -> ResponseReques
     """
     modes = {"--mode": arguments.mode, "--energy": arguments.energy, "--at-energy": arguments.at_energy}
     modes["--linear"] = arguments.linear
-    given = arguments.frequencies
-    others = {"--bead": arguments.bead, "--sweep": arguments.sweep} if given is None else modes
+    frequencies = arguments.frequencies
+    others = {"--bead": arguments.bead, "--sweep": arguments.sweep} if frequencies is None else modes
     for option, value in others.items():
         if value:
-            reason = "belongs to" if given is None else "does not go with"
+            reason = "belongs to" if frequencies is None else "does not go with"
             raise InputError(f"{option}: {reason} `--frequencies`, the responses of a driven scene")
-    if given is None:
+    if frequencies is None:
         return None
-    if len(given) != 2 or not 0.0 < given[0] < given[1] < math.inf:
-        text = ",".join(f"{value:g}" for value in given)
+    if len(frequencies) != 2 or not 0.0 < frequencies[0] < frequencies[1] < math.inf:
+        text = ",".join(f"{value:g}" for value in frequencies)
         raise InputError(f"--frequencies: {text} given; LOW,HIGH with 0 < LOW < HIGH, such as 0.1,0.3")
     if arguments.bead is not None and len(arguments.bead) != 2:
         raise InputError(f"--bead: {len(arguments.bead)} numbers given; CHAIN,BEAD, such as 1,2")
-    low, high = (float(value * problem.scale.time) for value in given)
+    low, high = (float(value * problem.scale.time) for value in frequencies)
     steps = 0 if arguments.no_lammps else arguments.sweep or STEPS
     return ResponseRequest((low, high), arguments.points or POINTS, arguments.bead, steps)
 

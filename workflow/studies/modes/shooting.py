@@ -96,6 +96,7 @@ class Shooting(Continuable):
         size = math.sqrt(2.0 * energy)
 
         def condition(y: Floats, _: float) -> tuple[float, Floats, float]:
+            """Difference of the energy at coordinates [coordinate], and its derivatives by these and the period."""
             slope = -self.force(y) / self.modes.frequency
             return (self.energy(y) - energy) / size, slope / size, 0.0
 

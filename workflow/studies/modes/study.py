@@ -99,14 +99,14 @@ class ModesRequest:
         energy: largest energy, in units of m V^2.
         points: largest number of states of a branch.
         energies: of further states, in units of m V^2.
-        lammps: whether LAMMPS is started on some of the states.
+        lammps: number of states that LAMMPS is started on, at most; None for all.
     """
 
     modes: tuple[int, ...]
     energy: float
     points: int
     energies: tuple[float, ...]
-    lammps: bool
+    lammps: int | None
 
 
 # --- carried out ------------------------------------------------------------------------------------------------------
@@ -157,31 +157,31 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: ModesReq
     with STUDY.evaluating(directory) as values:
         computed = values([_branch_case(scene, source, linear, mode, request) for mode in request.modes])
         branches = [BranchOfMode(mode, data) for mode, data in zip(request.modes, computed, strict=True)]
-        chosen = _checked(branches) if request.lammps and not deck.refusal(problem.system) else []
-        found = ModesResult(problem, linear, branches, [])
-        _write(directory, found, chosen)  # before LAMMPS, which may fail
+        chosen = [] if deck.refusal(problem.system) else _checked(branches, request.lammps)
+        result = ModesResult(problem, linear, branches, [])
+        _write(directory, result, chosen)  # before LAMMPS, which may fail
         cases = [_check_case(scene, source, branch, number) for branch, number in chosen]
         lines = [
             _lammps_line(branch, number, value) for (branch, number), value in zip(chosen, values(cases), strict=True)
         ]
         STUDY.write(directory, {LAMMPS: to_csv(LammpsLine, lines, problem.scale)})
-    return replace(found, checks=lines)
+    return replace(result, checks=lines)
 
 
-def _write(directory: Path, found: ModesResult, chosen: Sequence[tuple[BranchOfMode, int]]) -> None:
+def _write(directory: Path, result: ModesResult, chosen: Sequence[tuple[BranchOfMode, int]]) -> None:
     """Write tables, arrays and figures, and decks that start on chosen states, given by their numbers."""
-    scale = found.problem.scale
+    scale = result.problem.scale
     tables = {
-        MODES: to_csv(LinearMode, found.modes(), scale),
-        STATES: to_csv(StateLine, found.states(), scale),
-        BIFURCATIONS: to_csv(BifurcationLine, found.bifurcations(), scale),
-        LAMMPS: to_csv(LammpsLine, found.checks, scale),
+        MODES: to_csv(LinearMode, result.modes(), scale),
+        STATES: to_csv(StateLine, result.states(), scale),
+        BIFURCATIONS: to_csv(BifurcationLine, result.bifurcations(), scale),
+        LAMMPS: to_csv(LammpsLine, result.checks, scale),
     }
-    STUDY.write(directory, tables, figures(found))
-    write_bytes(directory / ARRAYS, _arrays(found))
+    STUDY.write(directory, tables, figures(result))
+    write_bytes(directory / ARRAYS, _arrays(result))
     for branch, number in chosen:
         name = f"mode-{branch.mode + 1}-state-{number}"
-        _write_deck(found.problem, directory / DECKS / name, branch.states[number - 1])
+        _write_deck(result.problem, directory / DECKS / name, branch.states[number - 1])
 
 
 def _branch_case(
@@ -211,17 +211,20 @@ def _check_case(scene: dict[str, Any], source: str, branch: BranchOfMode, number
     return case("workflow.studies.modes.lammps_check:computed", arguments, cost=state["period"])
 
 
-def _checked(branches: Sequence[BranchOfMode]) -> list[tuple[BranchOfMode, int]]:
-    """States that LAMMPS is started on, with their numbers: those of given energies, ends of branches, bifurcations."""
-    chosen = [
+def _checked(branches: Sequence[BranchOfMode], most: int | None) -> list[tuple[BranchOfMode, int]]:
+    """States that LAMMPS is started on, with their numbers.
+
+    Args:
+        branches: of which all states, or those of given energies, ends of branches, and those behind bifurcations.
+        most: largest number of these; None for all states.
+    """
+    numbered = [
         (_ORDER[state["role"]], place, number)
         for place, branch in enumerate(branches)
         for number, state in enumerate(branch.states, 1)
-        if state["role"] != "branch" or number == len(branch.states)
+        if most is None or state["role"] != "branch" or number == len(branch.states)
     ]
-    return [
-        (branches[place], number) for _, place, number in sorted(sorted(chosen)[:MOST_CHECKED], key=lambda x: x[1:])
-    ]
+    return [(branches[place], number) for _, place, number in sorted(sorted(numbered)[:most], key=lambda x: x[1:])]
 
 
 def _lammps_line(branch: BranchOfMode, number: int, value: dict[str, Any]) -> LammpsLine:
@@ -254,16 +257,16 @@ def _write_deck(problem: Problem, directory: Path, state: dict[str, Any]) -> Non
         write_text(directory / name, text)
 
 
-def _arrays(found: ModesResult) -> bytes:
+def _arrays(result: ModesResult) -> bytes:
     """Contents of a file of arrays: of each branch displacements [state, line, bead], periods and multipliers."""
-    scale, arrays = found.problem.scale, {}
-    for branch in found.branches:
+    scale, arrays = result.problem.scale, {}
+    for branch in result.branches:
         name, states = f"mode_{branch.mode + 1}", branch.states
         arrays[f"{name}_displacement"] = scale.measured(np.array([state["x"] for state in states]), "length")
         arrays[f"{name}_period"] = scale.measured(np.array([state["period"] for state in states]), "time")
         pairs = np.array([state["multipliers"] for state in states]).reshape(len(states), -1, 2)
         arrays[f"{name}_multipliers"] = pairs[..., 0] + 1j * pairs[..., 1]
-    arrays["shapes"] = found.linear.shapes
+    arrays["shapes"] = result.linear.shapes
     content = io.BytesIO()
     np.savez(content, **arrays)
     return content.getvalue()
@@ -308,7 +311,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--at-energy", metavar="E,...", type=options.listed(float), default=(), help="further states, of these energies"
     )
     parser.add_argument("--linear", action="store_true", help="linear modes alone")
-    parser.add_argument("--no-lammps", action="store_true", help="do not start LAMMPS")
+    lammps = parser.add_mutually_exclusive_group()
+    lammps.add_argument("--no-lammps", action="store_true", help="do not start LAMMPS")
+    lammps.add_argument(
+        "--every-state",
+        action="store_true",
+        help=f"start LAMMPS on every state, not on {MOST_CHECKED} at most",
+    )
     response_study.add_arguments(parser)
     options.add_output(parser)
 
@@ -322,19 +331,18 @@ def _requested(arguments: argparse.Namespace, problem: Problem, linear: LinearMo
     scale, count, points = problem.scale, len(linear.frequency), arguments.points or POINTS
     energy = physics.energy(problem.system) if arguments.energy is None else arguments.energy / scale.energy
     energies = tuple(value / scale.energy for value in arguments.at_energy)
-    for value, given in zip(energies, arguments.at_energy, strict=True):
+    for value, number in zip(energies, arguments.at_energy, strict=True):
         if not 0.0 < value <= energy * (1.0 + 1e-12):
             largest = scale.written(energy, "energy", ".6g")
-            raise InputError(f"--at-energy: {given:g} given; above 0, and at most the largest energy, {largest}")
+            raise InputError(f"--at-energy: {number:g} given; above 0, and at most the largest energy, {largest}")
     alone = [mode for mode in range(count) if linear.alone(mode)]
+    most = 0 if arguments.no_lammps else None if arguments.every_state else MOST_CHECKED
     if arguments.linear:
-        return ModesRequest((), energy, points, (), lammps=False)
+        return ModesRequest((), energy, points, (), 0)
     if arguments.mode is None:
         if not alone:
             raise InputError("--mode: each linear mode shares its frequency with another; none can be followed alone")
-        return ModesRequest(
-            tuple(dict.fromkeys((alone[0], alone[-1]))), energy, points, energies, not arguments.no_lammps
-        )
+        return ModesRequest(tuple(dict.fromkeys((alone[0], alone[-1]))), energy, points, energies, most)
     for number in arguments.mode:
         if not 1 <= number <= count:
             raise InputError(f"--mode: {number} given; the scene has modes 1 to {count}")
@@ -342,7 +350,7 @@ def _requested(arguments: argparse.Namespace, problem: Problem, linear: LinearMo
             reason = "has the frequency 0" if number <= linear.zeros else "has the frequency of another mode"
             raise InputError(f"--mode: {number} given; it {reason}, so that no branch of it alone can be followed")
     modes = tuple(dict.fromkeys(number - 1 for number in arguments.mode))
-    return ModesRequest(modes, energy, points, energies, not arguments.no_lammps)
+    return ModesRequest(modes, energy, points, energies, most)
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
@@ -358,32 +366,32 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     request = _requested(arguments, problem, linear)
     print_heading(scene.name, scene.units)
     try:
-        found = study(plain_scene, name, arguments.output, request)
+        computed = study(plain_scene, name, arguments.output, request)
     except KeyboardInterrupt:
         return options.interrupted()
-    _print(found, request)
-    figures = figure_files(*FIGURES) if any(branch.states for branch in found.branches) else ()
-    decks = (DECKS,) if found.checks else ()
+    _print(computed, request)
+    figures = figure_files(*FIGURES) if any(branch.states for branch in computed.branches) else ()
+    decks = (DECKS,) if computed.checks else ()
     print_files(arguments.output, (MODES, STATES, BIFURCATIONS, LAMMPS, ARRAYS, *decks, *figures))
-    return CommandResult(0 if all(branch.states for branch in found.branches) else 1, found.plain())
+    return CommandResult(0 if all(branch.states for branch in computed.branches) else 1, computed.plain())
 
 
-def _print(found: ModesResult, request: ModesRequest) -> None:
+def _print(computed: ModesResult, request: ModesRequest) -> None:
     """Print tables of the modes that were followed, given energies, bifurcations and LAMMPS's runs, and sentences."""
-    scale, numbers = found.problem.scale, {mode + 1 for mode in request.modes}
-    shown = [line for line in found.modes() if not numbers or line.mode in numbers]
+    scale, numbers = computed.problem.scale, {mode + 1 for mode in request.modes}
+    shown = [line for line in computed.modes() if not numbers or line.mode in numbers]
     print_records("linear modes", LinearMode, shown, scale)
-    lines = found.states()
-    last = {branch.mode + 1: len(branch.states) for branch in found.branches}
+    lines = computed.states()
+    last = {branch.mode + 1: len(branch.states) for branch in computed.branches}
     ends = [line for line in lines if line.role == "energy" or line.state in (1, last[line.mode])]
     for title, kind, records in (
         ("periodic states: first, of given energies, and last", StateLine, ends),
-        ("changes of stability", BifurcationLine, found.bifurcations()),
-        ("LAMMPS", LammpsLine, found.checks),
+        ("changes of stability", BifurcationLine, computed.bifurcations()),
+        ("LAMMPS", LammpsLine, computed.checks),
     ):
         if records:
             print_records(title, kind, records, scale)
-    for sentence in found.sentences():
+    for sentence in computed.sentences():
         print(sentence)
-    if request.lammps and (why := deck.refusal(found.problem.system)):
+    if request.lammps != 0 and (why := deck.refusal(computed.problem.system)):
         print(f"LAMMPS is not started: {why}")

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from analysis import motion
 from analysis.loaded_pulse import bands
 from analysis.trajectory import Floats
+from lammps_inputs.laws.contact import Hertz
 from workflow.studies.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statements, chain, line, panel
 from workflow.studies.gallery.periodic_family import COMPUTED, PeriodicFamily, follow, stays
@@ -38,10 +39,12 @@ def _alternating(amplitude: float) -> float:
     from scipy.integrate import solve_ivp
 
     def rates(_: float, motion_of_bead: Floats) -> list[float]:
+        """Velocity and acceleration, from displacement and velocity [2]."""
         twice = 2.0 * float(motion_of_bead[0])
-        return [float(motion_of_bead[1]), (1.0 - twice) ** 1.5 - (1.0 + twice) ** 1.5]
+        return [float(motion_of_bead[1]), float(Hertz.force(1.0 - twice, 1.0) - Hertz.force(1.0 + twice, 1.0))]
 
     def middle(_: float, motion_of_bead: Floats) -> float:
+        """Displacement, from displacement and velocity [2]."""
         return float(motion_of_bead[0])
 
     solution = solve_ivp(rates, (0.0, 2.0), [amplitude, 0.0], "DOP853", events=middle, rtol=1e-12, atol=1e-15)
