@@ -17,7 +17,9 @@ SMOOTH = {
     "unlike masses": {**LOADED, "disorder": {"mass": 0.3, "seed": 1}},
     "resonators": {**LOADED, "resonators": {"mass": 0.3, "stiffness": 0.5, "damping": 0.05}},
     "dashpots": {**LOADED, "damping": {"contact": 0.1, "tension": "allowed"}},
-    "drag": {**LOADED, "damping": {"beads": 0.1}},
     "driven": {**LOADED, "kick": None, "drive": {"displacement": 0.05, "frequency": 0.4}, "damping": {"beads": 0.1}},
     "pushed": {**LOADED, "kick": None, "push": {"shape": "half-sine", "peak": 0.3, "duration": 2}},
 }
+
+WITH_DERIVATIVES = ("lattice", "foundation in time", "resonators", "driven")
+"""Scenes whose vectors are tested with what numbers change in their forces as a source."""

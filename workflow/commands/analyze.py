@@ -9,7 +9,7 @@ from analysis.tracking.leading_waves import ARRIVALS
 from lammps_inputs import InputError
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import CommandResult, print_files, print_heading, print_table
-from workflow.study_kit.gradient import with_gradient
+from workflow.study_kit.gradient import of_run, with_derivatives
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.analysis_lines import lines
 from workflow.verdicts.analysis_report import REPORT
@@ -48,15 +48,15 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     if arguments.by is not None and arguments.gradient is None:
         raise InputError("--by: names fields for --gradient, which is missing")
     directory = RunDirectory(arguments.directory)
+    by = None if arguments.by is None else arguments.by.split(",")
+    derivatives = () if arguments.gradient is None else of_run(directory, arguments.gradient.split(","), by)
     analysis = analyse(
         directory,
         beads=_beads(arguments.beads),
         figures=not arguments.no_figures,
         arrival=arguments.arrival,
     )
-    if arguments.gradient is not None:
-        by = None if arguments.by is None else arguments.by.split(",")
-        analysis = with_gradient(analysis, directory, arguments.gradient.split(","), by)
+    analysis = with_derivatives(analysis, directory, derivatives)
     print_heading(analysis.problem.name, directory.scene.units)
     for line in lines(analysis):
         if isinstance(line, str):

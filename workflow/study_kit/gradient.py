@@ -292,13 +292,10 @@ def _value(plain: dict[str, Any], name: str, source: str) -> float:
     return float(value)
 
 
-def with_gradient(
-    analysis: Analysis, directory: RunDirectory, quantities: Sequence[str], by: Sequence[str] | None
-) -> Analysis:
-    """The analysis of a run with derivatives, which are also written beside the frames.
+def of_run(directory: RunDirectory, quantities: Sequence[str], by: Sequence[str] | None) -> tuple[Derivative, ...]:
+    """Derivatives for the scene of a run; nothing is written.
 
     Args:
-        analysis: the analysis.
         directory: the run's directory.
         quantities: names of quantities.
         by: dotted paths of fields; None for all numbers of the scene.
@@ -308,7 +305,17 @@ def with_gradient(
     """
     if not ENGINES[directory.engine].deforms:
         raise InputError(f"--gradient: {directory.path} is a run of rigid beads, which has no derivatives")
-    derivatives = tuple(gradient(directory.scene.plain(), quantities, by, str(directory.path)))
+    return tuple(gradient(directory.scene.plain(), quantities, by, str(directory.path)))
+
+
+def with_derivatives(analysis: Analysis, directory: RunDirectory, derivatives: tuple[Derivative, ...]) -> Analysis:
+    """The analysis of a run with derivatives, which are also written beside the frames.
+
+    Raises:
+        InputError: another file of that name stands there.
+    """
+    if not derivatives:
+        return analysis
     claim(directory.path, [GRADIENT])
     write_text(directory.path / GRADIENT, csv_text([asdict(derivative) for derivative in derivatives]))
     return replace(analysis, tables=(*analysis.tables, GRADIENT), derivatives=derivatives)

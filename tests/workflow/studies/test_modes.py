@@ -315,11 +315,11 @@ def test_the_command_writes_tables_arrays_and_figures(tmp_path, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("lammps_here")
+@pytest.mark.usefixtures("lammps_here", "pool_here")
 def test_lammps_agrees_with_every_state_and_its_stability(tmp_path):
     path, out = tmp_path / "scene.yaml", tmp_path / "out"
     path.write_text(json.dumps(FOUR))
-    words = ["modes", str(path), "--mode", "3", "--energy", "0.1", "--points", "40", "--every-state", "-o", str(out)]
+    words = ["modes", str(path), "--mode", "3", "--energy", "0.06", "--points", "40", "--every-state", "-o", str(out)]
     assert main(words) == 0
     with (out / "states.csv").open() as file, (out / "lammps.csv").open() as checks:
         states, lines = list(csv.DictReader(file)), list(csv.DictReader(checks))

@@ -33,7 +33,7 @@ from workflow.runs import run as running
 from workflow.runs.deck_directory import write_deck
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import progress_bar
-from workflow.study_kit.gradient import with_gradient
+from workflow.study_kit.gradient import of_run, with_derivatives
 from workflow.sweep import collect as collecting
 from workflow.sweep import file
 from workflow.sweep.collect import SweepTable, named_fields
@@ -276,8 +276,9 @@ def analyze(
         0.4692
     """
     chosen, directory = None if beads is None else tuple(beads), directory_of(run)
+    derivatives = of_run(directory, gradient, by) if gradient else ()
     analysis = analysing.analyse(directory, beads=chosen, figures=figures, arrival=arrival)
-    return with_gradient(analysis, directory, gradient, by) if gradient else analysis
+    return with_derivatives(analysis, directory, derivatives)
 
 
 def validate(

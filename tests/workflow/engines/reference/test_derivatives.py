@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from smooth_scenes import SMALL, SMOOTH
+from smooth_scenes import SMALL, SMOOTH, WITH_DERIVATIVES
 
 import granchain
 from granchain import InputError
@@ -20,6 +20,10 @@ FIELDS = {
 }
 QUICK = ("coupled",)
 """Others are slow, as each is compiled."""
+
+
+def test_scenes_that_are_tested_here_alone_are_tested():
+    assert set(WITH_DERIVATIVES) <= set(FIELDS)
 
 
 def resolved(changes):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from smooth_scenes import SMALL, SMOOTH
+from smooth_scenes import SMALL, SMOOTH, WITH_DERIVATIVES
 
 import granchain
 from granchain import InputError
@@ -41,6 +41,7 @@ QUICK = ("coupled", "dashpots")
     [
         pytest.param(changes, id=name, marks=() if name in QUICK else pytest.mark.slow)
         for name, changes in SMOOTH.items()
+        if name not in WITH_DERIVATIVES
     ],
 )
 def test_vectors_are_the_derivative_of_the_computed_map(changes):
