@@ -28,6 +28,7 @@ def exponents(scene, count, duration, refinement=1):
     return growth.exponents_of(np.array(value["time"]), np.array(value["growth"]))
 
 
+@pytest.mark.slow
 def test_deviations_of_a_chain_with_drag_decay_at_half_of_its_coefficient():
     # near rest each mode is an oscillator with x'' + gamma x' + omega^2 x = 0, omega > gamma / 2
     scene = CHAOTIC | {"damping": {"beads": DRAG}, "kick": {"velocity": 0.01}}

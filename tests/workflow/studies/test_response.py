@@ -60,6 +60,7 @@ def closed_form(scene, drive, omega):
     return np.append(shaken.imag + shift, others + np.linalg.solve(chain[1:, 1:], -chain[1:, 0] * shift))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["force", "displacement"])
 def test_small_responses_are_those_of_springs_and_dashpots_up_to_the_square_of_the_drive(kind):
     deviations = []
@@ -86,6 +87,7 @@ def test_the_linear_response_of_a_problem_is_that_of_springs_and_dashpots():
 # --- balances ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_work_of_the_drive_is_dissipated_in_every_period():
     solver, state = response_of(DRIVEN | {"drive": {"force": 0.1, "frequency": 0.3}}, 0.33)
     scale = solver.problem.scale
@@ -96,6 +98,7 @@ def test_the_work_of_the_drive_is_dissipated_in_every_period():
     assert work == pytest.approx(dissipated, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_the_product_of_the_multipliers_is_the_decay_of_volumes_in_phase_space():
     scene = DRIVEN | {"beads": 3, "damping": {"beads": 0.05, "contact": 0.1}, "drive": {"force": 0.1, "frequency": 0.3}}
     solver, state = response_of(scene, 0.25)
@@ -104,6 +107,7 @@ def test_the_product_of_the_multipliers_is_the_decay_of_volumes_in_phase_space()
     assert product == pytest.approx(math.exp(-3 * (0.05 + 2 * 0.1) / 0.25), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_newton_returns_to_the_state_after_a_period_to_rounding():
     solver, state = response_of(DRIVEN | {"drive": {"force": 0.1, "frequency": 0.3}}, 0.33)
     assert state.residual < 1e-12
@@ -146,6 +150,7 @@ def stable_at(bent, frequency):
     return [state["stable"] for state in curve["states"] if abs(state["period"] * frequency * scale.time - 1.0) < 1e-12]
 
 
+@pytest.mark.slow
 def test_period_doubling_is_around_twice_the_frequency_of_a_mode():
     scene = DRIVEN | {"damping": {"beads": 0.02}}
     scale, curve = curve_of(scene, 0.36, 0.42)

@@ -32,7 +32,7 @@ def random_vectors(flow, count):
     return vectors
 
 
-QUICK = ("coupled", "dashpots")
+QUICK = ("coupled",)
 """Others are slow, as each is compiled."""
 
 

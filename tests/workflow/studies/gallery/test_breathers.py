@@ -32,6 +32,7 @@ def test_the_light_beads_mode_is_the_highest_of_a_chain_beside_a_bead_at_rest():
     assert periodic.CUT_OFF < periodic.DRIVE < highest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("beads", "heavy"), [(21, True), (23, False)])
 def test_in_shorter_chains_too_the_heavy_centred_breather_alone_is_unstable_wherever_it_is_narrow(beads, heavy):
     family = breathers.lowest_optical(beads, 5.0)
