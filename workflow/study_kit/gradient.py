@@ -16,7 +16,7 @@ from analysis.trajectory import Floats, Trajectory, blocks
 from lammps_inputs import InputError, Problem, Scene, library
 from lammps_inputs.numbers import known
 from lammps_inputs.units import REDUCED
-from workflow.engines.reference import engine
+from workflow.engines.reference import engine, tangent
 from workflow.engines.reference.derivatives import DerivativesOfMotion, Sides, derivatives_of_motion, same_form
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import write_text
@@ -81,7 +81,7 @@ def gradient(
         InputError: a name is that of no quantity or field, the scene cannot be linearised, or a field has no value on
             both sides of its own.
     """
-    varied = _Varied.of(plain, tuple(quantities), by, source)
+    varied = _Varied.of(plain, tuple(dict.fromkeys(quantities)), by, source)
     steps = engine.default_steps_per_frame(varied.problem)
     with count_bar("derivatives") as count:
         motion = varied.motion(steps)
@@ -160,11 +160,21 @@ class _Varied:
         scene = scene_quantities.scene_to_run(plain, quantities, source)
         scene = scene.model_copy(update={"accuracy": None}).resolved()
         plain = {key: value for key, value in scene.plain().items() if key != "until_bead"}
-        names = numbers(plain) if by is None else tuple(dict.fromkeys(by))
-        values = {name: _value(plain, name, source) for name in names}
-        special = [name for name, value in values.items() if _special(plain, name, value, source)]
-        values |= {name: values[name] * (1.0 + BESIDE) for name in special}
-        plain = fields.put_all(plain, {name: values[name] for name in special})
+        try:
+            tangent.refuse_without_slope(scene.system)
+        except InputError as error:
+            raise InputError(f"{source}: {error}") from None
+        values: dict[str, float] = {}
+        for name in numbers(plain) if by is None else by:
+            try:
+                value = _value(plain, name, source)
+                values[name] = value * (1.0 + BESIDE) if _special(plain, name, value, source) else value
+            except InputError:
+                if by is not None:
+                    raise
+        if not values:
+            raise InputError(f"{source}: --by: names no field")
+        plain = fields.put_all(plain, values)
         return cls(plain, library.from_plain(plain, source).problem(), quantities, values, source)
 
     def at(self, name: str, value: float) -> Scene:

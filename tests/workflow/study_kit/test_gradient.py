@@ -142,3 +142,13 @@ def test_analyze_prints_and_writes_derivatives(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out)["gradient"][0]["derivative"] == float(row["derivative"])
     assert main([*words[:-2], "--by", "beads"]) == 2
     assert main(["analyze", directory, "--by", "gap"]) == 2
+
+
+@pytest.mark.slow
+def test_without_fields_those_that_move_the_times_of_abrupt_changes_are_left_out():
+    """In units of T, the times of a ramp of the foundation change with what the unit is made of."""
+    ramp = {"stiffness": {"from": 2e5, "to": 4e5, "times": [5e-5, 1e-4]}}
+    lines = gradient(scene_of({**STEEL, "foundation": ramp}), ["peak_velocity@12"], None, "ramp")
+    fields_of_lines = {line.field for line in lines}
+    assert {"coupling.stiffness", "kick.velocity", "foundation.stiffness.from"} <= fields_of_lines
+    assert not [name for name in fields_of_lines if name.startswith("material.")]

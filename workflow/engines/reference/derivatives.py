@@ -216,10 +216,8 @@ def _shift_arrays(problem: Problem, sides: Sequence[Sides], terms: Terms, parame
     ends = [end for side in sides for end in side.problems]
     first_side = np.cumsum([0, *(len(side.problems) for side in sides)])
     made = [make_terms(end.system, as_lammps=False, step=0.0) for end in ends]
-    for other, values in made:
-        times = [values[n] - parameters[n] for n, name in enumerate(terms.names) if name == terms.bends]
-        if _form(other) != _form(terms) or any(np.max(np.abs(apart)) > 1e-12 * problem.duration for apart in times):
-            raise InputError("no derivative: a small change of the number changes the form of the equations of motion")
+    if not all(_alike((terms, parameters), other, problem.duration) for other in made):
+        raise InputError("no derivative: a small change of the number changes the form of the equations of motion")
     groups = [terms.contacts, (*terms.across, *terms.ground), tuple(itertools.chain(*terms.dampers))]
     names = [_names(group) | {terms.inverse_mass} if group else set() for group in (*groups, _loads(terms))]
     stacked = tuple(np.stack(values) for values in zip(*(values for _, values in made), strict=True))
@@ -243,11 +241,18 @@ def _names(terms: Iterable[Term]) -> set[str]:
 
 
 def same_form(problem: Problem, other: Problem) -> bool:
-    """Whether the forces of two problems differ in numbers alone, so that one program computes both."""
-    (terms, values), (others, numbers) = (
-        make_terms(system, as_lammps=False, step=0.0) for system in (problem.system, other.system)
-    )
-    return _form(terms) == _form(others) and list(map(np.shape, values)) == list(map(np.shape, numbers))
+    """Whether the forces of two problems differ in numbers alone, and change abruptly at the same times."""
+    made, others = (make_terms(system, as_lammps=False, step=0.0) for system in (problem.system, other.system))
+    return _alike(made, others, problem.duration)
+
+
+def _alike(made: tuple[Terms, tuple[Any, ...]], others: tuple[Terms, tuple[Any, ...]], duration: float) -> bool:
+    """`same_form` of terms and their parameters, over a duration in units of T."""
+    (terms, values), (other_terms, other_values) = made, others
+    if _form(terms) != _form(other_terms) or list(map(np.shape, values)) != list(map(np.shape, other_values)):
+        return False
+    times = [np.abs(values[n] - other_values[n]) for n, name in enumerate(terms.names) if name == terms.bends]
+    return all(np.max(apart) <= 1e-12 * duration for apart in times)
 
 
 def _form(terms: Terms) -> Terms:
