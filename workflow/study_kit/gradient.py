@@ -173,7 +173,8 @@ class _Varied:
                 if by is not None:
                     raise
         if not values:
-            raise InputError(f"{source}: --by: names no field")
+            reason = "the scene holds no number by which there are derivatives" if by is None else "no field is named"
+            raise InputError(f"{source}: --by: {reason}")
         plain = fields.put_all(plain, values)
         return cls(plain, library.from_plain(plain, source).problem(), quantities, values, source)
 
