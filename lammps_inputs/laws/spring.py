@@ -43,7 +43,7 @@ class Linear(NamedTuple):
     @staticmethod
     def stiffness(s: Any, spring: Any) -> Any:
         """Slope k of the force, independent of the strain."""
-        return spring + 0.0 * s
+        return spring + 0.0 * s  # of the strain's shape; `ones_like` of a number is an array in compiled loops
 
     @staticmethod
     def max_strain(energy: Any, spring: Any) -> Any:
@@ -229,7 +229,7 @@ class Instant(NamedTuple):
     @staticmethod
     def stiffness(s: Any, spring: Any, slope: Any) -> Any:
         """Slope k of the force, independent of the strain."""
-        return spring + 0.0 * s
+        return spring + 0.0 * s  # of the strain's shape; `ones_like` of a number is an array in compiled loops
 
     @staticmethod
     def max_strain(energy: Any, spring: Any, slope: Any) -> Any:

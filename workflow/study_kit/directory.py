@@ -162,7 +162,12 @@ def to_csv(
 def print_records(
     title: str, kind: "type[DataclassInstance]", records: "Sequence[DataclassInstance]", scale: Scale = DIMENSIONLESS
 ) -> None:
-    """Print a table of the columns that declare ``digits`` (`analysis.quantity.Quantity`), in the units of a scale."""
+    """Print a table of the columns that declare ``digits`` (`analysis.quantity.Quantity`), in the units of a scale.
+
+    Nothing is printed where there are no records.
+    """
+    if not records:
+        return
     shown = {name: column for name, (column, _) in quantity.declared(kind).items() if column.digits is not None}
     rows = [
         [

@@ -7,7 +7,7 @@ then measured in frames that are moved a little along a derivative, both ways, a
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Self
 
 import numpy as np
@@ -85,17 +85,19 @@ def gradient(
     steps = engine.default_steps_per_frame(varied.problem)
     with count_bar("derivatives") as count:
         motion = varied.motion(steps)
-        coarse = varied.slopes(motion, NEAR)
+        coarse = varied.slopes(motion, varied.unmoved(motion), NEAR)
         for done in range(DOUBLINGS):
             count(done, DOUBLINGS)
             steps *= 2
             motion = varied.motion(steps)
-            slopes = varied.slopes(motion, NEAR)
+            middle = varied.unmoved(motion)
+            slopes = varied.slopes(motion, middle, NEAR)
             change = np.abs(slopes - coarse)
             if not np.any(change > GOAL * np.abs(slopes)):
                 break
             coarse = slopes
-        return list(varied.lines(motion, slopes, change))
+        farther = varied.slopes(motion, middle, FAR)
+        return list(varied.lines(middle, (slopes, farther), change))
 
 
 def values_and_slopes(plain: dict[str, Any], names: Sequence[str], by: Sequence[str], source: str) -> dict[str, Any]:
@@ -112,8 +114,8 @@ def values_and_slopes(plain: dict[str, Any], names: Sequence[str], by: Sequence[
     try:
         varied = _Varied.of(plain, tuple(names), by, source)
         motion = varied.motion(2 * engine.default_steps_per_frame(varied.problem))
-        values = varied.measured(library.from_plain(varied.plain, source), motion.trajectory())
-        slopes = varied.slopes(motion, NEAR)
+        values = varied.unmoved(motion)
+        slopes = varied.slopes(motion, values, NEAR)
     except (InputError, ValueError, ArithmeticError) as error:
         return {"refused": str(error)}
     return {"values": list(map(known, values.tolist())), "slopes": [list(map(known, row)) for row in slopes.tolist()]}
@@ -180,34 +182,43 @@ class _Varied:
 
     def at(self, name: str, value: float) -> Scene:
         """The scene with another value of a field, in this scene's unit of velocity."""
-        return _beside(self.plain, name, value, self.problem.scale.velocity, self.source)
+        return _in_units(self.plain, name, value, self.problem.scale.velocity, self.source)
 
-    def motion(self, steps: int) -> DerivativesOfMotion:
-        """The motion and its derivatives, with so many steps from frame to frame."""
+    @cached_property
+    def sides(self) -> list[Sides]:
+        """Problems beside the scene's, for each field."""
         sides = []
         for name, value in self.values.items():
             ends = tuple(self.at(name, value * (1.0 + change)).problem() for change in SIDES)
             sides.append(Sides(ends, tuple(value * change for change in SIDES)))
-        return derivatives_of_motion(self.problem, sides, steps)
+        return sides
 
-    def slopes(self, motion: DerivativesOfMotion, moved: float) -> Floats:
+    def motion(self, steps: int) -> DerivativesOfMotion:
+        """The motion and its derivatives, with so many steps from frame to frame."""
+        return derivatives_of_motion(self.problem, self.sides, steps)
+
+    def slopes(self, motion: DerivativesOfMotion, middle: Floats, moved: float) -> Floats:
         """Derivatives [quantity, field] by central differences along derivatives of the motion; NaN where undefined.
 
         Args:
             motion: the motion and its derivatives.
+            middle: quantities of the motion, [quantity].
             moved: largest change of a velocity, in units of V.
         """
         slopes = []
-        middle = self.measured(library.from_plain(self.plain, self.source), motion.trajectory())
         for number, (name, value) in enumerate(self.values.items()):
             change = motion.small(number, abs(value), moved)
-            low, high = (self._beside(motion, number, name, side) for side in (-change, change))
+            low, high = (self._moved(motion, number, name, side) for side in (-change, change))
             bend = np.abs(high - 2.0 * middle + low) - _CURVED * (change / value) ** 2 * np.abs(middle)
             bends = bend > JUMP * np.abs(high - low)
             slopes.append(np.where(bends, np.nan, (high - low) / (2.0 * change)))
         return np.array(slopes).T
 
-    def _beside(self, motion: DerivativesOfMotion, number: int, name: str, change: float) -> Floats:
+    def unmoved(self, motion: DerivativesOfMotion) -> Floats:
+        """Quantities of the motion, [quantity]."""
+        return self.measured(library.from_plain(self.plain, self.source), motion.trajectory())
+
+    def _moved(self, motion: DerivativesOfMotion, number: int, name: str, change: float) -> Floats:
         """Quantities, [quantity], in frames that are moved by a change of a field."""
         value = self.values[name] + change
         scene = library.from_plain(fields.put_all(self.plain, {name: value}), self.source)
@@ -219,18 +230,18 @@ class _Varied:
             values = scene_quantities.of_frames(trajectory.problem, partial(blocks, trajectory), scene, self.quantities)
         return np.array([math.nan if values[name] is None else values[name] for name in self.quantities])
 
-    def lines(self, motion: DerivativesOfMotion, near: Floats, change: Floats) -> Iterator[Derivative]:
-        """All derivatives, from those where frames are moved little, [quantity, field].
+    def lines(self, middle: Floats, slopes: tuple[Floats, Floats], change: Floats) -> Iterator[Derivative]:
+        """All derivatives.
 
         Args:
-            motion: the motion and its derivatives.
-            near: derivatives by moving frames by `NEAR`.
-            change: their change by the last doubling of the steps.
+            middle: quantities of the motion, [quantity].
+            slopes: derivatives by moving frames by `NEAR` and by `FAR`, [quantity, field] each.
+            change: change of the first by the last doubling of the steps.
         """
-        measured = self.measured(library.from_plain(self.plain, self.source), motion.trajectory())
-        bend = (self.slopes(motion, FAR) - near) / 3.0
+        near, far = slopes
+        bend = (far - near) / 3.0
         for place, quantity in enumerate(self.quantities):
-            value = known(float(measured[place]))
+            value = known(float(middle[place]))
             for number, (name, at) in enumerate(self.values.items()):
                 slope = float(near[place, number] - bend[place, number])
                 noise = 0.0 if value is None else _NOISE * abs(value / at)
@@ -249,7 +260,7 @@ class _Varied:
         return above if not below else f"({above or '1'})/({below})"
 
 
-def _beside(plain: dict[str, Any], name: str, value: float, unit_of_velocity: float, source: str) -> Scene:
+def _in_units(plain: dict[str, Any], name: str, value: float, unit_of_velocity: float, source: str) -> Scene:
     """A scene with another value of a field, in a unit of velocity.
 
     Raises:
@@ -268,7 +279,8 @@ def _special(plain: dict[str, Any], name: str, value: float, source: str) -> boo
     Raises:
         InputError: they have different forms on the two sides.
     """
-    at, low, high = (_beside(plain, name, value * (1.0 + step), 1.0, source).problem() for step in (0.0, *SIDES[1:3]))
+    values = (value * (1.0 + step) for step in (0.0, *SIDES[1:3]))
+    at, low, high = (_in_units(plain, name, beside, 1.0, source).problem() for beside in values)
     if not same_form(low, high):
         raise InputError(f"{source}: no derivative by {name}: the form of the equations changes at its value")
     return not same_form(at, low)
@@ -297,8 +309,7 @@ def _value(plain: dict[str, Any], name: str, source: str) -> float:
         raise InputError(f"{source}: no derivative by {name}: it says how, or how long, a scene is computed")
     if fields.is_whole(path):
         raise InputError(f"{source}: no derivative by {name}: it counts something")
-    if isinstance(value, bool) or not isinstance(value, int | float) or value == 0:
-        reason = "is not there" if value is None else f"is {str(value)[:60]!r}"
+    if reason := fields.no_number(value):
         raise InputError(f"{source}: no derivative by {name}: it {reason}; it needs a number other than 0 in the scene")
     return float(value)
 

@@ -184,6 +184,13 @@ def held(scene: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, float
             yield above + key, value
 
 
+def no_number(value: Any) -> str:
+    """Why a field's value is no number other than 0, in words after its name; empty where it is."""
+    if isinstance(value, int | float) and not isinstance(value, bool) and value != 0:
+        return ""
+    return "is not there" if value is None else f"is {str(value)[:60]!r}"
+
+
 def is_whole(path: Path) -> bool:
     """Whether a field takes whole numbers only."""
     kinds = _parts(_field(path))

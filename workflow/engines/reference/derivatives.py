@@ -1,9 +1,9 @@
 """Derivatives of a run of the reference by numbers of its scene, from the tangent flow.
 
 The motion of a scene whose numbers differ a little obeys the equations linearised about the run, with what these
-numbers change in the forces, masses and time step as a source. The source is the central difference of the forces on
-the beads of the run: it is smooth in the numbers, so that its relative error is some 1e-10 where a number is changed by
-1e-5 of itself. The vectors are advanced by the scheme's own steps, as those of `workflow.engines.reference.tangent`.
+numbers change in forces, masses and the start as a source. The source is a difference of the forces that problems with
+other numbers (`Sides`) exert on the beads of the run, which is smooth in the numbers. The vectors are advanced by the
+scheme's own steps, as those of `workflow.engines.reference.tangent`, at equal times in units of each problem's T.
 """
 
 import itertools
@@ -123,8 +123,8 @@ def derivatives_of_motion(
     program = kernel.make_derivative_program(terms)
     stepping = engine.make_steps(BLANES_MOAN, problem.every / steps)
     moving = _empty_frames(problem, len(sides))
-    stretched = [_stretch(problem, side) for side in sides]
-    direct = not system.dampers and not any(stretched)
+    stretches = [_stretch(problem, side) for side in sides]
+    direct = not system.dampers and not any(stretches)
     recorded = problem.recorded_beads if direct else np.arange(1, problem.beads + 1)
     size = frames_per_block(problem)
     for first in (0, *range(1, problem.frames + 1, size)):
@@ -136,7 +136,9 @@ def derivatives_of_motion(
             state.compiled, arrays, state.parameters, stepping, earlier, between, shift, recorded, frames
         )
         if not direct:
-            _complete(frames, moving.time[place], problem, sides, recorded_frames)
+            of_all = _completed(frames, moving.time[place], problem, sides, stretches)
+            for array, values in zip(recorded_frames, of_all, strict=True):
+                array[:] = values[..., : problem.lines, problem.recorded_beads - 1]
     return moving
 
 
@@ -152,10 +154,10 @@ def _stretch(problem: Problem, sides: Sides) -> float:
     return float(np.sum(sides.weights * np.array([side.every for side in sides.problems]))) / problem.every
 
 
-def _complete(
-    frames: DerivativeFrames, time: Floats, problem: Problem, sides: Sequence[Sides], recorded_frames: DerivativeFrames
-) -> None:
-    """Complete the program's frames of all atoms, and keep those that are recorded.
+def _completed(
+    frames: DerivativeFrames, time: Floats, problem: Problem, sides: Sequence[Sides], stretches: Sequence[float]
+) -> DerivativeFrames:
+    """Frames of all atoms with complete velocities, and derivatives at equal times.
 
     Velocities get what dashpots have given. The program's derivatives are those at times in units of T, which depends
     on the number; at equal times a bead is farther on its way.
@@ -165,18 +167,17 @@ def _complete(
         time: their times [frame], in units of T.
         problem: what is integrated.
         sides: problems beside it.
-        recorded_frames: frames of the recorded beads, which are filled.
+        stretches: `_stretch` of each.
     """
     x, v = frames.x, frames.v + engine.given_by_dashpots(problem.system, frames.x)
     system = of_atoms(problem, time, x, v).system_at(slice(None))
     acceleration = motion.acceleration(system, x, time=time, velocity=v)
     dx, dv = [], []
-    for side, x_rate, v_rate in zip(sides, frames.dx, frames.dv, strict=True):
-        later = (_stretch(problem, side) * time)[:, np.newaxis, np.newaxis]
+    for side, stretch, x_rate, v_rate in zip(sides, stretches, frames.dx, frames.dv, strict=True):
+        later = (stretch * time)[:, np.newaxis, np.newaxis]
         dx.append(x_rate + later * v)
         dv.append(v_rate + _given(side, x, x_rate) + later * acceleration)
-    for array, values in zip(recorded_frames, (x, v, np.array(dx), np.array(dv)), strict=True):
-        array[:] = values[..., : problem.lines, problem.recorded_beads - 1]
+    return DerivativeFrames(x, v, np.array(dx), np.array(dv))
 
 
 def _empty_frames(problem: Problem, numbers: int) -> DerivativesOfMotion:

@@ -445,7 +445,8 @@ class _Writer:
             ]
         if self._terms.pushed_in_drifts:
             travels, gifts, _ = self._effects_of_loads("factor * ")
-            sections.append(self._filled(template.SHIFTED_TRAVEL, _OF_SIDE, travels=travels, gifts=gifts))
+            names = {"name": "shifted_", "arguments": "q, s, factor"}
+            sections.append(self._filled(template.TRAVEL, _OF_SIDE, travels=travels, gifts=gifts, **names))
         return sections
 
     # --- loads and motions --------------------------------------------------------------------------------------------
@@ -488,7 +489,8 @@ class _Writer:
 
     def _functions_of_loads(self) -> list[str]:
         travels, gifts, at = self._effects_of_loads()
-        sections = [self._filled(template.TRAVEL, travels=travels, gifts=gifts)] * (self._terms.dashpots == "drift")
+        travel = self._filled(template.TRAVEL, travels=travels, gifts=gifts, name="", arguments="p")
+        sections = [travel] * (self._terms.dashpots == "drift")
         return [*sections, self._filled(template.LOAD, loads=at)] if at else []
 
     def _kicks_by_means(self) -> list[str]:

@@ -222,14 +222,14 @@ for k in range(low, high):
 
 TRAVEL = '''
 @called_by_compiled
-def travel(x, p, time, duration, low, high):
+def {name}travel(x, {arguments}, time, duration, low, high):
     """How much farther free beads drift under loads in a duration."""
     {parameters}
     {travels}
 
 
 @called_by_compiled
-def give(v, p, time, duration, low, high):
+def {name}give(v, {arguments}, time, duration, low, high):
     """How much faster they get."""
     {parameters}
     {gifts}
@@ -395,21 +395,6 @@ def shifted_rate(rates, x, q, s, factor, squeeze, drag, low, high):
     shifted_impulses(x, q, s, squeeze, drag, low, high)
     for k in range(low, high):
         rates[k] += factor * (drag[k]{per_mass})
-'''
-
-SHIFTED_TRAVEL = '''
-@called_by_compiled
-def shifted_travel(x, q, s, factor, time, duration, low, high):
-    """Add how much farther free beads drift under loads of shifted parameters, times a factor."""
-    {parameters}
-    {travels}
-
-
-@called_by_compiled
-def shifted_give(v, q, s, factor, time, duration, low, high):
-    """Add how much faster they get, times a factor."""
-    {parameters}
-    {gifts}
 '''
 
 TANGENT_KICK = """

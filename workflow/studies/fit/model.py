@@ -18,7 +18,7 @@ from lammps_inputs.units import REDUCED, SI
 from workflow.engines.reference import engine, tangent
 from workflow.engines.reference.derivatives import Sides, derivatives_of_motion
 from workflow.engines.reference.schemes import VERLET
-from workflow.study_kit.gradient import SceneInUnits
+from workflow.study_kit.gradient import SceneInUnits, numbers
 from workflow.sweep import fields
 from workflow.verdicts.validate_table import check_channels
 
@@ -32,9 +32,6 @@ STEP = 1e-4
 
 OFFSET_STEP = 1e-3
 """Change of the time offset in units of T, for derivatives."""
-
-NO_MODEL = ("duration", "until_bead", "timestep", "accuracy", "output")
-"""Keys that traces do not depend on."""
 
 NO_SCENE = "no scene near these values of the free fields can be computed"
 
@@ -108,8 +105,7 @@ class Model:
         except InputError as error:
             raise InputError(f"--free: {error}") from None
         value = fields.look_up(self.scene, path)
-        if isinstance(value, bool) or not isinstance(value, int | float) or value == 0:
-            reason = "is not there" if value is None else f"is {str(value)[:60]!r}"
+        if reason := fields.no_number(value):
             raise InputError(
                 f"{self.source}: {name}: {reason}; a free field needs a number other than 0 in the scene to start from"
             )
@@ -293,8 +289,8 @@ class Model:
         count = len(self.names)
         names, columns = [], []
         varied = {_entries(name, self.scene) for name in self.names}
-        for name, _ in fields.held(self.scene):
-            if name.partition(".")[0] in NO_MODEL or _entries(name, self.scene) in varied:
+        for name in numbers(self.scene):
+            if _entries(name, self.scene) in varied:
                 continue
             wide = copy.copy(self)
             wide._trajectories = {}

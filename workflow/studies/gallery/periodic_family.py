@@ -14,6 +14,7 @@ from lammps_inputs import Problem
 from workflow.studies.gallery.criteria import MeasuredQuantity, at_most
 from workflow.studies.modes import branches, lammps_check
 from workflow.studies.modes.linear import LinearModes, centre, linear_modes
+from workflow.studies.modes.tables import BranchOfMode
 from workflow.study_kit.linearised import problem_of
 
 POINTS, BISECTIONS = 100, 6
@@ -22,32 +23,18 @@ COMPUTED = "computed"
 
 
 @dataclass(frozen=True)
-class PeriodicFamily:
+class PeriodicFamily(BranchOfMode):
     """Branch of periodic states of a scene whose kick has the velocity 1, so that all units are reduced ones.
 
     Attributes:
         plain: the scene.
         problem: its problem.
         linear: its linear modes.
-        mode: number of the linear mode at which the branch begins, from 0.
-        data: see `workflow.studies.modes.branches.computed`.
     """
 
     plain: dict[str, Any]
     problem: Problem
     linear: LinearModes
-    mode: int
-    data: dict[str, Any]
-
-    @property
-    def states(self) -> list[dict[str, Any]]:
-        """Plain data of the states, in order along the branch."""
-        states: list[dict[str, Any]] = self.data["states"]
-        return states
-
-    def values(self, key: str) -> Floats:
-        """A number of each state, [state]."""
-        return np.array([periodic[key] for periodic in self.states], dtype=np.float64)
 
     @property
     def frequency(self) -> Floats:
@@ -81,7 +68,7 @@ def follow(plain: dict[str, Any], mode: int, energy: float) -> PeriodicFamily:
     linear = linear_modes(problem, name)
     number = mode % len(linear.frequency)
     data = branches.computed(plain, name, number, energy, POINTS, [], BISECTIONS)
-    return PeriodicFamily(plain, problem, linear, number, data)
+    return PeriodicFamily(number, data, plain, problem, linear)
 
 
 def stays(family: PeriodicFamily, *places: int) -> MeasuredQuantity:

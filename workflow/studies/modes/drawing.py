@@ -1,12 +1,10 @@
 """Figures of modes and periodic states, from the results of the study."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from analysis.loaded_pulse import bands
-from analysis.trajectory import Floats
 from lammps_inputs.units import Label
 from workflow.studies.modes.tables import BranchOfMode, ModesResult
 
@@ -58,8 +56,8 @@ def _curve(result: ModesResult, branch: BranchOfMode) -> "BranchCurve":
     ]
     return BranchCurve(
         name=f"mode {branch.mode + 1}",
-        energy=scale.measured(_floats(states, "energy"), "energy"),
-        frequency=scale.measured(2.0 * np.pi / _floats(states, "period"), "frequency"),
+        energy=scale.measured(branch.values("energy"), "energy"),
+        frequency=scale.measured(2.0 * np.pi / branch.values("period"), "frequency"),
         stable=np.array([state["stable"] for state in states]),
         bifurcations=np.array(changes).reshape(-1, 2),
         linear=result.linear.shapes[branch.mode],
@@ -69,7 +67,3 @@ def _curve(result: ModesResult, branch: BranchOfMode) -> "BranchCurve":
         period=scale.measured(float(last["period"]), "time"),
         chains=result.problem.chains,
     )
-
-
-def _floats(states: Sequence[dict[str, Any]], key: str) -> Floats:
-    return np.array([state[key] for state in states], dtype=np.float64)

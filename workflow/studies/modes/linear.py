@@ -12,6 +12,9 @@ from lammps_inputs import InputError, Problem, System, laws, physics
 from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Link
 
+MOST_FREE = 600
+"""Atoms up to which periodic states and responses are computed, with dense matrices."""
+
 ZERO = 1e-10
 """Squared frequency, over the largest, below which a mode has no stiffness: rounding leaves some 1e-14."""
 

@@ -19,6 +19,7 @@ from lammps_inputs.units import Label
 from workflow.formats import figure_files
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.studies.modes import driven
+from workflow.studies.modes.linear import MOST_FREE
 from workflow.studies.modes.response_tables import ResponseBifurcation, ResponseLine, ResponseResult, SweepLine
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, print_records, to_csv
@@ -37,9 +38,6 @@ POINTS, STEPS = 400, 12
 
 BISECTIONS = 10
 """Halvings of the interval of a bifurcation."""
-
-MOST_FREE = 600
-"""Atoms up to which responses are computed, with dense matrices."""
 
 
 @dataclass(frozen=True)
@@ -236,8 +234,7 @@ def execute(arguments: argparse.Namespace, scene: Scene, request: ResponseReques
         ("changes of stability", ResponseBifurcation, curve.bifurcations()),
         ("LAMMPS, sweep of the frequency", SweepLine, curve.steps()),
     ):
-        if records:
-            print_records(title, kind, records, scale)
+        print_records(title, kind, records, scale)
     for sentence in curve.sentences():
         print(sentence)
     if request.steps and (why := deck.refusal(curve.problem.system)):

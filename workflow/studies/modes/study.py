@@ -29,7 +29,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -41,6 +41,7 @@ from workflow.screen import CommandResult, print_files, print_heading
 from workflow.studies.modes import lammps_check, response_study
 from workflow.studies.modes.drawing import FIGURES, figures
 from workflow.studies.modes.linear import (
+    MOST_FREE,
     LinearModes,
     free_atoms,
     free_to_drift,
@@ -60,9 +61,6 @@ from workflow.study_kit.directory import Study, print_records, to_csv
 from workflow.study_kit.linearised import problem_of
 from workflow.workers.evaluate import Computation, case
 
-if TYPE_CHECKING:
-    pass
-
 MODES, STATES, BIFURCATIONS, LAMMPS = "modes.csv", "states.csv", "bifurcations.csv", "lammps.csv"
 ARRAYS, DECKS = "states.npz", "decks"
 STUDY = Study(
@@ -80,8 +78,8 @@ POINTS = 60
 BISECTIONS = 8
 """Halvings of the interval of a bifurcation: a few thousandths of a step along the branch."""
 
-MOST_FREE, MOST_ATOMS = 600, 3000
-"""Atoms up to which periodic states, and linear modes, are computed: with dense matrices."""
+MOST_ATOMS = 3000
+"""Atoms up to which linear modes are computed, with dense matrices."""
 
 MOST_CHECKED = 12
 """States that LAMMPS is started on, at most."""
@@ -389,8 +387,7 @@ def _print(computed: ModesResult, request: ModesRequest) -> None:
         ("changes of stability", BifurcationLine, computed.bifurcations()),
         ("LAMMPS", LammpsLine, computed.checks),
     ):
-        if records:
-            print_records(title, kind, records, scale)
+        print_records(title, kind, records, scale)
     for sentence in computed.sentences():
         print(sentence)
     if request.lammps != 0 and (why := deck.refusal(computed.problem.system)):

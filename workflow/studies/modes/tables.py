@@ -8,6 +8,7 @@ import numpy as np
 
 from analysis.loaded_pulse import bands
 from analysis.quantity import declare, plain, result
+from analysis.trajectory import Floats
 from lammps_inputs import Problem
 from workflow.studies.modes.linear import LinearModes, centre
 
@@ -129,6 +130,10 @@ class BranchOfMode:
         """Plain data of the states, in order."""
         states: list[dict[str, Any]] = self.data["states"]
         return states
+
+    def values(self, key: str) -> Floats:
+        """A number of each state, [state]."""
+        return np.array([state[key] for state in self.states], dtype=np.float64)
 
 
 @dataclass(frozen=True)

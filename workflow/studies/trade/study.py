@@ -263,7 +263,6 @@ def _print(findings: Findings) -> None:
         ("errors of amplitudes (V) and arrivals (T), by the time between frames", Interval, findings.frames),
     )
     for title, kind, found_of in tables:
-        if found_of:
-            print_records(title, kind, found_of, scale)
+        print_records(title, kind, found_of, scale)
     for sentence in sentences(findings):
         print(sentence)
