@@ -48,9 +48,9 @@ def unavailable(reason: str) -> NoReturn:
 
 def path_of(name: str) -> Path:
     """The program of this name; without it the test is skipped."""
-    path = shutil.which(name, path=FOLDERS)
+    package, path = PACKAGES[name], shutil.which(name, path=FOLDERS)
     if path is None:
-        unavailable(f"no {name}: apt-get install {PACKAGES[name]}")
+        unavailable(f"no {name}: apt-get install {package}")
     return Path(path)
 
 
