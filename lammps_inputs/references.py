@@ -5,6 +5,8 @@ import importlib.resources
 import re
 from typing import TYPE_CHECKING
 
+import yaml
+
 from lammps_inputs import materials
 
 if TYPE_CHECKING:
@@ -20,6 +22,8 @@ ENGINES = [LAMMPS, SCHEMES["verlet"], REFERENCE]
 
 OF_ENGINE, OF_REFERENCE = "engine", "reference integrator"
 """Subjects of `of_scene`: publications of LAMMPS and its scheme, and of the reference."""
+
+AUTHORS = "The granchain authors"
 
 TITLE = "Shock pulses in single and weakly coupled granular chains"
 """What the software is cited as, after its name."""
@@ -39,11 +43,23 @@ def bibtex() -> dict[str, str]:
     return {entry.partition("{")[2].partition(",")[0]: entry for entry in entries}
 
 
+def address() -> str:
+    """Where this software can be had, from ``CITATION.cff``; empty until there is such a place."""
+    page = (importlib.resources.files("lammps_inputs") / "CITATION.cff").read_text(encoding="utf-8")
+    return str(yaml.safe_load(page).get("url") or "")
+
+
+def software_text(version: str) -> str:
+    """The software in one line."""
+    return ", ".join(filter(None, (AUTHORS, f"granchain {version}", TITLE, address())))
+
+
 def software(version: str) -> str:
     """BibTeX entry of this software; ``CITATION.cff`` says the same to hosts of repositories."""
+    place = f"  url = {{{address()}}},\n" if address() else ""
     return (
-        f"@software{{granchain,\n  author = {{{{The granchain authors}}}},\n  title = {{granchain: {TITLE}}},\n"
-        f"  version = {{{version}}},\n  license = {{MIT}},\n  year = {{{YEAR}}},\n}}"
+        f"@software{{granchain,\n  author = {{{{{AUTHORS}}}}},\n  title = {{granchain: {TITLE}}},\n"
+        f"  version = {{{version}}},\n  license = {{MIT}},\n  year = {{{YEAR}}},\n{place}}}"
     )
 
 

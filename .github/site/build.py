@@ -1,13 +1,16 @@
 """Build the site: ``python .github/site/build.py [-o DIR] [--pages]``, with ``pip install '.[view,site]'``.
 
 The pages are the Markdown files of the packages, where they stand. They are copied, with the pictures that they show,
-to a directory with the same layout, so that their links between each other hold. Beside them stand the notebook, the
+to a directory with the same layout, so that their links between each other hold; those with several headings of the
+first level become a page for each section, and one with their contents. Beside them stand the notebook, the
 reference of the Python interface from its docstrings, the page of a run, and that of ``granchain gallery``, which are
 computed. Exit code 1 with a line for each warning of the builder, and for each link that leads nowhere.
 """
 
 import argparse
+import html
 import html.parser
+import importlib.util
 import re
 import shutil
 import subprocess
@@ -17,9 +20,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-import nbformat
-from latex2mathml.converter import convert
-from nbconvert import MarkdownExporter
+import sections
+
+NEEDED = ("latex2mathml", "mkdocstrings", "nbconvert", "nbformat", "zensical")
+"""Packages of the extra, imported where they are used: the help is printed without them."""
+
+COMPUTING = ("granchain", "bokeh")
+"""Packages with which runs and their pages are made."""
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -37,6 +44,7 @@ LINE_BEGINS = re.compile(r"(?<=[^\n])\n(?=\$[^$])")
 
 def equations(text: str) -> str:
     """Markdown with its equations, ``$...$`` and ``$$...$$``, as MathML, which browsers typeset without a script."""
+    from latex2mathml.converter import convert
 
     def mathml(match: re.Match[str]) -> str:
         latex, display = (match[1], "block") if match[1] else (match[2], "inline")
@@ -49,14 +57,26 @@ def equations(text: str) -> str:
     return "".join(pieces)
 
 
+def unbroken(text: str) -> str:
+    """Markdown whose keys and values in tables, code of one word, are marked as words that no line may break."""
+
+    def word(match: re.Match[str]) -> str:
+        return f'<code class="word">{html.escape(match[1]).replace("*", "&#x2A;").replace("_", "&#x5F;")}</code>'
+
+    return re.sub(r"^\|.*", lambda row: re.sub(r"`([^`\s|\\]+)`", word, row[0]), text, flags=re.MULTILINE)
+
+
 def write(path: Path, text: str) -> None:
-    """Write a page, with its equations typeset and its pictures found."""
+    """Write a page with its equations typeset and its pictures at their new place."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(equations(text.replace(f"{PICTURES}/", "pictures/").replace(".ipynb)", ".md)")))
+    path.write_text(unbroken(equations(text.replace(f"{PICTURES}/", "pictures/").replace(".ipynb)", ".md)"))))
 
 
 def notebook(path: Path, pages: Path) -> None:
     """Write a notebook, with its stored outputs, as a page."""
+    import nbformat
+    from nbconvert import MarkdownExporter
+
     body, resources = MarkdownExporter().from_notebook_node(nbformat.read(path, as_version=4))
     target = pages / path.relative_to(ROOT).with_suffix(".md")
     write(target, body)
@@ -80,6 +100,27 @@ def computed(place: Path, *, pages_only: bool) -> None:
         subprocess.run([sys.executable, "-m", "workflow", *command], check=True, cwd=place)
 
 
+def manual() -> dict[str, str]:
+    """Text of each page of the manual, by its path in the repository."""
+    tops = (ROOT, *(ROOT / package for package in PACKAGES), ROOT / "workflow" / "tutorials")
+    return {path.relative_to(ROOT).as_posix(): path.read_text() for top in tops for path in sorted(top.glob("*.md"))}
+
+
+def cut_pages() -> dict[str, sections.CutPage]:
+    """The pages with several headings of the first level, in sections."""
+    stems = {"lammps_inputs/SCENES.md": "scene", "workflow/README.md": "commands"}
+    texts = {path: text for path, text in manual().items() if sections.has_parts(text)}
+    return {path: sections.cut(text, stems.get(path, Path(path).stem)) for path, text in texts.items()}
+
+
+def navigation() -> str:
+    """The settings of the builder, with the pages of sections in the navigation."""
+    settings = (HERE / "zensical.toml").read_text()
+    for path, page in cut_pages().items():
+        settings = sections.with_sections(settings, path, page)
+    return settings
+
+
 def assemble(pages: Path, results: Path) -> None:
     """Copy all pages and pictures to a directory, with the layout of the repository.
 
@@ -87,9 +128,13 @@ def assemble(pages: Path, results: Path) -> None:
         pages: new directory.
         results: directory of `computed`.
     """
-    for top in (ROOT, *(ROOT / package for package in PACKAGES), ROOT / "workflow" / "tutorials"):
-        for path in top.glob("*.md"):
-            write(pages / path.relative_to(ROOT), path.read_text())
+    texts, cut = manual(), cut_pages()
+    places = {place: page for path, one in cut.items() for place, page in sections.moved(path, one).items()}
+    for path, text in texts.items():
+        write(pages / path, sections.relinked(cut[path].overview if path in cut else text, path, places))
+    for path, page in cut.items():
+        for section in page.sections:
+            write((pages / path).with_name(section.name), sections.relinked(section.text, path, places))
     notebook(ROOT / "workflow" / "first-steps.ipynb", pages)
     write(pages / "workflow" / "api.md", (HERE / "api.md").read_text())
     shutil.copy(HERE / "narrow.css", pages)
@@ -142,12 +187,15 @@ def main() -> int:
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "build" / "site", help="directory of the site")
     parser.add_argument("--pages", action="store_true", help="pages only, without what takes minutes to compute")
     options = parser.parse_args()
+    needed = NEEDED if options.pages else NEEDED + COMPUTING
+    if missing := [name for name in needed if importlib.util.find_spec(name) is None]:
+        parser.error(f"not installed: {', '.join(missing)}; `pip install '.[view,site]'` in the repository does")
     with tempfile.TemporaryDirectory() as work:
         place = Path(work)
         (place / "results").mkdir()
         computed(place / "results", pages_only=options.pages)
         assemble(place / "pages", place / "results")
-        shutil.copy(HERE / "zensical.toml", place)
+        (place / "zensical.toml").write_text(navigation())
         (place / "modules").symlink_to(ROOT)
         command = [sys.executable, "-m", "zensical", "build", "--strict", "-f", place / "zensical.toml"]
         done = subprocess.run(

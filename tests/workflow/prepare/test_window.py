@@ -6,8 +6,9 @@ import subprocess
 
 import numpy as np
 import pytest
+from executables import RELEASES
 from processes import HANGS
-from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
+from stock_lammps import MPIEXEC, WHEEL, scene
 
 from analysis.compare.common_times import near_the_front
 from analysis.files import recording
@@ -163,11 +164,9 @@ def test_two_ranks_give_the_bits_of_one(tmp_path):
     assert np.array_equal(one, two)
 
 
-@pytest.mark.skipif(not DEBIAN.exists(), reason="no lmp of the distribution")
-def test_the_release_of_2021_gives_the_same_bits(tmp_path):
+def test_the_release_of_2021_gives_the_same_bits(lmp_of, tmp_path):
     case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0)
-    wheel = by_stock_lammps(case, tmp_path / "wheel")
-    old = by_stock_lammps(case, tmp_path / "old", executable=DEBIAN)
+    wheel, old = (by_stock_lammps(case, tmp_path / name, executable=lmp_of(name)) for name in RELEASES)
     assert np.array_equal(wheel, old)
 
 

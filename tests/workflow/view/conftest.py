@@ -1,23 +1,6 @@
-"""A browser that opens pages without a network."""
-
-import os
-import shutil
+"""The browser opens pages without a network."""
 
 import pytest
-
-
-@pytest.fixture(scope="module")
-def browser():
-    path = shutil.which("chromium")
-    if path is None:
-        assert not os.environ.get("CI"), "continuous integration installs chromium"
-        pytest.skip("chromium is not installed")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as driver:
-        started = driver.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
-        yield started
-        started.close()
 
 
 @pytest.fixture(scope="module")

@@ -3,8 +3,6 @@
 import csv
 import http.client
 import json
-import os
-import shutil
 import signal
 import sys
 import urllib.error
@@ -60,20 +58,6 @@ def scene_file(tmp_path_factory):
 def address(scene_file):
     with served(scene_file) as (_, printed):
         yield printed
-
-
-@pytest.fixture(scope="module")
-def browser():
-    path = shutil.which("chromium")
-    if path is None:
-        assert not os.environ.get("CI"), "continuous integration installs chromium"
-        pytest.skip("chromium is not installed")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as driver:
-        running = driver.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
-        yield running
-        running.close()
 
 
 @pytest.fixture

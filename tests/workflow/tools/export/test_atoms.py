@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 import subprocess
 
 import numpy as np
@@ -104,10 +103,8 @@ proc selection {args} { puts "selection $args" }
 """
 
 
-def test_the_script_for_vmd_makes_atoms_bonds_frames_and_representations(run_of, tmp_path):
-    tclsh = shutil.which("tclsh")
-    if tclsh is None:
-        pytest.skip("tclsh is not installed")
+def test_the_script_for_vmd_makes_atoms_bonds_frames_and_representations(run_of, executable, tmp_path):
+    tclsh = executable("tclsh")
     run = run_of("coupled")
     [path] = granchain.export(run, "vmd", tmp_path)
     (tmp_path / "stubs.tcl").write_text(STUBS + f'source {path}\nputs "time $time_of_frame(50)"\n')
@@ -138,10 +135,8 @@ def test_the_script_for_vmd_makes_atoms_bonds_frames_and_representations(run_of,
     assert "time 5" in calls
 
 
-def test_every_line_of_the_script_is_a_command_since_vmd_reads_line_by_line(run_of, tmp_path):
-    tclsh = shutil.which("tclsh")
-    if tclsh is None:
-        pytest.skip("tclsh is not installed")
+def test_every_line_of_the_script_is_a_command_since_vmd_reads_line_by_line(run_of, executable, tmp_path):
+    tclsh = executable("tclsh")
     [path] = granchain.export(run_of("coupled"), "vmd", tmp_path)
     code = (
         f"set file [open {path}]; while {{[gets $file line] >= 0}} {{ if {{![info complete $line]}} {{ puts $line }} }}"
