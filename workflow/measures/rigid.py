@@ -34,8 +34,8 @@ class RoundingMeasurement(Measurement):
         if first.collision is not None and first.time is not None:
             time = self.problem.scale.written(first.time, "time", ".5g")
             yield (
-                f"warning: from collision {first.collision} on (row {first.row}, t = {time}) the motion follows rounding, "
-                "and no result that depends on it is a property of the scene; in waves.csv the uncertainties of these "
+                f"warning: from collision {first.collision} on (row {first.row}, t = {time}) the motion follows "
+                "rounding, and no result that depends on it is a property of the scene; in waves.csv the uncertainties of these "
                 "passages are empty"
             )
 
