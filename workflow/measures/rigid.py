@@ -35,8 +35,8 @@ class RoundingMeasurement(Measurement):
             time = self.problem.scale.written(first.time, "time", ".5g")
             yield (
                 f"warning: from collision {first.collision} on (row {first.row}, t = {time}) the motion follows "
-                "rounding, and no result that depends on it is a property of the scene; in waves.csv the uncertainties of these "
-                "passages are empty"
+                "rounding, and no result that depends on it is a property of the scene; in waves.csv the "
+                "uncertainties of these passages are empty"
             )
 
     @classmethod
