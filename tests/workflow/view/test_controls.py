@@ -131,7 +131,7 @@ def test_a_bead_and_a_chain_are_chosen_by_keys_and_their_numbers_are_those_of_th
     expected = [
         v[1, BEAD - 1],
         x[1, BEAD - 1],
-        overlap[1, BEAD - 1],
+        max(overlap[1, BEAD - 1], 0.0),
         motion.contact_force(system, overlap)[1, BEAD - 1],
         motion.bead_energy(system, x, v)[1, BEAD - 1],
     ]
