@@ -50,7 +50,15 @@ class Character:
         "mass times speed times the integral of the velocity over the time in which the pulse travels from four beads "
         "before the bead to four beads behind it",
         "momentum",
-        f"{UNSEEN}; beads differ",
+        f"{UNSEEN}, beads differ, or its uncertainty exceeds a twentieth of it, as where the pulse has not come to "
+        "rest four beads from its peak",
+    )
+    momentum_error: float = declare(
+        "uncertainty of the momentum: of the integral by the time between frames, of the speed by the uncertainties of "
+        "arrivals, and the momentum of one bead of travel at either end of that time, where a pulse on a static load "
+        "has not come to rest",
+        "momentum",
+        "as ``momentum``",
     )
     energy: float = declare(
         "energy of the beads near the peak at the arrival",
