@@ -62,9 +62,8 @@ class Sound:
     load: Floats = declare("least and largest force of a contact at rest", "force", symbol="F_0")
     overlap: Floats = declare("least and largest overlap at rest", "length")
     speed: Floats | None = declare(
-        "least and largest speed of sound of long waves along the chains, at each bead 1 / sqrt(m s): m is the mean "
-        "mass of the five beads around it (weights 1, 2, 2, 2, 1) and s the mean compliance of the six contacts around "
-        "it (1, 3, 4, 4, 3, 1), over more of them where a cell of several beads repeats",
+        "least and largest speed of sound of long waves, at each bead 1 / sqrt(m s): mean mass m of five beads "
+        "(weights 1, 2, 2, 2, 1), mean compliance s of six contacts (1, 3, 4, 4, 3, 1), or whole cells",
         "speed",
         "a foundation holds beads, so that long waves do not run",
         "c_0",

@@ -24,9 +24,8 @@ class Collisions:
         "velocity of bead ``row + 1`` before the collision, and of bead ``row`` after it", "velocity"
     )
     rounding: Integers = declare(
-        "1 where rounding decides: from the first collision on at which a change of the gap by 4e-15 of it, the "
-        "size of rounding, changes a displacement by more than 0.001 of the gap or the impulse by more than 0.001 m V, "
-        "and at earlier collisions of smaller impulse that are not among those with such a gap; else 0",
+        "1 where rounding decides: from the collision on that ``rounding`` in ``analysis.json`` names, and at earlier "
+        "ones of impulses below 0.001 m V that runs with a changed gap do not have; else 0",
         default=None,
     )
 

@@ -54,9 +54,8 @@ class Character:
         "rest four beads from its peak",
     )
     momentum_error: float = declare(
-        "uncertainty of the momentum: of the integral by the time between frames, of the speed by the uncertainties of "
-        "arrivals, and the momentum of one bead of travel at either end of that time, where a pulse on a static load "
-        "has not come to rest",
+        "uncertainty of the momentum, by the time between frames, by that of arrivals, from which the speed follows, "
+        "and by where the pulse ends: the momentum of one bead of travel at either end",
         "momentum",
         "as ``momentum``",
     )

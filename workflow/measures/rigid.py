@@ -12,8 +12,8 @@ class FirstByRounding:
     """First collision of rigid beads that follows rounding."""
 
     collision: int | None = declare(
-        "number of the first collision at which a change of the gap by 4e-15 of it changes a displacement by more than "
-        "0.001 of the gap or the impulse by more than 0.001 m V: rounding decides it and those after it",
+        "number of the first collision that a change of the gap by 4e-15 of it changes: a displacement by 0.001 of the "
+        "gap or the impulse by 0.001 m V; rounding decides it and those after it",
         undefined="none follows rounding",
     )
     row: int | None = declare("number of the bead that strikes in it", undefined="as ``collision``")
