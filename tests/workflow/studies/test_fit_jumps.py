@@ -122,6 +122,7 @@ FITS = 10
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)  # 70 s on a quiet core
 def test_intervals_of_fields_contain_the_truth_as_often_as_stated_where_contacts_with_dashpots_close(tmp_path):
     """40 fits of two fields to traces with 3% noise; binomial: of 80 intervals at least 76 - 2.6 * 1.95 hold."""
     inside = left_out = 0
