@@ -56,7 +56,8 @@ def labelled(block: Trajectory, *, deforms: bool = True) -> dict[str, LabelledAr
 
     - ``displacement`` and ``velocity`` [time, chain, bead]; of a window at all beads: NaN at those that it has left, 0
       at those that it has not reached;
-    - ``overlap`` and ``contact_force`` [time, chain, contact], where all beads are recorded and deform;
+    - ``overlap``, 0 of beads that are apart, and ``contact_force`` [time, chain, contact], where all beads are recorded
+      and deform;
     - ``contact_state`` [time, chain, end], where contacts yield;
     - ``resonator_displacement`` and ``resonator_velocity`` [time, resonator, bead], where there are resonators.
 
@@ -100,7 +101,9 @@ def _of_contacts(block: Trajectory) -> dict[str, LabelledArray]:
     contacts = np.arange(1, block.problem.beads)
     return {
         "contact": LabelledArray(("contact",), contacts, "number n of the contact between beads n and n + 1"),
-        "overlap": LabelledArray(at_contacts, overlap, "overlap of beads n and n + 1, negative where apart", "length"),
+        "overlap": LabelledArray(
+            at_contacts, np.maximum(overlap, 0.0), "overlap of beads n and n + 1, 0 where apart", "length"
+        ),
         "contact_force": LabelledArray(at_contacts, force, "force between beads n and n + 1", "force"),
     }
 

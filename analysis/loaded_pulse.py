@@ -36,7 +36,7 @@ class LoadedWave:
     last: int = declare("last contact between which speed and force were measured")
     force_ratio: float = declare("mean of the largest total force of a contact over that at rest", symbol="F_m / F_0")
     speed: float = declare("speed of the pulse", "speed", symbol="c")
-    sound: float = declare("speed of sound there", "speed", symbol="c_0")
+    sound: float = declare("mean speed of sound there, as ``speed`` of the chains", "speed", symbol="c_0")
     theory: float = declare(
         "speed of the long-wave theory's solitary wave of this force ratio over that of sound (Nesterenko)",
         undefined="beads differ",
@@ -62,13 +62,14 @@ class Sound:
     load: Floats = declare("least and largest force of a contact at rest", "force", symbol="F_0")
     overlap: Floats = declare("least and largest overlap at rest", "length")
     speed: Floats | None = declare(
-        "least and largest speed of sound of long waves along the chains",
+        "least and largest speed of sound of long waves, at each bead 1 / sqrt(m s): mean mass m of five beads "
+        "(weights 1, 2, 2, 2, 1), mean compliance s of six contacts (1, 3, 4, 4, 3, 1), or whole cells",
         "speed",
         "a foundation holds beads, so that long waves do not run",
         "c_0",
     )
     metres: Floats | None = declare(
-        "least and largest speed of sound of long waves in m/s",
+        "``speed`` in m/s",
         "m/s",
         "without a material, where beads or static loads differ along the chains, or no long waves run",
     )

@@ -23,6 +23,15 @@ class Collisions:
     target: Floats = declare(
         "velocity of bead ``row + 1`` before the collision, and of bead ``row`` after it", "velocity"
     )
+    rounding: Integers = declare(
+        "1 where rounding decides: from the collision on that ``rounding`` in ``analysis.json`` names, and at earlier "
+        "ones of impulses below 0.001 m V that runs with a changed gap do not have; else 0",
+        default=None,
+    )
+
+    def __post_init__(self) -> None:
+        if self.rounding is None:
+            object.__setattr__(self, "rounding", np.zeros(len(self.time), dtype=np.int64))
 
     def __len__(self) -> int:
         return len(self.time)
@@ -48,12 +57,13 @@ def from_csv(path: Path, scale: Scale) -> Collisions:
         with path.open(encoding="utf-8") as file:
             head = file.readline().strip()
             names = list(declared(Collisions))
-            # older tables have names without units
-            if head not in (",".join(headings(Collisions, scale)), ",".join(names)):
+            with_units = headings(Collisions, scale)
+            # older tables have names without units, or do not mark rounding
+            if head not in {",".join(heads) for heads in (with_units, with_units[:-1], names[:-1])}:
                 raise InputError(f"{path}: is not a table of collisions; its columns should be {', '.join(names)}")
             lines = [line for line in file if line.strip()]
         values = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.empty((0, len(names)))
-        time, chain, row, striker, target = values.T
+        time, chain, row, striker, target, *marks = values.T
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
     except ValueError as error:
@@ -61,6 +71,5 @@ def from_csv(path: Path, scale: Scale) -> Collisions:
             raise
         raise InputError(f"{path}: is not a table of collisions ({error})") from None
     velocity = scale.velocity
-    return Collisions(
-        time / scale.time, chain.astype(np.int64), row.astype(np.int64), striker / velocity, target / velocity
-    )
+    chain, row, *marks = (column.astype(np.int64) for column in (chain, row, *marks))
+    return Collisions(time / scale.time, chain, row, striker / velocity, target / velocity, *marks)

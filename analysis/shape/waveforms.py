@@ -56,7 +56,9 @@ class Shape(Columns):
         width: full width at half maximum of the velocity, in beads: its duration times the local speed; NaN where that
             is not positive. Its relative error depends on the time between frames: 5e-7 at 0.1 T, 3e-3 at 0.5 T, and
             9e-2 at 1 T, where two frames fall into the width (largest of peak velocities from 0.05 to 1).
-        momentum: in units of m V, within `REACH` beads of travel from the peak; NaN where beads differ.
+        momentum: in units of m V, within `REACH` beads of travel from the peak; NaN where beads differ, or its
+            uncertainty exceeds `LARGEST_UNCERTAINTY` of it.
+        momentum_error: its uncertainty, see `Waveforms._momentum_error`; NaN as the momentum.
         energy: kinetic and of the contacts, within `reach` beads of the one that is passed, in units of m V**2; where
             only some beads are recorded, from the kinetic energy as in the exact wave (9/5 of it for spheres), and NaN
             where beads differ.
@@ -67,6 +69,7 @@ class Shape(Columns):
 
     width: Floats
     momentum: Floats
+    momentum_error: Floats
     energy: Floats
     energy_error: Floats
     residual: Floats
@@ -203,6 +206,9 @@ class Waveforms:
         mass = np.reshape(physics.mass_of(self.problem.system, passages.chain - 1, passages.bead - 1), (-1, 1))
         kinetic_share = (exact.exponent + 1.0) / (exact.exponent + 3.0)
         kinetic = travelled(0.5 * mass * self.velocity**2)
+        momentum = travelled(mass * self.velocity) if physics.alike(self.problem.system) else np.nan * kinetic
+        momentum_error = self._momentum_error(momentum, mass[:, 0], forward)
+        stated = momentum_error <= LARGEST_UNCERTAINTY * np.abs(momentum)
         alone = kinetic / kinetic_share if physics.alike(self.problem.system) else np.nan * kinetic
         energy, error = self.energy() if self.problem.recorded is None else (alone, np.full_like(alone, np.nan))
         xi = exact.speed_at(peak) * late
@@ -212,11 +218,33 @@ class Waveforms:
         overlapped = np.any(compared & (self.velocity > (1.0 + LARGER) * peak), axis=1)
         return Shape(
             width=self._duration() * forward * sign,
-            momentum=travelled(mass * self.velocity) if physics.alike(self.problem.system) else np.nan * kinetic,
+            momentum=np.where(stated, momentum, np.nan),
+            momentum_error=np.where(stated, momentum_error, np.nan),
             energy=energy,
             energy_error=error,
             residual=np.where(overlapped, np.nan, np.max(difference, axis=1, initial=0.0) * sign),
         )
+
+    def _momentum_error(self, momentum: Floats, mass: Floats, speed: Floats) -> Floats:
+        """Uncertainty of the momentum, in units of m V: of the integral, of the speed, and of where the pulse ends.
+
+        It is the sum of the difference from the integral over every second frame, of the share by which the
+        uncertainties of the arrivals at the two neighbours change the speed, and of the momentum of one bead of travel
+        at either end: a pulse on a static load has not come to rest there.
+
+        Args:
+            momentum, mass, speed: [passage] in units of m V, m, and beads per T.
+        """
+        late, watched = self.time - self.passages.arrival[:, np.newaxis], self._frame >= 0
+        velocity = np.where(watched, self.velocity, 0.0)
+        seldom = np.sum(velocity[:, ::2] * self._weights(late[:, ::2], watched[:, ::2]), axis=1) * mass * speed
+        step = late[:, 1:2] - late[:, :1] if late.shape[1] > 1 else 0.0
+        ends = [
+            np.max(np.abs(velocity), axis=1, where=np.abs(sign * late - self._half[:, np.newaxis]) <= step, initial=0.0)
+            for sign in (-1.0, 1.0)
+        ]
+        of_speed = np.abs(momentum) * speed * self.passages.arrival_error
+        return np.asarray(np.abs(momentum - seldom) + of_speed + mass * (ends[0] + ends[1]))
 
     def _weights(self, late: Floats, watched: Flags) -> Floats:
         """Weights [passage, sample] of the trapezoidal rule over `REACH` beads of travel before and after the peak.

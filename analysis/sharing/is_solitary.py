@@ -50,7 +50,14 @@ class Character:
         "mass times speed times the integral of the velocity over the time in which the pulse travels from four beads "
         "before the bead to four beads behind it",
         "momentum",
-        f"{UNSEEN}; beads differ",
+        f"{UNSEEN}, beads differ, or its uncertainty exceeds a twentieth of it, as where the pulse has not come to "
+        "rest four beads from its peak",
+    )
+    momentum_error: float = declare(
+        "uncertainty of the momentum, by the time between frames, by that of arrivals, from which the speed follows, "
+        "and by where the pulse ends: the momentum of one bead of travel at either end",
+        "momentum",
+        "as ``momentum``",
     )
     energy: float = declare(
         "energy of the beads near the peak at the arrival",

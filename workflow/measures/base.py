@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from analysis import quantity
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, Scene
+from workflow.runs.job import RoundingRecord
 from workflow.screen import PrintedTable
 
 if TYPE_CHECKING:
@@ -25,12 +26,14 @@ class Recorded:
         problem: the dimensionless problem that it stands for.
         deforms: whether beads have overlaps and forces, as those of all engines but that of rigid beads.
         amplitude_error: measured error of peak velocities, in units of V; 0 where it was not measured.
+        rounding: where collisions of rigid beads begin to follow rounding; None where none do.
     """
 
     scene: Scene
     problem: Problem
     deforms: bool = True
     amplitude_error: float = 0.0
+    rounding: RoundingRecord | None = None
 
 
 @dataclass(frozen=True, repr=False)

@@ -132,10 +132,55 @@ def held(directory: Path) -> bool | None:
 TEMPORARY = ".granchain-"
 """In the name of a file that is being written, so that a kill leaves nothing that could be somebody else's."""
 
+TEMPORARY_NAME = re.compile(rf"\..+{re.escape(TEMPORARY)}[a-z0-9_]{{4,8}}")
+
+
+def _begin(path: Path, *, directory: bool) -> tuple[Path, int]:
+    """Path of a new empty file or directory beside another one, and a descriptor that locks it while it is open."""
+    prefix = f".{path.name}{TEMPORARY}"
+    while True:
+        if directory:
+            temporary = Path(tempfile.mkdtemp(dir=path.parent, prefix=prefix))
+        else:
+            handle, name = tempfile.mkstemp(dir=path.parent, prefix=prefix)
+            os.close(handle)
+            temporary = Path(name)
+        with suppress(FileNotFoundError):
+            lock = os.open(temporary, os.O_RDONLY)
+            with suppress(OSError):  # a file system without locks
+                fcntl.flock(lock, fcntl.LOCK_EX)
+            if temporary.exists():  # nobody took it for abandoned before it was locked
+                return temporary, lock
+            os.close(lock)
+
+
+def remove_abandoned(directory: Path) -> None:
+    """Remove files and directories that a killed process was writing: their names are ours, and nobody locks them."""
+    with suppress(OSError), os.scandir(directory) as entries:
+        abandoned = [Path(entry) for entry in entries if TEMPORARY_NAME.fullmatch(entry.name)]
+        for path in abandoned:
+            lock = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+            try:
+                with suppress(OSError):  # it is locked, or the file system has no locks
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    discard(path)
+            finally:
+                os.close(lock)
+
+
+def discard(path: Path) -> None:
+    """Remove a file, or a directory with all that is in it."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
+
 
 @contextmanager
 def complete(path: Path, *, directory: bool = False) -> Iterator[Path]:
     """Write a file, or a directory, under another name beside it, which becomes its name at the end of a block.
+
+    What killed processes were writing there is removed.
 
     Args:
         path: the file; what was there before is replaced at the end, or is left as it was where something fails.
@@ -147,30 +192,24 @@ def complete(path: Path, *, directory: bool = False) -> Iterator[Path]:
     Raises:
         EndedError: it cannot be written; what was there before still is.
     """
-    prefix = f".{path.name}{TEMPORARY}"
     try:
-        if directory:
-            temporary = Path(tempfile.mkdtemp(dir=path.parent, prefix=prefix))
-        else:
-            handle, name = tempfile.mkstemp(dir=path.parent, prefix=prefix)
-            os.close(handle)
-            temporary = Path(name)
+        remove_abandoned(path.parent)
+        temporary, lock = _begin(path, directory=directory)
         try:
             yield temporary
             temporary.chmod(0o755 if directory else 0o644)
             if directory and path.is_dir():
-                before = Path(tempfile.mkdtemp(dir=path.parent, prefix=prefix))
+                before = Path(tempfile.mkdtemp(dir=path.parent, prefix=f".{path.name}{TEMPORARY}"))
                 path.replace(before)
                 temporary.replace(path)
-                shutil.rmtree(before, ignore_errors=True)
+                discard(before)
             else:
                 temporary.replace(path)
         except BaseException:
-            if directory:
-                shutil.rmtree(temporary, ignore_errors=True)
-            else:
-                temporary.unlink(missing_ok=True)
+            discard(temporary)
             raise
+        finally:
+            os.close(lock)
     except OSError as error:
         reason = error.strerror or error
         raise EndedError(f"{path}: cannot be written ({reason}); what was there is left as it was") from None

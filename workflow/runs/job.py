@@ -110,6 +110,14 @@ class FramesRecord(_RecordPart):
     sha256: str
 
 
+class RoundingRecord(_RecordPart):
+    """First collision of rigid beads that follows rounding: its number and that of the striking bead, from 1; time."""
+
+    collision: Count
+    row: Count
+    time: Number
+
+
 class StudyRecord(_RecordPart):
     """The command that made a directory of many runs or none.
 
@@ -139,6 +147,7 @@ class Job(_RecordPart):
         resumed: when, and from which step.
         lammps: version of LAMMPS as a date.
         engine_seconds: wall time of the engine; ``wall_seconds`` of the whole.
+        rounding: where collisions of rigid beads begin to follow rounding; time in the scene's unit.
     """
 
     files: list[Annotated[str, AfterValidator(_plain_name)]] = Field(default_factory=list)
@@ -163,6 +172,7 @@ class Job(_RecordPart):
     engine_seconds: Seconds = 0.0
     wall_seconds: Seconds = 0.0
     collisions: Count | None = None
+    rounding: RoundingRecord | None = None
     uncertainty: UncertaintyRecord | None = None
     check: ErrorRecord | None = None
     results: FramesRecord | None = None

@@ -6,7 +6,6 @@ a kill.
 """
 
 import os
-import re
 import shutil
 import stat
 import tempfile
@@ -15,10 +14,20 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lammps_inputs import InputError, file_names
-from workflow.runs.files import OWN_FILES, RECORD, TEMPORARY, all_parts, alone, changing, part_number, write_json
+from workflow.runs.files import (
+    OWN_FILES,
+    RECORD,
+    TEMPORARY,
+    TEMPORARY_NAME,
+    all_parts,
+    alone,
+    changing,
+    discard,
+    part_number,
+    write_json,
+)
 from workflow.runs.job import Job, load
 
-_TEMPORARY = re.compile(rf"\..+{re.escape(TEMPORARY)}[a-z0-9_]{{4,8}}")
 _ASIDE, _GONE = f"{TEMPORARY}before-", f"{TEMPORARY}gone-"
 """Directories with what a new run takes the place of: until it has begun, and then until it is removed."""
 
@@ -168,7 +177,7 @@ def refuse_to_overwrite(source: str, directory: Path) -> None:
 def others(directory: Path) -> set[str]:
     """Names of what a directory holds, without what a kill may leave behind and nobody else gives such a name."""
     names = {path.name for path in directory.iterdir()}
-    return {name for name in names if not (_TEMPORARY.fullmatch(name) or name.startswith((_ASIDE, _GONE)))}
+    return {name for name in names if not (TEMPORARY_NAME.fullmatch(name) or name.startswith((_ASIDE, _GONE)))}
 
 
 @contextmanager
@@ -240,11 +249,8 @@ def remove_leftovers(directory: Path) -> None:
     for path in directory.glob(f"{_GONE}*"):
         shutil.rmtree(path, ignore_errors=True)
     for path in directory.iterdir():
-        if _TEMPORARY.fullmatch(path.name):
-            if path.is_dir() and not path.is_symlink():
-                shutil.rmtree(path, ignore_errors=True)
-            else:
-                path.unlink(missing_ok=True)
+        if TEMPORARY_NAME.fullmatch(path.name):
+            discard(path)
 
 
 def refuse_links(directory: Path) -> None:

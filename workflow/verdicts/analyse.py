@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +30,7 @@ from workflow.measures.base import Measurement, Recorded
 from workflow.runs.check import accountant
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import EVENTS, write_figure, write_json, write_text
+from workflow.runs.job import RoundingRecord
 from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, WavesTable, report, waves_table
@@ -209,6 +210,7 @@ def measure(
         counted=exchange.of,
         impulses=_of_collisions(directory, problem),
     )
+    results = _without_errors_by_rounding(results, directory.job.rounding)
     of_all_beads = conservation
     if by_snapshots:
         of_all_beads, exchange = _read_snapshots(directory, fingerprint, spacetime)
@@ -290,6 +292,7 @@ def recorded(directory: RunDirectory) -> Recorded:
         problem=directory.problem,
         deforms=ENGINES[directory.engine].deforms,
         amplitude_error=0.0 if check is None else check.amplitude or 0.0,
+        rounding=directory.job.rounding,
     )
 
 
@@ -298,6 +301,16 @@ def _of_collisions(directory: RunDirectory, problem: Problem) -> Impulses | None
     if ENGINES[directory.engine].deforms:
         return None
     return from_events(problem, from_csv(directory.path / EVENTS, problem.scale), direction_of(problem))
+
+
+def _without_errors_by_rounding(results: Survey, rounding: RoundingRecord | None) -> Survey:
+    """Results of rigid beads, without uncertainties of passages that follow rounding."""
+    if rounding is None:
+        return results
+    waves = results.waves
+    follows = waves.time * results.problem.scale.time >= rounding.time
+    arrival, velocity = (np.where(follows, np.nan, error) for error in (waves.arrival_error, waves.peak_velocity_error))
+    return replace(results, waves=replace(waves, arrival_error=arrival, peak_velocity_error=velocity))
 
 
 def _tables(results: Survey, measurements: dict[str, Measurement]) -> dict[str, str]:

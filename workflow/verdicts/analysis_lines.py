@@ -84,14 +84,15 @@ def _accuracy(analysis: Analysis) -> Iterator[str]:
             f"arrivals at the maximum of the velocity are undefined at {where} freely (empty in waves.csv); "
             "`--arrival impulse` defines them"
         )
-    if len(waves) and waves.peak_velocity_error.max() > DOCUMENTED:
-        worst = int(np.argmax(waves.peak_velocity_error))
+    uncertainty = np.nan_to_num(waves.peak_velocity_error)  # NaN where rigid beads follow rounding
+    if uncertainty.max(initial=0.0) > DOCUMENTED:
+        worst = int(np.argmax(uncertainty))
         late = waves.arrival_error[np.isfinite(waves.arrival_error)].max(initial=0.0)
         apart = scale.written(problem.every, "time", ".3g")
         arrivals = f", that of arrivals up to {scale.written(late, 'time', '.1e')}" if late > 0.0 else ""
         yield (
             f"with frames {apart} apart the uncertainty of peak velocities is up to "
-            f"{waves.peak_velocity_error[worst]:.1e} V (bead {waves.bead[worst]} of chain {waves.chain[worst]})"
+            f"{uncertainty[worst]:.1e} V (bead {waves.bead[worst]} of chain {waves.chain[worst]})"
             f"{arrivals}; waves.csv has each"
         )
     if problem.every > FAR:

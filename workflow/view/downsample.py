@@ -36,8 +36,8 @@ class Thinned:
         time: [frame].
         displacement: [chain, frame, bead].
         velocity: likewise; of the run's frames that are nearest to this one, the largest in size, so that peaks stay.
-        overlap, force: of each bead with the next of its chain, [chain, frame, bead]; NaN where that is not known, and
-            of rigid beads.
+        overlap, force: of each bead with the next of its chain, 0 where they are apart, [chain, frame, bead]; NaN where
+            that is not known, and of rigid beads.
         density: energy of each bead, [chain, frame, bead]; NaN where not every bead was recorded.
         energy: of each chain's beads, [chain, frame]; likewise.
         resonators: displacement of lines of atoms that are no beads, [line, frame, bead]; NaN where there is no atom.
@@ -161,8 +161,9 @@ def _of(frames: Trajectory, deforms: bool) -> tuple[Floats, Floats, Floats]:
     problem, x = frames.problem, frames.displacement
     overlap, force = np.full_like(x, np.nan), np.full_like(x, np.nan)
     if problem.recorded is None and deforms:
-        overlap[..., :-1] = motion.overlaps(problem.system, x)
-        force[..., :-1] = motion.contact_force(frames.system, overlap[..., :-1])
+        of_contacts = motion.overlaps(problem.system, x)
+        overlap[..., :-1] = np.maximum(of_contacts, 0.0)
+        force[..., :-1] = motion.contact_force(frames.system, of_contacts)
     return x, overlap, force
 
 

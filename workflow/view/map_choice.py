@@ -101,7 +101,7 @@ def map_choice(
 def _scaled(problem: Problem, part: Thinned, name: str) -> dict[str, Any]:
     """Largest value, whether there are negative ones, and ticks of each scale, of a quantity on the maps."""
     values = getattr(part, name)
-    limit = largest_afar(problem, part.beads, np.maximum(values, 0.0) if name == "overlap" else values)
+    limit = largest_afar(problem, part.beads, values)
     signed = name == "velocity" or float(np.nanmin(values)) < -STILL * limit
     return {
         "limit": limit,

@@ -68,6 +68,13 @@ if (last - first > most_places) { range.start = middle - half; range.end = middl
 """
 
 
+_SEEN = """
+const seen = beads.filter((bead, i) => places[i] >= range.start && places[i] <= range.end);
+title.text = seen.length < beads.length && seen.length ? `beads ${seen[0]} to ${seen.at(-1)} of ${total}` : '';
+"""
+"""Title: which beads are in sight, where not all are."""
+
+
 def moving_beads(
     problem: Problem,
     part: Thinned,
@@ -90,6 +97,7 @@ def moving_beads(
     """
     sight = BEADS_IN_SIGHT * part.spacing
     plot = _plot(part, sight)
+    _name_seen(problem, plot, part)
     sources = _drawn(problem, plot, part, colours, units)
     exaggerated = _EXAGGERATED * part.spacing / units["length"].worth
     slider, bar = time_bar(part, units["time"])
@@ -118,11 +126,12 @@ def moving_beads(
     slider.js_on_change("value", move)
     resonators = draw_resonators(plot, part, slider, exaggerated, (sight, _WIDEST))
     plot.js_on_change("inner_width", move)  # once, when the page is laid out
+    others = "; dragged sideways, the picture shows other beads" if len(part.beads) > BEADS_IN_SIGHT else ""
     further = {
         "hatched": "walls" if draw_walls(plot, problem, part) else "",
         "small circles": "resonators" if resonators else "",
     }
-    words = "".join(f"; {look}: {name}" for look, name in further.items() if name)
+    words = "".join(f"; {look}: {name}" for look, name in further.items() if name) + others
     scales = Div(text=_scales(part, units, strongest if strongest > least else 0.0, words))
     return plot, column(bar, scales, sizing_mode="stretch_width")
 
@@ -165,6 +174,16 @@ def _plot(part: Thinned, sight: float) -> Any:
     plot.yaxis.major_label_overrides = {-k: chain_name(chain) for k, chain in enumerate(part.chains)}
     plot.grid.visible = False
     return plot
+
+
+def _name_seen(problem: Problem, plot: Any, part: Thinned) -> None:
+    """Let the title of a plot say which beads are in sight where not all are, also when it is moved."""
+    numbers = lists(part)
+    arguments = {"range": plot.x_range, "title": plot.title, "total": problem.beads}
+    name = CustomJS(args={**arguments, "beads": numbers["beads"], "places": numbers["places"]}, code=_SEEN)
+    for end in ("start", "end"):
+        plot.x_range.js_on_change(end, name)
+    plot.js_on_change("inner_width", name)  # once, when the page is laid out
 
 
 def _drawn(

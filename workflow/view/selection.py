@@ -5,6 +5,7 @@ from typing import Any
 
 from bokeh.models import Button, ColumnDataSource, CustomJS, Div, Select, Slider
 
+from analysis.figures.style import AxisUnit
 from workflow.view.downsample import Thinned, Units, behind
 from workflow.view.plots import DARK_CONTROL, MAPPED, lists, shown_quantities
 from workflow.view.traces import ALL
@@ -17,13 +18,13 @@ const rows = chains.flatMap((number, c) => {
   const wanted = !chain || [all, String(number)].includes(chain.value);
   for (const mark of marks[c]) mark.visible = wanted;
   if (!wanted) return [];
-  const cells = quantities.map(({name, unit}) => {
+  const cells = quantities.map(({name}) => {
     const value = images[c].data[name][0][k * beads.length + i];
-    return isNaN(value) ? '\N{EN DASH}' : String(+value.toPrecision(6)) + unit;
+    return isNaN(value) ? '\N{EN DASH}' : String(+value.toPrecision(6));
   });
   return [`<tr><th scope="row">bead ${beads[i]} of chain ${number}</th><td>${cells.join('</td><td>')}</td></tr>`];
 });
-const heads = quantities.map(({words}) => `<th scope="col">${words}</th>`).join('');
+const heads = quantities.map(({words, unit}) => `<th scope="col">${words}${unit}</th>`).join('');
 const when = String(+time[k].toPrecision(6)) + time_unit;
 readout.text = `<table><tr><th scope="col">t = ${when}</th>${heads}</tr>${rows.join('')}</table>`;
 """
@@ -52,8 +53,11 @@ open();
 """
 
 _TABLE = """
-th, td { text-align: right; padding: 0 1em 0 0; white-space: nowrap; font-weight: normal; }
-th:first-child { text-align: left; }
+table { max-width: 100%; }
+th, td { text-align: right; vertical-align: bottom; padding: 0 0 0 .7em; font-weight: normal; }
+td { white-space: nowrap; }
+th:first-child { text-align: left; padding-left: 0; }
+tr:first-child th + th { max-width: 8em; }
 """
 
 
@@ -92,7 +96,7 @@ def selection(
         "marks": marks,
         "readout": readout,
         "quantities": [
-            {"name": name, "words": MAPPED[name].of_cursor, "unit": behind(units[MAPPED[name].unit])}
+            {"name": name, "words": MAPPED[name].of_cursor, "unit": in_brackets(units[MAPPED[name].unit])}
             for name in shown_quantities(part)
         ],
         "time_unit": behind(units["time"]),
@@ -114,6 +118,11 @@ def open_link(root: Any) -> CustomJS:
     """
     choices = {name: root.select_one({"name": choice}) for name, choice in _CHOICES.items()}
     return CustomJS(args=choices, code=_OPEN)
+
+
+def in_brackets(unit: AxisUnit) -> str:
+    """What stands behind a quantity: ``" (mm/s)"``, or nothing."""
+    return f" ({unit.symbol})" if unit.symbol else ""
 
 
 _CHOICES = {"slider": "time", "bead": "bead", "chain": "chain"}

@@ -33,15 +33,18 @@ def test_a_table_of_collisions_reads_back(count, tmp_path):
 def test_a_table_is_in_the_units_of_the_scene():
     written = Collisions(np.array([2.0]), np.array([1]), np.array([3]), np.array([0.5]), np.array([0.25]))
     head, line = csv_of(written, SI).splitlines()
-    assert head == "time (s),chain,row,striker (m/s),target (m/s)"
-    assert csv_of(written, make_scale(1.0, 1.0, 1.0, si=False)).startswith("time,chain,row,striker,target\n")
-    assert [float(number) for number in line.split(",")] == [2.0 * SI.time, 1.0, 3.0, 0.5 * 0.7, 0.25 * 0.7]
+    assert head == "time (s),chain,row,striker (m/s),target (m/s),rounding"
+    assert csv_of(written, make_scale(1.0, 1.0, 1.0, si=False)).startswith("time,chain,row,striker,target,rounding\n")
+    assert [float(number) for number in line.split(",")] == [2.0 * SI.time, 1.0, 3.0, 0.5 * 0.7, 0.25 * 0.7, 0.0]
 
 
-def test_a_table_of_before_units_were_named_is_read_too(tmp_path):
+@pytest.mark.parametrize("unit", [("", ""), (" (s)", " (m/s)")])
+def test_a_table_of_before_units_were_named_or_rounding_was_marked_is_read_too(unit, tmp_path):
     path = tmp_path / "events.csv"
-    path.write_text("time,chain,row,striker,target\n1.0,1,2,0.5,0.25\n")
-    assert events.from_csv(path, SI).time == 1.0 / SI.time
+    path.write_text(f"time{unit[0]},chain,row,striker{unit[1]},target{unit[1]}\n1.0,1,2,0.5,0.25\n")
+    read = events.from_csv(path, SI)
+    assert read.time == 1.0 / SI.time
+    assert read.rounding.tolist() == [0]
 
 
 def test_the_impulse_is_what_is_handed_on():

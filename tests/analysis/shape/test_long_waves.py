@@ -2,10 +2,12 @@
 
 import math
 
+import numpy as np
 import pytest
 from synthetic_waves import of_keys
 
-from analysis.shape.long_waves import length_of, period_of, repeats_between
+from analysis.shape.long_waves import length_of, period_of, repeats_between, sound_speed
+from lammps_inputs import physics
 
 KINDS = {"kinds": {"a": {"mass": 1.0}, "b": {"mass": 0.3428}, "c": {"mass": 4.0}}}
 
@@ -46,3 +48,17 @@ def test_pulses_of_dimers_are_longer_by_the_dispersion_of_long_waves(mass):
     dimer = problem(kinds={"a": {"mass": 1.0}, "b": {"mass": mass}}, pattern=["a", "b"])
     assert length_of(dimer.system) == pytest.approx(2.0 * math.sqrt(1.0 - 3.0 * mass / (1.0 + mass) ** 2), rel=1e-3)
     assert length_of(problem().system) == 1.0
+
+
+def test_the_speed_of_sound_at_a_bead_is_of_the_means_that_its_definition_states():
+    """Stiffness k = 1.5 A^(2/3) F^(1/3) of each contact under a load F = 0.3."""
+    strength = 1.0 + 0.3 * np.sin(np.arange(39.0))
+    system = problem(precompression={"force": 0.3}, contact={"strength": strength.tolist()}, taper=0.01).system
+    mass = np.asarray(physics.mass_with_tied(system))[0]
+    radius = np.cbrt(mass)
+    contacts = strength * np.sqrt(2.0 * radius[1:] * radius[:-1] / (radius[1:] + radius[:-1]))
+    stiffness = 1.5 * contacts ** (2.0 / 3.0) * 0.3 ** (1.0 / 3.0)
+    for bead in (10, 20, 30):
+        m = np.average(mass[bead - 3 : bead + 2], weights=[1, 2, 2, 2, 1])
+        s = np.average(1.0 / stiffness[bead - 4 : bead + 2], weights=[1, 3, 4, 4, 3, 1])
+        assert sound_speed(system)[0, bead - 1] == pytest.approx(1.0 / np.sqrt(m * s), rel=1e-9)

@@ -2,6 +2,8 @@
 
 import json
 import os
+import subprocess
+import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
@@ -9,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import HANGS
+from processes import HANGS, started
 from refusals import refusal
 
 from lammps_inputs import InputError, Kick, Scene, file_names, strict_yaml
@@ -286,6 +288,38 @@ def test_a_directory_is_replaced_as_one_or_not_at_all(tmp_path: Path, fails: boo
         write("after")
     assert [path.name for path in (tmp_path / "store").iterdir()] == ["before" if fails else "after"]
     assert list(tmp_path.iterdir()) == [tmp_path / "store"]
+
+
+WRITES = """
+import sys
+from pathlib import Path
+from workflow.runs.files import complete
+with complete(Path(sys.argv[1]), directory=sys.argv[2] == "True"):
+    print(flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.mark.parametrize("directory", [False, True])
+def test_what_a_killed_process_was_writing_is_removed_by_the_next_and_what_another_writes_is_not(
+    tmp_path: Path, directory: bool
+) -> None:
+    def writer(name: str) -> AbstractContextManager[subprocess.Popen[str]]:
+        return started([sys.executable, "-c", WRITES, tmp_path / name, directory], stdin=subprocess.PIPE)
+
+    with writer("killed") as killed, writer("slow") as slow:
+        for process in (killed, slow):
+            assert process.stdout is not None
+            process.stdout.readline()
+        killed.kill()
+        killed.wait(HANGS)
+        assert len(list(tmp_path.iterdir())) == 2
+        write_text(tmp_path / "other.txt", "text")
+        (left,) = (path.name for path in tmp_path.iterdir() if path.name != "other.txt")
+        assert left.startswith(".slow.granchain-")
+        slow.communicate("", HANGS)
+        assert slow.returncode == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"other.txt", "slow"}
 
 
 def test_numbers_come_back_from_json_and_what_is_none_is_null(tmp_path: Path) -> None:

@@ -10,12 +10,13 @@ from analysis.files import events
 from analysis.quantity import declared
 from analysis.sharing.impulses import from_events
 from analysis.trajectory import joined
-from lammps_inputs import InputError, find
+from lammps_inputs import InputError, find, strict_yaml
 from workflow.cli import main
 from workflow.engines import collisions
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_lines import lines
 
 
 def gapped(**changes):
@@ -48,7 +49,8 @@ def test_the_collisions_of_a_run_are_those_of_the_engine(directory):
         collisions.run(directory.problem),
     )
     assert directory.job.collisions == len(table) == len(exact) > 20
-    for name in declared(events.Collisions):
+    np.testing.assert_array_equal(table.rounding, collisions.by_rounding(exact).collisions)
+    for name in set(declared(events.Collisions)) - {"rounding"}:
         np.testing.assert_array_equal(getattr(table, name), getattr(exact, name))  # all scales are 1 here
 
 
@@ -105,6 +107,26 @@ def test_the_command_says_how_many_collisions_there_were(tmp_path, capsys):
     lines = (tmp_path / "run" / "events.csv").read_text().splitlines()
     assert f"\n{len(lines) - 1} collisions" in out
     assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
+
+
+def test_collisions_that_follow_rounding_are_marked_and_named_by_run_and_analyze(tmp_path, capsys):
+    """At theta = pi two beads touch without speed as the pulse passes on: row 4 is the first that rounding reaches."""
+    path = tmp_path / "scene.yaml"
+    path.write_text(strict_yaml.dump(gapped(gap=math.pi, duration=120.0).plain()))
+    assert main(["run", str(path), "-o", str(tmp_path / "run"), "--engine", "collisions"]) == 0
+    directory = RunDirectory(tmp_path / "run")
+    table = events.from_csv(directory.path / "events.csv", directory.problem.scale)
+    first = directory.job.rounding.collision
+    assert table.rounding[first - 1 :].all()
+    assert f"warning: from collision {first} on (row {table.row[first - 1]})" in capsys.readouterr().out
+    analysis = analyse(directory, figures=False)
+    assert any(str(line).startswith(f"warning: from collision {first} on (row 4, t = ") for line in lines(analysis))
+    values = analysis.measurements["rounding"].values
+    assert (values.collision, values.row) == (first, 4)
+    late = analysis.survey.waves.time >= values.time
+    assert late.any()
+    assert not late.all()
+    assert np.array_equal(np.isnan(analysis.survey.waves.peak_velocity_error), late)
 
 
 def test_an_unknown_engine_is_refused(tmp_path):

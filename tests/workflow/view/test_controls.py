@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -131,7 +132,7 @@ def test_a_bead_and_a_chain_are_chosen_by_keys_and_their_numbers_are_those_of_th
     expected = [
         v[1, BEAD - 1],
         x[1, BEAD - 1],
-        overlap[1, BEAD - 1],
+        max(overlap[1, BEAD - 1], 0.0),
         motion.contact_force(system, overlap)[1, BEAD - 1],
         motion.bead_energy(system, x, v)[1, BEAD - 1],
     ]
@@ -211,3 +212,50 @@ def test_a_page_fits_wide_and_narrow_screens_in_both_themes(width, theme, ran, o
     field = opened.get_by_label("quantity on the maps").evaluate("one => getComputedStyle(one).backgroundColor")
     assert (field == "rgb(38, 41, 47)") == (theme == "dark")
     opened.close()
+
+
+STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+
+
+@pytest.fixture(scope="module")
+def narrow(tmp_path_factory, open_page):
+    """Page of 60 beads in SI units in a window of 600 pixels."""
+    scene = {**SCENE, "beads": 60, "material": STEEL, "coupling": {"stiffness": 2.41e6}, "duration": 6e-4}
+    made = granchain.run(scene, tmp_path_factory.mktemp("narrow") / "run", engine="reference")
+    made.view()
+    return open_page(made.directory.path / "view.html", width=600)
+
+
+def move_to(page, share):
+    page.evaluate(
+        """share => { const one = Bokeh.documents[0].get_model_by_name('time');
+        one.value = one.start + one.step * Math.round(share * (one.end - one.start) / one.step); }""",
+        share,
+    )
+    page.wait_for_function("() => Bokeh.documents[0].is_idle")
+
+
+def test_a_narrow_page_shows_the_table_of_the_chosen_bead_to_its_last_column(narrow):
+    cells = narrow.get_by_role("region", name="numbers at the chosen time and bead").locator("td, th")
+    for share in (0.0, 0.2, 0.45):
+        move_to(narrow, share)
+        assert any("energy of the bead" in text.replace("\n", " ") for text in cells.all_inner_texts())
+        right = cells.evaluate_all("all => Math.max(...all.map(one => one.getBoundingClientRect().right))")
+        assert 300 < right <= 600
+
+
+def test_the_picture_of_the_beads_says_which_of_them_it_shows(narrow):
+    seen = """() => { const plot = Bokeh.documents[0].get_model_by_name('beads'), {start, end} = plot.x_range;
+      return [plot.title.text, start, end]; }"""
+    firsts = []
+    for share in (0.0, 0.3, 0.6):
+        move_to(narrow, share)
+        title, start, end = narrow.evaluate(seen)
+        first, last = math.ceil(start), math.floor(end)
+        assert title == f"beads {max(first, 1)} to {min(last, 60)} of 60"
+        firsts.append(first)
+    assert firsts[-1] > firsts[0]
+
+
+def test_the_picture_has_no_title_where_it_shows_all_beads(page):
+    assert page.evaluate("() => Bokeh.documents[0].get_model_by_name('beads').title.text") == ""

@@ -140,6 +140,7 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     words = page.evaluate(TEXT)
     told = by_name(words)
     overlap = motion.overlaps(ran.directory.problem.system, frames.displacement)[FRAME, 1, BEAD - 1]
+    assert overlap > 0.0
     assert int(told["bead:"]) == BEAD
     assert float(told["time:"]) == pytest.approx(time, rel=1e-5)
     assert float(told["velocity:"]) == pytest.approx(frames.velocity[FRAME, 1, BEAD - 1], rel=1e-5)

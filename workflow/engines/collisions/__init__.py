@@ -5,5 +5,6 @@ missed. Contacts that last, and beads that touch at the start, are outside it.
 """
 
 from workflow.engines.collisions.engine import CollisionRun, blocks, run, sample
+from workflow.engines.collisions.rounding import by_rounding
 
-__all__ = ["CollisionRun", "blocks", "run", "sample"]
+__all__ = ["CollisionRun", "blocks", "by_rounding", "run", "sample"]

@@ -305,17 +305,17 @@ def sample(run: CollisionRun, times: Floats) -> Trajectory:
         raise ValueError(f"times: the run is known from 0 to {run.until!r}; sample it there")
     order = np.argsort(times, kind="stable")
     back = np.argsort(order)
-    (sampled,) = _played_back(run, times[order], max(1, len(times)))
+    (sampled,) = played_back(run, times[order], max(1, len(times)))
     return Trajectory(run.problem, times, sampled.displacement[back], sampled.velocity[back])
 
 
 def blocks(run: CollisionRun) -> Iterator[Trajectory]:
     """The problem's own frames, as far as the run is known, in consecutive blocks of bounded size."""
     times = run.problem.every * np.arange(run.problem.frames + 1, dtype=np.float64)
-    return _played_back(run, times[times <= run.until], frames_per_block(run.problem))
+    return played_back(run, times[times <= run.until], frames_per_block(run.problem))
 
 
-def _played_back(run: CollisionRun, times: Floats, size: int) -> Iterator[Trajectory]:
+def played_back(run: CollisionRun, times: Floats, size: int) -> Iterator[Trajectory]:
     """Frames at ascending times, in blocks of so many: collisions are played back once, and nothing is searched."""
     problem, recorded = run.problem, run.problem.recorded_beads
     rows, modes = _start(problem)

@@ -23,6 +23,12 @@ Slopes = Callable[[Floats], Floats]
 
 CONFIDENCE = 0.95
 
+REACH = 2.0
+"""Standard errors along a principal axis within which jumps of the model are looked for."""
+
+FARTHEST = 0.05
+"""Largest distance within which they are: beyond it a model of weakly determined parameters is not smooth enough."""
+
 ROUNDS = 3
 """Number of fits; each weighs channels by the noise that the previous one estimated."""
 
@@ -52,6 +58,7 @@ class FitResult:
         correlation: [parameter, parameter]; NaN where the data do not determine it.
         noise: [channel] standard deviation of the residuals, in the channel's unit.
         rows: number of values that were fitted.
+        jumps: [row, channel] values that were left out, since the model jumps there within the uncertainty (`jumping`).
         weak: groups of parameters, by number, that the data hardly distinguish, and whether not at all.
         converged: whether the search came to its end.
     """
@@ -62,6 +69,7 @@ class FitResult:
     correlation: Floats
     noise: Floats
     rows: int
+    jumps: Mask
     weak: tuple[tuple[tuple[int, ...], bool], ...]
     converged: bool
 
@@ -75,9 +83,10 @@ def estimate(residuals: Residuals, slopes: Slopes, start: Floats, size: Floats) 
         size: [channel] largest value of the data in the channel's unit, which weighs channels in the first round.
     """
     noise, parameters, converged = size, start, True
+    jumps = np.zeros(residuals(start).shape, dtype=bool)
     for _ in range(ROUNDS):
         weights = 1.0 / noise
-        mask = np.isfinite(residuals(parameters))
+        mask = np.isfinite(residuals(parameters)) & ~jumps
 
         def weighed(p: Floats, mask: Mask = mask, weights: Floats = weights) -> Floats:
             """Residuals over the noise at parameters [parameter], [value]."""
@@ -89,8 +98,10 @@ def estimate(residuals: Residuals, slopes: Slopes, start: Floats, size: Floats) 
 
         solution = least_squares(weighed, parameters, derivatives, method="trf", x_scale="jac", xtol=1e-10, ftol=1e-12)
         parameters, converged = solution.x, bool(solution.status > 0)
-        noise = _noise(residuals(parameters), len(parameters), size)
-    left = residuals(parameters)
+        noise = _noise(_without(residuals(parameters), jumps), len(parameters), size)
+        jumps = jumping(residuals, parameters, _covariance(derivatives(parameters, weights=1.0 / noise))[0], noise)
+    left = _without(residuals(parameters), jumps)
+    noise = _noise(left, len(parameters), size)
     jacobian = -(slopes(parameters) / noise[:, np.newaxis])[np.isfinite(left)]
     rows = len(jacobian)
     covariance, weak = _covariance(jacobian)
@@ -98,7 +109,42 @@ def estimate(residuals: Residuals, slopes: Slopes, start: Floats, size: Floats) 
     factor = float(student.ppf(0.5 + 0.5 * CONFIDENCE, max(1, rows - len(parameters))))
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = covariance / np.sqrt(np.outer(np.diag(covariance), np.diag(covariance)))
-    return FitResult(parameters, error, factor * error, correlation, noise, rows, weak, converged)
+    return FitResult(parameters, error, factor * error, correlation, noise, rows, jumps, weak, converged)
+
+
+def _without(residuals: Floats, jumps: Mask) -> Floats:
+    """Residuals [row, channel], NaN where the model jumps."""
+    return np.where(jumps, np.nan, residuals)
+
+
+def jumping(residuals: Residuals, parameters: Floats, covariance: Floats, noise: Floats) -> Mask:
+    """Values at which the model jumps within the uncertainty of the parameters, [row, channel].
+
+    A trace jumps at the instant at which a contact with a dashpot closes; a sample that this instant passes says on
+    which side of it the parameters are, which no derivative does. Along each principal axis of the covariance the
+    second difference over a step h is of order h^2 where the model is smooth: that over `REACH` is four times that over
+    half of it. Where the two differ by more than the noise, the model jumps.
+
+    Args:
+        residuals: function of the parameters.
+        parameters: [parameter] the best.
+        covariance: [parameter, parameter], infinite on the diagonal where undetermined.
+        noise: [channel] standard deviation in the channel's unit.
+    """
+    middle = residuals(parameters)
+    determined = np.flatnonzero(np.isfinite(np.diag(covariance)))
+    variances, axes = np.linalg.eigh(covariance[np.ix_(determined, determined)])
+    jumps = np.zeros(middle.shape, dtype=bool)
+    for variance, axis in zip(variances, axes.T, strict=True):
+        step = np.zeros(len(parameters))
+        step[determined] = min(REACH * np.sqrt(max(variance, 0.0)), FARTHEST) * axis
+        with np.errstate(invalid="ignore"):  # infinite where there is no model
+            wide, narrow = (
+                residuals(parameters + h * step) - 2.0 * middle + residuals(parameters - h * step) for h in (1.0, 0.5)
+            )
+            change = np.abs(wide - 4.0 * narrow)
+        jumps |= np.isfinite(change) & (change > noise)
+    return jumps
 
 
 def _noise(left: Floats, parameters: int, size: Floats) -> Floats:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.files import traces
 from analysis.files.traces import Channel
@@ -21,6 +22,8 @@ from workflow.engines.reference.schemes import VERLET
 from workflow.study_kit.gradient import SceneInUnits, numbers
 from workflow.sweep import fields
 from workflow.verdicts.validate_table import check_channels
+
+Mask = NDArray[np.bool_]
 
 _LATER = 8
 """Frames beyond the last time, which the interpolation needs."""
@@ -149,9 +152,8 @@ class Model:
         """Problem of `_scene`."""
         return self._scene(scene, duration, own_step=own_step).problem()
 
-    def _timed(self, scene: Scene, steps: int) -> Problem:
-        """Problem of a scene, with so many steps between frames, that lie at the same times for all parameters."""
-        problem = scene.problem()
+    def _timed(self, problem: Problem, steps: int) -> Problem:
+        """A problem with so many steps between frames, which lie at the same times for all parameters."""
         every = self.every / problem.scale.time
         frames = round(problem.duration / every)
         return replace(problem, timestep=every / steps, steps_per_frame=steps, frames=frames, recorded=self.beads)
@@ -170,16 +172,16 @@ class Model:
             InputError: the scene is invalid at these parameters.
             OverflowError: a field has no finite value.
         """
-        scene = self._scene(self.scene_at(parameters), self._lasts(until))
-        steps = self._steps_of(scene)
-        return engine.run(self._timed(scene, steps), steps_per_frame=steps)
+        problem = self._problem(self.scene_at(parameters), self._lasts(until))
+        steps = self._steps_of(problem)
+        return engine.run(self._timed(problem, steps), steps_per_frame=steps)
 
     def _lasts(self, until: float) -> float:
         """Duration of a run for traces until a time, both in the scene's unit."""
         return (max(0, math.ceil(until / self.every)) + _LATER) * self.every
 
-    def _steps_of(self, scene: Scene) -> int:
-        return max(self._steps, engine.default_steps_per_frame(scene.problem()))
+    def _steps_of(self, problem: Problem) -> int:
+        return max(self._steps, engine.default_steps_per_frame(problem))
 
     def trajectory(self, parameters: Floats) -> Trajectory | None:
         """Motion at parameters [parameter] over the time of the table; None where the scene is refused."""
@@ -202,7 +204,7 @@ class Model:
     def _traces_of(self, run: Trajectory, parameters: Floats) -> Floats:
         return read_at(run, self.measured.channels, self.measured.time - self.offset(parameters))
 
-    def numerical_error(self, parameters: Floats, traces: Floats) -> Floats:
+    def numerical_error(self, parameters: Floats, traces: Floats, jumps: Mask) -> Floats:
         """Root mean square, [channel], of the difference of a run with the scene's time step and LAMMPS's scheme.
 
         Data of such a run differ so much from the traces without any noise.
@@ -210,11 +212,13 @@ class Model:
         Args:
             parameters: [parameter].
             traces: [row, channel] traces of the model at these parameters, in the channel's unit.
+            jumps: [row, channel] values that are left out.
         """
         last = max(0.0, float(self.measured.time[-1]) - self.offset(parameters)) + _LATER * self.every
         problem = self._problem(self.scene_at(parameters), last, own_step=True)
         run = engine.run(replace(problem, recorded=self.beads), scheme=VERLET, steps_per_frame=problem.steps_per_frame)
-        difference = np.where(np.isfinite(self.measured.values), self._traces_of(run, parameters) - traces, np.nan)
+        fitted = np.isfinite(self.measured.values) & ~jumps
+        difference = np.where(fitted, self._traces_of(run, parameters) - traces, np.nan)
         return np.asarray(np.sqrt(np.nanmean(difference**2, axis=0)))
 
     # --- residuals and derivatives ---
@@ -243,8 +247,8 @@ class Model:
     def _along_flow(self, parameters: Floats) -> list[Floats]:
         """Derivatives of the traces, [row, channel], by the logarithms of the fields, from the tangent flow."""
         lasts = self._lasts(float(self.measured.time[-1]) - self.offset(parameters))
-        scene = self._scene(self.scene_at(parameters), lasts)
-        steps, velocity = self._steps_of(scene), scene.scale.velocity
+        middle = self._problem(self.scene_at(parameters), lasts)
+        steps, velocity = self._steps_of(middle), middle.scale.velocity
         sides = []
         for place in range(len(self.names)):
             ends: list[Problem] = []
@@ -252,14 +256,16 @@ class Model:
                 moved = parameters.copy()
                 moved[place] += change
                 beside = SceneInUnits.of(self._scene(self.scene_at(moved), lasts), velocity)
-                ends.append(self._timed(beside, steps))
+                ends.append(self._timed(beside.problem(), steps))
             sides.append(Sides(tuple(ends), (-STEP, STEP)))
-        motion = derivatives_of_motion(self._timed(scene, steps), sides, steps)
+        problem = self._timed(middle, steps)
+        motion = derivatives_of_motion(problem, sides, steps)
+        traces = self._traces_of(motion.moved(0, 0.0, problem), parameters)
         columns = []
         for place, side in enumerate(sides):
             runs = [motion.moved(place, change, end) for change, end in zip(side.changes, side.problems, strict=True)]
             earlier, later = (self._traces_of(run, parameters) for run in runs)
-            columns.append(np.asarray((later - earlier) / (2.0 * STEP)))
+            columns.append(derivative_beside_jumps(later - traces, traces - earlier, STEP))
         return columns
 
     def slope(self, parameters: Floats, place: int) -> Floats:
@@ -270,12 +276,15 @@ class Model:
             moved = parameters.copy()
             moved[place] += sign * step
             sides.append(self.traces(moved))
-        count = sum(side is not None for side in sides)
-        middle = self.traces(parameters) if count < 2 else None
-        above, below = (middle if side is None else side for side in sides)
-        if above is None or below is None:
+        above, below, middle = *sides, self.traces(parameters)
+        ahead = None if above is None or middle is None else above - middle
+        behind = None if below is None or middle is None else middle - below
+        if ahead is not None and behind is not None:
+            return derivative_beside_jumps(ahead, behind, step)
+        difference = behind if ahead is None else ahead
+        if difference is None:
             raise InputError(f"{self.source}: {NO_SCENE}")
-        return np.asarray((above - below) / (step * max(count, 1)))
+        return np.asarray(difference / step)
 
     def fixed(self, parameters: Floats) -> tuple[tuple[str, ...], Floats]:
         """Fixed fields that hold a number, and derivatives of the traces by their logarithms.
@@ -302,6 +311,29 @@ class Model:
                 continue
         shape = (*self.measured.values.shape, 0)
         return tuple(names), np.stack(columns, axis=-1) if columns else np.empty(shape)
+
+
+UNEQUAL = 2.0
+"""Ratio of two one-sided differences beyond which a trace jumps within one of them."""
+
+
+def derivative_beside_jumps(ahead: Floats, behind: Floats, step: float) -> Floats:
+    """Derivative from differences over one step to either side, which leaves out jumps.
+
+    A trace jumps at the instant at which a contact with a dashpot closes. A sample that this instant passes within a
+    step has a difference of the size of the jump, whatever the step; the other side has the derivative.
+
+    Args:
+        ahead, behind: differences over the step above and over the step below, of any shape.
+        step: the step.
+
+    Returns:
+        The mean of both over the step, or the smaller one where they are `UNEQUAL`; of their shape.
+    """
+    least, largest = np.minimum(np.abs(ahead), np.abs(behind)), np.maximum(np.abs(ahead), np.abs(behind))
+    smooth = (largest <= UNEQUAL * least) & (ahead * behind >= 0.0)
+    smaller = np.where(np.abs(ahead) < np.abs(behind), ahead, behind)
+    return np.asarray(np.where(smooth, 0.5 * (ahead + behind), smaller) / step)
 
 
 def _entries(name: str, scene: dict[str, Any]) -> tuple[tuple[str, int], ...]:

@@ -100,6 +100,7 @@ class Fit:
         correlation: correlation of the logarithms, in the order of ``free``; None where it is undefined.
         channels: name -> residuals of a channel of the data.
         rows: number of values fitted.
+        left_out: number of values left out, at which a trace of the model jumps within the uncertainty.
         converged: whether the search came to its end.
         warnings: likely causes of a rejected fit, clipped traces, and what the data do not determine.
         lammps: run of the fitted scene.
@@ -113,6 +114,7 @@ class Fit:
     correlation: list[list[float | None]]
     channels: dict[str, Residuals]
     rows: int
+    left_out: int
     converged: bool
     warnings: tuple[str, ...]
     lammps: InLammps = InLammps()
@@ -144,6 +146,11 @@ class Fit:
     def notes(self) -> list[str]:
         """Warnings, and assumptions of the confidence intervals."""
         notes = [f"warning: {warning}" for warning in self.warnings]
+        if self.left_out:
+            notes.append(
+                f"{self.left_out} of {self.rows + self.left_out} values are left out: a trace of the model jumps there "
+                "within the uncertainty, where a contact with a dashpot closes"
+            )
         if self.fits and self.assumed:
             fixed = ", ".join(self.assumed)
             notes.append(f"intervals assume the given {fixed}: free fields compensate any change, so no data test them")
@@ -181,7 +188,8 @@ def judged(model: Model, estimated: FitResult, size: Floats) -> Fit:
     assert traces is not None
     before = np.cumsum(np.abs(traces) > AT_REST * estimated.noise, axis=0) == 0
     fixed, slopes = model.fixed(estimated.parameters)
-    test = goodness(measured.values - traces, before, estimated.noise, model.slopes(estimated.parameters), slopes)
+    left = np.where(estimated.jumps, np.nan, measured.values - traces)
+    test = goodness(left, before, estimated.noise, model.slopes(estimated.parameters), slopes)
     units = [model.symbol(channel.quantity) for channel in measured.channels]
     statistics = np.stack([test.chi_square, test.autocorrelation, test.runs, *test.p], axis=1).tolist()
     channels = {}
@@ -190,7 +198,7 @@ def judged(model: Model, estimated: FitResult, size: Floats) -> Fit:
     ):
         chi_square, r, runs, *p = map(known, row)
         channels[channel.name] = Residuals(unit, float(noise), float(noise / largest), chi_square, r, runs, p)
-    numerical = model.numerical_error(estimated.parameters, traces)
+    numerical = model.numerical_error(estimated.parameters, traces, estimated.jumps)
     below = estimated.noise < np.maximum(
         NUMERICAL * numerical, [0.5 * resolution(column) for column in measured.values.T]
     )
@@ -221,6 +229,7 @@ def judged(model: Model, estimated: FitResult, size: Floats) -> Fit:
         correlation=[[known(value) for value in row] for row in estimated.correlation.tolist()],
         channels=channels,
         rows=estimated.rows,
+        left_out=int(np.sum(estimated.jumps & np.isfinite(measured.values))),
         converged=estimated.converged,
         warnings=tuple(warnings),
     )

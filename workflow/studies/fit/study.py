@@ -170,7 +170,8 @@ def _in_lammps(model: Model, estimated: FitResult, directory: Path) -> InLammps:
     traces = model.traces(estimated.parameters)
     assert traces is not None
     error = None if done.check is None else done.check.velocity
-    return InLammps(error, float(np.max(np.abs(theirs - traces) / estimated.noise)))
+    difference = np.where(estimated.jumps, 0.0, np.abs(theirs - traces)) / estimated.noise
+    return InLammps(error, float(np.max(difference)))
 
 
 def _figure(model: Model, estimated: FitResult, *, rejected: bool) -> "Figure":

@@ -36,7 +36,9 @@ class ResponseLine:
         digits=".1e",
     )
     least_overlap: float = declare(
-        "least overlap of neighbours over a period, at 64 times; negative where they are apart", "length", digits=".3g"
+        "overlap of neighbours where it is least over a period, at 64 times; less their distance where they are apart",
+        "length",
+        digits=".3g",
     )
 
 

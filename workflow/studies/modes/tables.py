@@ -59,7 +59,9 @@ class StateLine:
     bead: float = declare("mean number of the bead, weighted with these energies", digits=".4g")
     chain: float = declare("mean number of the chain, weighted with these energies")
     least_overlap: float = declare(
-        "least overlap of neighbours over a period, at 33 times; negative where they are apart", "length", digits=".3g"
+        "overlap of neighbours where it is least over a period, at 33 times; less their distance where they are apart",
+        "length",
+        digits=".3g",
     )
 
 

@@ -75,6 +75,36 @@ def test_what_would_take_too_long_by_the_effort_of_others_of_its_engine_is_not_r
     assert [point.left_out for point in points] == ["", "", "would take 48 s", left_out]
 
 
+def test_times_of_a_method_rise_with_its_evaluations_of_forces_whatever_else_runs():
+    chance = np.random.default_rng(1)
+    several = by_step(1, 2, 4, 8, 16) + by_step(2, 4, 8, method="LAMMPS suzuki4")
+    busy = lambda setting: setting.problem.steps * chance.lognormal(0.0, 2.0)  # noqa: E731
+    studies = [measure(several, busy, lambda setting: {"velocity": setting.value**2}, TrialLimits()) for _ in range(20)]
+    assert sum(any(point.pooled is not None for point in points) for points in studies) > 5
+    for points in studies:
+        for method in ("LAMMPS verlet", "LAMMPS suzuki4"):
+            of_method = [point for point in points if point.setting.method == method]
+            seconds = [point.seconds for point in of_method]
+            medians = [np.median(point.calls[1:]) for point in of_method]
+            assert seconds == sorted(seconds)
+            assert sum(seconds) == pytest.approx(sum(medians))
+            assert all(
+                point.pooled or point.seconds == median for point, median in zip(of_method, medians, strict=True)
+            )
+
+
+def test_a_median_that_rises_with_the_effort_is_the_time():
+    points = Machine().measured(by_step(1, 2, 4), repeats=3)
+    assert [point.pooled for point in points] == [None, None, None]
+
+
+def test_the_order_of_small_steps_is_named_where_a_larger_one_was_measured():
+    words = " ".join(said([*VERLET, *REFERENCE]))
+    assert "error of order 2.5" in words
+    assert "a scheme of order 4" in words
+    assert "order 2.5" not in " ".join(said(VERLET))
+
+
 def test_nothing_is_repeated_beyond_the_budget():
     points = Machine().measured(by_step(1, 2), repeats=5, budget=26.0)
     assert [len(point.calls) for point in points] == [3, 2]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import granchain
+from analysis import motion
 from analysis.gauges.gauge import TOUCHING, at_frames, gauges
 from workflow.runs.run_directory import RunDirectory
 from workflow.tools.export import arrays, request
@@ -68,6 +69,14 @@ def test_contact_forces_are_those_of_the_gauges(name, run_of):
     rounding = (at_contact.overlap > 0.0) & (at_contact.overlap < TOUCHING * trajectory.problem.scale.length)
     assert np.count_nonzero(rounding) < 0.1 * rounding.size
     np.testing.assert_allclose(at_contact.contact_force.where(~rounding), np.where(rounding, np.nan, force), rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["steel", "damped", "coupled"])
+def test_an_overlap_is_0_where_beads_are_apart_and_else_the_approach_of_their_centres(name, run_of):
+    run = run_of(name)
+    dataset, approach = run.dataset, motion.overlaps(run.trajectory.system, run.trajectory.displacement)
+    assert (approach < 0.0).any()
+    np.testing.assert_array_equal(dataset.overlap, np.maximum(approach, 0.0) * run.trajectory.problem.scale.length)
 
 
 def test_forces_and_overlaps_are_left_out_where_not_all_beads_are_recorded(run_of):
