@@ -120,7 +120,7 @@ ATOMS_OF = {
     "contacts that differ": {"contact": {"strength": [1.0, 2.0, 3.0] * 3}, "output": {"beads": [2, 7]}},
     "masses": {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.5}}, "pattern": ["heavy", "light"]},
     "resonators": {"chains": 2, "resonators": [LIGHT, {**LIGHT, "rows": [5, 9]}]},
-    "window": {"chains": 2, "coupling": {"stiffness": 0.1}, "beads": 60, "window": 30},
+    "window": {"chains": 2, "coupling": {"stiffness": 0.1}, "beads": 200, "window": 64},
 }
 
 
