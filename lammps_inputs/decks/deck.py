@@ -56,9 +56,15 @@ def render(scene: "Scene", problem: Problem | None = None) -> dict[str, str]:
         ValueError: the scene ends at a bead, not at a time (see `Scene.problem`).
     """
     problem = scene.problem() if problem is None else problem
+    return {file_names.SCENE: render_scene(scene), **files_of(problem)}
+
+
+def files_of(problem: Problem) -> dict[str, str]:
+    """File name -> text of what LAMMPS needs; the data come last, so that all is there where they are."""
+    tables = loads.tables(problem.system)
     return {
-        file_names.SCENE: render_scene(scene),
         file_names.DECK: render_deck(problem),
+        **({file_names.TABLES: tables} if tables else {}),
         file_names.DATA: render_data(problem),
     }
 
@@ -229,6 +235,7 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
         *static_load.place_lines(system),
         *(line for part in _of_links(problem) for line in part.motion),
         *static_load.hold_lines(system),
+        *loads.include_lines(system),
         *(line for part in loads.lines(problem.layout) for line in part.motion),
     ]
     if _tied(system):

@@ -100,7 +100,7 @@ _FILES = [
     BadScene("binary file", bytes(range(256)), "", "not a text file"),
     BadScene("zeros", bytes(4096), "", "unacceptable character"),
     BadScene("UTF-16", scene_text().encode("utf-16"), "", "not a text file"),
-    BadScene("huge file", b"#" * (1 << 21), "", "512 KiB"),
+    BadScene("huge file", b"#" * (1 << 24), "", "8192 KiB"),
 ]
 
 _YAML = [
