@@ -1,5 +1,6 @@
 """A scene of every ingredient, of the ways that it can be given, and of those that meet in one force or one deck."""
 
+import math
 from functools import cache
 from typing import Any
 
@@ -148,6 +149,13 @@ CASES: dict[str, dict[str, Any]] = {
         "push": [
             {"peak": 0.6, "duration": 20.3, "shape": "half-sine"},
             {"chain": 2, "bead": 3, "table": [[0, 0.2], [0.7, 0.5], [2, -0.1], [3, 0]]},
+        ],
+    },
+    "pushed by long records": {
+        "kick": None,
+        "push": [
+            {"table": [[0.2 * k, (0.6 * math.sin(math.pi * k / 100)) ** 2 if k % 100 else 0.0] for k in range(101)]},
+            {"chain": 2, "bead": 3, "table": [[0.3 + (k / 30) ** 3, 0.5 * (k % 7) * (k < 60)] for k in range(61)]},
         ],
     },
     "formulas of springs": {
