@@ -129,7 +129,7 @@ class Motion:
 def tables(system: Any) -> str:
     """Text of the file with the vectors of long tables, which a deck includes; empty where it has none."""
     texts = [line for name, law in _long_tables(system) for line in table_lines.vectors(law, name)]
-    return "\n".join([*table_lines.HEAD, *texts]) + "\n" if texts else ""
+    return "\n".join([*table_lines.HEAD, *texts, *table_lines.TAIL]) + "\n" if texts else ""
 
 
 def include_lines(system: Any) -> tuple[str, ...]:

@@ -21,11 +21,15 @@ SINCE = (
 """Earlier releases of LAMMPS have no vectors of given values."""
 
 HEAD = (
+    "echo none                        # not into the log",
     "# forces over time, dimensionless; at each point: time, force, impulse until then, half of the slope behind it;",
     "# last: number of the last point before each cell of time",
     "variable number vector [0]       # added to a number, it makes a vector, which is evaluated once a step",
 )
 """First lines of the file with the vectors."""
+
+TAIL = ("echo log",)
+"""Last line of that file: LAMMPS's default."""
 
 _BEYOND = 1e300
 """Time of points that are never reached."""
