@@ -15,10 +15,10 @@ from lammps_inputs.numbers import text
 Floats = NDArray[np.float64]
 
 SINCE = (
-    'if "$(version) < 20230802" then '
-    '"print \'tables of more than 50 points need LAMMPS of 2Aug2023 or later\'" "quit 1"'
+    'if "$(version) < 20240417" then '
+    '"print \'tables of more than 50 points need LAMMPS of 17Apr2024 or later\'" "quit 1"'
 )
-"""Earlier releases of LAMMPS have no vectors of given values."""
+"""LAMMPS has vectors of given values since 2023, which a variable that is deleted, as by a job, spoiled until 17Apr2024."""
 
 HEAD = (
     "echo none                        # not into the log",

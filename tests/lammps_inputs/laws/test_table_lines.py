@@ -69,7 +69,7 @@ def test_a_short_table_stands_in_the_deck_and_a_long_one_beside_it():
         files = deck.render(scene(chains=1, coupling=None, kick=None, push={"table": points}, timestep=0.01))
         assert (file_names.TABLES in files) == long
         assert (f"\ninclude {file_names.TABLES}\n" in files[file_names.DECK]) == long
-        assert ("need LAMMPS of 2Aug2023" in files[file_names.DECK].partition("units lj")[0]) == long
+        assert ("need LAMMPS of 17Apr2024" in files[file_names.DECK].partition("units lj")[0]) == long
 
 
 def test_the_deck_of_a_long_table_is_as_long_as_that_of_any_other():
