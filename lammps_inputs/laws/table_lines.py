@@ -18,7 +18,7 @@ SINCE = (
     'if "$(version) < 20240417" then '
     '"print \'tables of more than 50 points need LAMMPS of 17Apr2024 or later\'" "quit 1"'
 )
-"""LAMMPS has vectors of given values since 2023, which a variable that is deleted, as by a job, spoiled until 17Apr2024."""
+"""Releases of 2023 have vectors of given values, too, but a variable that is deleted, as by a job, spoils them."""
 
 HEAD = (
     "echo none                        # not into the log",
