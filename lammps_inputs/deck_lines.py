@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs import engine_limits
 from lammps_inputs.numbers import text
 
 
@@ -200,14 +201,11 @@ def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:
     return AtomTypes(np.array([rows[row.tobytes()] for row in strength]), strengths, len(free))
 
 
-MOST_GROUPS = 24
-"""Largest number of groups of atoms that differ; LAMMPS allows 32 groups."""
-
-
-def atoms_by_value(law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tuple[float, ...], str]]:
+def atoms_by_value(name: str, law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tuple[float, ...], str]]:
     """Distinct values of a law's parameters, and which atoms have them, as LAMMPS's ``group ... id`` takes it.
 
     Args:
+        name: name of the links.
         law: parameters, numbers or [chain, bead].
         shape: chains and beads; atom = (chain - 1) * beads + bead.
 
@@ -215,7 +213,7 @@ def atoms_by_value(law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tup
         Values and ranges such as ``1:60 121:180``, without atoms whose values are all 0.
 
     Raises:
-        ValueError: more values than LAMMPS has groups for.
+        EngineLimitError: more values than LAMMPS has groups for.
     """
     flat = np.stack([np.broadcast_to(parameter, shape).reshape(-1) for parameter in law], axis=-1)
     starts = np.flatnonzero(np.r_[True, np.any(flat[1:] != flat[:-1], axis=1)])
@@ -225,17 +223,17 @@ def atoms_by_value(law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tup
         value = tuple(flat[start].tolist())
         if any(value):
             ranges.setdefault(value, []).append(f"{start + 1}:{end}")
-    if len(ranges) > MOST_GROUPS:
-        raise ValueError(f"{len(ranges)} different values; LAMMPS allows {MOST_GROUPS}")
+    engine_limits.GROUPS.check(name, len(ranges))
     return [(value, " ".join(atoms)) for value, atoms in ranges.items()]
 
 
 def atoms_by_row(
-    values: Any, shape: tuple[int, int], of_chains: NDArray[np.bool_] | None = None
+    name: str, values: Any, shape: tuple[int, int], of_chains: NDArray[np.bool_] | None = None
 ) -> list[tuple[NDArray[np.float64], str]] | None:
     """Distinct profiles along a chain, and the atoms of the chains that have them; None where each chain has one value.
 
     Args:
+        name: name of the links.
         values: a number, or [chain, bead].
         shape: chains and beads; atom = (chain - 1) * beads + bead.
         of_chains: whether a chain is looked at, [chain]; all are by default.
@@ -246,35 +244,31 @@ def atoms_by_row(
     if all(len(np.unique(row[row != 0.0])) <= 1 for row in rows):
         return None
     profiles, of_chain = np.unique(rows, axis=0, return_inverse=True)
-    if len(profiles) > MOST_GROUPS:
-        raise ValueError(f"{len(profiles)} different profiles; LAMMPS allows {MOST_GROUPS}")
+    engine_limits.GROUPS.check(name, len(profiles))
     alike = (numbers[of_chain.reshape(-1) == number] for number in range(len(profiles)))
     atoms = (" ".join(f"{chain * beads + 1}:{(chain + 1) * beads}" for chain in group.tolist()) for group in alike)
     return list(zip(profiles, atoms, strict=True))
 
 
-MOST_BENDS = 20
-"""Largest number of bends of a profile along a chain; LAMMPS evaluates its formula for every bead at every step."""
-
 _STRAIGHT = 1e-12
 """Change of the slope, over the largest value, that is rounding."""
 
 
-def row_formula(values: NDArray[np.float64], row: str) -> str:
+def row_formula(name: str, values: NDArray[np.float64], row: str) -> str:
     """A profile along a chain as a formula of LAMMPS in the number of the row, linear between its bends.
 
     Args:
+        name: name of the links.
         values: profile, [bead], in the units of the deck.
         row: LAMMPS's name of the number of an atom's row, counted from 1.
 
     Raises:
-        ValueError: more bends than `MOST_BENDS`.
+        EngineLimitError: more bends than LAMMPS takes.
     """
     slope = np.diff(values)
     bend = np.diff(slope)
     bends = np.flatnonzero(np.abs(bend) > _STRAIGHT * np.max(np.abs(values)))
-    if len(bends) > MOST_BENDS:
-        raise ValueError(f"a profile with {len(bends)} bends; LAMMPS takes {MOST_BENDS}: use the reference engine")
+    engine_limits.BENDS.check(name, len(bends))
     terms = [text(values[0]), *([f"({text(slope[0])})*({row}-1)"] if slope[0] else [])]
     terms += [f"({text(bend[at])})*({row}>{at + 2})*({row}-{at + 2})" for at in bends.tolist()]
     return f"({'+'.join(terms)})"

@@ -7,6 +7,8 @@ SCENE = "scene.yaml"
 
 DECK = "in.chains"
 DATA = "data.chains"
+TABLES = "in.tables"
+"""Long tables of forces over time, which the deck includes."""
 DUMP = "chains.dump.bin"
 SNAPSHOTS = "chains.snapshots.bin"
 LOG = "log.lammps"

@@ -204,6 +204,11 @@ class Across(Link):
             for edge, ends in enumerate(self.edges):
                 total[..., ends[end]] += 0.5 * springs[..., edge]
 
+    def acts(self, beads: int) -> NDArray[np.bool_]:
+        """Whether a link ties the atoms of an edge, [edge, row], in chains of so many beads."""
+        shape = len(self.edges), beads
+        return np.broadcast_to(np.asarray(laws.force(self.law, np.ones(shape))) != 0.0, shape)
+
     def of_edges(self, values: Any) -> Floats:
         """Largest value of each edge, [edge], from a number or [edge, row]."""
         return np.asarray(np.broadcast_to(np.max(values, axis=-1) if np.ndim(values) else values, len(self.edges)))

@@ -5,14 +5,16 @@ any time step, also where the force begins and ends within one; the error still 
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from lammps_inputs import file_names
 from lammps_inputs.deck_lines import BeadLayout, DeckLines
-from lammps_inputs.laws import in_time
-from lammps_inputs.laws.in_time import Sine, TimeLaw
+from lammps_inputs.laws import in_time, table_lines
+from lammps_inputs.laws.in_time import Sine, TabulatedForce, TimeLaw
 from lammps_inputs.numbers import text
 
 
@@ -124,6 +126,24 @@ class Motion:
         return replace(self, bead=bead, amplitude=-self.amplitude)
 
 
+def tables(system: Any) -> str:
+    """Text of the file with the vectors of long tables, which a deck includes; empty where it has none."""
+    texts = [line for name, law in _long_tables(system) for line in table_lines.vectors(law, name)]
+    return "\n".join([*table_lines.HEAD, *texts, *table_lines.TAIL]) + "\n" if texts else ""
+
+
+def include_lines(system: Any) -> tuple[str, ...]:
+    """LAMMPS command that reads the file of `tables`, where there is one."""
+    return (f"include {file_names.TABLES}",) if any(_long_tables(system)) else ()
+
+
+def _long_tables(system: Any) -> Iterator[tuple[str, TabulatedForce]]:
+    """Name and law of each load whose table is too long for a formula."""
+    for number, load in enumerate(system.loads, 1):
+        if isinstance(load.law, TabulatedForce) and load.law.long:
+            yield f"push{number}", load.law
+
+
 def lines(layout: BeadLayout) -> list[DeckLines]:
     """LAMMPS commands of the loads and of the beads of prescribed motion, one after the other.
 
@@ -167,6 +187,10 @@ def start_lines(layout: BeadLayout) -> list[str]:
 def _push_lines(load: Load, name: str, layout: BeadLayout) -> DeckLines:
     first, last = text(load.law.kinks[0]), text(load.law.kinks[-1])
     variables = in_time.variables(load.law, name)
+    lookup: tuple[str, ...] = ()
+    since: tuple[str, ...] = ()
+    if isinstance(load.law, TabulatedForce) and load.law.long:
+        lookup, since = table_lines.lines(load.law, name), (table_lines.SINCE,)
     if variables and not load.endless:
         last = f"v_{name}duration"
 
@@ -176,13 +200,14 @@ def _push_lines(load: Load, name: str, layout: BeadLayout) -> DeckLines:
         return during if load.endless else f"{during}*({time}<{last})+{last}*({time}>={last})"
 
     return DeckLines(
-        variables=variables,
+        variables=(*variables, *since),
         motion=(
             f"# push on bead {load.bead} of chain {load.chain}: force averaged over a time step about each instant",
             f"variable {name}before equal (step-0.5)*v_timestep",
             f"variable {name}after equal (step+0.5)*v_timestep",
             f"variable {name}from equal {within(f'v_{name}before')}",
             f"variable {name}to equal {within(f'v_{name}after')}",
+            *lookup,
             f"variable {name} equal ({load.law.formula(name)})/v_timestep*(1+(step==0))",
             f"group {name} id {layout.atom(load.chain, load.bead)}",
             f"fix {name} {name} addforce v_{name} 0.0 0.0",

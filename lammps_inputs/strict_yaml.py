@@ -13,7 +13,7 @@ import yaml
 
 from lammps_inputs.errors import InputError
 
-MAX_BYTES = 1 << 19
+MAX_BYTES = 8 << 20
 MAX_VALUES = 30_000
 """Keys, values, lists and mappings: what is read within a second or two."""
 
@@ -76,8 +76,10 @@ class _Dumper(yaml.SafeDumper):
 
 
 def _text_node(dumper: _Dumper, text: str) -> yaml.ScalarNode:
-    """Text with odd line breaks (NEL, U+2028) in double quotes, where they are escaped and not folded."""
-    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=None if text.isprintable() else '"')
+    """Lines of text as they are; text with odd line breaks (NEL, U+2028) in double quotes, where they are escaped."""
+    lines = text.endswith("\n") and all(line.isprintable() for line in text.split("\n"))
+    style = None if text.isprintable() else "|" if lines else '"'
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
 
 
 _Dumper.add_representer(str, _text_node)

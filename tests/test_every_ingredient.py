@@ -61,6 +61,7 @@ ACROSS_RANKS = [
     "column",
     "driven",
     "magnets",
+    "pushed by long records",
     "damping cut, pressed by a wall",
     "resonators, damped in some rows, pushed, with all other dashpots",
 ]

@@ -18,6 +18,7 @@ A run that was continued has several dumps; see `analysis.mda.universe` for all 
 
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -78,32 +79,69 @@ def of_deck(data: str, commands: str) -> Topology:
     chain = np.unique(y, return_inverse=True)[1]
     rows = int(np.count_nonzero(chain == 0))
     beads = np.array([diameter[np.argmax(chain == line)] == diameter[0] for line in range(chain[-1] + 1)])
-    names = [*(f"C{n + 1}" for n in range(np.count_nonzero(beads))), *(f"R{n + 1}" for n in range(np.sum(~beads)))]
+    names = segment_names(int(np.count_nonzero(beads)), int(np.sum(~beads)))
     recorded = _recorded(commands, number, kind)
     bonds = np.array([line.split() for line in sections.get("Bonds", ())], dtype=np.int64).reshape(-1, 4)
     ends = np.searchsorted(number, bonds[:, 2:])
     ends = ends[recorded[ends].all(axis=1)]
     place = np.cumsum(recorded) - 1
-    count = int(np.count_nonzero(recorded))
-    row = (number[recorded] - 1) % rows + 1
+    atoms = Atoms(
+        number=number[recorded],
+        kind=kind[recorded],
+        mass=mass[recorded],
+        radius=diameter[recorded] / 2.0,
+        bead=(number[recorded] - 1) % rows + 1,
+        line=chain[recorded],
+    )
+    return topology(atoms, names, place[ends])
+
+
+@dataclass(frozen=True)
+class Atoms:
+    """Atoms of a topology, each array [atom].
+
+    Attributes:
+        number: LAMMPS's number of the atom.
+        kind: its type.
+        mass, radius: dimensionless.
+        bead: number of the bead in its chain, from 1; in a window of the row.
+        line: its chain, or line of resonators, from 0.
+    """
+
+    number: Integers
+    kind: Integers
+    mass: Floats
+    radius: Floats
+    bead: Integers
+    line: Integers
+
+
+def segment_names(chains: int, further: int) -> list[str]:
+    """Names of the chains and of the lines of resonators after them."""
+    return [*(f"C{n}" for n in range(1, chains + 1)), *(f"R{n}" for n in range(1, further + 1))]
+
+
+def topology(atoms: Atoms, names: Sequence[str], bonds: Integers) -> Topology:
+    """The topology of atoms in segments of these names, with bonds [bond, 2] between atoms counted from 0."""
+    count = len(atoms.number)
     return Topology(
         count,
         count,
-        chain[-1] + 1,
+        len(names),
         attrs=[
-            attributes.Atomids(number[recorded]),
+            attributes.Atomids(atoms.number),
             attributes.Atomnames(np.full(count, ATOM, dtype=object)),
-            attributes.Atomtypes(kind[recorded].astype(str).astype(object)),
-            attributes.Masses(mass[recorded]),
-            attributes.Radii(diameter[recorded] / 2.0),
-            attributes.Resids(row),
-            attributes.Resnums(row.copy()),
+            attributes.Atomtypes(atoms.kind.astype(str).astype(object)),
+            attributes.Masses(atoms.mass),
+            attributes.Radii(atoms.radius),
+            attributes.Resids(atoms.bead),
+            attributes.Resnums(atoms.bead.copy()),
             attributes.Resnames(np.full(count, RESIDUE, dtype=object)),
             attributes.Segids(np.array(names, dtype=object)),
-            attributes.Bonds([tuple(pair) for pair in place[ends].tolist()]),
+            attributes.Bonds([tuple(pair) for pair in bonds.tolist()]),
         ],
         atom_resindex=np.arange(count),
-        residue_segindex=chain[recorded],
+        residue_segindex=atoms.line,
     )
 
 

@@ -12,6 +12,7 @@ How the equation becomes LAMMPS:
 - a spring joins beads of one row, so ranks divide the rows, never a row.
 """
 
+import collections
 import functools
 import io
 import itertools
@@ -23,7 +24,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import file_names, laws, loads, physics, scheme, static_load, strict_yaml, window
+from lammps_inputs import engine_limits, file_names, laws, loads, physics, scheme, static_load, strict_yaml, window
 from lammps_inputs.deck_lines import AtomTypes, DeckLines
 from lammps_inputs.laws import dashpot, plastic_lines, spring
 from lammps_inputs.laws.contact import wall_lines
@@ -55,9 +56,15 @@ def render(scene: "Scene", problem: Problem | None = None) -> dict[str, str]:
         ValueError: the scene ends at a bead, not at a time (see `Scene.problem`).
     """
     problem = scene.problem() if problem is None else problem
+    return {file_names.SCENE: render_scene(scene), **files_of(problem)}
+
+
+def files_of(problem: Problem) -> dict[str, str]:
+    """File name -> text of what LAMMPS needs; the data come last, so that all is there where they are."""
+    tables = loads.tables(problem.system)
     return {
-        file_names.SCENE: render_scene(scene),
         file_names.DECK: render_deck(problem),
+        **({file_names.TABLES: tables} if tables else {}),
         file_names.DATA: render_data(problem),
     }
 
@@ -148,7 +155,7 @@ def spelling(problem: Problem) -> list[DeckLines]:
     """LAMMPS commands of the laws on the links, and of the loads, in their order.
 
     Raises:
-        ValueError: LAMMPS has no words for one of them.
+        EngineLimitError: LAMMPS cannot compute one of them.
     """
     return [*_of_links(problem), *loads.lines(problem.layout)]
 
@@ -161,12 +168,17 @@ def _spelled(system: System) -> tuple[Link, ...]:
 
 @functools.lru_cache(maxsize=1)  # types of atoms that distinguish contacts take a second of many beads
 def _of_links(problem: Problem) -> tuple[DeckLines, ...]:
-    _refuse_unknown(problem.system)
-    return tuple(_of_link(link, problem.layout) for link in _spelled(problem.system))
+    return _lines_of(problem.system, problem.layout)
+
+
+def _lines_of(system: System, layout: Layout) -> tuple[DeckLines, ...]:
+    return tuple(_of_link(link, layout) for link in _spelled(system))
 
 
 def _of_link(link: Link, layout: Layout) -> DeckLines:
     """The law's own lines; contacts whose law spells no dashpots of its own have them beside."""
+    if not hasattr(link.law, _kind(link)):
+        raise engine_limits.FORCES.error(link.name)
     if isinstance(link, Wall) and _kind(link) != "at_wall":
         return wall_lines(link, layout)
     lines: DeckLines = getattr(link.law, _kind(link))(link if isinstance(link, Across) else link.name, layout)
@@ -175,22 +187,27 @@ def _of_link(link: Link, layout: Layout) -> DeckLines:
 
 
 def refusal(system: System) -> str:
-    """Why LAMMPS cannot express the forces of a system; empty where it can."""
+    """Why LAMMPS cannot compute the forces of a system, see `lammps_inputs.engine_limits`; empty where it can."""
+    layout = Layout(system)
     try:
-        _refuse_unknown(system)
-        for link in system.links:
-            if hasattr(link.law, "derived") or isinstance(link, Along):
-                _of_link(link, Layout(system))
-    except ValueError as error:
+        parts = (
+            [link.name for link in _spelled(system)] + ["push"] * len(system.loads) + ["drive"] * len(system.motions)
+        )
+        lines = [*_lines_of(system, layout), *loads.lines(layout)]
+        _refuse_groups(parts, lines)
+    except ValueError as error:  # also of a law that a user has written
         return str(error)
     return ""
 
 
-def _refuse_unknown(system: System) -> None:
-    """Refuse a force that LAMMPS does not have; contacts that differ may still be too many for it."""
-    for link in _spelled(system):
-        if not hasattr(link.law, _kind(link)):
-            raise ValueError(f"{link.name}: LAMMPS has no such force; use the reference engine")
+def _refuse_groups(parts: Sequence[str], lines: Sequence[DeckLines]) -> None:
+    """Refuse more groups of atoms than LAMMPS has, of the part that has most of them; LAMMPS gives up when it runs."""
+    of_part = collections.Counter[str]()
+    for part, of_link in zip(parts, lines, strict=True):
+        commands = (line.split() for line in (*of_link.interactions, *of_link.motion, *of_link.moved))
+        of_part[part] += len({words[1] for words in commands if words[0] == "group"})
+    if of_part:
+        engine_limits.GROUPS.check(of_part.most_common(1)[0][0], of_part.total())
 
 
 def _kind(link: Link) -> str:
@@ -218,6 +235,7 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
         *static_load.place_lines(system),
         *(line for part in _of_links(problem) for line in part.motion),
         *static_load.hold_lines(system),
+        *loads.include_lines(system),
         *(line for part in loads.lines(problem.layout) for line in part.motion),
     ]
     if _tied(system):

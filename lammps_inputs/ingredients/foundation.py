@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator
 
 from lammps_inputs import laws, strict_yaml
-from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import base, by_formula
 from lammps_inputs.ingredients.base import Cubic, Phase, Positive, Rows, SceneContext, ScenePart, Stiffness
@@ -127,8 +126,6 @@ class Foundation(by_formula.ByFormula):
         for key in ("stiffness", "cubic"):
             values = getattr(self, key)
             base.refuse_other_count(f"foundation.{key}", values, scene.chains)
-            if isinstance(values, tuple) and len(set(values)) > MOST_GROUPS:
-                raise ValueError(f"foundation.{key}: LAMMPS has {MOST_GROUPS} groups for different values")
         if self.modulation is not None and "stiffness" not in self.model_fields_set:
             raise ValueError("foundation.stiffness: is missing beside modulation")
         for key, ramp in self._ramps():

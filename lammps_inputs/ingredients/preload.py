@@ -14,10 +14,8 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
 from lammps_inputs import physics
-from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Positive, SceneContext
-from lammps_inputs.laws.contact import faces
 from lammps_inputs.layout import Layout
 from lammps_inputs.system import System
 from lammps_inputs.units import Label, Unit
@@ -42,12 +40,6 @@ class _Load(Ingredient):
                 f"{self.key}: chains that differ are compressed differently, which would stretch the springs between "
                 "them; make the chains alike, or leave one out"
             )
-        for wall in physics.walls(system):
-            if len(set(faces(wall, layout))) > MOST_GROUPS:
-                raise ValueError(
-                    f"{self.key}: more than {MOST_GROUPS} chains differ in where their last beads rest, and each needs "
-                    "a wall of its own, for which LAMMPS has too few groups; use fewer kinds of chains"
-                )
 
     def lacks(self, scene: SceneContext) -> frozenset[Fact]:  # noqa: ARG002
         """Facts that do not hold where there is sound."""

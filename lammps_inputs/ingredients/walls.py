@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws, materials
-from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import plastic
 from lammps_inputs.ingredients.base import Ingredient, Positive, SceneContext, ScenePart
@@ -106,11 +105,6 @@ class Walls(Ingredient):
             if kind is not None:
                 strength = np.zeros((scene.chains, scene.beads))
                 strength[:, last] = _strength(kind, scene, last)
-                if len(np.unique(strength[:, last])) > MOST_GROUPS:
-                    raise ValueError(
-                        f"walls.{key}: beads of more than {MOST_GROUPS} kinds meet it, too many for LAMMPS; "
-                        "say {stiffness: ...}"
-                    )
                 law = _yielding(kind, strength, scene, last) or _law(key, strength, scene)
                 walls.append(Wall(f"{key}_wall", law, side, scene.gap / scene.scale.length))
         return tuple(walls)

@@ -22,9 +22,9 @@ STEP = 1.5e-6
 MESSAGES = 10e-6
 """Seconds a step for the messages of a rank to its neighbours, and for waiting for them: assumed."""
 
-FORMULA, POINT, MOTION = 20e-6, 6e-6, 6e-6
-"""Seconds a step for a force from outside that is a formula of time, for each point of one that is a table, and for a
-bead whose motion is given.
+FORMULA, POINT, VECTORS, MOTION = 20e-6, 6e-6, 40e-6, 6e-6
+"""Seconds a step for a force from outside that is a formula of time, for each point of one that is a table, for a table
+of any number of points that are vectors, and for a bead whose motion is given.
 """
 
 LEPTON = 100e-6
@@ -59,7 +59,8 @@ def step_seconds(problem: Problem) -> tuple[float, float]:
     """
     system = problem.system
     tables = [load.law for load in system.loads if isinstance(load.law, TabulatedForce)]
-    fixed = STEP + FORMULA * (len(system.loads) - len(tables)) + POINT * sum(len(law.time) for law in tables)
+    fixed = STEP + FORMULA * (len(system.loads) - len(tables))
+    fixed += sum(VECTORS if law.long else POINT * len(law.time) for law in tables)
     fixed += MOTION * len(system.motions)
     if physics.exponent(system) not in (None, 1.0, 1.5):
         fixed += LEPTON

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs import laws
+from lammps_inputs import engine_limits, laws
 from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines, WallLinks, types_by_contact
 from lammps_inputs.laws import Parameter, Pure, formula
 from lammps_inputs.numbers import text
@@ -154,17 +154,14 @@ class Power(NamedTuple):
         """Linear contacts are a style of LAMMPS's own; others it has from a formula of the energy, eight times slower.
 
         Raises:
-            ValueError: contacts that differ, of exponents other than 1, or 1 and 1.5.
+            EngineLimitError: contacts that differ, of exponents other than 1, or 1 and 1.5.
         """
         if np.ndim(self.exponent) > 0:
             return self._by_contact(name, layout)
         p = float(self.exponent)
         if np.ndim(self.strength) > 0:
             if p != 1.0:
-                raise ValueError(
-                    f"{name}: LAMMPS has strengths that differ from contact to contact for the exponents 1 and 1.5, "
-                    f"not {p:g}; use the reference engine"
-                )
+                raise engine_limits.STRENGTHS.error(name, p)
             return _granular("hooke", 1.0, self.strength, "overlap", layout)
         if p == 1.0:
             return DeckLines(
@@ -182,10 +179,7 @@ class Power(NamedTuple):
         words = {1.0: ("hooke", 1.0), 1.5: ("hertz", float(1.0 / np.sqrt(layout.diameter / 4.0)))}
         power = np.asarray(self.exponent)
         if others := sorted(set(power.reshape(-1).tolist()) - set(words)):
-            raise ValueError(
-                f"{name}: LAMMPS has exponents that differ from contact to contact of 1 and 1.5, not {others[0]:g}; "
-                "use the reference engine"
-            )
+            raise engine_limits.EXPONENTS.error(name, others[0])
         both = np.stack(np.broadcast_arrays(self.strength, power), axis=-1)
         kinds, kind = np.unique(both.reshape(-1, 2), axis=0, return_inverse=True)
         types = types_by_contact(kind.reshape(power.shape).astype(np.float64))
@@ -213,6 +207,7 @@ def wall_lines(link: WallLinks, layout: BeadLayout) -> DeckLines:
     lost, model = ([0.0] * layout.chains, "damping velocity") if loss is None else loss.granular(layout)
     end = layout.beads if link.side > 0.0 else 1
     walls = [(*face, g) for face, g in zip(faces(link, layout), lost, strict=True)]
+    engine_limits.GROUPS.check(name, len(set(walls)))
     if len(set(walls)) == 1:
         hard, face, g = walls[0]
         unit = "over the force of a contact" if exponent is None else f"force per overlap^{text(exponent)}"

@@ -24,7 +24,7 @@ from typing import Annotated, Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from lammps_inputs import laws
+from lammps_inputs import engine_limits, laws
 from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines, LinksAcross, atoms_by_value
 from lammps_inputs.laws import Parameter
 from lammps_inputs.numbers import text
@@ -103,7 +103,7 @@ class Dashpot(NamedTuple):
         lines = [
             "# dashpots inside the beads: of a bead and its inner atom, a chunk, the sum of both velocities is known"
         ]
-        for kind, ((coefficient,), atoms) in enumerate(atoms_by_value(self, (len(link.edges), beads)), 1):
+        for kind, ((coefficient,), atoms) in enumerate(atoms_by_value(link.name, self, (len(link.edges), beads)), 1):
             name, ranges = f"{link.name}{number}_{kind}", [list(map(int, ids.split(":"))) for ids in atoms.split()]
             tied = " ".join(f"{first + apart * beads}:{last + apart * beads}" for first, last in ranges)
             lines += [
@@ -269,15 +269,12 @@ def beside(elastic: DeckLines, layout: BeadLayout) -> DeckLines:
     """The lines of contacts whose pair style has no dashpots, with these added.
 
     Raises:
-        ValueError: contacts that are no single pair style.
+        EngineLimitError: contacts that are no single pair style.
     """
     assert layout.contact_loss is not None
     styles = [line.split() for line in elastic.interactions if line.startswith("pair_style ")]
     if len(styles) != 1 or styles[0][1].startswith("hybrid"):
-        raise ValueError(
-            "damping.contact: LAMMPS has dashpots beside contacts that are one pair style, not hybrid; use the "
-            "reference engine"
-        )
+        raise engine_limits.DASHPOTS.error("damping.contact")
     coefficient, model = layout.contact_loss.granular(layout)
     says, *lines = elastic.interactions
     return replace(

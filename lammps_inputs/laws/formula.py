@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs import engine_limits
 from lammps_inputs.deck_lines import BeadLayout, DeckLines, LinksAcross, whole_contacts
 from lammps_inputs.numbers import text
 
@@ -93,9 +94,9 @@ def _filled(law: Any, name: str, formula: str, strain: str, variable: str = "s")
     """A formula with numbers and the strain in place of their names.
 
     Raises:
-        ValueError: a parameter that differs from link to link.
+        EngineLimitError: a parameter that differs from link to link.
     """
     if any(np.ndim(value) for value in law):
-        raise ValueError(f"{name}: LAMMPS has one formula for all links of this law; use the reference engine")
+        raise engine_limits.FORMULAS.error(name)
     numbers = {key: text(float(value)) for key, value in zip(law._fields, law, strict=True)}
     return re.sub(r"[A-Za-z_]\w*", lambda word: ({variable: strain} | numbers).get(word[0], word[0]), formula)

@@ -15,6 +15,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs import engine_limits
 from lammps_inputs.deck_lines import BeadLayout, DeckLines, LinksAcross, atoms_by_value, whole_contacts
 from lammps_inputs.laws import Parameter, Pure, expression, formula
 from lammps_inputs.laws.expression import SQUARE, STRAIN, Derived
@@ -327,17 +328,15 @@ class AlongChains(FormulaLaw):
         """A pair style of the distance, from the energy.
 
         Raises:
-            ValueError: LAMMPS has no such contacts.
+            EngineLimitError: LAMMPS has no such contacts.
         """
         if np.ndim(self.strength):
-            raise ValueError(f"{name}: LAMMPS has one formula for all contacts; use the reference engine")
+            raise engine_limits.FORMULAS.error(name)
         form = self.form(energy_form)
         if not form:
-            raise ValueError(
-                f"{name}: no formula of the energy was found, which LAMMPS needs; use the reference engine"
-            )
+            raise engine_limits.ENERGY.error(name)
         if not self.kind.cut and not np.isfinite(layout.farthest):
-            raise ValueError(f"{name}: the energy separates neighbours for good, farther than LAMMPS looks")
+            raise engine_limits.REACH.error(name)
         u = f"({text(self.kind.direction * float(self.length))}*({text(layout.spacing)}-r))"
         energy = f"{text(self.kind.direction * _factor(self))}*({_spelled(self, form, u, 'lepton', name)})"
         if self.kind.cut:
@@ -369,7 +368,7 @@ class ToGround(FormulaLaw):
         """A force on the beads, in LAMMPS's variables."""
         u = f"({text(float(self.length))}*v_{name}strain)"
         value = _spelled(self, self.derived.force, u, "variable", name)
-        by_strength = atoms_by_value([self.strength], (layout.chains, layout.beads))
+        by_strength = atoms_by_value(name, [self.strength], (layout.chains, layout.beads))
         forces = [(f"{text(strength * float(self.per_force))}*({value})", atoms) for (strength,), atoms in by_strength]
         return driven_back(name, forces, layout)
 
@@ -381,14 +380,11 @@ class AcrossChains(FormulaLaw):
         """Bonds from an energy that is a formula of the strain squared, ``r^2 - d^2`` at the lateral distance d.
 
         Raises:
-            ValueError: no formula of the energy is smooth at rest.
+            EngineLimitError: no formula of the energy is smooth at rest.
         """
         form = self.form(even_form)
         if not form:
-            raise ValueError(
-                f"{link.name}: LAMMPS's bonds take an energy that is a formula of s^2, smooth at s = 0, and none was "
-                "found; use the reference engine"
-            )
+            raise engine_limits.EVEN_ENERGY.error(link.name)
         squares, bonds = formula.squares_of_strain(link, layout)
         scale = text(float(self.length) ** 2)
         energies = (_spelled(self, form, f"({scale}*{square})", "lepton", link.name, SQUARE) for square in squares)
@@ -412,14 +408,14 @@ def _spelled(law: Any, form: str, strain: str, style: str, name: str, variable: 
     """A form with the numbers of a law.
 
     Raises:
-        ValueError: LAMMPS has no such function.
+        EngineLimitError: LAMMPS has no such function.
     """
     numbers = {field: text(float(getattr(law, field))) for field in _parameters(type(law))}
     numbers = {field: f"({number})" if number.startswith("-") else number for field, number in numbers.items()}
     try:
         return expression.written(form, numbers | {variable: strain}, style)
     except expression.FormulaError as error:
-        raise ValueError(f"{name}: {error}, which its energy needs; use the reference engine") from None
+        raise engine_limits.FUNCTIONS.error(name, str(error)) from None
 
 
 def _each(law: Any) -> list[Any]:

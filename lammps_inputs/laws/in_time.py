@@ -23,8 +23,10 @@ from lammps_inputs.numbers import text
 
 Floats = NDArray[np.float64]
 
-MOST_POINTS = 50
-"""Largest number of points of a table in LAMMPS, which reads the formula again at every step."""
+MOST_IN_FORMULA = 50
+"""Largest number of points of a table that is a formula of LAMMPS, which reads it again at every step; longer tables
+are vectors (`lammps_inputs.laws.table_lines`).
+"""
 
 
 class TimeLaw(Protocol):
@@ -244,18 +246,20 @@ class TabulatedForce(NamedTuple):
         mean = np.where(crosses, (size[:-1] ** 2 + size[1:] ** 2) / np.where(both > 0.0, both, 1.0), both) / 2.0
         return float(np.sum(mean * width))
 
-    def formula(self, name: str) -> str:  # noqa: ARG002  see below
+    @property
+    def long(self) -> bool:
+        """Whether it is too long for a formula of LAMMPS."""
+        return len(self.time) > MOST_IN_FORMULA
+
+    def formula(self, name: str) -> str:
         """Integral of the force over a step: half of each change of slope, times the square of the time since.
 
         Times are written in steps: LAMMPS evaluates a variable again wherever it is named, ten times slower.
 
-        Raises:
-            ValueError: more points than `MOST_POINTS`.
+        A long one is the difference of two variables of `lammps_inputs.laws.table_lines`.
         """
-        if len(self.time) > MOST_POINTS:
-            raise ValueError(
-                f"push.table: {len(self.time)} points; LAMMPS takes {MOST_POINTS} at most: use fewer, or the reference"
-            )
+        if self.long:
+            return f"v_{name}to_gained-v_{name}from_gained"
         slope = np.diff(self.value) / np.diff(self.time)
         change = 0.5 * np.diff(slope, prepend=0.0, append=0.0)
         after, before = ("((step+0.5)*v_timestep)", "((step-0.5)*v_timestep)")

@@ -13,15 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import laws
+from lammps_inputs import engine_limits, laws
 from lammps_inputs.deck_lines import BeadLayout, DeckLines, WallLinks
 from lammps_inputs.laws.contact import faces
 from lammps_inputs.numbers import text
-
-MOST_BEADS = 4000
-"""Beads up to which these commands are worth while: a step takes 0.7 to 2 us a bead, a hundred times as long as one of
-the reference integrator.
-"""
 
 COLUMNS = ("d_strength1", "d_strength2", "d_onset1", "d_onset2")
 """Per-atom numbers of the first and of the second pairs, where contacts differ."""
@@ -31,18 +26,12 @@ def contacts(law: Any, name: str, layout: BeadLayout) -> DeckLines:
     """Contacts along chains, and with walls, that yield by Thornton's law.
 
     Raises:
-        ValueError: more than `MOST_BEADS` beads, or walls that are not at one place for all chains.
+        EngineLimitError: more beads than are worth while, or walls that are not at one place for all chains.
     """
     walls, loaded = _walls(layout.system), bool(np.any(laws.load(law)))
-    if (beads := layout.chains * layout.beads) > MOST_BEADS:
-        raise ValueError(
-            f"{name}: LAMMPS has contacts that yield for at most {MOST_BEADS} beads, {beads} given; use the reference "
-            "engine"
-        )
+    engine_limits.YIELDING_BEADS.check(name, layout.chains * layout.beads)
     if any(len({face for _, face in faces(wall, layout)}) > 1 for wall in walls):
-        raise ValueError(
-            f"{name}: LAMMPS has walls that yield at one place for all chains only; use the reference engine"
-        )
+        raise engine_limits.YIELDING_WALLS.error(name)
     differ = laws.differs(law) or bool(walls)
     numbers = [["v_strength"] * 2, ["v_onset"] * 2]
     variables: tuple[str, ...] = (

@@ -59,11 +59,11 @@ class Linear(NamedTuple):
                 motion=(f"fix {name} {layout.group} spring/self ${{{name}}} x",),
             )
         lines: list[str] = []
-        if (profiles := atoms_by_row(self.spring, (layout.chains, layout.beads))) is not None:
+        if (profiles := atoms_by_row(name, self.spring, (layout.chains, layout.beads))) is not None:
             for number, (values, atoms) in enumerate(profiles, 1):
-                lines += held_by_variable(f"{name}{number}", atoms, row_formula(values, ROW), layout)
+                lines += held_by_variable(f"{name}{number}", atoms, row_formula(name, values, ROW), layout)
             return DeckLines(motion=(row_variable(layout), *lines))
-        for number, ((spring,), atoms) in enumerate(atoms_by_value(self, (layout.chains, layout.beads)), 1):
+        for number, ((spring,), atoms) in enumerate(atoms_by_value(name, self, (layout.chains, layout.beads)), 1):
             lines += [
                 f"group {name}{number} id {atoms}",
                 f"fix {name}{number} {name}{number} spring/self {text(spring)} x",
@@ -180,7 +180,7 @@ class Duffing(NamedTuple):
 
     def ground(self, name: str, layout: BeadLayout) -> DeckLines:
         """A force from a formula of the place, for which LAMMPS has no fix of its own."""
-        strain, values = f"v_{name}strain", atoms_by_value(self, (layout.chains, layout.beads))
+        strain, values = f"v_{name}strain", atoms_by_value(name, self, (layout.chains, layout.beads))
         forces = [(f"({text(k)}*{strain}+{text(c)}*{strain}^3)", atoms) for (k, c), atoms in values]
         return driven_back(name, forces, layout)
 
@@ -324,26 +324,26 @@ class Varying(NamedTuple):
             names = (f"v_{name}_{label}" for label in _MODULATION)
             lines = held_by_variable(name, "", _formula(self, f"v_{name}", *names), layout)
             return DeckLines(variables=tuple(variables), motion=tuple(lines))
-        formulas = self._formulas((layout.chains, layout.beads))
+        formulas = self._formulas(name, (layout.chains, layout.beads))
         lines = [row_variable(layout)] if any(ROW in formula for formula, _ in formulas) else []
         for number, (formula, atoms) in enumerate(formulas, 1):
             lines += held_by_variable(f"{name}{number}", atoms, formula, layout)
         return DeckLines(motion=tuple(lines))
 
-    def _formulas(self, shape: tuple[int, int]) -> list[tuple[str, str]]:
+    def _formulas(self, name: str, shape: tuple[int, int]) -> list[tuple[str, str]]:
         """Stiffness over time of springs that differ: formulas of LAMMPS, each with its atoms.
 
         One formula holds a profile along chains; a chain whose springs ramp in time has one for each value.
         """
         modulation = [_signed(getattr(self, label)) for label in _MODULATION]
         ramps = np.any(np.broadcast_to(self.rate, shape) != 0.0, axis=1)
-        profiles = atoms_by_row(self.spring, shape, ~ramps)
+        profiles = atoms_by_row(name, self.spring, shape, ~ramps)
         by_value = ramps[:, np.newaxis] | (profiles is None)
-        values = atoms_by_value([np.where(by_value, parameter, 0.0) for parameter in self[:_OF_RAMP]], shape)
+        values = atoms_by_value(name, [np.where(by_value, parameter, 0.0) for parameter in self[:_OF_RAMP]], shape)
         formulas = []
         for profile, atoms in profiles or []:
             steady = self._replace(rate=0.0)
-            formulas.append((_formula(steady, row_formula(profile, ROW), *modulation), atoms))
+            formulas.append((_formula(steady, row_formula(name, profile, ROW), *modulation), atoms))
         for parameters, atoms in values:
             law = Varying(*parameters, *self[_OF_RAMP:])
             formulas.append((_formula(law, text(law.counted_from), *modulation), atoms))

@@ -1,5 +1,6 @@
 """A scene of every ingredient, of the ways that it can be given, and of those that meet in one force or one deck."""
 
+import math
 from functools import cache
 from typing import Any
 
@@ -60,6 +61,9 @@ KINDS = [
 ]
 SATURATING = {"force": "k*s/sqrt(1+(s/s0)^2)", "k": 0.3, "s0": 0.5}
 MAGNETS = {"force": "A/(d+s)^p", "A": 0.2, "p": 4.0, "d": 1.0}
+
+EQUAL = [[0.2 * k, 0.36 * math.sin(math.pi * k / 100) ** 2 if k % 100 else 0.0] for k in range(101)]
+UNEQUAL = [[0.3 + (k / 30) ** 3, 0.5 * math.sin(math.pi * k / 60) ** 2 * (k < 60)] for k in range(61)]
 
 CASES: dict[str, dict[str, Any]] = {
     "one chain": {"chains": 1, "coupling": None},
@@ -150,6 +154,7 @@ CASES: dict[str, dict[str, Any]] = {
             {"chain": 2, "bead": 3, "table": [[0, 0.2], [0.7, 0.5], [2, -0.1], [3, 0]]},
         ],
     },
+    "pushed by long records": {"kick": None, "push": [{"table": EQUAL}, {"chain": 2, "bead": 3, "table": UNEQUAL}]},
     "formulas of springs": {
         "coupling": {**SATURATING, "rows": [2, 7]},
         "foundation": {"force": "f*sin(s/s0)", "f": 0.2, "s0": 0.6},

@@ -3,7 +3,8 @@
 import argparse
 
 from lammps_inputs import InputError, Scene, library, physics, strict_yaml, values
-from workflow.prepare.settings import settle, unstable
+from workflow.prepare.settings import refuse_unanalysable, settle, unstable
+from workflow.runs.engines import LAMMPS, REFERENCE
 from workflow.runs.size import size_of, too_large
 from workflow.screen import CommandResult
 
@@ -29,13 +30,19 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print YAML that is a scene again, what follows from it in comments; or the table of its values."""
     if arguments.values:
         return _values(library.find(arguments.scene), arguments.scene)
-    scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=True)
+    scene = library.find(arguments.scene)
+    refuse_unanalysable(scene, arguments.scene)
+    refused = LAMMPS.refusal(scene)
+    scene, settings = settle(scene, source=arguments.scene, force=True)
     scene = scene.resolved()
     problem, scale = scene.problem(), scene.scale
     system = problem.system
     print(strict_yaml.dump(scene.plain()), end="")
-    size = size_of(problem)
-    print(f"# {problem.chains * problem.beads} beads; a run in LAMMPS on one core has {size.sentence()}")
+    size = size_of(problem, REFERENCE if refused else LAMMPS)
+    which = "by the reference integrator" if refused else "in LAMMPS on one core"
+    print(f"# {problem.chains * problem.beads} beads; a run {which} has {size.sentence()}")
+    if refused:
+        print(f"# warning: LAMMPS cannot compute it: {refused}")
     if above := too_large(scene, size):
         print(f"# warning: `granchain run` refuses {above}")
     for why in filter(None, [unstable(scene), *scene.unlikely]):

@@ -1,5 +1,6 @@
 """The duration and the time step of a scene, determined and checked before anything is written or run."""
 
+from analysis.files.recording import too_far_apart
 from lammps_inputs import InputError, Scene
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import machine_memory
@@ -23,6 +24,17 @@ def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float, purpose: st
             f"{source}: beads: {scene.chains} x {rows:,} beads need {needed / 1e9:.3g} GB of memory for {purpose}, and "
             f"this machine has {machine_memory() / 1e9:.3g}; take fewer, or a `window`"
         )
+
+
+def refuse_unanalysable(scene: Scene, source: str = "") -> None:
+    """Refuse a scene whose run `granchain analyze` could not analyse.
+
+    Raises:
+        InputError: its frames are too far apart to find waves between them.
+    """
+    every = (scene.output.every or 0.0) / scene.scale.time
+    if why := too_far_apart(every, scene.scale):
+        raise InputError(f"{f'{source}: ' if source else ''}output.every: {why}")
 
 
 def found_beforehand(scene: Scene) -> set[str]:

@@ -8,7 +8,7 @@ from lammps_inputs.decks import deck
 from lammps_inputs.jobs import job
 from lammps_inputs.jobs.site import JobOptions
 from workflow import cost_model
-from workflow.prepare.settings import settle
+from workflow.prepare.settings import refuse_unanalysable, settle
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs.files import LAMMPS_FILES, write_text
 from workflow.runs.output_directory import prepared, refuse_to_overwrite, replacing
@@ -56,9 +56,10 @@ def write_deck(
     Raises:
         InputError: LAMMPS cannot compute the scene, or the directory cannot be used.
     """
-    settled, step = settle(scene, source=source, force=force)
-    if why := deck.refusal(settled.system):
+    if why := deck.refusal(scene.system):
         raise InputError(f"{source}: {why}")
+    refuse_unanalysable(scene, source)
+    settled, step = settle(scene, source=source, force=force)
     files = deck.render(settled)
     if options is not None:
         options = cost_model.with_ranks(options, settled.problem())

@@ -31,7 +31,8 @@ EVENTS = "events.csv"
 RECORD = "run.json"
 
 OWN_FILES = (
-    *(file_names.SCENE, file_names.DECK, file_names.DATA, file_names.DUMP, file_names.LOG, EVENTS, RECORD),
+    *(file_names.SCENE, file_names.DECK, file_names.TABLES, file_names.DATA, file_names.DUMP, file_names.LOG),
+    *(EVENTS, RECORD),
     *(file_names.CONTINUE, file_names.RESTART, file_names.RESTART_SUMS, file_names.UNFINISHED),
     *file_names.JOB_FILES,
     file_names.SNAPSHOTS,

@@ -114,15 +114,17 @@ def _with_its_files(path: Path) -> tuple[RunDirectory, Job]:
     result = begun(path)
     job, engine = result.job, ENGINES[result.engine]
     # what is no text is not what was written either
-    files = {name: (path / name).read_text("utf-8", "replace") for name in engine.inputs if (path / name).is_file()}
-    missing = [name for name in engine.inputs if name not in files]
-    if missing:  # killed before all were there
+    names = (*engine.inputs, file_names.TABLES)
+    files = {name: (path / name).read_text("utf-8", "replace") for name in names if (path / name).is_file()}
+    missing: list[str] = []
+    if any(name not in files for name in engine.inputs):  # killed before all were there
         rendered = engine.begins_with(result.scene)
+        missing = [name for name in rendered if name not in files]
         files |= {name: rendered[name] for name in missing}
     if fingerprint(files) != job.files_sha256:
-        names = ", ".join(engine.inputs)
         raise InputError(
-            f"{path}: {names} are not those that the run was begun with; run the scene again with --overwrite"
+            f"{path}: {', '.join(files)} are not those that the run was begun with; run the scene again with "
+            "--overwrite"
         )
     for name in missing:
         write_text(path / name, files[name])

@@ -17,7 +17,7 @@ from workflow.cost_model import MEMORY
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
-from workflow.prepare.settings import refuse_too_large, settle
+from workflow.prepare.settings import refuse_too_large, refuse_unanalysable, settle
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
 from workflow.runs import contacts
@@ -164,6 +164,7 @@ def prepare_run(
     ):
         if refusal:
             raise InputError(f"{option}: {refusal}")
+    refuse_unanalysable(scene, source)
     refuse_unusable(path, chosen.files, overwrite=overwrite)
     refuse_beforehand(scene, source, chosen, ranks)
     if chosen is LAMMPS:

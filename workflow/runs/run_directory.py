@@ -4,6 +4,7 @@
 |-------------------|------------------------------------------------|
 | scene.yaml        | the scene with every default written out       |
 | in.chains, data.chains | the deck (LAMMPS only)                    |
+| in.tables         | long tables of forces, which the deck includes (LAMMPS only) |
 | chains.dump.bin   | frames: id, x, vx of the recorded beads; of a resumed run also in chains.dump.2.bin, .3 |
 | chains.restart, in.continue | state to resume from, and its input (LAMMPS only) |
 | log.lammps        | LAMMPS's log (LAMMPS only)                     |

@@ -148,7 +148,7 @@ def _write_case(path: Path, wanted: Asked, source: str, scheduler: Scheduler) ->
         written = load(path / file_names.SCENE)
     problem = written.problem()
     for name, text in deck.render(written, problem).items():
-        if (path / name).read_bytes() != text.encode("utf-8"):  # damaged
+        if not (path / name).is_file() or (path / name).read_bytes() != text.encode("utf-8"):  # damaged
             write_text(path / name, text)
     retire(path, listed(path).difference(LAMMPS_FILES, file_names.JOB_FILES))  # of a run that did not end here
     files = job.case_files(problem, scheduler)

@@ -17,12 +17,11 @@ from typing import Any
 
 from pydantic_core import from_json
 
-from analysis.files.recording import FARTHEST
 from lammps_inputs import InputError, Scene, file_names, library, strict_yaml
 from workflow import formats
 from workflow.engines.lammps import hosted
 from workflow.errors import RunError
-from workflow.prepare.settings import found_beforehand, refuse_unstable
+from workflow.prepare.settings import found_beforehand, refuse_unanalysable, refuse_unstable
 from workflow.runs import job
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import RECORD, alone, write_json, write_text
@@ -345,12 +344,7 @@ def _refuse_what_is_not_a_sweep(directory: Path, cases: list[SweepCase]) -> None
 
 
 def _refuse_what_cannot_run(where: str, engine: str, scene: Scene) -> None:
-    every = scene.resolved().output.every or 0.0
-    if every > FARTHEST * scene.scale.time * (1.0 + 1e-9):
-        limit = FARTHEST * scene.scale.time
-        raise InputError(
-            f"{where}: output.every: waves between frames are missed; at most {limit:.4g} ({every:g} given)"
-        )
+    refuse_unanalysable(scene, where)
     if refusal := ENGINES[engine].refusal(scene):
         raise InputError(f"{where}: engine: {refusal}")
     if ENGINES[engine].own_step:

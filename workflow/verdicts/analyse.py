@@ -12,7 +12,7 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.events import from_csv
-from analysis.files.recording import FARTHEST
+from analysis.files.recording import too_far_apart
 from analysis.quantity import csv_of, plain
 from analysis.sharing.equipartition import runs_exact_waves
 from analysis.sharing.impulses import Impulses, from_events
@@ -240,12 +240,8 @@ def _refuse_frames(directory: RunDirectory, shown: tuple[int, ...]) -> None:
     for bead in shown:
         if bead not in problem.recorded_beads:
             raise InputError(f"--beads: bead {bead} is not among the recorded ones")
-    if problem.every > FARTHEST * (1.0 + 1e-9):
-        every, limit = (problem.scale.written(time, "time", ".4g") for time in (problem.every, FARTHEST))
-        raise InputError(
-            f"{directory.path}: its frames are {every} apart, too far to find waves between them; "
-            f"run it with output.every at most {limit}"
-        )
+    if why := too_far_apart(problem.every, problem.scale):
+        raise InputError(f"{directory.path}: output.every: {why}")
 
 
 def _meters(run: Recorded) -> list[Any]:

@@ -123,7 +123,7 @@ def _spectra(problem: Problem, part: Thinned, spectra: VelocitySpectra) -> Any:
     for drive in spectra.drive:
         line = Span(dimension="height", location=drive * cycles.worth, line_color="#888888", line_dash="dotted")
         plot.add_layout(line)
-    if spectra.drive:
+    if spectra.drive.size:
         plot.title.text += "; dotted: frequency of the drive"
     _add_hover(plot, items, {"frequency": ("x", cycles), "velocity": ("y", velocity)})
     add_legend(plot, items)

@@ -2,6 +2,7 @@
 
 import pickle
 from pathlib import Path
+from typing import Any
 
 import MDAnalysis as mda
 import numpy as np
@@ -11,10 +12,12 @@ from MDAnalysis.analysis.base import AnalysisFromFunction
 from analysis.files.binary_dump import CutDumpWarning, Parts
 from analysis.files.dump_layout import header
 from analysis.files.recording import Writer, blocks
-from analysis.mda.formats import BinaryDumpReader
-from analysis.mda.universe import universe
+from analysis.mda.formats import BinaryDumpReader, of_deck
+from analysis.mda.universe import topology_of, universe
 from analysis.trajectory import joined
 from lammps_inputs import InputError, Kick, Material, Output, Scene
+from lammps_inputs.decks import deck
+from lammps_inputs.library import from_plain
 
 STEEL = Scene(
     name="steel",
@@ -107,3 +110,41 @@ def test_parts_of_other_runs_and_a_run_without_a_frame_are_refused(dumps: list[P
         Parts([dumps[2]])
     with pytest.warns(CutDumpWarning, match=r"0\.bin: ends within a frame"):
         Parts([dumps[1], dumps[0]])
+
+
+LIGHT = {"mass": 0.3, "stiffness": 0.2, "rows": [3, 5]}
+ATOMS_OF = {
+    "chains": {"chains": 3, "coupling": {"stiffness": 0.1}},
+    "springs in some rows, around": {"chains": 3, "coupling": {"cubic": 0.7, "rows": [2, 4], "topology": "ring"}},
+    "recorded": {"chains": 2, "coupling": {"stiffness": 0.1}, "output": {"beads": [2, 7]}},
+    "contacts that differ": {"contact": {"strength": [1.0, 2.0, 3.0] * 3}, "output": {"beads": [2, 7]}},
+    "masses": {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.5}}, "pattern": ["heavy", "light"]},
+    "resonators": {"chains": 2, "resonators": [LIGHT, {**LIGHT, "rows": [5, 9]}]},
+    "window": {"chains": 2, "coupling": {"stiffness": 0.1}, "beads": 200, "window": 64},
+}
+
+
+@pytest.mark.parametrize("keys", ATOMS_OF.values(), ids=ATOMS_OF)
+def test_atoms_and_bonds_are_those_of_the_deck(keys: dict[str, Any]) -> None:
+    plain = {"name": "atoms", "beads": 10, "kick": {"velocity": 1.0}, "duration": 1.0, "timestep": 0.01, **keys}
+    problem = from_plain(plain, "test").problem()
+    mine, of_files = (
+        mda.Universe(made)
+        for made in (topology_of(problem), of_deck(deck.render_data(problem), deck.render_deck(problem)))
+    )
+    assert len(mine.atoms) > 0
+    np.testing.assert_array_equal(mine.atoms.ids, of_files.atoms.ids)
+    np.testing.assert_array_equal(mine.atoms.resids, of_files.atoms.resids)
+    np.testing.assert_array_equal(mine.atoms.segids, of_files.atoms.segids)
+    np.testing.assert_allclose(mine.atoms.masses, of_files.atoms.masses, rtol=1e-12)  # densities in the file
+    np.testing.assert_array_equal(mine.atoms.radii, of_files.atoms.radii)
+    assert sorted(mine.bonds.indices.tolist()) == sorted(of_files.bonds.indices.tolist())
+
+
+def test_a_run_that_lammps_cannot_compute_is_read_like_any_other(tmp_path: Path) -> None:
+    plain = {"name": "by_reference", "beads": 6, "kick": {"velocity": 1.0}, "duration": 1.0, "timestep": 0.01}
+    problem = from_plain({**plain, "contact": {"exponent": [1.5, 1.5, 2.0, 2.0, 2.0]}}, "test").problem()
+    assert "exponents" in deck.refusal(problem.system)
+    with Writer(tmp_path / "run.bin", problem) as writer:
+        writer.append(0, np.zeros((1, 6)), np.ones((1, 6)))
+    assert universe(problem, [tmp_path / "run.bin"]).trajectory[0].data["velocity"].tolist() == [1.0] * 6

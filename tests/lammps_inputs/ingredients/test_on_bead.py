@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import yaml
 from ingredient_scenes import FORCED as PUSHED
@@ -10,9 +11,10 @@ from ingredient_scenes import MOVED, STEEL
 from plain_scene import scene
 from wrong_runs import causes
 
-from lammps_inputs import InputError, file_names, library, physics
+from lammps_inputs import InputError, file_names, library, physics, strict_yaml
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.on_bead import MOST_POINTS
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.reference import engine
 from workflow.runs.run import run
@@ -89,10 +91,19 @@ def test_a_table_that_is_none_is_one_line(content, complaint, tmp_path):
     assert "\n" not in str(caught.value)
 
 
-def test_lammps_is_not_given_long_tables():
-    points = [[0.1 * k, float(k % 2)] for k in range(60)] + [[6.0, 0.0]]
-    with pytest.raises(ValueError, match=r"push\.table: 61 points; LAMMPS takes 50 at most"):
-        deck.render(pushed(f"{{table: {points}}}"))
+def test_a_table_of_any_length_survives_being_written_down():
+    rng = np.random.default_rng(3)
+    times = np.cumsum(rng.uniform(1e-9, 1e-3, MOST_POINTS))
+    points = [[0.0, 0.0], *zip(times[:-2].tolist(), rng.normal(size=MOST_POINTS - 2).tolist(), strict=True)]
+    one = library.from_plain(
+        {"name": "long", "beads": 20, "duration": 10, "push": {"table": [*points, [99.0, 0.0]]}}, "x"
+    )
+    assert library.from_plain(strict_yaml.parse(deck.render_scene(one), "x"), "x") == one.resolved()
+
+
+def test_lines_of_a_table_in_a_scene_that_are_no_points_are_named():
+    with pytest.raises(InputError, match=r"push\.table: line 2: '1,x' found; two numbers are needed, time and force"):
+        pushed('{table: "0,0\\n1,x\\n"}')
 
 
 def test_the_formula_of_a_table_names_steps_not_variables_that_lammps_reads_again_at_each_place():

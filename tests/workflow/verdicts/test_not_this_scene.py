@@ -9,8 +9,11 @@ from refusals import refusal
 from stock_lammps import scene
 
 from analysis.files.recording import Writer
-from lammps_inputs import Output, Scene, file_names
+from lammps_inputs import InputError, Output, Scene, file_names
+from lammps_inputs.decks import deck
 from workflow.cli import main
+from workflow.engines.reference import engine
+from workflow.runs.engines import write_frames
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
@@ -84,8 +87,14 @@ def test_frames_that_begin_later_than_the_scene_are_refused(tmp_path: Path, caps
 
 
 def test_frames_too_far_apart_to_find_a_wave_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run(SMALL.model_copy(update={"output": Output(every=4.0)}), tmp_path / "r", check=False)
-    assert "output.every at most 2" in refusal(["analyze", tmp_path / "r"], capsys)
+    coarse, directory = SMALL.model_copy(update={"output": Output(every=4.0)}), tmp_path / "r"
+    words = "output.every: frames are 4 apart, too far to find waves between them; at most 2"
+    with pytest.raises(InputError, match=words):
+        run(coarse, directory, check=False)
+    directory.mkdir()
+    deck.write(coarse.resolved(), directory)  # LAMMPS would leave such frames
+    write_frames(directory / file_names.DUMP, coarse.problem(), engine.blocks(coarse.problem()))
+    assert words in refusal(["analyze", directory], capsys)
 
 
 def test_a_run_that_ends_at_a_bead_shows_the_whole_shape_of_its_wave(tmp_path: Path) -> None:

@@ -97,8 +97,8 @@ def run(setting: Setting, directory: Path) -> float:
         ending = write_frames(dump, problem, reference.blocks(problem, steps_per_frame=problem.steps_per_frame))
         outcome, seconds = ending["outcome"], time.perf_counter() - started
     else:
-        (directory / file_names.DATA).write_text(deck.render_data(problem))
-        (directory / file_names.DECK).write_text(deck.render_deck(problem))
+        for name, text in deck.files_of(problem).items():
+            (directory / name).write_text(text)
         end = lammps.run(directory, ranks=setting.ranks, problem=problem)
         outcome, seconds = end.end, end.seconds
     if outcome != "done":

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 from analysis.figures.style import shown_chains
-from analysis.files.recording import FARTHEST
 from analysis.sharing.survey import Survey, survey
 from lammps_inputs import InputError, Problem, Scene
 from lammps_inputs.numbers import time_text
 from workflow.engines.reference.step_halving import StepHalving
-from workflow.prepare.settings import settle
+from workflow.prepare.settings import refuse_unanalysable, settle
 from workflow.runs.engines import REFERENCE
 from workflow.view.downsample import Thinned, thinned
 
@@ -55,12 +54,10 @@ def computed(scene: Scene) -> ComputedScene:
     if scene.until_bead is not None:
         duration = SLOW_PULSE * scene.until_bead * scene.scale.time
         _refuse_slow(scene.model_copy(update={"until_bead": None, "duration": duration}).problem())
+    refuse_unanalysable(scene)
     settled, _ = settle(scene, source=scene.name, own_step=False)
     problem = settled.resolved().problem()
     _refuse_slow(problem)
-    if problem.every > FARTHEST * (1.0 + 1e-9):
-        every, limit = (problem.scale.written(time, "time", ".4g") for time in (problem.every, FARTHEST))
-        raise InputError(f"output.every: frames are {every} apart, too far to find waves between them; at most {limit}")
     halving = StepHalving(problem, velocity_only=True)
     blocks = list(halving.blocks())
     waves = survey(lambda: iter(blocks), problem)

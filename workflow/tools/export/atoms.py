@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analysis.files.recording import all_ids
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
-from lammps_inputs import Problem, laws
+from lammps_inputs import Problem
 from lammps_inputs.ingredients.unequal import radii
 from workflow.screen import one_line
 from workflow.tools.export.registry import FORMATS
@@ -26,8 +26,7 @@ def springs(problem: Problem) -> list[tuple[int, int, Flags]]:
     """Both lines of atoms of each pair that springs tie, from 0, and whether there is a spring in each row, [row]."""
     pairs: list[tuple[int, int, Flags]] = []
     for link in problem.system.across:
-        shape = len(link.edges), problem.beads
-        acts = np.broadcast_to(np.asarray(laws.force(link.law, np.ones(shape))) != 0.0, shape)
+        acts = link.acts(problem.beads)
         pairs += [(lower, higher, of_edge) for (lower, higher), of_edge in zip(link.edges, acts, strict=True)]
     return pairs
 

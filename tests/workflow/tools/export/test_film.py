@@ -49,7 +49,7 @@ def test_a_film_of_a_short_run_has_no_picture_twice(run_of):
 @pytest.mark.parametrize(("bead", "velocity", "ends"), [(1, 1.0, (0, 40)), (60, -1.0, (20, 60))])
 def test_the_beads_in_sight_begin_at_the_kicked_end_and_follow_the_pulse_away_from_it(bead, velocity, ends, tmp_path):
     scene = {"name": "long", "beads": 60, "kick": {"bead": bead, "velocity": velocity}, "duration": 75.0}
-    run = granchain.run(scene | {"output": {"every": 5.0}}, tmp_path / "run", engine="reference")
+    run = granchain.run(scene | {"output": {"every": 1.5}}, tmp_path / "run", engine="reference")
     trajectory, problem = run.trajectory, run.directory.problem
     stage = film._Stage(problem, watch(SpaceTime(problem), [trajectory]), np.ones((1, 60)), 480)
     sights = [stage._in_sight(trajectory[frame : frame + 1]) for frame in range(trajectory.frames)]
