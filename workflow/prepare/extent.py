@@ -1,6 +1,6 @@
 """The duration of a scene that ends at a bead, and the width of a window that is ``auto``.
 
-Both are found by the reference integrator before anything else runs.
+Both are found by the reference integrator before anything else runs, within a limit on its processor time.
 """
 
 import math
@@ -14,7 +14,9 @@ from analysis.tracking.leading_waves import Waves
 from lammps_inputs import InputError, Output, Problem, Scene, physics, window
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import lowest_modal_frequency
+from workflow import screen
 from workflow.engines.reference import engine
+from workflow.processor_time import BEFORE_RUN, LimitReachedError, check, limited
 
 _RISEN = 1e-3
 """Velocity in units of V, and force in its unit at V = 1, from which a pulse has arrived."""
@@ -47,10 +49,26 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
         wall: whether the force on the far wall is wanted, also where the scene does not name it.
 
     Raises:
-        InputError: the pulse does not arrive within ten times the time that an undamped one takes.
+        InputError: the pulse does not arrive within ten times the time that an undamped one takes, or before the trial
+            has taken `BEFORE_RUN` seconds of processor time.
     """
     if scene.until_bead is None:
         return scene
+    reached = [0.0]
+    try:
+        with limited():
+            return _with_duration(scene, wall, reached)
+    except LimitReachedError:
+        until = scene.scale.written(reached[0], "time", ".4g")
+        raise InputError(
+            f"until_bead: bead {scene.until_bead} is not passed in every chain by t = {until}, the time that the trial "
+            f"reached in {BEFORE_RUN:.0f} s of processor time; give a duration in place of until_bead"
+        ) from None
+
+
+def _with_duration(scene: Scene, wall: bool, reached_time: list[float]) -> Scene:
+    """The scene with the duration that a trial finds; ``reached_time`` [1] is how far it has come, in units of T."""
+    assert scene.until_bead is not None
     # the reference integrates with the scene's own cadence, but records the few beads that matter
     gap, system = scene.gap / scene.scale.length, scene.system
     far = far_wall(system) if wall or (scene.output.forces is not None and scene.output.forces.wall) else None
@@ -71,7 +89,9 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     for block in engine.blocks(problem, window=rows):
         speed = np.abs(block.velocity[:, :, int(np.searchsorted(problem.recorded_beads, scene.until_bead))])
         force = np.zeros_like(speed) if far is None else at_frames(block, (far,))[..., 0] - far.static
+        reached_time[0] = float(block.time[-1])
         for time, velocity, pressing in zip(block.time, speed, force, strict=True):
+            check()
             reached |= (largest > _RISEN) & (velocity <= share * largest)
             largest = np.maximum(largest, velocity)
             released |= (largest_force > _RISEN) & (pressing <= PULSE * largest_force)
@@ -128,7 +148,8 @@ def with_window(scene: Scene) -> Scene:
 
     ``window: auto`` takes the least number of rows, doubled from 64 on, at which the leading pulse is the same as with
     twice as many; where slower pulses trail and come into play again, that is many. No more than 1024 are tried: the
-    check of the run gives the remaining error.
+    check of the run gives the remaining error. Where the trials reach the limit on processor time, the window is four
+    times as wide as the last that was tried, at most 1024 rows, and a hint says so.
     """
     if scene.window != "auto":
         return scene
@@ -137,12 +158,20 @@ def with_window(scene: Scene) -> Scene:
     while window.behind(rows) < max(kicked) - min(kicked) + _AROUND_KICKS:
         rows *= 2
     problem = scene.model_copy(update={"window": rows, "accuracy": None}).problem()
-    waves = _leading(problem, rows)
-    while 2 * rows < min(problem.beads, WIDEST + 1):
-        wider = _leading(problem, 2 * rows)
-        if _difference(waves, wider) <= SAME:
-            break
-        rows, waves = 2 * rows, wider
+    try:
+        with limited():
+            waves = _leading(problem, rows)
+            while 2 * rows < min(problem.beads, WIDEST + 1):
+                wider = _leading(problem, 2 * rows)
+                if _difference(waves, wider) <= SAME:
+                    break
+                rows, waves = 2 * rows, wider
+    except LimitReachedError:
+        rows = min(WIDEST, 4 * rows)
+        screen.hint(
+            f"window: {rows} rows by a rule, not by trials, as these take more than {BEFORE_RUN:.0f} s of processor "
+            "time; a `window` of so many rows avoids them"
+        )
     return scene.model_copy(update={"window": rows})
 
 

@@ -5,6 +5,7 @@ from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import machine_memory
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.prepare.step_choice import ChosenStep
+from workflow.processor_time import limited
 
 _DECK_BYTES = 250
 """Memory in bytes to write a deck, for each bead that exists; measured."""
@@ -49,6 +50,12 @@ def settle(
     refuse_too_large(scene, source, _DECK_BYTES)
     if own_step and not force:
         refuse_unstable(scene, source)
+    with limited():  # all trials together
+        return _tried(scene, source, own_step=own_step)
+
+
+def _tried(scene: Scene, source: str, *, own_step: bool) -> tuple[Scene, ChosenStep | None]:
+    """The scene with what it leaves open, found by trials."""
     # what only some scenes ask for is loaded for those: numba alone takes a third of a second
     if scene.until_bead is not None:
         from workflow.prepare.extent import with_duration
