@@ -24,8 +24,8 @@ from workflow import screen
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET
 from workflow.engines.reference.step_halving import StepHalving
-from workflow.processor_time import BEFORE_RUN, LimitReachedError, clock, left, limited
 from workflow.prepare.step_choice import ChosenStep, ReferenceFrames
+from workflow.processor_time import BEFORE_RUN, LimitReachedError, clock, left, limited
 
 SPACING = 0.4
 """Time between the frames that are compared, in units of T: waves are found between them to 1e-5."""

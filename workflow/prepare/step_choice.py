@@ -86,8 +86,8 @@ class ChosenStep:
             how = f"given by a rule, not measured, since {self.unreached}"
         elif self.measured == 0.0:
             how = (
-                f"given by a rule, not measured, since a pilot run would take more than {BEFORE_RUN:.0f} s of processor "
-                "time"
+                "given by a rule, not measured, since a pilot run would take more than "
+                f"{BEFORE_RUN:.0f} s of processor time"
             )
         elif self.expected_error == self.measured_error:
             how = f"error {self.expected_error:.1e} V in a {pilot}"

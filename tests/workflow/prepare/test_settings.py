@@ -230,8 +230,8 @@ def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
         (
             {"measured_error": 8e-5, "measured": 0.25, "limited": True},
             "error expected below 2.0e-05 V, extrapolated from 8.0e-05 V with another time step over 1/4 of the "
-            "time and beads in a pilot run (0.5 s of processor time); errors are larger behind the front in a long run, "
-            "where repeated contacts amplify them; the frames, the energy or stability allow no longer one",
+            "time and beads in a pilot run (0.5 s of processor time); errors are larger behind the front in a long "
+            "run, where repeated contacts amplify them; the frames, the energy or stability allow no longer one",
         ),
         ({"rule_timestep": 0.0125 / 0.21}, "error 2.0e-05 V in a pilot run (0.5 s of processor time)"),
         (
@@ -240,7 +240,10 @@ def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
             "proportion to time, as repeated contacts or growing oscillations amplify them; a larger `accuracy` allows "
             "a longer step",
         ),
-        ({"measured": 0.0}, "given by a rule, not measured, since a pilot run would take more than 10 s of processor time"),
+        (
+            {"measured": 0.0},
+            "given by a rule, not measured, since a pilot run would take more than 10 s of processor time",
+        ),
         ({"measured": 0.0, "unreached": "errors grow"}, "given by a rule, not measured, since errors grow"),
     ],
 )
