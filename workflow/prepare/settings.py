@@ -11,7 +11,7 @@ _DECK_BYTES = 250
 """Memory in bytes to write a deck, for each bead that exists; measured."""
 
 
-def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float, purpose: str = "the deck") -> None:
+def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float = _DECK_BYTES, purpose: str = "the deck") -> None:
     """Refuse what this machine's memory does not hold, before it is tried.
 
     Raises:
@@ -47,7 +47,7 @@ def settle(
     Raises:
         InputError: the end is not reached, the time step is unstable, or no step keeps the accuracy.
     """
-    refuse_too_large(scene, source, _DECK_BYTES)
+    refuse_too_large(scene, source)
     if own_step and not force:
         refuse_unstable(scene, source)
     with limited():  # all trials together

@@ -218,7 +218,11 @@ def test_a_run_directory_holds_the_time_step_as_its_scene_and_the_accuracy_in_it
 
 def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
     path = written(tmp_path, asking(SMALL["one chain"], 1e-3))
-    for words in (["show"], ["deck", "-o", tmp_path / "deck"], ["run", "--no-check", "-o", tmp_path / "run"]):
+    for words in (
+        ["show", "--pilot"],
+        ["deck", "-o", tmp_path / "deck"],
+        ["run", "--no-check", "-o", tmp_path / "run"],
+    ):
         assert main([str(word) for word in (words[0], path, *words[1:])]) == 0
         assert "for an error of velocities up to 0.001 V (accuracy of the scene)" in capsys.readouterr().out
 
