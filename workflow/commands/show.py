@@ -59,8 +59,7 @@ def _as_it_is(scene: Scene, source: str) -> CommandResult:
     refuse_too_large(scene, source)
     problem, size = least_problem(scene), size_beforehand(scene)
     above = too_large(scene, replace(size, seconds=None) if size.rough else size)
-    output = scene.output.model_copy(update={"every": problem.every * scene.scale.time})
-    shown = scene.model_copy(update={"output": output}) if scene.output.every is None else scene
+    shown = scene.model_copy(update={"output": scene.resolved().output})
     found = {"duration": scene.until_bead is not None, "window": scene.window == "auto", "time step": size.rough}
     names = [name for name, is_open in found.items() if is_open]
     step = f"; a rule gives a step of about {scene.scale.written(problem.timestep, 'time', '.3g')}" * size.rough
