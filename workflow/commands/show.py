@@ -57,7 +57,8 @@ def _with_trials(scene: Scene, source: str) -> CommandResult:
 def _as_it_is(scene: Scene, source: str) -> CommandResult:
     """Print a scene without trials: what these would find is left open, as it is in the scene."""
     refuse_too_large(scene, source)
-    problem, size = least_problem(scene), size_beforehand(scene)
+    problem = least_problem(scene)
+    size = size_beforehand(scene, problem)
     above = too_large(scene, replace(size, seconds=None) if size.rough else size)
     shown = scene.model_copy(update={"output": scene.resolved().output})
     found = {"duration": scene.until_bead is not None, "window": scene.window == "auto", "time step": size.rough}

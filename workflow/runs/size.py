@@ -124,7 +124,7 @@ def refuse_beforehand(scene: Scene, source: str, engine: Engine = LAMMPS, ranks:
     open_step = scene.accuracy is not None or (engine.own_step and scene.timestep is None)
     if not sought(scene) and not open_step:
         return refuse_too_long(scene, source, engine, ranks)
-    above = too_large(scene, replace(size_beforehand(scene), seconds=None))
+    above = too_large(scene, replace(size_beforehand(scene, least_problem(scene)), seconds=None))
     if above:
         key = "duration" if scene.until_bead is None else "until_bead"
         raise InputError(f"{source}: {key}: {above}")
@@ -136,9 +136,9 @@ def sought(scene: Scene) -> bool:
     return scene.until_bead is not None or scene.window == "auto"
 
 
-def size_beforehand(scene: Scene) -> Size:
-    """Size of the run in LAMMPS before anything is tried: with the time step of the rule, and at the least frames."""
-    size = replace(size_of(least_problem(scene)), rough=scene.timestep is None)
+def size_beforehand(scene: Scene, problem: Problem) -> Size:
+    """Size of the run in LAMMPS before anything is tried: that of the scene's `least_problem`."""
+    size = replace(size_of(problem), rough=scene.timestep is None)
     return replace(size, steps=None, seconds=None, at_least=True) if sought(scene) else size
 
 
