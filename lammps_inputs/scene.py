@@ -134,7 +134,7 @@ class BaseScene(ScenePart):
     until_bead: Count | None = None
     """The run ends shortly after the pulse has passed this bead in every chain."""
     timestep: Annotated[Annotated[Positive, Unit("s")] | None, Label("time step")] = None
-    """Time step of velocity Verlet, which must divide `output.every`; in place of `accuracy`."""
+    """Time step of velocity Verlet, in place of `accuracy`; it must divide `output.every` where that is named."""
     accuracy: Annotated[float, Field(ge=1e-10, le=0.1), PURE] | None = None
     """Largest error of any recorded velocity in units of V, kept by the time step that a pilot run finds; 2e-4 if
     neither `accuracy` nor `timestep` is given.
@@ -346,7 +346,6 @@ class BaseScene(ScenePart):
                 "record more often or take longer steps"
             )
         if self.timestep is not None and abs(steps * self.timestep / every - 1.0) > 1e-9:
-            steps = max(steps, self._steps(every, self._rule()))
             raise ValueError(
                 f"timestep: {self.timestep:g} does not divide output.every = {every:g} evenly; "
                 f"leave it out for an accuracy of {DEFAULT_ACCURACY:g} V, or try {every / steps:.12g}"
@@ -536,8 +535,18 @@ class BaseScene(ScenePart):
 
     def _cadence(self) -> tuple[float, int]:
         """Time between frames in the scene's units, and time steps in it."""
-        every = DEFAULT_EVERY * self.scale.time if self.output.every is None else self.output.every
+        every = self._default_every() if self.output.every is None else self.output.every
         return every, self._steps(every, self._rule() if self.timestep is None else self.timestep)
+
+    def _default_every(self) -> float:
+        """Time between frames where none is named: 0.1 T, or the most whole time steps that are not longer."""
+        every, step = DEFAULT_EVERY * self.scale.time, self.timestep
+        if step is None or every / step > MAX_STEPS_PER_FRAME:
+            return every
+        if abs(self._steps(every, step) * step / every - 1.0) <= 1e-9:
+            return every
+        cycle = schemes.cycle(self.scheme or "verlet")
+        return max(1, math.floor(every / (cycle * step) * (1.0 + 1e-9))) * cycle * step
 
     def _steps(self, every: float, step: float) -> int:
         """Time steps between frames, whole cycles of the scheme, no longer than a step."""
