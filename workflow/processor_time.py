@@ -14,6 +14,9 @@ from contextvars import ContextVar
 BEFORE_RUN = 10.0
 """Seconds that all trials before a run may take together: those for its duration, its window and its time step."""
 
+_UNCHECKED = 1.5
+"""Seconds of these that are left for what is computed between two checks, and after the last: frames, rates of laws."""
+
 
 class LimitReachedError(Exception):
     """The processor time of a block under `limited` is used up."""
@@ -53,7 +56,7 @@ def check() -> None:
 
 
 @contextmanager
-def limited(seconds: float = BEFORE_RUN) -> Iterator[None]:
+def limited(seconds: float = BEFORE_RUN - _UNCHECKED) -> Iterator[None]:
     """Limit the processor time of a block; within another such block, also to what that has left."""
     token = _limit.set(min(_limit.get(), clock() + seconds))
     try:
