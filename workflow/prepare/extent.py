@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.gauges.forces import PULSE
-from analysis.gauges.gauge import at_frames, far_wall
+from analysis.gauges.gauge import Gauge, at_frames, far_wall
 from analysis.tracking.leading_waves import Waves
 from lammps_inputs import InputError, Output, Problem, Scene, physics, window
 from lammps_inputs.limits import rates
@@ -27,6 +27,12 @@ _AFTER = 6.0
 _SLOWEST = 10.0
 """Give up when the pulse takes this many times as long as one that keeps the kick's full speed."""
 
+
+_USUAL = 2.0
+"""Units of T that a pulse may take a bead where no trial is affordable: at that speed it has 0.05 V."""
+
+_PARTS = 200
+"""Blocks of frames in the longest trial, of which most need a tenth."""
 
 _WINDOW = 512
 """Rows that are integrated for a scene whose window is still to be found."""
@@ -49,33 +55,45 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
         wall: whether the force on the far wall is wanted, also where the scene does not name it.
 
     Raises:
-        InputError: the pulse does not arrive within ten times the time that an undamped one takes, or before the trial
-            has taken `BEFORE_RUN` seconds of processor time.
+        InputError: the pulse does not arrive within ten times the time that an undamped one takes.
     """
     if scene.until_bead is None:
         return scene
-    reached = [0.0]
     try:
         with limited():
-            return _with_duration(scene, wall, reached)
+            return _with_duration(scene, wall)
     except LimitReachedError:
-        until = scene.scale.written(reached[0], "time", ".4g")
-        raise InputError(
-            f"until_bead: bead {scene.until_bead} is not passed in every chain by t = {until}, the time that the trial "
-            f"reached in {BEFORE_RUN:.0f} s of processor time; give a duration in place of until_bead"
-        ) from None
+        every, usual = scene.resolved().output.every or 0.0, _limit(scene, wall, _USUAL)
+        duration = math.ceil(usual * scene.scale.time / every) * every
+        written = scene.scale.written(duration / scene.scale.time, "time", ".4g")
+        screen.hint(
+            f"until_bead: a duration of {written} is given by a rule, as a trial takes more than {BEFORE_RUN:.0f} s of processor time; `duration` in place of "
+            "`until_bead` avoids it"
+        )
+        return scene.model_copy(update={"until_bead": None, "duration": duration})
 
 
-def _with_duration(scene: Scene, wall: bool, reached_time: list[float]) -> Scene:
-    """The scene with the duration that a trial finds; ``reached_time`` [1] is how far it has come, in units of T."""
+def _far(scene: Scene, wall: bool) -> Gauge | None:
+    """The far wall where its force is read; else None."""
+    return far_wall(scene.system) if wall or (scene.output.forces is not None and scene.output.forces.wall) else None
+
+
+def _limit(scene: Scene, wall: bool, slowness: float) -> float:
+    """Time, in units of T, in which a pulse passes the last bead that matters if a bead takes it so many units of T."""
+    assert scene.until_bead is not None
+    last = scene.until_bead if _far(scene, wall) is None else max(scene.until_bead, scene.beads)
+    pushed = max((load.end for load in scene.system.loads if not load.endless), default=0.0)
+    return slowness * (last + 10) * (1.0 + scene.gap / scene.scale.length) + pushed
+
+
+def _with_duration(scene: Scene, wall: bool) -> Scene:
+    """The scene with the duration that a trial finds."""
     assert scene.until_bead is not None
     # the reference integrates with the scene's own cadence, but records the few beads that matter
     gap, system = scene.gap / scene.scale.length, scene.system
-    far = far_wall(system) if wall or (scene.output.forces is not None and scene.output.forces.wall) else None
-    last = scene.until_bead if far is None else max(scene.until_bead, system.beads)
-    pushed = max((load.end for load in system.loads if not load.endless), default=0.0)
+    far = _far(scene, wall)
     cadence = 0.1 / rates.front_speed(system) if physics.loaded(system) else 0.1  # sound may be faster
-    limit = (_SLOWEST * (last + 10) * (1.0 + gap) + pushed) * scene.scale.time
+    limit = _limit(scene, wall, _SLOWEST) * scene.scale.time
     beads = {scene.until_bead} if far is None else {scene.until_bead, far.bead}
     trial = _trial(scene, limit, cadence, tuple(sorted(beads)))
     problem = trial.problem()
@@ -86,10 +104,9 @@ def _with_duration(scene: Scene, wall: bool, reached_time: list[float]) -> Scene
     share = 1.0 if scene.until_bead == scene.beads else 0.5
     largest, largest_force = np.zeros(problem.chains), np.zeros(problem.chains)
     rows = None if scene.window is None else min(scene.beads, _WINDOW if scene.window == "auto" else 2 * scene.window)
-    for block in engine.blocks(problem, window=rows):
+    for block in engine.blocks(problem, window=rows, most_frames=math.ceil(problem.frames / _PARTS)):
         speed = np.abs(block.velocity[:, :, int(np.searchsorted(problem.recorded_beads, scene.until_bead))])
         force = np.zeros_like(speed) if far is None else at_frames(block, (far,))[..., 0] - far.static
-        reached_time[0] = float(block.time[-1])
         for time, velocity, pressing in zip(block.time, speed, force, strict=True):
             check()
             reached |= (largest > _RISEN) & (velocity <= share * largest)

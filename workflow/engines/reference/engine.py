@@ -75,6 +75,7 @@ def blocks(
     scheme: Scheme = BLANES_MOAN,
     steps_per_frame: int | None = None,
     window: int | None = None,
+    most_frames: int | None = None,
 ) -> Iterator[Trajectory]:
     """Integrate a problem and yield its frames in consecutive blocks of bounded size, the start being frame 0.
 
@@ -84,6 +85,7 @@ def blocks(
         steps_per_frame: steps between frames; by default as many as `default_steps_per_frame` says.
         window: integrate this many rows at most, letting go of those farthest behind; by default all, or twice the
             rows of the problem's own window: until that moves frames show all rows, then those near the front.
+        most_frames: frames of a block at most, for those who end early.
 
     Raises:
         ValueError: a window that is too narrow, or not for this problem.
@@ -106,7 +108,7 @@ def blocks(
         return of_atoms(problem, time, x, v, first, exchange if counts else None, states)
 
     yield block(np.zeros(1), *start, np.zeros((1, len(EXCHANGES))), state.contact_state[np.newaxis].copy())
-    size = frames_per_block(problem)
+    size = min(frames_per_block(problem), most_frames or problem.frames)
     if problem.window is not None:
         size = max(1, min(size, math.floor(_ADVANCE / (rates.front_speed(problem.system) * problem.every))))
     for first in range(1, problem.frames + 1, size):
