@@ -45,7 +45,8 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     has risen above 1e-3 of V and fallen to less than half of its largest value. The last bead flies off with what it
     got: its velocity has risen above 1e-3 of V and rises no more. Where the beads have a gap, the chains of a row are
     reached one after another as their springs oscillate: the run then continues for a period of the slowest mode,
-    or for as long again if that is shorter.
+    or for as long again if that is shorter. Where the trial reaches the limit on processor time, the duration is that
+    of a pulse that passes a bead in 2 T, and a hint says so.
 
     Where the force on walls is read, it also waits for the pulse at the wall that the largest excitation goes towards:
     the force there, above the static one, has risen above 1e-3 of its unit and fallen to `PULSE` of its largest value.
@@ -67,8 +68,8 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
         duration = math.ceil(usual * scene.scale.time / every) * every
         written = scene.scale.written(duration / scene.scale.time, "time", ".4g")
         screen.hint(
-            f"until_bead: a duration of {written} is given by a rule, as a trial takes more than {BEFORE_RUN:.0f} s of processor time; `duration` in place of "
-            "`until_bead` avoids it"
+            f"until_bead: a duration of {written} is given by a rule, as a trial takes more than {BEFORE_RUN:.0f} s of "
+            "processor time; `duration` in place of `until_bead` avoids it"
         )
         return scene.model_copy(update={"until_bead": None, "duration": duration})
 
