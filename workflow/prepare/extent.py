@@ -16,7 +16,10 @@ from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import lowest_modal_frequency
 from workflow import screen
 from workflow.engines.reference import engine
-from workflow.processor_time import BEFORE_RUN, LimitReachedError, check, limited
+from workflow.processor_time import LimitReachedError, check, limited
+
+SECONDS = 4.0
+"""Processor time, in s, that the trial of a duration may take, and those of a window; the rest is for the time step."""
 
 _RISEN = 1e-3
 """Velocity in units of V, and force in its unit at V = 1, from which a pulse has arrived."""
@@ -61,14 +64,14 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     if scene.until_bead is None:
         return scene
     try:
-        with limited():
+        with limited(SECONDS):
             return _with_duration(scene, wall)
     except LimitReachedError:
         every, usual = scene.resolved().output.every or 0.0, _limit(scene, wall, _USUAL)
         duration = math.ceil(usual * scene.scale.time / every) * every
         written = scene.scale.written(duration / scene.scale.time, "time", ".4g")
         screen.hint(
-            f"until_bead: a duration of {written} is given by a rule, as a trial takes more than {BEFORE_RUN:.0f} s of "
+            f"until_bead: a duration of {written} is given by a rule, as a trial takes more than {SECONDS:g} s of "
             "processor time; `duration` in place of `until_bead` avoids it"
         )
         return scene.model_copy(update={"until_bead": None, "duration": duration})
@@ -177,7 +180,7 @@ def with_window(scene: Scene) -> Scene:
         rows *= 2
     problem = scene.model_copy(update={"window": rows, "accuracy": None}).problem()
     try:
-        with limited():
+        with limited(SECONDS):
             waves = _leading(problem, rows)
             while 2 * rows < min(problem.beads, WIDEST + 1):
                 wider = _leading(problem, 2 * rows)
@@ -187,7 +190,7 @@ def with_window(scene: Scene) -> Scene:
     except LimitReachedError:
         rows = min(WIDEST, 4 * rows)
         screen.hint(
-            f"window: {rows} rows by a rule, not by trials, as these take more than {BEFORE_RUN:.0f} s of processor "
+            f"window: {rows} rows by a rule, not by trials, as these take more than {SECONDS:g} s of processor "
             "time; a `window` of so many rows avoids them"
         )
     return scene.model_copy(update={"window": rows})

@@ -55,7 +55,7 @@ def test_the_printed_sentence_says_that_the_rule_chose_where_a_pilot_run_takes_t
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"until_bead": 30}, "until_bead: a duration of 80 is given by a rule, as a trial takes more than 10 s"),
+        ({"until_bead": 30}, "until_bead: a duration of 80 is given by a rule, as a trial takes more than 4 s"),
         ({"duration": 60.0, "beads": 400, "window": "auto"}, "window: 256 rows by a rule, not by trials"),
     ],
     ids=["duration", "window"],
