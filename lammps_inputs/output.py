@@ -131,7 +131,7 @@ class Output(ScenePart):
     example: ClassVar[str] = "{every: 0.1}"
 
     every: Annotated[Annotated[Positive, Unit("s")] | None, Label("time between frames")] = None
-    """Time between frames; 0.1 T if omitted."""
+    """Time between frames; 0.1 T if omitted, or the nearest whole number of time steps below that."""
     beads: Literal["all"] | tuple[Count, ...] = "all"
     """Recorded beads of every chain."""
     snapshots: Annotated[Positive, Unit("s")] | None = None

@@ -63,6 +63,15 @@ FAR = 20.0
 FAR_FRAMES, LONG = 10.0, 1e5
 """Time between frames, and duration, in units of T, that are unlikely in SI units."""
 
+SHORT, SHORT_STEP = 1e-2, 1e-5
+"""Duration, and time between frames or time step, in units of T, below which they are unlikely in reduced units."""
+
+EQUAL_BEADS = 5.0
+"""Beads over 1 / kappa within which pulses of two coupled chains become equal to 1 %: measured, 5.1 to 8.5."""
+
+UNCOUPLED = 1e-3
+"""Part of `EQUAL_BEADS` below which chains are practically uncoupled: pulses of neighbours stay below some 1 % of V."""
+
 MAX_LENGTH = 1e9
 """Dimensionless; positions up to here resolve overlaps of order 1 to 1e-7."""
 
@@ -134,7 +143,7 @@ class BaseScene(ScenePart):
     until_bead: Count | None = None
     """The run ends shortly after the pulse has passed this bead in every chain."""
     timestep: Annotated[Annotated[Positive, Unit("s")] | None, Label("time step")] = None
-    """Time step of velocity Verlet, which must divide `output.every`; in place of `accuracy`."""
+    """Time step of velocity Verlet, in place of `accuracy`; it must divide `output.every` where that is named."""
     accuracy: Annotated[float, Field(ge=1e-10, le=0.1), PURE] | None = None
     """Largest error of any recorded velocity in units of V, kept by the time step that a pilot run finds; 2e-4 if
     neither `accuracy` nor `timestep` is given.
@@ -308,7 +317,38 @@ class BaseScene(ScenePart):
             )
         if self.in_units_of_time:
             warnings.append(f"duration in s? {self.in_units_of_time}")
+        warnings += [*self._times_in_seconds(), *filter(None, [self._uncoupled()])]
         return warnings
+
+    def _times_in_seconds(self) -> Iterator[str]:
+        """Warnings of times in reduced units that are as short as those in seconds."""
+        if self.material is not None:
+            return
+        unit = self.scale.time
+        named = {"duration": (self.duration, SHORT), "timestep": (self.timestep, SHORT_STEP)}
+        named["output.every"] = self.output.every, SHORT_STEP
+        for key, (value, least) in named.items():
+            if value is not None and value < least * unit:
+                yield (
+                    f"{key} in s? {value:g} is {value / unit:.3g} T, the unit of time T being {unit:.4g} in reduced "
+                    "units; a scene in SI units needs a `material`, such as {name: steel, radius: 4.76e-3}"
+                )
+
+    def _uncoupled(self) -> str:
+        """Why the springs between chains have practically no effect; empty where they have, or are no linear ones."""
+        system = self.system
+        if not (physics.coupled(system) and physics.simply_coupled(system)):
+            return ""
+        kappa, scale = physics.kappa(system), self.scale
+        needed = EQUAL_BEADS / (kappa * max(1.0, physics.gap(system)) ** 2)
+        passed = max(self.beads, 0.0 if self.duration is None else self.duration / scale.time)
+        if passed > UNCOUPLED * needed:
+            return ""
+        return (
+            f"coupling.stiffness: kappa = {kappa:.3g}, so the chains are practically uncoupled: their pulses become "
+            f"equal after some {needed:.2g} beads, and a chain has {self.beads}; kappa = 0.1 is a stiffness of "
+            f"{scale.written(0.1, 'stiffness', '.3g')}"
+        )
 
     @property
     def in_units_of_time(self) -> str:
@@ -346,7 +386,6 @@ class BaseScene(ScenePart):
                 "record more often or take longer steps"
             )
         if self.timestep is not None and abs(steps * self.timestep / every - 1.0) > 1e-9:
-            steps = max(steps, self._steps(every, self._rule()))
             raise ValueError(
                 f"timestep: {self.timestep:g} does not divide output.every = {every:g} evenly; "
                 f"leave it out for an accuracy of {DEFAULT_ACCURACY:g} V, or try {every / steps:.12g}"
@@ -536,8 +575,18 @@ class BaseScene(ScenePart):
 
     def _cadence(self) -> tuple[float, int]:
         """Time between frames in the scene's units, and time steps in it."""
-        every = DEFAULT_EVERY * self.scale.time if self.output.every is None else self.output.every
+        every = self._default_every() if self.output.every is None else self.output.every
         return every, self._steps(every, self._rule() if self.timestep is None else self.timestep)
+
+    def _default_every(self) -> float:
+        """Time between frames where none is named: 0.1 T, or the most whole time steps that are not longer."""
+        every, step = DEFAULT_EVERY * self.scale.time, self.timestep
+        if step is None or every / step > MAX_STEPS_PER_FRAME:
+            return every
+        if abs(self._steps(every, step) * step / every - 1.0) <= 1e-9:
+            return every
+        cycle = schemes.cycle(self.scheme or "verlet")
+        return max(1, math.floor(every / (cycle * step) * (1.0 + 1e-9))) * cycle * step
 
     def _steps(self, every: float, step: float) -> int:
         """Time steps between frames, whole cycles of the scheme, no longer than a step."""

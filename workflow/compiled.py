@@ -29,7 +29,7 @@ from numba.core import event
 from numba.core.dispatcher import Dispatcher
 
 from lammps_inputs.ingredients.registry import INGREDIENTS
-from workflow import screen
+from workflow import processor_time, screen
 
 _config: Any = numba.config
 
@@ -166,19 +166,22 @@ class _Hint(event.Listener):
         """Print nothing."""
 
 
-class _NoCollection(event.Listener):
+class _Compiling(event.Listener):
     """Pauses the garbage collector during a compilation, which makes a million objects, none of them garbage.
 
     Searching them takes a sixth of its time. A compilation may be part of another; numba lets no other thread compile.
+    Its processor time is left out of what is limited (`workflow.processor_time`).
     """
 
     def __init__(self) -> None:
         self._under_way = 0
         self._collects = False
+        self._started = 0.0
 
     def on_start(self, event: Any) -> None:  # noqa: ARG002
         """Pause the collector."""
         if self._under_way == 0:
+            self._started = processor_time.clock()
             self._collects = gc.isenabled()
             gc.disable()
         self._under_way += 1
@@ -186,6 +189,8 @@ class _NoCollection(event.Listener):
     def on_end(self, event: Any) -> None:  # noqa: ARG002
         """Start the collector again if it was running."""
         self._under_way -= 1
+        if self._under_way == 0:
+            processor_time.leave_out(processor_time.clock() - self._started)
         if self._under_way == 0 and self._collects:
             gc.enable()
 
@@ -196,7 +201,7 @@ _WRITTEN = "granchain_program_"
 _ENGINES = {_WRITTEN: "the reference", "workflow.engines.collisions": "the engine of rigid beads"}
 
 _events: Any = event
-for _listener in (_Hint(), _NoCollection()):
+for _listener in (_Hint(), _Compiling()):
     _events.register("numba:compile", _listener)
 
 

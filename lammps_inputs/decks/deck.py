@@ -157,7 +157,7 @@ def spelling(problem: Problem) -> list[DeckLines]:
     Raises:
         EngineLimitError: LAMMPS cannot compute one of them.
     """
-    return [*_of_links(problem), *loads.lines(problem.layout)]
+    return [*link_lines(problem), *loads.lines(problem.layout)]
 
 
 def _spelled(system: System) -> tuple[Link, ...]:
@@ -167,7 +167,12 @@ def _spelled(system: System) -> tuple[Link, ...]:
 
 
 @functools.lru_cache(maxsize=1)  # types of atoms that distinguish contacts take a second of many beads
-def _of_links(problem: Problem) -> tuple[DeckLines, ...]:
+def link_lines(problem: Problem) -> tuple[DeckLines, ...]:
+    """LAMMPS commands of the laws on the links, in their order.
+
+    Raises:
+        EngineLimitError: LAMMPS cannot compute one of them.
+    """
     return _lines_of(problem.system, problem.layout)
 
 
@@ -233,7 +238,7 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
     lines = [
         f"fix motion {group} nve",
         *static_load.place_lines(system),
-        *(line for part in _of_links(problem) for line in part.motion),
+        *(line for part in link_lines(problem) for line in part.motion),
         *static_load.hold_lines(system),
         *loads.include_lines(system),
         *(line for part in loads.lines(problem.layout) for line in part.motion),
@@ -312,7 +317,7 @@ def number_fix(problem: Problem) -> list[str]:
 
 
 def _numbers(problem: Problem) -> NDArray[np.float64] | None:
-    return next((lines.numbers for lines in _of_links(problem) if lines.numbers is not None), None)
+    return next((lines.numbers for lines in link_lines(problem) if lines.numbers is not None), None)
 
 
 def _types(problem: Problem) -> AtomTypes | None:
@@ -395,7 +400,7 @@ def kick_lines(problem: Problem) -> list[str]:
 def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
     """Both chains of every edge, from 0, and the types of its bonds in the rows that exist; 0 where there is none."""
     bonds, before = [], 0
-    for link, lines in zip(_spelled(problem.system), _of_links(problem), strict=True):
+    for link, lines in zip(_spelled(problem.system), link_lines(problem), strict=True):
         if isinstance(link, Across) and lines.bonds is not None:
             numbered = np.where(lines.bonds > 0, lines.bonds + before, 0)
             before += len(lines.coefficients)

@@ -1,13 +1,20 @@
 """Wall time of time steps and frames in LAMMPS, by a model.
 
 A step takes a fixed time, a time for every bead of a rank, and with more than one rank a time for messages. Times were
-measured on one core with 100 to a million beads, except where a comment says that they are assumed.
+measured on one core with 100 to a million beads, except where a comment says that they are assumed. What formulas take
+that LAMMPS evaluates follows from their text in the deck, whatever law they spell.
 """
 
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
 from lammps_inputs import physics
-from lammps_inputs.laws.formula_law import AcrossChains, AlongChains
+from lammps_inputs.deck_lines import DeckLines
+from lammps_inputs.decks import deck
 from lammps_inputs.laws.in_time import TabulatedForce
-from lammps_inputs.laws.plastic import Thornton
 from lammps_inputs.problem import Problem
 
 LONE_BEAD = 10e-9
@@ -27,17 +34,19 @@ FORMULA, POINT, VECTORS, MOTION = 20e-6, 6e-6, 40e-6, 6e-6
 of any number of points that are vectors, and for a bead whose motion is given.
 """
 
-LEPTON = 100e-6
-"""Seconds a step where contacts have an exponent other than 1 and 1.5, whose formula LAMMPS evaluates in each."""
+LEPTON, DISTANCE = 40e-6, 140e-6
+"""Seconds a step for each energy that is a formula, and for each occurrence of the distance in it: LAMMPS derives and
+compiles the formulas of ``lepton`` anew in every step. Measured: 0.15 to 1.4 ms, 0.5 to 1.4 times this.
+"""
 
-WRITTEN = 500e-6
-"""Seconds a step for each kind of link whose energy is a formula of the scene's: measured, 0.35e-3 to 0.6e-3."""
+EVALUATED = 25e-9
+"""Seconds a bead and step that evaluating such an energy adds."""
+
+OPERATION, READ = 15e-9, 0.3e-6
+"""Seconds a bead and step, and a step, for each operation in a formula that LAMMPS evaluates for every atom."""
 
 LOADED, DAMPED = 40e-9, 20e-9
 """Seconds a bead and step that a static load and dashpots of contacts add."""
-
-YIELDING = 2e-6
-"""Seconds a bead and step of contacts that yield (`lammps_inputs.laws.plastic_lines`)."""
 
 FRAME = 15e-6
 """Seconds a frame beside its bytes."""
@@ -62,14 +71,78 @@ def step_seconds(problem: Problem) -> tuple[float, float]:
     fixed = STEP + FORMULA * (len(system.loads) - len(tables))
     fixed += sum(VECTORS if law.long else POINT * len(law.time) for law in tables)
     fixed += MOTION * len(system.motions)
-    if physics.exponent(system) not in (None, 1.0, 1.5):
-        fixed += LEPTON
-    fixed += WRITTEN * sum(isinstance(link.law, AlongChains | AcrossChains) for link in system.links)
     bead = bead_seconds(problem) + LOADED * physics.loaded(system)
     bead += DAMPED * (physics.contact_loss(system) is not None)
-    if any(isinstance(link.law, Thornton) for link in system.along):
-        bead += YIELDING
+    of_formulas = formula_seconds(_formulas(problem))
+    return fixed + of_formulas[0], bead + of_formulas[1]
+
+
+def _formulas(problem: Problem) -> tuple[DeckLines, ...]:
+    """Lines of the laws on links; none where LAMMPS has no words for one of them, which it then does not compute."""
+    try:
+        return deck.link_lines(_first_rows(problem))
+    except ValueError:
+        return ()
+
+
+_ROWS = 64
+"""Rows whose lines are read, as formulas are those of all rows; more would take longer in chains of unlike beads."""
+
+
+def _first_rows(problem: Problem) -> Problem:
+    """The problem with its first rows alone, and all that acts on beads beyond them at the last of these."""
+    system = problem.system
+    if problem.beads <= _ROWS:
+        return problem
+    at = {(chain, min(bead, _ROWS)): velocity for chain, bead, velocity in system.kicks}
+    return replace(
+        problem,
+        system=replace(
+            system.on(np.arange(_ROWS)),
+            kicks=tuple((*place, velocity) for place, velocity in at.items()),
+            loads=tuple(replace(load, bead=min(load.bead, _ROWS)) for load in system.loads),
+            motions=tuple(replace(motion, bead=min(motion.bead, _ROWS)) for motion in system.motions),
+        ),
+        recorded=None,
+        window=None,
+    )
+
+
+def formula_seconds(spelled: Iterable[DeckLines]) -> tuple[float, float]:
+    """Seconds of a time step that the formulas in lines of a deck take: of any number of beads, and for each bead."""
+    fixed = bead = 0.0
+    for lines in spelled:
+        for energy in _energies(lines):
+            fixed += LEPTON + DISTANCE * len(re.findall(r"\br\b", energy))
+            bead += EVALUATED
+        operations = _operations_of_atoms((*lines.variables, *lines.motion))
+        fixed, bead = fixed + READ * operations, bead + OPERATION * operations
     return fixed, bead
+
+
+def _energies(lines: DeckLines) -> list[str]:
+    """Energies of pairs, bonds and walls that are formulas for LAMMPS's ``lepton``, in quotation marks."""
+    commands = [line for line in (*lines.interactions, *lines.beside, *lines.motion) if not line.startswith("#")]
+    texts = commands if any("lepton" in line for line in commands) else []
+    texts = [*texts, *(lines.coefficients if lines.style == "lepton" else ())]
+    return re.findall(r'"([^"]*)"', " ".join(texts))
+
+
+def _operations_of_atoms(lines: Iterable[str]) -> int:
+    """Operations for each atom in the variables that fixes use, those of the variables that they name included."""
+    texts = {}
+    used = []
+    for line in lines:
+        if match := re.match(r"variable (\w+) atom (.*)", line):
+            texts[match[1]] = match[2]
+        elif line.startswith("fix "):
+            used += re.findall(r"\bv_(\w+)", line)
+
+    def operations(name: str) -> int:
+        text = texts.get(name, "")
+        return len(re.findall(r"[-+*/^%<>]|\w\(", text)) + sum(map(operations, re.findall(r"\bv_(\w+)", text)))
+
+    return sum(map(operations, used))
 
 
 def frame_seconds(size: float, frames: float = 1) -> float:

@@ -35,6 +35,29 @@ def lowest_modal_frequency(chains: int, kappa: float) -> float:
     return 2.0 * math.sqrt(kappa) * math.sin(math.pi / (2.0 * chains))
 
 
+THETA_OF_EQ_5 = (math.pi + 2.0) / 4.0
+"""theta at which bead 1 of chain 1 meets bead 2 at omega t = pi / 2, with 1/2 V: 1.2854."""
+
+
+def theta(kappa: float, gap: float) -> float:
+    """The one number of rigid dynamics: omega D / V, with omega = sqrt(2 kappa) of two chains and V = 1.
+
+    With more chains it is the same measure of the coupling, no longer a frequency of the row.
+    """
+    return math.sqrt(2.0 * kappa) * gap
+
+
+def gap_of_eq_5(kappa: float) -> float:
+    """D = (pi + 2) / (4 omega), eq. 5, in units of L for V = 1 and N = 2.
+
+    Raises:
+        ValueError: without coupling no gap fulfils it.
+    """
+    if not kappa > 0.0:
+        raise ValueError("coupling: eq. 5 gives a gap only with springs (kappa > 0)")
+    return THETA_OF_EQ_5 / math.sqrt(2.0 * kappa)
+
+
 def _stays_open(closing: NDArray[np.float64], kappa: float, gap: float) -> bool:
     """Whether a gap whose ends approach at these speeds [chain] is never closed: they part, or oscillate by less."""
     drift, chains = float(closing.mean()), len(closing)

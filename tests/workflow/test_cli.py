@@ -299,10 +299,10 @@ TEXTS = {
 }
 
 
-def shown(text, directory, capsys):
+def shown(text, directory, capsys, *options):
     path = directory / "scene.yaml"
     path.write_text(text, encoding="utf-8")
-    assert main(["show", str(path)]) == 0
+    assert main(["show", str(path), *options]) == 0
     return capsys.readouterr().out
 
 
@@ -310,7 +310,7 @@ def shown(text, directory, capsys):
 @pytest.mark.parametrize("kind", TEXTS)
 def test_what_show_prints_is_a_scene_of_the_same_problem_and_prints_again(kind, tmp_path, capsys):
     text = TEXTS[kind]
-    printed = shown(text, tmp_path, capsys)
+    printed = shown(text, tmp_path, capsys, "--pilot")
     one, other = (library.from_plain(strict_yaml.parse(each, "here"), "here") for each in (text, printed))
     assert settle(one)[0].problem() == other.problem()
     assert other.resolved() == other
@@ -318,8 +318,28 @@ def test_what_show_prints_is_a_scene_of_the_same_problem_and_prints_again(kind, 
     assert shown(printed, tmp_path, capsys).splitlines() == chosen
 
 
+OPEN = {
+    **TEXTS,
+    "until a bead": scene_text(duration=None, until_bead="5"),
+    "window": scene_text(beads="300", window="auto"),
+    "accuracy": scene_text(accuracy="1e-4"),
+    "time step": scene_text(timestep="0.01"),
+}
+
+
+@pytest.mark.parametrize("kind", OPEN)
+def test_without_trials_show_prints_a_scene_that_leaves_open_what_the_scene_does(kind, tmp_path, capsys):
+    printed = shown(OPEN[kind], tmp_path, capsys)
+    one, other = (library.from_plain(strict_yaml.parse(each, "here"), "here") for each in (OPEN[kind], printed))
+    assert other.resolved() == one.resolved()
+    for key in ("duration", "until_bead", "window", "accuracy", "timestep"):
+        assert getattr(other, key) == getattr(one, key)
+    assert shown(printed, tmp_path, capsys) == printed
+    assert ("find by trials" in printed) == (one.timestep is None or one.until_bead is not None)
+
+
 def test_show_fills_in_every_default(tmp_path, capsys):
-    text = shown(scene_text(), tmp_path, capsys)
+    text = shown(scene_text(), tmp_path, capsys, "--pilot")
     data = strict_yaml.parse(text, "here")
     assert data["chains"] == 1
     assert data["kick"] == {"chain": 1, "bead": 1, "velocity": 1.0}

@@ -188,7 +188,7 @@ def start(module=f"{compiled._WRITTEN}0123"):
 
 @pytest.mark.parametrize("collects", [True, False])
 def test_the_garbage_collector_is_held_while_functions_are_compiled_and_is_then_as_it_was(collects):
-    compilation = compiled._NoCollection()
+    compilation = compiled._Compiling()
     try:
         (gc.enable if collects else gc.disable)()
         for _ in range(2):

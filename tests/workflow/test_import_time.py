@@ -49,12 +49,18 @@ def test_the_process_that_runs_lammps_loads_nothing_else_of_those():
 LISTING = (*HEAVY, "numpy", "pydantic", "rich")
 
 
-def test_commands_load_none_of_the_packages_that_they_do_not_need():
+def test_commands_load_none_of_the_packages_that_they_do_not_need(tmp_path):
+    everything_open = tmp_path / "open.yaml"
+    everything_open.write_text(
+        "name: open\nchains: 2\nbeads: 300\ngap: 0.1\ncoupling: {stiffness: 0.1}\nkick: {velocity: 1}\n"
+        "until_bead: 200\nwindow: auto\n"
+    )
     code = f"""
 import contextlib, io, sys
 from workflow.cli import main
 loaded = []
-for command, needless in ((["scenes"], {LISTING}), (["--help"], {LISTING}), (["show", "column-of-rings"], {HEAVY})):
+for command, needless in ((["scenes"], {LISTING}), (["--help"], {LISTING}), (["show", "column-of-rings"], {HEAVY}),
+    (["show", {str(everything_open)!r}], {HEAVY})):
     with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
         main(command)
     loaded += [name for name in needless if name in sys.modules]

@@ -1,6 +1,6 @@
 """The duration of a scene that ends at a bead, and the width of a window that is ``auto``.
 
-Both are found by the reference integrator before anything else runs.
+Both are found by the reference integrator before anything else runs, within a limit on its processor time.
 """
 
 import math
@@ -9,12 +9,17 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.gauges.forces import PULSE
-from analysis.gauges.gauge import at_frames, far_wall
+from analysis.gauges.gauge import Gauge, at_frames, far_wall
 from analysis.tracking.leading_waves import Waves
 from lammps_inputs import InputError, Output, Problem, Scene, physics, window
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import lowest_modal_frequency
+from workflow import screen
 from workflow.engines.reference import engine
+from workflow.processor_time import LimitReachedError, check, limited
+
+SECONDS = 4.0
+"""Processor time, in s, that the trial of a duration may take, and those of a window; the rest is for the time step."""
 
 _RISEN = 1e-3
 """Velocity in units of V, and force in its unit at V = 1, from which a pulse has arrived."""
@@ -25,6 +30,12 @@ _AFTER = 6.0
 _SLOWEST = 10.0
 """Give up when the pulse takes this many times as long as one that keeps the kick's full speed."""
 
+
+_USUAL = 2.0
+"""Units of T that a pulse may take a bead where no trial is affordable: at that speed it has 0.05 V."""
+
+_PARTS = 200
+"""Blocks of frames in the longest trial, of which most need a tenth."""
 
 _WINDOW = 512
 """Rows that are integrated for a scene whose window is still to be found."""
@@ -37,7 +48,8 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     has risen above 1e-3 of V and fallen to less than half of its largest value. The last bead flies off with what it
     got: its velocity has risen above 1e-3 of V and rises no more. Where the beads have a gap, the chains of a row are
     reached one after another as their springs oscillate: the run then continues for a period of the slowest mode,
-    or for as long again if that is shorter.
+    or for as long again if that is shorter. Where the trial reaches the limit on processor time, the duration is that
+    of a pulse that passes a bead in 2 T, and a hint says so.
 
     Where the force on walls is read, it also waits for the pulse at the wall that the largest excitation goes towards:
     the force there, above the static one, has risen above 1e-3 of its unit and fallen to `PULSE` of its largest value.
@@ -51,13 +63,41 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     """
     if scene.until_bead is None:
         return scene
+    try:
+        with limited(SECONDS):
+            return _with_duration(scene, wall)
+    except LimitReachedError:
+        every, usual = scene.resolved().output.every or 0.0, _limit(scene, wall, _USUAL)
+        duration = math.ceil(usual * scene.scale.time / every) * every
+        written = scene.scale.written(duration / scene.scale.time, "time", ".4g")
+        screen.hint(
+            f"until_bead: a duration of {written} is given by a rule, as a trial takes more than {SECONDS:g} s of "
+            "processor time; `duration` in place of `until_bead` avoids it"
+        )
+        return scene.model_copy(update={"until_bead": None, "duration": duration})
+
+
+def _far(scene: Scene, wall: bool) -> Gauge | None:
+    """The far wall where its force is read; else None."""
+    return far_wall(scene.system) if wall or (scene.output.forces is not None and scene.output.forces.wall) else None
+
+
+def _limit(scene: Scene, wall: bool, slowness: float) -> float:
+    """Time, in units of T, in which a pulse passes the last bead that matters if a bead takes it so many units of T."""
+    assert scene.until_bead is not None
+    last = scene.until_bead if _far(scene, wall) is None else max(scene.until_bead, scene.beads)
+    pushed = max((load.end for load in scene.system.loads if not load.endless), default=0.0)
+    return slowness * (last + 10) * (1.0 + scene.gap / scene.scale.length) + pushed
+
+
+def _with_duration(scene: Scene, wall: bool) -> Scene:
+    """The scene with the duration that a trial finds."""
+    assert scene.until_bead is not None
     # the reference integrates with the scene's own cadence, but records the few beads that matter
     gap, system = scene.gap / scene.scale.length, scene.system
-    far = far_wall(system) if wall or (scene.output.forces is not None and scene.output.forces.wall) else None
-    last = scene.until_bead if far is None else max(scene.until_bead, system.beads)
-    pushed = max((load.end for load in system.loads if not load.endless), default=0.0)
+    far = _far(scene, wall)
     cadence = 0.1 / rates.front_speed(system) if physics.loaded(system) else 0.1  # sound may be faster
-    limit = (_SLOWEST * (last + 10) * (1.0 + gap) + pushed) * scene.scale.time
+    limit = _limit(scene, wall, _SLOWEST) * scene.scale.time
     beads = {scene.until_bead} if far is None else {scene.until_bead, far.bead}
     trial = _trial(scene, limit, cadence, tuple(sorted(beads)))
     problem = trial.problem()
@@ -68,10 +108,11 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     share = 1.0 if scene.until_bead == scene.beads else 0.5
     largest, largest_force = np.zeros(problem.chains), np.zeros(problem.chains)
     rows = None if scene.window is None else min(scene.beads, _WINDOW if scene.window == "auto" else 2 * scene.window)
-    for block in engine.blocks(problem, window=rows):
+    for block in engine.blocks(problem, window=rows, most_frames=math.ceil(problem.frames / _PARTS)):
         speed = np.abs(block.velocity[:, :, int(np.searchsorted(problem.recorded_beads, scene.until_bead))])
         force = np.zeros_like(speed) if far is None else at_frames(block, (far,))[..., 0] - far.static
         for time, velocity, pressing in zip(block.time, speed, force, strict=True):
+            check()
             reached |= (largest > _RISEN) & (velocity <= share * largest)
             largest = np.maximum(largest, velocity)
             released |= (largest_force > _RISEN) & (pressing <= PULSE * largest_force)
@@ -128,7 +169,8 @@ def with_window(scene: Scene) -> Scene:
 
     ``window: auto`` takes the least number of rows, doubled from 64 on, at which the leading pulse is the same as with
     twice as many; where slower pulses trail and come into play again, that is many. No more than 1024 are tried: the
-    check of the run gives the remaining error.
+    check of the run gives the remaining error. Where the trials reach the limit on processor time, the window is four
+    times as wide as the last that was tried, at most 1024 rows, and a hint says so.
     """
     if scene.window != "auto":
         return scene
@@ -137,12 +179,20 @@ def with_window(scene: Scene) -> Scene:
     while window.behind(rows) < max(kicked) - min(kicked) + _AROUND_KICKS:
         rows *= 2
     problem = scene.model_copy(update={"window": rows, "accuracy": None}).problem()
-    waves = _leading(problem, rows)
-    while 2 * rows < min(problem.beads, WIDEST + 1):
-        wider = _leading(problem, 2 * rows)
-        if _difference(waves, wider) <= SAME:
-            break
-        rows, waves = 2 * rows, wider
+    try:
+        with limited(SECONDS):
+            waves = _leading(problem, rows)
+            while 2 * rows < min(problem.beads, WIDEST + 1):
+                wider = _leading(problem, 2 * rows)
+                if _difference(waves, wider) <= SAME:
+                    break
+                rows, waves = 2 * rows, wider
+    except LimitReachedError:
+        rows = min(WIDEST, 4 * rows)
+        screen.hint(
+            f"window: {rows} rows by a rule, not by trials, as these take more than {SECONDS:g} s of processor "
+            "time; a `window` of so many rows avoids them"
+        )
     return scene.model_copy(update={"window": rows})
 
 

@@ -2,12 +2,12 @@
 
 Step for step that is what LAMMPS computes, at a tenth of the cost. So the error of a run is measured before the run,
 beside a reference of known uncertainty. What costs too much to measure is measured at a larger error, or on a shorter
-problem, and carried over: errors fall as the step to the order of the scheme, and grow in proportion to time.
+problem, and carried over: errors fall as the step to the order of the scheme, and grow in proportion to time. All
+trials together take at most `processor_time.BEFORE_RUN` seconds; where that is too little, the rule gives the step.
 """
 
 import itertools
 import math
-import time
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -25,6 +25,7 @@ from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET
 from workflow.engines.reference.step_halving import StepHalving
 from workflow.prepare.step_choice import ChosenStep, ReferenceFrames
+from workflow.processor_time import BEFORE_RUN, LimitReachedError, clock, leave_out, left, limited
 
 SPACING = 0.4
 """Time between the frames that are compared, in units of T: waves are found between them to 1e-5."""
@@ -86,9 +87,11 @@ class UnreachableError(Exception):
 
 
 def load(problem: Problem) -> None:
-    """Compile what a pilot run of a problem needs, or find it compiled."""
+    """Compile what a pilot run of a problem needs, or find it compiled; no processor time that counts."""
+    started = clock()
     for table in (TABLES[problem.scheme], BLANES_MOAN):
         engine.run(replace(problem, frames=1), scheme=table, steps_per_frame=2)
+    leave_out(clock() - started)
 
 
 def measure(problem: Problem, accuracy: float, most_work: float) -> ChosenStep | None:
@@ -235,11 +238,17 @@ def _steps_for(uncertainties: dict[int, float], accuracy: float) -> int:
     return 2 * math.ceil(0.5 * steps * min(6.0, max(1.25, ratio)))
 
 
-MOST_WORK = 3e9
-"""Forces on beads that one measurement may take, some five seconds; each that fails leaves the next half as many."""
+_PART = 0.5
+"""Part of the processor time that is left which one measurement may take; so something is left for cheaper ones."""
 
-_LONG = 1e9
-"""Work from which on a measurement is announced."""
+_LONG = 1.0
+"""Processor time in s from which on a measurement is announced."""
+
+_LEAST_FORCE = 3e-10
+"""Processor time in s of the forces on a bead at the least: what takes too long even so is not timed."""
+
+_TIMED = 0.02
+"""Processor time in s over which forces are timed."""
 
 _MARGIN = 2.0
 """Error that is reckoned with, over what is carried over. Over a shorter problem's in proportion to time, the true one
@@ -262,13 +271,13 @@ _TRIALS = 2.0
 """Work of a measurement over that of its first trial, about."""
 
 
-def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -> ChosenStep:
+def search(problem: Problem, accuracy: float, *, most_work: float = math.inf) -> ChosenStep:
     """The longest time step, within a factor of about two, that keeps every velocity within an accuracy.
 
     Args:
         problem: what is to be run; its own time step does not count.
         accuracy: in units of V.
-        most_work: forces on beads that a measurement may take.
+        most_work: forces on beads that a measurement may take at most, beside the limit on processor time.
 
     Raises:
         UnreachableError: no step does.
@@ -281,26 +290,65 @@ def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -
 
 def _affordable_choice(problem: Problem, accuracy: float, most_work: float) -> ChosenStep:
     """The choice by the dearest measurement that costs little enough; by the rule where all cost too much."""
-    limit = budget = most_work
+    limit, force, announced = most_work, _LEAST_FORCE, False
     for share, trial_accuracy in _measurements(accuracy, problem.duration):
         trial = _shorter(problem, share)
         expected = _TRIALS * _first_work(trial, trial_accuracy)
-        if expected > limit:
+        if not _affordable(expected, limit, force):
             continue
-        if expected > _LONG:
-            seconds = 5.0 * expected / MOST_WORK
-            screen.hint(f"choosing the time step by a pilot run: about {seconds:.0f} s; a `timestep` avoids it")
-        measured = measure(trial, trial_accuracy, budget)
+        if force == _LEAST_FORCE:
+            force = force_seconds(trial)
+            if not _affordable(expected, limit, force):
+                continue
+        if expected * force > _LONG and not announced:
+            announced = True
+            screen.hint(
+                f"choosing the time step by a pilot run: about {expected * force:.0f} s of processor time, "
+                f"{BEFORE_RUN:.0f} s at most; a `timestep` avoids it"
+            )
+        measured = _measured_within(_PART * left(), trial, trial_accuracy, min(most_work, _PART * left() / force))
         if measured is None:
-            limit, budget = expected / 4.0, budget / 2.0  # what is hardly cheaper would not do either
+            limit, most_work = expected / 4.0, most_work / 2.0  # what is hardly cheaper would not do either
         elif (share, trial_accuracy) == (1.0, accuracy):
             return measured
         elif share < 1.0:
-            _refuse_chaos(problem, trial, share, accuracy, most_work)
+            _refuse_chaos(problem, trial, share, accuracy, min(most_work, left() / force))
             return _carried_over(measured, problem, share, trial_accuracy, accuracy)
-        elif _can_be_accurate(problem, accuracy, most_work):
+        elif _can_be_accurate(problem, accuracy, min(most_work, left() / force)):
             return _carried_over(measured, problem, share, trial_accuracy, accuracy)
     return by_rule(problem, accuracy)
+
+
+def _affordable(work: float, most_work: float, force: float) -> bool:
+    """Whether work is within a limit, and within its part of the processor time at so many seconds a force."""
+    return work <= most_work and work * force <= _PART * left()
+
+
+def _measured_within(seconds: float, problem: Problem, accuracy: float, most_work: float) -> ChosenStep | None:
+    """The choice of `measure`; None if it takes more processor time, in s, or more work."""
+    try:
+        with limited(seconds):
+            return measure(problem, accuracy, most_work)
+    except LimitReachedError:
+        return None
+
+
+def force_seconds(problem: Problem) -> float:
+    """Processor time of the forces on a bead, in s, measured over steps of the reference of all rows that can move."""
+    state = engine.make_state(problem, None if problem.window is None else engine.WIDER * problem.window)
+    reach = math.ceil(min(rates.front_speed(problem.system) * problem.duration, problem.beads))
+    first = max(1, int(state.span[0]) - reach)
+    rows = min(problem.beads - first + 1, int(state.span[1]) + reach, int(state.span[2]))
+    state.span[:2] = first, first + rows - 1
+    step, done, steps = problem.every / engine.default_steps_per_frame(problem), 0, 1
+    frames, first_bead = state.frame_arrays(1, problem.lines, 1), np.array([1])
+    while True:
+        started = clock()
+        state.advance(BLANES_MOAN, step, done, steps, first_bead, frames)
+        seconds, done = clock() - started, done + steps
+        if seconds > _TIMED:
+            return seconds / (steps * BLANES_MOAN.forces_per_step * rows * problem.chains)
+        steps *= 4
 
 
 def by_rule(problem: Problem, accuracy: float) -> ChosenStep:
@@ -332,7 +380,12 @@ def _first_work(problem: Problem, accuracy: float) -> float:
 def _can_be_accurate(problem: Problem, accuracy: float, most_work: float) -> bool:
     """Whether the uncertainty of the reference with the usual number of steps suffices, where that can be afforded."""
     steps = guessed_reference_steps(problem, accuracy)
-    return work(problem, 0, steps) > most_work or StepHalving(problem, steps_per_frame=steps).run().velocity <= accuracy
+    if work(problem, 0, steps) > most_work:
+        return True
+    try:
+        return StepHalving(problem, steps_per_frame=steps).run().velocity <= accuracy
+    except LimitReachedError:
+        return True
 
 
 def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: float, most_work: float) -> None:
@@ -344,8 +397,11 @@ def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: fl
     steps = engine.default_steps_per_frame(problem)
     if work(problem, 0, steps) > most_work:
         return
-    uncertainty = StepHalving(problem).run().velocity
-    usual = StepHalving(shorter).run().velocity / share
+    try:
+        uncertainty = StepHalving(problem).run().velocity
+        usual = StepHalving(shorter).run().velocity / share
+    except LimitReachedError:
+        return
     if uncertainty > max(_STEADY * usual, UNCERTAINTY_PART * accuracy):
         raise UnreachableError(f"errors grow {uncertainty / usual:.0f} times as much as they usually do: {CHAOS}")
 
@@ -436,10 +492,13 @@ def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, ChosenStep]:
     named, accuracy = scene.accuracy is not None, scene.accuracy or DEFAULT_ACCURACY
     problem = scene.model_copy(update={"timestep": None, "accuracy": None}).problem()
     where, unreached = f"{source}: accuracy" if source else "accuracy", ""
-    load(problem)
-    started = time.perf_counter()
+    started = clock()
     try:
-        choice = search(problem, accuracy)
+        with limited():
+            load(problem)
+            choice = search(problem, accuracy)
+    except LimitReachedError:
+        choice = by_rule(problem, accuracy)
     except UnreachableError as error:
         if named:
             raise InputError(
@@ -461,7 +520,7 @@ def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, ChosenStep]:
         accuracy=accuracy,
         timestep=problem.every / steps,
         steps_per_frame=steps,
-        seconds=time.perf_counter() - started,
+        seconds=clock() - started,
         asked=named,
         unreached=unreached,
         rule_timestep=guessed_step(problem, accuracy),

@@ -6,12 +6,13 @@ from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import machine_memory
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.prepare.step_choice import ChosenStep
+from workflow.processor_time import limited
 
 _DECK_BYTES = 250
 """Memory in bytes to write a deck, for each bead that exists; measured."""
 
 
-def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float, purpose: str = "the deck") -> None:
+def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float = _DECK_BYTES, purpose: str = "the deck") -> None:
     """Refuse what this machine's memory does not hold, before it is tried.
 
     Raises:
@@ -58,9 +59,15 @@ def settle(
     Raises:
         InputError: the end is not reached, the time step is unstable, or no step keeps the accuracy.
     """
-    refuse_too_large(scene, source, _DECK_BYTES)
+    refuse_too_large(scene, source)
     if own_step and not force:
         refuse_unstable(scene, source)
+    with limited():  # all trials together
+        return _tried(scene, source, own_step=own_step)
+
+
+def _tried(scene: Scene, source: str, *, own_step: bool) -> tuple[Scene, ChosenStep | None]:
+    """The scene with what it leaves open, found by trials."""
     # what only some scenes ask for is loaded for those: numba alone takes a third of a second
     if scene.until_bead is not None:
         from workflow.prepare.extent import with_duration

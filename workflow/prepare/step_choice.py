@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from lammps_inputs import Problem, physics
+from workflow.processor_time import BEFORE_RUN
 
 if TYPE_CHECKING:  # what the engine imports takes a third of a second
     from analysis.trajectory import Trajectory
@@ -51,7 +52,7 @@ class ChosenStep:
         measured_error: error in the pilot run: the expected one, or a larger one from which that was carried over.
         measured: share of the run's time over which that was measured; 0 where the rule gave the step.
         limited: whether a longer step would have done, but for ``output.every``, the energy or the stability bound.
-        seconds: what the choice cost, the compiler apart.
+        seconds: processor time of the choice without compilation, in s.
         asked: whether the scene names the accuracy.
         unreached: why no step keeps the default accuracy, where none does.
         rule_timestep: step for the accuracy by the rule (`lammps_inputs.limits.rates.timestep_for`); NaN
@@ -80,11 +81,14 @@ class ChosenStep:
     def sentence(self, problem: Problem) -> str:
         """What was chosen and why, in one line."""
         step = problem.scale.written(self.timestep, "time", ".3g")
-        pilot = f"pilot run ({self.seconds:.1f} s of wall time)"
+        pilot = f"pilot run ({self.seconds:.1f} s of processor time)"
         if self.unreached:
             how = f"given by a rule, not measured, since {self.unreached}"
         elif self.measured == 0.0:
-            how = "given by a rule, not measured, since the scene is too large for a pilot run"
+            how = (
+                "given by a rule, not measured, since a pilot run would take more than "
+                f"{BEFORE_RUN:.0f} s of processor time"
+            )
         elif self.expected_error == self.measured_error:
             how = f"error {self.expected_error:.1e} V in a {pilot}"
         else:

@@ -36,6 +36,7 @@ class Size:
         bytes: size of all frames and snapshots, in bytes.
         seconds: estimated time, in s; None where there is no estimate.
         rough: whether the steps are those of a rule, as before a pilot run.
+        at_least: whether the run may have more frames, as its duration or window is not known yet.
     """
 
     steps: int | None
@@ -43,6 +44,7 @@ class Size:
     bytes: float
     seconds: float | None
     rough: bool = False
+    at_least: bool = False
 
     @property
     def large(self) -> bool:
@@ -54,7 +56,7 @@ class Size:
         number = "" if self.steps is None else f"about {self.steps:.2g}" if self.rough else f"{self.steps:,}"
         steps = f"{number} steps and " if number else ""
         time = "" if self.seconds is None else f" in an estimated time of {time_text(self.seconds)}"
-        return f"{steps}{self.frames:,} frames ({size_text(self.bytes)}){time}"
+        return f"{'at least ' * self.at_least}{steps}{self.frames:,} frames ({size_text(self.bytes)}){time}"
 
 
 def size_of(problem: Problem, engine: Engine = LAMMPS, ranks: int = 1) -> Size:
@@ -119,19 +121,28 @@ def refuse_too_long(
 
 def refuse_beforehand(scene: Scene, source: str, engine: Engine = LAMMPS, ranks: int = 1) -> None:
     """Refuse a scene that exceeds its limits as it was given, with the fewest frames that it can have."""
-    searched = scene.until_bead is not None or scene.window == "auto"
     open_step = scene.accuracy is not None or (engine.own_step and scene.timestep is None)
-    if not searched and not open_step:
+    if not sought(scene) and not open_step:
         return refuse_too_long(scene, source, engine, ranks)
-    size = replace(size_of(_at_least(scene)), seconds=None, rough=True)
-    above = too_large(scene, replace(size, steps=None) if searched else size)
+    above = too_large(scene, replace(size_beforehand(scene, least_problem(scene), engine), seconds=None))
     if above:
         key = "duration" if scene.until_bead is None else "until_bead"
-        raise InputError(f"{source}: {key}: {'at least ' if searched else ''}{above}")
+        raise InputError(f"{source}: {key}: {above}")
     return None
 
 
-def _at_least(scene: Scene) -> Problem:
+def sought(scene: Scene) -> bool:
+    """Whether the duration or the window of a scene is found by trials."""
+    return scene.until_bead is not None or scene.window == "auto"
+
+
+def size_beforehand(scene: Scene, problem: Problem, engine: Engine = LAMMPS) -> Size:
+    """Size of the run before anything is tried: that of the scene's `least_problem`."""
+    size = replace(size_of(problem, engine), rough=engine.own_step and scene.timestep is None)
+    return replace(size, steps=None, seconds=None, at_least=True) if sought(scene) else size
+
+
+def least_problem(scene: Scene) -> Problem:
     """A problem with no more frames and rows than the scene has once its duration and window are found."""
     changes: dict[str, Any] = {"accuracy": None}
     if scene.until_bead is not None:

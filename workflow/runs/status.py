@@ -286,7 +286,7 @@ def _of_job(directory: Path, account: Path, queue: Queue | None, queued: Queued 
     """State of the directory of a job, by its account; where the queue has the job, the queue is right."""
     report, steps = _report(account), _steps(directory)
     state, number = report.get("state", ""), report.get("job", "")
-    step = _latest(_last_step(directory), step_of(directory / file_names.RESTART), 0)
+    step = _latest(_last_step(directory), 0)
     if state == "done" or (not report and step == steps):  # jobs of version 0.1 wrote another report
         return Status(directory, "done", steps, steps)
     same_cluster = queue is not None and queue.cluster == report.get("cluster")
@@ -343,8 +343,8 @@ def _steps(directory: Path) -> int | None:
 
 
 def _last_step(directory: Path) -> int | None:
-    """Step of the last whole frame of all parts; None if there is none, or they cannot be read."""
-    return _latest(*(last_step(path) for path in parts(directory)))
+    """Step of the last whole frame of all parts, or of the restart, which may be later; None if neither can be read."""
+    return _latest(*(last_step(path) for path in parts(directory)), step_of(directory / file_names.RESTART))
 
 
 def _latest(*steps: int | None) -> int | None:

@@ -190,13 +190,28 @@ def test_a_check_with_the_reference_of_the_pilot_run_finds_what_a_new_one_does(t
     assert done.check.reference.velocity == pytest.approx(again.reference.velocity, rel=1e-6)
 
 
-@pytest.mark.parametrize("step", [5.0, 0.07, 0.003])
-def test_the_step_that_is_suggested_for_one_that_does_not_divide_the_cadence_keeps_the_default_accuracy(step):
+@pytest.mark.parametrize(
+    ("step", "every", "nearest"), [(5.0, 0.1, 0.1), (0.07, 0.1, 0.05), (0.0083, 5.0, 5.0 / 603), (0.003, 0.1, 0.1 / 34)]
+)
+def test_for_a_step_that_does_not_divide_the_cadence_the_next_shorter_one_that_does_is_named(step, every, nearest):
     with pytest.raises(ValidationError, match="does not divide") as refused:
-        scene(timestep=step)
-    suggested = float(re.search(r"try ([\d.]+)", str(refused.value))[1])
-    assert suggested <= step
-    assert error(scene(timestep=suggested).problem(), DEFAULT_ACCURACY) <= DEFAULT_ACCURACY
+        scene(timestep=step, output=Output(every=every))
+    suggested = float(re.search(r"or try ([\d.]+)", str(refused.value))[1])
+    assert suggested == pytest.approx(nearest, rel=1e-11)
+    assert scene(timestep=suggested, output=Output(every=every)).problem().timestep == pytest.approx(nearest, rel=1e-9)
+
+
+@pytest.mark.parametrize("scheme", ["verlet", "suzuki4"])
+@pytest.mark.parametrize("step", [1e-3, 0.0136, 0.012, 0.07, 0.0083, 0.3])
+def test_without_a_cadence_frames_are_as_many_whole_steps_apart_as_fit_into_a_tenth_of_t(step, scheme):
+    problem = scene(timestep=step, scheme=scheme).problem()
+    cycle = pilot.scheme.cycle(scheme)
+    assert problem.timestep == pytest.approx(step, rel=1e-9)
+    assert problem.steps_per_frame % cycle == 0
+    assert problem.every <= max(0.1, cycle * step) * (1.0 + 1e-9)
+    assert problem.every + cycle * step > 0.1
+    resolved = scene(timestep=step, scheme=scheme).resolved()
+    assert resolved.resolved() == resolved
 
 
 def test_settling_twice_changes_nothing():
@@ -218,7 +233,11 @@ def test_a_run_directory_holds_the_time_step_as_its_scene_and_the_accuracy_in_it
 
 def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
     path = written(tmp_path, asking(SMALL["one chain"], 1e-3))
-    for words in (["show"], ["deck", "-o", tmp_path / "deck"], ["run", "--no-check", "-o", tmp_path / "run"]):
+    for words in (
+        ["show", "--pilot"],
+        ["deck", "-o", tmp_path / "deck"],
+        ["run", "--no-check", "-o", tmp_path / "run"],
+    ):
         assert main([str(word) for word in (words[0], path, *words[1:])]) == 0
         assert "for an error of velocities up to 0.001 V (accuracy of the scene)" in capsys.readouterr().out
 
@@ -226,21 +245,24 @@ def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({}, "error 2.0e-05 V in a pilot run (0.5 s of wall time)"),
+        ({}, "error 2.0e-05 V in a pilot run (0.5 s of processor time)"),
         (
             {"measured_error": 8e-5, "measured": 0.25, "limited": True},
             "error expected below 2.0e-05 V, extrapolated from 8.0e-05 V with another time step over 1/4 of the "
-            "time and beads in a pilot run (0.5 s of wall time); errors are larger behind the front in a long run, "
-            "where repeated contacts amplify them; the frames, the energy or stability allow no longer one",
+            "time and beads in a pilot run (0.5 s of processor time); errors are larger behind the front in a long "
+            "run, where repeated contacts amplify them; the frames, the energy or stability allow no longer one",
         ),
-        ({"rule_timestep": 0.0125 / 0.21}, "error 2.0e-05 V in a pilot run (0.5 s of wall time)"),
+        ({"rule_timestep": 0.0125 / 0.21}, "error 2.0e-05 V in a pilot run (0.5 s of processor time)"),
         (
             {"rule_timestep": 0.2},
-            "error 2.0e-05 V in a pilot run (0.5 s of wall time); it is 16 times as short as where errors grow in "
+            "error 2.0e-05 V in a pilot run (0.5 s of processor time); it is 16 times as short as where errors grow in "
             "proportion to time, as repeated contacts or growing oscillations amplify them; a larger `accuracy` allows "
             "a longer step",
         ),
-        ({"measured": 0.0}, "given by a rule, not measured, since the scene is too large for a pilot run"),
+        (
+            {"measured": 0.0},
+            "given by a rule, not measured, since a pilot run would take more than 10 s of processor time",
+        ),
         ({"measured": 0.0, "unreached": "errors grow"}, "given by a rule, not measured, since errors grow"),
     ],
 )

@@ -7,8 +7,8 @@ from stock_lammps import scene
 from analysis.sharing.impulses import measure
 from lammps_inputs import Material, file_names, find, physics
 from lammps_inputs.decks import deck
+from lammps_inputs.limits.closing import gap_of_eq_5, theta
 from workflow.cli import main
-from workflow.engines.collisions.modes import gap_of_eq_5, theta
 from workflow.engines.reference import engine
 from workflow.prepare.extent import with_duration
 from workflow.runs.run import run
@@ -73,7 +73,7 @@ def test_the_gapped_scenes_have_the_gap_of_eq_5(name, kappa, gap):
     assert physics.kappa(case.problem().system) == kappa
     assert case.gap == gap_of_eq_5(kappa)
     assert case.gap == pytest.approx(gap, abs=5e-4)
-    assert theta(case.problem()) == pytest.approx(1.2854, abs=5e-5)
+    assert theta(physics.kappa(case.system), physics.gap(case.system)) == pytest.approx(1.2854, abs=5e-5)
 
 
 def test_show_tells_theta_and_the_gap_of_eq_5(capsys):

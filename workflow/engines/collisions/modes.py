@@ -18,7 +18,6 @@ from typing import NamedTuple
 import numpy as np
 
 from analysis.trajectory import Floats
-from lammps_inputs import Problem, physics
 from workflow.compiled import ieee_called_by_compiled
 
 
@@ -86,26 +85,3 @@ def advance(x: Floats, v: Floats, row: int, elapsed: float, modes: Modes, later:
         for j in range(chains):
             later[0, side, j] += shape[m, j] * q_later
             later[1, side, j] += shape[m, j] * p_later
-
-
-def theta(problem: Problem) -> float:
-    """The one number of rigid dynamics: omega D / V, with omega = sqrt(2 kappa) of two chains and V = 1.
-
-    With more chains it is the same measure of the coupling, no longer a frequency of the row.
-    """
-    return math.sqrt(2.0 * physics.kappa(problem.system)) * physics.gap(problem.system)
-
-
-THETA_OF_EQ_5 = (math.pi + 2.0) / 4.0
-"""theta at which bead 1 of chain 1 meets bead 2 at omega t = pi / 2, with 1/2 V: 1.2854."""
-
-
-def gap_of_eq_5(kappa: float) -> float:
-    """D = (pi + 2) / (4 omega), eq. 5, in units of L for V = 1 and N = 2.
-
-    Raises:
-        ValueError: without coupling no gap fulfils it.
-    """
-    if not kappa > 0.0:
-        raise ValueError("coupling: eq. 5 gives a gap only with springs (kappa > 0)")
-    return THETA_OF_EQ_5 / math.sqrt(2.0 * kappa)

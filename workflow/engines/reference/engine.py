@@ -20,9 +20,13 @@ from workflow.engines.reference import kernel
 from workflow.engines.reference.kernel import FrameArrays, Passing, Steps
 from workflow.engines.reference.kernel_inputs import make_terms
 from workflow.engines.reference.schemes import BLANES_MOAN, VERLET, Scheme
+from workflow.processor_time import check
 
 STEPS_PER_BOUND = 15.0
 """Steps of the default scheme in the stability bound of velocity Verlet; 0.05 for the paper's scenes."""
+
+_FORCES_A_CALL = 1e7
+"""Forces on beads in one call of the compiled step, some 0.03 s, after which a limit on processor time is checked."""
 
 _ABRUPT = 8.0
 """More steps for an exponent of contacts that is lower by 1: measured, for errors as small as those of spheres."""
@@ -71,6 +75,7 @@ def blocks(
     scheme: Scheme = BLANES_MOAN,
     steps_per_frame: int | None = None,
     window: int | None = None,
+    most_frames: int | None = None,
 ) -> Iterator[Trajectory]:
     """Integrate a problem and yield its frames in consecutive blocks of bounded size, the start being frame 0.
 
@@ -80,6 +85,7 @@ def blocks(
         steps_per_frame: steps between frames; by default as many as `default_steps_per_frame` says.
         window: integrate this many rows at most, letting go of those farthest behind; by default all, or twice the
             rows of the problem's own window: until that moves frames show all rows, then those near the front.
+        most_frames: frames of a block at most, for those who end early.
 
     Raises:
         ValueError: a window that is too narrow, or not for this problem.
@@ -102,7 +108,7 @@ def blocks(
         return of_atoms(problem, time, x, v, first, exchange if counts else None, states)
 
     yield block(np.zeros(1), *start, np.zeros((1, len(EXCHANGES))), state.contact_state[np.newaxis].copy())
-    size = frames_per_block(problem)
+    size = min(frames_per_block(problem), most_frames or problem.frames)
     if problem.window is not None:
         size = max(1, min(size, math.floor(_ADVANCE / (rates.front_speed(problem.system) * problem.every))))
     for first in range(1, problem.frames + 1, size):
@@ -209,9 +215,28 @@ class IntegratorState:
             steps: steps from frame to frame.
             recorded: numbers of the beads to record, [bead].
             frames: filled, [frame, line, bead].
+
+        Raises:
+            LimitReachedError: a limit on processor time is reached.
         """
         stepping = make_steps(scheme, h)
-        self.program.advance(self.compiled, self.parameters, stepping, first_step, steps, recorded, frames)
+        most = self.steps_a_call(scheme)
+        together, count = max(1, most // steps), len(frames.x)
+        for frame in range(0, count, together):
+            filled = FrameArrays(*(array[frame : frame + together] for array in frames))
+            begin, size = first_step + frame * steps, steps
+            if steps > most:  # the frame is overwritten until its last step
+                for done in range(0, steps - most, most):
+                    self.program.advance(self.compiled, self.parameters, stepping, begin, most, recorded, filled)
+                    check()
+                    begin, size = begin + most, steps - done - most
+            self.program.advance(self.compiled, self.parameters, stepping, begin, size, recorded, filled)
+            check()
+
+    def steps_a_call(self, scheme: Scheme) -> int:
+        """Steps of a scheme in one call of the compiled step, so that it takes some hundredths of a second."""
+        rows = min(int(self.span[2]), len(self.x) - 2)
+        return max(1, int(_FORCES_A_CALL / (scheme.forces_per_step * rows * self.x.shape[1])))
 
 
 def make_steps(scheme: Scheme, h: float) -> Steps:
@@ -303,11 +328,12 @@ def passages(
     passing = Passing(arrival.reshape(-1), peak.reshape(-1), *np.zeros((3, state.x.size)))
     steps = make_steps(BLANES_MOAN, timestep)
     last = problem.beads if until_bead is None else until_bead
-    total, chunk, done = int(np.ceil(problem.duration / timestep)), 1000, 0
+    total, chunk, done = int(np.ceil(problem.duration / timestep)), min(1000, state.steps_a_call(BLANES_MOAN)), 0
     while done < total and np.any(np.isnan(arrival[last, : problem.chains])):
         count = min(chunk, total - done)
         state.program.follow(state.compiled, state.parameters, steps, done, count, threshold, passing)
         done += count
+        check()
     arrival, peak = (values[1:-1, : problem.chains].T for values in (arrival, peak))
     chain, row = np.nonzero(~np.isnan(arrival))
     return with_speeds(chain + 1, row + 1, arrival[chain, row], peak[chain, row])

@@ -11,7 +11,8 @@ from small_problems import rigid_problem
 
 from analysis.trajectory import joined
 from lammps_inputs import physics
-from workflow.engines.collisions import blocks, modes, run, sample
+from lammps_inputs.limits import closing
+from workflow.engines.collisions import blocks, run, sample
 from workflow.engines.collisions.engine import make_heap, reschedule
 
 ABOVE = 1.0 + 4.0 * np.finfo(float).eps
@@ -81,11 +82,11 @@ def test_any_number_of_chains_moves_by_its_modes(chains, kappa):
 
 @pytest.mark.parametrize("kappa", [0.1, 1.0])
 def test_the_gap_of_eq_5_closes_in_a_quarter_period(kappa):
-    gap = modes.gap_of_eq_5(kappa)
+    gap = closing.gap_of_eq_5(kappa)
     problem = first_row(kappa=kappa, gap=gap)
     omega = math.sqrt(2.0 * kappa)
-    assert modes.theta(problem) == pytest.approx(1.2854, abs=5e-5)
-    assert modes.theta(problem) == pytest.approx(modes.THETA_OF_EQ_5, rel=1e-15)
+    assert closing.theta(kappa, gap) == pytest.approx(1.2854, abs=5e-5)
+    assert closing.theta(kappa, gap) == pytest.approx(closing.THETA_OF_EQ_5, rel=1e-15)
     x, v = np.split((expm(math.pi / 2.0 / omega * eq_3(problem)) @ at_start(problem))[:, 0], 2)
     assert x[0] == pytest.approx(gap, rel=1e-14)
     # the sentence after eq. 5 asks for equal displacements too: chain 2 has gone (pi - 2) / (pi + 2) of the gap
@@ -95,7 +96,7 @@ def test_the_gap_of_eq_5_closes_in_a_quarter_period(kappa):
 
 def test_eq_5_needs_springs():
     with pytest.raises(ValueError, match="springs"):
-        modes.gap_of_eq_5(0.0)
+        closing.gap_of_eq_5(0.0)
 
 
 # --- what the paper's scenes do ---------------------------------------------------------------------------------------
@@ -104,7 +105,7 @@ def test_eq_5_needs_springs():
 @pytest.mark.slow
 @pytest.mark.parametrize("kappa", [0.1, 1.0])
 def test_at_the_gap_of_eq_5_chain_2_collides_after_half_a_period_with_three_quarters_against_one(kappa):
-    found = run(rigid_problem(kappa=kappa, gap=modes.gap_of_eq_5(kappa), duration=50.0), max_events=2)
+    found = run(rigid_problem(kappa=kappa, gap=closing.gap_of_eq_5(kappa), duration=50.0), max_events=2)
     assert list(zip(found.chain, found.row, strict=True)) == [(1, 1), (2, 1)]
     np.testing.assert_allclose(math.sqrt(2.0 * kappa) * found.time, [math.pi / 2.0, math.pi], rtol=1e-14)
     np.testing.assert_allclose(found.striker, [0.5, 0.75], rtol=1e-14)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from workflow.engines.collisions.modes import THETA_OF_EQ_5
+from lammps_inputs.limits.closing import THETA_OF_EQ_5
 from workflow.studies.gallery.entries import paper_gapped as study
 
 

@@ -21,9 +21,9 @@ from analysis.sharing.impulses import Impulses, relative_difference
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.ingredients import coupled_chains
+from lammps_inputs.limits.closing import THETA_OF_EQ_5
 from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines import collisions
-from workflow.engines.collisions.modes import THETA_OF_EQ_5
 from workflow.engines.reference import engine as reference
 from workflow.studies.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.studies.gallery.entry import Entry, Results, Statements

@@ -1,0 +1,105 @@
+"""What is tried before a run takes at most ten seconds of processor time, whatever the scene; compilation apart."""
+
+import math
+
+import pytest
+
+from lammps_inputs import library
+from workflow import processor_time, screen
+from workflow.engines.reference import engine
+from workflow.engines.reference.schemes import BLANES_MOAN, VERLET
+from workflow.prepare import pilot
+from workflow.prepare.settings import settle
+
+BALL = {"name": "steel-52100", "radius": 0.015}
+CRADLE = {"name": "cradle", "beads": 5, "gap": 5e-4, "material": BALL, "kick": {"velocity": 0.3}, "duration": 0.6}
+HANGING = {**CRADLE, "foundation": {"stiffness": 3.85}}
+LONG = {
+    "gaps and drag": {**HANGING, "damping": {"beads": 1e-3}},
+    "gaps and restitution": {**HANGING, "damping": {"contact": 0.95, "law": "restitution"}},
+    "a minute": {**CRADLE, "duration": 60.0, "output": {"every": 1e-3}},
+    "frames far apart": {"name": "a", "beads": 20, "kick": {"velocity": 1}, "duration": 2e5, "output": {"every": 1e5}},
+    "stiff springs": {
+        "name": "a",
+        "chains": 3,
+        "beads": 40,
+        "coupling": {"stiffness": 1e7},
+        "kick": {"velocity": 1},
+        "duration": 200,
+    },
+    "a million beads": {"name": "a", "chains": 10, "beads": 100000, "kick": {"velocity": 1}, "duration": 1e5},
+    "an accuracy": {**CRADLE, "accuracy": 1e-6},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("plain", LONG.values(), ids=LONG)
+def test_trials_take_ten_seconds_of_processor_time_at_most(plain):
+    scene, before = library.from_plain(plain, "long"), processor_time.clock()
+    settled, step = settle(scene)
+    assert settled.timestep == pytest.approx(step.timestep * scene.scale.time)
+    assert processor_time.clock() - before <= processor_time.BEFORE_RUN
+
+
+def test_the_printed_sentence_says_that_the_rule_chose_where_a_pilot_run_takes_too_long():
+    scene = library.from_plain({"name": "a", "beads": 20, "kick": {"velocity": 1}, "duration": 20}, "long")
+    assert settle(scene)[1].measured == 1.0
+    with processor_time.limited(0.0):
+        settled, step = settle(scene)
+    assert settled.timestep == pytest.approx(scene.resolved().timestep)
+    assert "given by a rule, not measured, since a pilot run would take more than 10 s of processor time" in (
+        step.sentence(settled.problem())
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"until_bead": 30}, "until_bead: a duration of 80 is given by a rule, as a trial takes more than 4 s"),
+        ({"duration": 60.0, "beads": 400, "window": "auto"}, "window: 256 rows by a rule, not by trials"),
+    ],
+    ids=["duration", "window"],
+)
+def test_a_duration_and_a_window_are_sought_within_the_same_limit_or_given_by_a_rule(changes, says):
+    plain = {"name": "a", "beads": 40, "kick": {"velocity": 1}, **changes}
+    scene, hints = library.from_plain(plain, "long"), []
+    sought = settle(scene)[0]
+    with processor_time.limited(0.0), screen.with_hints(hints.append):
+        settled = settle(scene)[0]
+    assert [hint for hint in hints if hint.startswith(says)]
+    assert settled.until_bead is None
+    assert settled.duration >= sought.duration
+    assert settled.window is None or settled.window >= sought.window
+
+
+@pytest.mark.parametrize("scheme", [BLANES_MOAN, VERLET], ids=lambda scheme: scheme.name)
+def test_frames_do_not_depend_on_how_many_steps_the_compiled_function_takes_at_a_time(scheme, monkeypatch):
+    plain = {"name": "a", "chains": 2, "beads": 12, "coupling": {"stiffness": 0.1}, "kick": {"velocity": 1}}
+    problem = library.from_plain({**plain, "duration": 6.0}, "a").problem()
+    together = engine.run(problem, scheme=scheme, steps_per_frame=7)
+    monkeypatch.setattr(engine, "_FORCES_A_CALL", 3.0 * scheme.forces_per_step * 12 * 2)  # 3 steps
+    apart = engine.run(problem, scheme=scheme, steps_per_frame=7)
+    assert (apart.displacement == together.displacement).all()
+    assert (apart.velocity == together.velocity).all()
+
+
+def test_a_limit_within_another_is_the_shorter_one():
+    assert processor_time.left() == math.inf
+    with processor_time.limited(5.0):
+        with processor_time.limited(50.0):
+            assert processor_time.left() <= 5.0
+        with processor_time.limited(-1.0), pytest.raises(processor_time.LimitReachedError):
+            processor_time.check()
+        processor_time.check()
+
+
+@pytest.mark.slow
+def test_the_time_of_a_force_is_measured_within_a_factor_of_three():
+    for plain in (CRADLE, LONG["gaps and drag"]):
+        problem = library.from_plain({**plain, "duration": 0.01}, "a").problem()
+        pilot.load(problem)
+        steps = 40 * engine.default_steps_per_frame(problem)
+        expected = pilot.work(problem, 0, steps) / pilot.RUNS * pilot.force_seconds(problem)
+        before = processor_time.clock()
+        engine.run(problem, steps_per_frame=steps)
+        assert expected / 3.0 <= processor_time.clock() - before <= 3.0 * expected
