@@ -63,8 +63,8 @@ FAR = 20.0
 FAR_FRAMES, LONG = 10.0, 1e5
 """Time between frames, and duration, in units of T, that are unlikely in SI units."""
 
-SHORT, SHORT_STEP = 1e-2, 1e-5
-"""Duration, and time between frames or time step, in units of T, below which they are unlikely in reduced units."""
+SHORT, SHORT_EVERY, SHORT_STEP = 1e-2, 1e-5, 1e-6
+"""Duration, time between frames and time step, in units of T, below which they are unlikely in reduced units."""
 
 EQUAL_BEADS = 5.0
 """Beads over 1 / kappa within which pulses of two coupled chains become equal to 1 %: measured, 5.1 to 8.5."""
@@ -326,7 +326,7 @@ class BaseScene(ScenePart):
             return
         unit = self.scale.time
         named = {"duration": (self.duration, SHORT), "timestep": (self.timestep, SHORT_STEP)}
-        named["output.every"] = self.output.every, SHORT_STEP
+        named["output.every"] = self.output.every, SHORT_EVERY
         for key, (value, least) in named.items():
             if value is not None and value < least * unit:
                 yield (
