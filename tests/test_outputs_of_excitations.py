@@ -51,7 +51,6 @@ OUTPUTS: dict[str, dict[str, Any]] = {
     "resonators": {"resonators": {"mass": 0.3, "stiffness": 0.2, "rows": [3, 6]}, "output": LATE},
     "several chains": {"chains": 3, "coupling": {"stiffness": 0.1}, "output": LATE},
 }
-FIRST = ("kick, loaded", "spectra")
 EXCLUDED = [(name, "window") for name in EXCITATIONS if name != "kick"]
 
 
@@ -64,7 +63,7 @@ def engines(excitation: str, output: str) -> tuple[str, ...]:
 
 
 CASES = [
-    pytest.param(*pair, engine, marks=() if (*pair, engine) == (*FIRST, "reference") else pytest.mark.slow)
+    (*pair, engine)
     for pair in itertools.product(EXCITATIONS, OUTPUTS)
     if pair not in EXCLUDED
     for engine in engines(*pair)
@@ -77,6 +76,7 @@ def case_of(excitation: str, output: str) -> Scene:
     return from_plain({**plain, "output": {"every": 0.1, **keys.get("output", {})}}, "case")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("excitation", "output", "engine"), CASES)
 def test_what_a_scene_accepts_is_run_analysed_shown_and_exported(
     excitation: str, output: str, engine: str, tmp_path: Path

@@ -72,25 +72,25 @@ def vectors(law: TabulatedForce, name: str) -> tuple[str, ...]:
 def lines(law: TabulatedForce, name: str) -> tuple[str, ...]:
     """LAMMPS variables with the impulse until the times ``v_NAMEfrom`` and ``v_NAMEto``."""
     width, _, stages = _cells(law.time)
-    found: list[str] = []
+    commands: list[str] = []
     for end in ("from", "to"):
         at = f"{name}{end}"
         time, since = f"v_{at}_time[1]", f"v_{at}_since[1]"
-        found += [
+        commands += [
             f"variable {at}_time vector v_number+v_{at}",
             f"variable {at}_cell equal floor(({time}-{text(float(law.time[0]))})/{text(width)}+0.5)+1",
             f"variable {at}_stage0 vector v_number+v_{name}last[v_{at}_cell]",
         ]
         for stage in range(1, stages + 1):
             half, last = 2 ** (stages - stage), f"v_{at}_stage{stage - 1}[1]"
-            found += [
+            commands += [
                 f"variable {at}_next{stage} equal {last}+{half}",
                 f"variable {at}_stage{stage} vector v_number+{last}+{half}*({time}>=v_{name}time[v_{at}_next{stage}])",
             ]
-        found += [
+        commands += [
             f"variable {at}_point equal v_{at}_stage{stages}[1]",
             f"variable {at}_since vector v_number+{time}-v_{name}time[v_{at}_point]",
             f"variable {at}_gained equal v_{name}impulse[v_{at}_point]+{since}*"
             f"(v_{name}force[v_{at}_point]+v_{name}half_slope[v_{at}_point]*{since})",
         ]
-    return tuple(found)
+    return tuple(commands)

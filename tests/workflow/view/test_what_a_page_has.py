@@ -1,11 +1,12 @@
 """What the page of a scene has, and has not, by its ingredients; without a browser."""
 
 import re
+from dataclasses import replace
 from html import unescape
 
 import numpy as np
 import pytest
-from bokeh.models import CheckboxGroup, GlyphRenderer, Span
+from bokeh.models import CheckboxGroup, GlyphRenderer, Range1d, Span
 from bokeh.plotting import figure
 
 import granchain
@@ -15,6 +16,7 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse, default_beads
 from workflow.view import run_page
 from workflow.view.downsample import thinned
+from workflow.view.measured import plots_of
 from workflow.view.plots import NOW
 
 STEEL = {"name": "steel", "radius": 4.76e-3}
@@ -78,6 +80,16 @@ def test_a_page_has_the_plots_that_its_scene_has_measurements_for(pages):
         "resonating": {"budget"},
         "driven": {"budget", "spectra", "phase"},
     }
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_spectra_have_a_line_for_each_drive_and_are_drawn_without_any(pages, count):
+    page = pages["driven"]
+    measured = page.analysis.measurements["spectra"]
+    several = replace(measured, spectra=replace(measured.spectra, drive=np.linspace(0.1, 0.2, count)))
+    (plot,) = plots_of(page.problem, page.part, [several], Range1d(0.0, 1.0), {})
+    assert sum(isinstance(span, Span) for span in plot.center) == count
+    assert ("frequency of the drive" in plot.title.text) == (count > 0)
 
 
 def test_every_plot_over_time_has_a_line_at_the_time(pages):
