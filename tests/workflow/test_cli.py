@@ -130,7 +130,7 @@ def test_a_run_is_left_alone(command, a_run, capsys):
 
 def test_a_run_that_fails_is_one_line_and_exit_code_1(tmp_path, capsys):
     bad = tmp_path / "unstable.yaml"
-    bad.write_text(scene_text(timestep="2.5", duration="5000", output="{every: 2.5}"))
+    bad.write_text(scene_text(timestep="2", duration="4000", output="{every: 2}"))
     assert main(["run", str(bad), "-o", str(tmp_path / "out"), "--force"]) == 1
     out, err = capsys.readouterr()
     assert out.count("\n") == 1  # the units

@@ -210,7 +210,7 @@ def measure(
         counted=exchange.of,
         impulses=_of_collisions(directory, problem),
     )
-    results = _without_errors_by_rounding(results, directory.job.rounding)
+    results = _without_errors_by_rounding(results, directory.account.rounding)
     of_all_beads = conservation
     if by_snapshots:
         of_all_beads, exchange = _read_snapshots(directory, fingerprint, spacetime)
@@ -288,7 +288,7 @@ def recorded(directory: RunDirectory) -> Recorded:
         problem=directory.problem,
         deforms=ENGINES[directory.engine].deforms,
         amplitude_error=0.0 if check is None else check.amplitude or 0.0,
-        rounding=directory.job.rounding,
+        rounding=directory.account.rounding,
     )
 
 
