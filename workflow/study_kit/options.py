@@ -186,7 +186,7 @@ def second_field(text: str | None) -> SecondField:
         return SecondField()
     field, places = split(text, "--over", "chains=2,3,4")
     try:
-        values = tuple(map(_hashable, strict_yaml.parse(f"values: [{places}]", "--over")["values"]))
+        values = tuple(map(hashable, strict_yaml.parse(f"values: [{places}]", "--over")["values"]))
         count = len(set(values))
     except (InputError, TypeError):  # a mapping, too, is no value
         values, count = (), 0
@@ -195,5 +195,6 @@ def second_field(text: str | None) -> SecondField:
     return SecondField(field, values)
 
 
-def _hashable(value: Any) -> Any:
-    return tuple(map(_hashable, value)) if isinstance(value, list) else value
+def hashable(value: Any) -> Any:
+    """A value of a field as a key of a dictionary: lists as tuples."""
+    return tuple(map(hashable, value)) if isinstance(value, list | tuple) else value

@@ -320,7 +320,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_output(parser)
 
 
-def _requested(arguments: argparse.Namespace, problem: Problem, linear: LinearModes) -> ModesRequest:
+def requested(arguments: argparse.Namespace, problem: Problem, linear: LinearModes) -> ModesRequest:
     """What the arguments ask for.
 
     Raises:
@@ -361,7 +361,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     if request_of_responses is not None:
         return response_study.execute(arguments, scene, request_of_responses)
     linear = modes_of(problem, name, linear_only=arguments.linear)
-    request = _requested(arguments, problem, linear)
+    request = requested(arguments, problem, linear)
     print_heading(scene.name, scene.units)
     try:
         computed = study(plain_scene, name, arguments.output, request)
