@@ -3,9 +3,11 @@
 import argparse
 import contextlib
 import sys
+import textwrap
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from lammps_inputs import InputError, file_names, library, strict_yaml
@@ -193,6 +195,12 @@ def second_field(text: str | None) -> SecondField:
     if not count or count < len(values):
         raise InputError(f"--over: {places!r} given; different values with commas between, such as chains=2,3,4")
     return SecondField(field, values)
+
+
+def example_file(module: ModuleType) -> str:
+    """File with all its keys, explained by comments: the example in the docstring of the module that reads it."""
+    _, _, block = (module.__doc__ or "").partition("::\n\n")
+    return textwrap.dedent(block).rstrip() + "\n"
 
 
 def hashable(value: Any) -> Any:

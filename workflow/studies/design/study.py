@@ -16,6 +16,7 @@ import argparse
 import functools
 import json
 import math
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -34,7 +35,7 @@ from workflow.studies.design.result import DesignResult, Verified, sensitivity
 from workflow.studies.design.search import RULED_OUT, Compute, DesignRecord, computed, search, worth
 from workflow.study_kit.directory import Study, csv_text, kept_run
 from workflow.study_kit.gradient import gradient as derivatives
-from workflow.study_kit.options import add_jobs, add_output, as_job, interrupted
+from workflow.study_kit.options import add_jobs, add_output, as_job, example_file, interrupted
 from workflow.study_kit.scene_quantities import by_reference, of_frames, scene_to_run
 from workflow.sweep import fields
 from workflow.verdicts.derivative import HEAD, Derivative
@@ -196,8 +197,9 @@ def _written(value: Any) -> str:
 # --- command ----------------------------------------------------------------------------------------------------------
 
 ANSWERS = "what design.json holds"
+FILE = f"DESIGN.yaml:\n{textwrap.indent(example_file(file), '  ')}"
 EXAMPLES = (
-    "design design.yaml -o designed          # the same command resumes; workflow/README.md has such a file",
+    "design design.yaml -o designed          # the same command resumes",
     "design design.yaml -o designed --slurm --jobs 64   # then there: sbatch job.sbatch",
 )
 
