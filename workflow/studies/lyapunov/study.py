@@ -302,6 +302,7 @@ def _estimates(spectrum: LyapunovResult) -> list[RunningEstimate]:
 
 def _figure(spectrum: LyapunovResult) -> "Figure":
     from analysis.figures.exponents import Convergence, draw  # matplotlib takes half a second to import
+    from analysis.figures.style import title
 
     scale, usual = spectrum.problem.scale, growth.usual_step(spectrum.problem)
     lines = []
@@ -316,7 +317,7 @@ def _figure(spectrum: LyapunovResult) -> "Figure":
         for part in zip(*pairs, strict=True)
     )
     unit = Label("exponent", r"\lambda", scale.symbol("rate")), Label("time", "t", scale.symbol("time"))
-    return draw(lines, values, errors, unit, spectrum.problem.name)
+    return draw(lines, values, errors, unit, title(spectrum.problem))
 
 
 def seconds(problem: Problem, exponents: int, duration: float) -> float:
