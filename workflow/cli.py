@@ -157,7 +157,8 @@ def _ended_as_by_ctrl_c() -> Iterator[None]:
 def _execute(arguments: argparse.Namespace) -> int:
     """Run a command with the output that its options request; its exit code."""
     wants_json = arguments.json
-    quiet = arguments.quiet and arguments.command not in PRINTED  # those make nothing else
+    only_prints = arguments.command in PRINTED or vars(arguments).get("list", False)
+    quiet = arguments.quiet and not only_prints
     with contextlib.ExitStack() as stack:
         if wants_json or quiet:
             stack.enter_context(contextlib.redirect_stdout(io.StringIO()))

@@ -108,9 +108,10 @@ def test_the_program_alone_prints_its_help(capsys):
 
 
 ARGUMENTS = {"show": ["one-chain"], "cite": ["one-chain"], "help": ["kappa"], "status": ["."], "completion": ["bash"]}
+ARGUMENTS |= {"gallery": ["--list"]}
 
 
-@pytest.mark.parametrize("name", PRINTED)
+@pytest.mark.parametrize("name", [*PRINTED, *{"gallery"}.intersection(COMMANDS)])
 def test_quiet_does_not_silence_what_a_command_is_for(name, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     main([name, *ARGUMENTS.get(name, [])])
