@@ -1,5 +1,6 @@
 """The scene reference `SCENES.md` as text for a terminal, section by section."""
 
+import functools
 import importlib.resources
 import re
 import textwrap
@@ -9,6 +10,7 @@ WIDTH = 100
 INDENT = " " * 6
 
 
+@functools.cache
 def page(name: str = "SCENES.md") -> str:
     """The page, in Markdown."""
     return (importlib.resources.files("lammps_inputs") / name).read_text(encoding="utf-8")
@@ -35,7 +37,7 @@ def of_key(name: str) -> str | None:
 def of_word(word: str) -> str | None:
     """The section that has a word in its tables or code, such as a key within a key or one of its values.
 
-    Where there are several, the keys of these sections; None where there are none.
+    Where there are several, of each what it says of the word; None where there are none.
     """
     if not re.fullmatch(r"[a-z][a-z0-9_-]{2,}", word):  # shorter ones are symbols
         return None
@@ -47,8 +49,31 @@ def of_word(word: str) -> str | None:
     matches = having(r"^\| `[^|]*") or having(r"`([^`\n]*)`")
     if len(matches) == 1:
         return _plain(matches[0][1])
-    places = ", ".join(names[0] for names, _ in matches)
-    return f"{word}\n    part of {places}; `granchain help KEY` explains each" if matches else None
+    said = [f"  in {names[0]}:\n{textwrap.indent(_blocks_with(section, pattern), '  ')}" for names, section in matches]
+    return "\n".join([word, *said]) if said else None
+
+
+def _blocks_with(section: str, pattern: re.Pattern[str]) -> str:
+    """Rows of tables whose first cell has a word; without any all rows, items and paragraphs that have it."""
+    rows, others = [], []
+    for block in re.split(r"\n\n+", re.sub(r"<!--.*?-->\n?", "", section)):
+        lines = block.splitlines()
+        if block.startswith("|"):
+            rows += [[*lines[:2], line] for line in lines[2:] if pattern.search(line.split(" | ")[0])]
+            others += [[*lines[:2], line] for line in lines[2:] if pattern.search(line)]
+        elif block.startswith("- "):
+            others += [[f"- {item}"] for item in re.split(r"^- ", block, flags=re.M)[1:] if pattern.search(item)]
+        elif pattern.search(block) and not block.startswith(("#", "```", "!")):
+            others.append(lines)
+    return "\n".join(_plain("\n".join(lines)) for lines in rows or others) or _plain(section)
+
+
+def mentions(phrase: str) -> Iterator[tuple[str, str]]:
+    """Key of each section that has a phrase, and what it says of that."""
+    pattern = re.compile(re.escape(phrase), re.I)
+    for names, section in sections():
+        if pattern.search(section):
+            yield names[0], _blocks_with(section, pattern)
 
 
 def of_term(word: str) -> str | None:
@@ -58,12 +83,12 @@ def of_term(word: str) -> str | None:
     return "\n".join([word, *lines]) if lines else None
 
 
-def terms() -> Iterator[tuple[list[str], str]]:
+@functools.cache
+def terms() -> tuple[tuple[list[str], str], ...]:
     """Symbols and names of every term in the tables of units and notation of `MODEL.md`, and its meaning."""
     tables = page("MODEL.md").partition("## Units")[2].partition("## References")[0]
-    for row in re.findall(r"^\|.*\|$", tables, re.M):
-        term, *meaning = _plain_math(row).strip("| ").split(" | ")
-        yield re.split(r", | \(|\)", _unmarked(term)), _unmarked(": ".join(meaning))
+    rows = [_plain_math(row).strip("| ").split(" | ") for row in re.findall(r"^\|.*\|$", tables, re.M)]
+    return tuple((re.split(r", | \(|\)", _unmarked(term)), _unmarked(": ".join(rest))) for term, *rest in rows)
 
 
 def of_part_of_model(title: str) -> str | None:
@@ -106,12 +131,15 @@ def _plain_math(text: str) -> str:
     return re.sub(r"\$+([^$]+)\$+", formula, text)
 
 
-def sections() -> Iterator[tuple[list[str], str]]:
+@functools.cache
+def sections() -> tuple[tuple[list[str], str], ...]:
     """Keys and text of every section."""
+    found = []
     for section in re.split(r"^(?=##? [^\n]*\n\n)", page(), flags=re.M):  # not comments in code
         head, _, _ = section.partition("\n")
         if head.startswith("## "):
-            yield head.removeprefix("## ").split(", "), section
+            found.append((head.removeprefix("## ").split(", "), section))
+    return tuple(found)
 
 
 def _plain(markdown: str) -> str:

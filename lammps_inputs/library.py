@@ -2,6 +2,7 @@
 
 import difflib
 import importlib.resources
+import itertools
 import re
 from pathlib import Path
 from typing import Any, get_args
@@ -13,7 +14,7 @@ from pydantic_core import ErrorDetails
 from lammps_inputs import strict_yaml
 from lammps_inputs.errors import InputError
 from lammps_inputs.ingredients.base import ScenePart
-from lammps_inputs.ingredients.registry import INGREDIENTS
+from lammps_inputs.ingredients.registry import INGREDIENTS, NEEDED, NEEDS, OWN_INGREDIENTS
 from lammps_inputs.installed_scenes import installed
 from lammps_inputs.scene import SEVERAL, Scene
 from lammps_inputs.window import LEAST_WINDOW
@@ -69,7 +70,26 @@ def load(path: Path) -> Scene:
     Raises:
         InputError: naming the file, the key, what was given and what would be right.
     """
-    return from_plain(load_plain(path), str(path))
+    try:
+        return from_plain(load_plain(path), str(path))
+    except InputError as error:
+        raise InputError(f"{error}{_absent(path)}") from None
+
+
+_MOST_COMMENTS = 20
+"""Lines at the head of a scene's file in which a comment may name a module."""
+
+
+def _absent(path: Path) -> str:
+    """What the comments of a scene's file say that it needs and is not there, in words; empty without any."""
+    try:
+        with path.open(encoding="utf-8") as file:
+            lines = [line.strip() for line in itertools.islice(file, _MOST_COMMENTS)]
+    except (OSError, ValueError):
+        return ""
+    needed = [line.removeprefix(NEEDED) for line in lines if line.startswith(NEEDED)]
+    absent = [words for words in needed if words not in NEEDS.values()]
+    return f"; the scene needs {' and '.join(absent)}" if absent else ""
 
 
 def load_plain(path: Path) -> dict[str, Any]:
@@ -194,7 +214,8 @@ def _line(detail: ErrorDetails, model: type[BaseModel], lists: set[str]) -> str:
     if kind == "extra_forbidden":
         keys = _known_beside(model, path)
         meant = suggestion(str(path[-1]), keys) or _elsewhere(path, model)
-        return f"{key}: unknown key{meant or f'; known here: {_listed(keys)}'}"
+        own = f"; one of your own needs {OWN_INGREDIENTS}=MODULE" if len(path) == 1 and "kick" in keys else ""
+        return f"{key}: unknown key{meant or f'; known here: {_listed(keys)}{own}'}"
     if kind == "missing":
         return f"{key}: is missing"
     if key == "window":

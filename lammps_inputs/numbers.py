@@ -2,6 +2,7 @@
 
 import math
 import os
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,30 @@ def number_or_array(values: Any) -> float | NDArray[np.float64]:
     """The number that all values are, or an array of their shape where they differ."""
     array = np.asarray(values)
     return float(array.flat[0]) if np.ptp(array) == 0.0 else array
+
+
+DEEPEST = 50
+"""Levels of nested data; a scene has some five, and data that hold themselves have no end."""
+
+
+def plain_values(data: Any, levels: int = DEEPEST) -> Any:
+    """Nested data as a YAML file has them: numbers and arrays of NumPy as those of Python, tuples as lists.
+
+    Paths become text.
+
+    Args:
+        data: mappings, lists and values; whatever else is there remains.
+        levels: levels below which nothing is changed.
+    """
+    if isinstance(data, np.generic | np.ndarray):
+        return data.tolist()
+    if isinstance(data, os.PathLike):
+        return os.fsdecode(data)
+    if levels and isinstance(data, Mapping):
+        return {key: plain_values(value, levels - 1) for key, value in data.items()}
+    if levels and isinstance(data, list | tuple | range):
+        return [plain_values(value, levels - 1) for value in data]
+    return data
 
 
 def known(value: float) -> float | None:

@@ -57,6 +57,11 @@ def declared(kind: str) -> dict[str, EntryPoint]:
     return by_name
 
 
+def provider(kind: str, name: str) -> str:
+    """Name of the distribution that declares an entry point; empty for granchain."""
+    return _provider(declared(kind)[name])
+
+
 def load(kind: str, name: str) -> Any:
     """Object that an entry point names.
 

@@ -34,6 +34,7 @@ from lammps_inputs.limits.closing import never_closes
 from lammps_inputs.limits.rates import timestep_for
 from lammps_inputs.limits.solids import FLATTENED, LARGEST_OVERLAP, overlap_bounds, sound_speed
 from lammps_inputs.links import Across
+from lammps_inputs.numbers import plain_values
 from lammps_inputs.output import Limits, Output
 from lammps_inputs.problem import Problem
 from lammps_inputs.scheme import SchemeName
@@ -157,6 +158,11 @@ class BaseScene(ScenePart):
     """Size beyond which `granchain run` refuses to start."""
     output: Output = Output()
     """What is recorded, and how often."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_scripts(cls, data: Any) -> Any:
+        return plain_values(data)
 
     @field_validator("kick", mode="before")
     @classmethod

@@ -451,6 +451,16 @@ def test_without_the_module_the_key_is_unknown(found):
     assert "bed: unknown key" in done.stderr
 
 
+def test_a_run_without_its_module_names_the_module(found):
+    place, _ = found
+    assert granchain(place, "run", "bed.yaml", "-o", "away", "--engine", "reference", **own(".")).returncode == 0
+    for command in ("analyze", "view", "validate"):
+        done = granchain(place, command, "away")
+        assert done.returncode == 2
+        assert "bed: unknown key" in done.stderr
+        assert done.stderr.endswith("the scene needs GRANCHAIN_INGREDIENTS=own\n")
+
+
 def test_a_module_that_is_not_there_is_one_line(found):
     done = granchain(found[0], "show", "bed.yaml", GRANCHAIN_INGREDIENTS="nonsense")
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)

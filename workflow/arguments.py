@@ -3,20 +3,56 @@
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from lammps_inputs import InputError, Scene, library
+from lammps_inputs import Scene, library
+from lammps_inputs.numbers import plain_values
+from workflow.checked import Between, Valid, checked, path
 from workflow.runs.run import CompletedRun
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import fields
 
-AnyScene = Scene | Mapping[str, Any] | Path | str
+
+def _scene(value: Any) -> Any:
+    if isinstance(value, Scene):
+        return value
+    if isinstance(value, Mapping):
+        return plain_values(value)
+    if isinstance(value, str | os.PathLike) and os.fspath(value):
+        return path(value) if isinstance(value, os.PathLike) else str(value)
+    raise ValueError("the name of a scene, its file, its plain data or a Scene")
+
+
+def _run(value: Any) -> Any:
+    if isinstance(value, CompletedRun | RunDirectory):
+        return value
+    if isinstance(value, str | os.PathLike):
+        return path(value)
+    raise ValueError("a run, or the path of its directory, such as 'out'")
+
+
+def _definition(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: part.plain() if isinstance(part, Scene) else plain_values(part) for key, part in value.items()}
+    if isinstance(value, str | os.PathLike):
+        return path(value)
+    raise ValueError("the path of a file, or its content as a mapping")
+
+
+AnyScene = Annotated[Scene | Mapping[str, Any] | Path | str, Valid(_scene)]
 """A scene, its plain data, its file, or the name of an installed one."""
 
-AnyRun = CompletedRun | RunDirectory | Path | str
+AnyRun = Annotated[CompletedRun | RunDirectory | Path | str, Valid(_run)]
 """A run, or its directory."""
 
+AnyDefinition = Annotated[Mapping[str, Any] | Path | str, Valid(_definition)]
+"""A file that holds a scene and what is varied, or its content; the scene may be a `Scene`."""
 
+Processes = Annotated[int, Between(1, 1024)]
+"""Number of worker processes."""
+
+
+@checked
 def load(scene: AnyScene, changes: Mapping[str, Any] | None = None) -> Scene:
     """Scene by the name of an installed one, from a YAML file, or from plain data; with other values of some fields.
 
@@ -48,23 +84,6 @@ def source_of(scene: AnyScene) -> str:
     return str(scene) if isinstance(scene, str | Path) else "scene"
 
 
-def path_of(path: object) -> Path:
-    """Path of a directory.
-
-    Args:
-        path: text, or a path.
-
-    Returns:
-        The path.
-
-    Raises:
-        InputError: it is no path.
-    """
-    if not isinstance(path, str | os.PathLike):
-        raise InputError(f"directory: {path!r} given; a path such as 'out'")
-    return Path(path)
-
-
 def directory_of(run: AnyRun) -> RunDirectory:
     """Directory of a run.
 
@@ -79,4 +98,4 @@ def directory_of(run: AnyRun) -> RunDirectory:
     """
     if isinstance(run, CompletedRun):
         return run.directory
-    return run if isinstance(run, RunDirectory) else RunDirectory(path_of(run))
+    return run if isinstance(run, RunDirectory) else RunDirectory(Path(run))

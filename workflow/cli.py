@@ -55,6 +55,8 @@ FIRST = ("show", "run", "analyze", "view", "sweep")
 
 ALIASES = {"analyse": "analyze"}
 
+_OPTIONS_OF_ALL = ("-h", "--help", "-q", "--quiet")
+
 PRINTED = ("scenes", "show", "cite", "help", "status", "schema", "completion")
 """Commands that make nothing but what they print."""
 
@@ -104,7 +106,9 @@ def command() -> int:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code, also where standard output does not take all that it prints."""
     words = list(sys.argv[1:] if argv is None else argv)
-    words[:1] = [ALIASES.get(word, word) for word in words[:1]]
+    words[:1] = [ALIASES.get(word, word) for word in words[:1]] or ["help"]
+    if words[0] == "help":  # also of options: these are words here
+        words[1:] = [word if word in _OPTIONS_OF_ALL else word.lstrip("-") for word in words[1:]]
     output: Any = OutputStream(sys.stdout, "standard output", needed=True)
     complaints: Any = OutputStream(sys.stderr, "standard error", needed=False)
     with contextlib.redirect_stdout(output), contextlib.redirect_stderr(complaints):
@@ -152,11 +156,13 @@ def _ended_as_by_ctrl_c() -> Iterator[None]:
 
 def _execute(arguments: argparse.Namespace) -> int:
     """Run a command with the output that its options request; its exit code."""
-    wants_json, quiet = arguments.json, arguments.quiet
+    wants_json = arguments.json
+    only_prints = arguments.command in PRINTED or vars(arguments).get("list", False)
+    quiet = arguments.quiet and not only_prints
     with contextlib.ExitStack() as stack:
         if wants_json or quiet:
             stack.enter_context(contextlib.redirect_stdout(io.StringIO()))
-        stack.enter_context(screen.without_bars() if quiet else screen.with_hints())
+        stack.enter_context(screen.without_bars() if arguments.quiet else screen.with_hints())
         if "formats" in arguments:
             stack.enter_context(formats.written_as(arguments.formats, arguments.width))
         answer = arguments.execute(arguments)
@@ -179,12 +185,12 @@ def parser(names: Sequence[str]) -> argparse.ArgumentParser:
             hint = library.suggestion(name[:200], COMMANDS)
             raise InputError(f"{name[:60]!r} is no command{hint}; `granchain --help` lists all")
     for name in commands or COMMANDS:
-        summary = _summary(name)
+        summary = summary_of(name)
         subparser = subparsers.add_parser(
             name, help=summary, description=summary, formatter_class=argparse.RawDescriptionHelpFormatter
         )
         if name in commands:
-            _fill(subparser, module_of(name))
+            fill(subparser, module_of(name))
     return top_level
 
 
@@ -196,7 +202,7 @@ def _listed() -> str:
         if names:
             lines += ["", job]
         for name in names:
-            lines += textwrap.wrap(f"  {name:<12}{_summary(name)}", 100, subsequent_indent=" " * 14)
+            lines += textwrap.wrap(f"  {name:<12}{summary_of(name)}", 100, subsequent_indent=" " * 14)
     return "\n".join(lines)
 
 
@@ -225,10 +231,12 @@ def _source(name: str) -> Path:
     return Path(specification.origin)
 
 
-def _fill(subparser: argparse.ArgumentParser, module: Any) -> None:
+def fill(subparser: argparse.ArgumentParser, module: Any) -> None:
     """Add the arguments and examples of a command, and the arguments that all have."""
     module.add_arguments(subparser)
-    subparser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    prints = subparser.prog.split()[-1] in PRINTED
+    words = "print no progress and no hints" if prints else "print errors only"
+    subparser.add_argument("-q", "--quiet", action="store_true", help=words)
     if getattr(module, "DRAWS", False):
         subparser.add_argument(
             "--formats",
@@ -246,7 +254,8 @@ def _fill(subparser: argparse.ArgumentParser, module: Any) -> None:
     answers = getattr(module, "ANSWERS", None)
     if answers:
         subparser.add_argument("--json", action="store_true", help=f"print one JSON value and nothing else: {answers}")
-    subparser.epilog = _examples(module.EXAMPLES)
+    file = f"{module.FILE}\n" if "FILE" in vars(module) else ""
+    subparser.epilog = file + _examples(module.EXAMPLES)
     subparser.set_defaults(execute=module.execute, json=False)
 
 
@@ -254,7 +263,7 @@ def _examples(lines: Iterable[str]) -> str:
     return "examples:\n" + "\n".join(f"  granchain {line}" for line in lines)
 
 
-def _summary(name: str) -> str:
+def summary_of(name: str) -> str:
     """First line of a command's docstring, read without importing it."""
     source = _source(name).read_text(encoding="utf-8")
     return (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]

@@ -32,6 +32,26 @@ def panels(figure: Figure) -> list[dict[str, Any]]:
     return [table for axis in figure.axes if axis.get_label() != "<colorbar>" and (table := _panel(axis))]
 
 
+def captions(figure: Figure) -> list[str]:
+    """What each panel of `panels` shows: y over x, the value that colours show, its title, and the figure's.
+
+    Args:
+        figure: what is drawn.
+    """
+    return [
+        _caption(axis, figure.get_suptitle())
+        for axis in figure.axes
+        if axis.get_label() != "<colorbar>" and _panel(axis)
+    ]
+
+
+def _caption(axis: Axes, title: str) -> str:
+    along, upwards, value = _heading(axis, "x"), _heading(axis, "y"), _colours(axis)
+    shown = f"{value} over {along} and {upwards}" if value else f"{upwards} over {along}"
+    titles = (_plain(axis.get_title(loc=side)) for side in ("left", "center", "right"))
+    return "; ".join(filter(None, [shown, *titles, _plain(title)]))
+
+
 def _panel(axis: Axes) -> dict[str, Any]:
     """Table of one panel; empty where it shows no number."""
     parts = [row for row in _parts(axis) if len(row[1])]

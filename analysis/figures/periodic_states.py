@@ -30,6 +30,7 @@ class BranchCurve:
 
     Attributes:
         name: in titles and legends.
+        last_state: number and energy of the last state, in titles.
         energy, frequency: [state].
         stable: [state].
         bifurcations: energy and frequency of changes of stability, [change, 2].
@@ -42,6 +43,7 @@ class BranchCurve:
     """
 
     name: str
+    last_state: str
     energy: Floats
     frequency: Floats
     stable: Flags
@@ -140,13 +142,13 @@ def shape_figure(branches: Sequence[BranchCurve], title: str) -> Figure:
             line = {"color": colour, "linestyle": CHAIN_DASHES[chain]}
             words = f" of chain {chain + 1}" if branch.chains > 1 else ""
             last, linear = (shape / np.max(np.abs(shape)) for shape in (branch.last, branch.linear))
-            axis.plot(number, last[chain], "o", markersize=3, label=f"last state{words}", **line)
+            axis.plot(number, last[chain], "o", markersize=3, label=f"last state{words}", **line | {"linestyle": ""})
             sign = np.sign(np.sum(branch.last * branch.linear))
-            axis.plot(number, sign * linear[chain], label=f"linear mode{words}", linewidth=0.8, **line)
+            axis.plot(number, sign * linear[chain], label=f"linear mode{words}", linewidth=1.2, alpha=0.6, **line)
         axis.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
         axis.set_ylim(-1.1, 1.1)
         axis.set_ylabel("displacement / largest")
-        axis.set_title(branch.name)
+        axis.set_title(f"{branch.name}: {branch.last_state}")
     axes[-1].set_xlabel("bead")
     letter(axes)
     head(figure, title)
@@ -169,7 +171,7 @@ def multiplier_figure(branches: Sequence[BranchCurve], title: str) -> Figure:
         axis.plot(np.cos(angle), np.sin(angle), color="0.7", linewidth=0.8)
         axis.plot(branch.multipliers.real, branch.multipliers.imag, "o", color=CHAIN_COLOURS[0], markersize=3.5)
         axis.set_aspect("equal", adjustable="datalim")
-        axis.set_title(branch.name)
+        axis.set_title(f"{branch.name}: {branch.last_state}")
         axis.set_xlabel("real part")
         axis.set_ylabel("imaginary part")
     letter(axes)

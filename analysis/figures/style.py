@@ -3,7 +3,9 @@
 import functools
 import io
 import math
+import re
 import string
+import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, ParamSpec, TypeVar
@@ -104,7 +106,7 @@ def new_figure(height: float, width: float = 7.0) -> Figure:
 def head(figure: Figure, text: str) -> None:
     """Write a title, but where a width is asked for: a journal has captions."""
     if WIDTH.get() is None:
-        figure.suptitle(text)
+        figure.suptitle("\n".join(_wrapped(line, figure.get_figwidth()) for line in text.splitlines()))
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
@@ -241,8 +243,18 @@ def _distances(problem: Problem, chain: int) -> Floats:
     return np.where(np.isinf(steps), problem.chains + np.abs(np.arange(problem.chains) - chain), steps)
 
 
+LETTERS_PER_INCH = 13
+"""Letters of a title that fit into an inch."""
+
+
+def _wrapped(line: str, width: float) -> str:
+    """A line of a title in lines that fit into a width in inches; formulas, between dollar signs, are not broken."""
+    unbroken = re.sub(r"\$[^$]*\$", lambda formula: formula[0].replace(" ", "\0"), line)
+    return "\n".join(textwrap.wrap(unbroken, max(20, int(LETTERS_PER_INCH * width)))).replace("\0", " ")
+
+
 def title(problem: Problem, *, each_chain: bool = False, panels: bool = False, until: float | None = None) -> str:
-    """Name of a scene, number of its chains, coupling and gap, for the top of a figure.
+    """Name of a scene, its chains, coupling, gap, static load and V, for the top of a figure.
 
     Args:
         problem: what was run.
@@ -251,12 +263,16 @@ def title(problem: Problem, *, each_chain: bool = False, panels: bool = False, u
         until: time of the last frame there is, in units of T; of a run that was cut short it is said.
     """
     system = problem.system
-    numbers = [f"{problem.chains} chains"] if problem.chains > 1 else []
+    numbers = [f"{problem.chains} chain{'s' * (problem.chains > 1)} of {problem.beads} beads"]
     if physics.coupled(system):
         numbers.append(_coupling(problem))
     if physics.gap(system):
         unit = axis_unit(problem, "length", physics.gap(system))
         numbers.append(f"gap {physics.gap(system) * unit.worth:.4g}{f' {unit.symbol}' if problem.scale.si else ''}")
+    numbers += [
+        *_load(problem),
+        f"$V$ = {problem.scale.measured(1.0, 'velocity'):.4g}{problem.scale.after('velocity')}",
+    ]
     cut = ""
     if until is not None and until < problem.duration - 0.5 * problem.every:
         cut = f"; cut short at {until / problem.duration:.0%} of its time"
@@ -265,6 +281,15 @@ def title(problem: Problem, *, each_chain: bool = False, panels: bool = False, u
     if each_chain and len(chains) < problem.chains:
         shown = f"\n(chains {', '.join(str(chain + 1) for chain in chains)} are shown)"
     return ": ".join(filter(None, [problem.name, ", ".join(numbers)])) + cut + shown
+
+
+def _load(problem: Problem) -> list[str]:
+    """Static load of the contacts, in words; none without one."""
+    if not physics.loaded(problem.system):
+        return []
+    forces = np.concatenate([np.ravel(laws.load(link.law)) for link in problem.system.along])
+    ends = [problem.scale.written(float(force), "force", ".4g") for force in (np.min(forces), np.max(forces))]
+    return [f"static load {ends[1]}" if ends[0] == ends[1] else f"static load {ends[0]} to {ends[1]}"]
 
 
 def _coupling(problem: Problem) -> str:

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import engine_limits, file_names, laws, loads, physics, scheme, static_load, strict_yaml, window
 from lammps_inputs.deck_lines import AtomTypes, DeckLines
+from lammps_inputs.ingredients.registry import NEEDED, NEEDS
 from lammps_inputs.laws import dashpot, plastic_lines, spring
 from lammps_inputs.laws.contact import wall_lines
 from lammps_inputs.layout import Layout
@@ -70,8 +71,10 @@ def files_of(problem: Problem) -> dict[str, str]:
 
 
 def render_scene(scene: "Scene") -> str:
-    """The text of ``scene.yaml``, every default written out."""
-    return strict_yaml.dump(scene.resolved().plain())
+    """The text of ``scene.yaml``, every default written out; comments name modules that its ingredients need."""
+    plain = scene.resolved().plain()
+    needed = dict.fromkeys(NEEDS[key] for key in plain if key in NEEDS)
+    return "".join(f"{NEEDED}{words}\n" for words in needed) + strict_yaml.dump(plain)
 
 
 def write(scene: "Scene", directory: Path) -> None:

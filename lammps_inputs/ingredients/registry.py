@@ -17,6 +17,10 @@ OWN_INGREDIENTS = "GRANCHAIN_INGREDIENTS"
 """Environment variable that names modules with a user's own ingredients."""
 
 
+NEEDED = "# needs "
+"""Begin of a comment at the head of a scene's file that names a module or package of one of its ingredients."""
+
+
 def _is_ingredient(key: object, kind: object) -> bool:
     return isinstance(key, str) and key.isidentifier() and isinstance(kind, type) and issubclass(kind, Ingredient)
 
@@ -61,8 +65,12 @@ def _of_module(module: str) -> dict[str, type[Ingredient]]:
 
 INGREDIENTS: dict[str, type[Ingredient]] = _of_distributions()
 """Key of the scene -> what may stand there."""
+NEEDS = {key: f"the package {name}" for key in INGREDIENTS if (name := plugins.provider("ingredients", key))}
+"""Key of an ingredient that granchain does not bring -> what a scene with it needs, in words."""
 for _module in filter(None, (name.strip() for name in os.environ.get(OWN_INGREDIENTS, "").split(","))):
-    INGREDIENTS |= _of_module(_module)
+    _own = _of_module(_module)
+    INGREDIENTS |= _own
+    NEEDS |= dict.fromkeys(_own, f"{OWN_INGREDIENTS}={_module}")
 
 
 def environment_of_children() -> dict[str, str]:

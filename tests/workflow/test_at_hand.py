@@ -88,8 +88,8 @@ def test_json_of_status_is_a_list(capsys):
 def test_help_explains_keys_and_commands(capsys):
     assert "Springs between" in said(capsys, "help", "coupling.rows")
     assert "Clear distance" in said(capsys, "help", "scene")
-    assert "part of contact, damping;" in said(capsys, "help", "restitution")
-    assert "part of contact, kinds, disorder, coupling," in said(capsys, "help", "stiffness")
+    assert all(f"in {key}:" in said(capsys, "help", "restitution") for key in ("contact", "damping"))
+    assert all(f"in {key}:" in said(capsys, "help", "stiffness") for key in ("contact", "kinds", "coupling"))
     assert "COMMAND" in said(capsys, "help")
     with pytest.raises(SystemExit):
         main(["help", "run"])

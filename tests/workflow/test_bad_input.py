@@ -39,7 +39,6 @@ NEEDS = "run: needs a SCENE and -o DIR, or --resume DIR"
 RESUMED = "--resume: continues with the settings of the run; leave out"
 
 COMMAND_LINES = [
-    ("", "COMMAND; `granchain --help` lists the options"),
     ("simulate", "'simulate' is no command; `granchain --help` lists all"),
     ("analyzes run", "'analyzes' is no command (did you mean `analyze`?)"),
     ("run", f"{NEEDS}; `granchain run --help` lists the options"),

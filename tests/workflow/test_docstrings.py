@@ -36,7 +36,8 @@ CLASSES = (
     Columns,
     BaseScene,
 )
-FUNCTIONS = [function for name in granchain.__all__ if inspect.isfunction(function := getattr(granchain, name))]
+FUNCTIONS = [function for name in dir(granchain) if inspect.isfunction(function := getattr(granchain, name))]
+"""All of the module, also those of studies and tools."""
 
 
 def examples():

@@ -16,6 +16,8 @@ CALLS = {
     "load": lambda _, __: granchain.load("two-chains"),
     "run": lambda path, _: granchain.run(SCENE, path / "new"),
     "analyze": lambda _, run: granchain.analyze(run, figures=True),
+    "open": lambda _, run: [granchain.open(run).analysis, granchain.open(run).si],
+    "resume": lambda _, run: granchain.resume(run),
     "deck": lambda path, _: granchain.deck(SCENE, path / "new"),
     "validate": lambda _, run: granchain.validate(run),
     "universe": lambda _, run: [*(ts.frame for ts in granchain.universe(run).trajectory), gc.collect()],

@@ -113,7 +113,7 @@ def test_every_name_of_the_module_is_there_and_has_a_docstring():
 
 def test_functions_have_the_names_of_commands_but_for_those_that_no_command_has():
     functions = {name for name in dir(granchain) if isinstance(getattr(granchain, name), FunctionType)}
-    assert functions - set(COMMANDS) == {"load", "plot", "statistics", "universe"}
+    assert functions - set(COMMANDS) == {"load", "open", "plot", "resume", "statistics", "universe"}
 
 
 def test_what_a_scene_leaves_open_is_found(tmp_path):
@@ -272,7 +272,7 @@ def _words(output):
     [
         (lambda: granchain.run("two-chains", None), "directory: None given; a path such as 'out'"),
         (lambda: granchain.run("two-chains", "out", ranks="2"), "ranks: '2' given; a whole number, 1 or more"),
-        (lambda: granchain.analyze(3), "directory: 3 given"),
+        (lambda: granchain.analyze(3), "run: 3 given"),
     ],
 )
 def test_an_argument_of_another_type_is_named(call, says):

@@ -62,6 +62,8 @@ def _numbers() -> str:
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Write tables and figures, print the head of the table or the statistics; exit code 1 if these have no value."""
     _refuse_together(arguments)
+    if not arguments.directory.is_dir():
+        raise InputError(f"{arguments.directory}: no such directory")
     quantities = list(dict.fromkeys(arguments.statistics.split(","))) if arguments.statistics is not None else []
     for option, names in (("--plot", filter(None, [arguments.plot])), ("--statistics", quantities)):
         for name in names:

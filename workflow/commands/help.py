@@ -2,9 +2,13 @@
 
 import argparse
 import textwrap
+from collections.abc import Iterator
 
-from lammps_inputs import InputError, handbook, library
-from workflow import cli
+from lammps_inputs import InputError, Scene, handbook, library
+from workflow import cli, vocabulary
+
+MOST_SHOWN = 6
+"""Places that have a phrase and whose explanation is printed; of further ones the names."""
 
 _LEAST_LETTERS = 3
 """Length of a phrase that is searched for in explanations; shorter ones are symbols."""
@@ -50,27 +54,62 @@ def _explanations(word: str) -> str:
 
     names = dict.fromkeys([word, word.replace(" ", "_"), word.replace(" ", ".")])
     quantities = [explained(name) for name in names]
-    parts = [handbook.of_term(word), *quantities, handbook.of_word(word), handbook.of_part_of_model(word)]
-    return "\n".join(filter(None, parts))
+    in_tables = handbook.of_word(word) or handbook.of_word(word.rpartition(".")[2])
+    parts = [handbook.of_term(word), *quantities, in_tables, handbook.of_part_of_model(word)]
+    return "\n".join(filter(None, [*parts, vocabulary.explained(word)]))
 
 
 def _mentions(phrase: str) -> str:
-    """Names whose explanations hold a phrase.
+    """What explanations that hold a phrase say of it.
 
     Raises:
         InputError: there are none.
     """
+    places = dict(_places(phrase)) if len(phrase) >= _LEAST_LETTERS else {}
+    if not places:
+        raise InputError(
+            f"help: {phrase[:60]!r} is no key of a scene, no command, no quantity and no term{_suggestion(phrase)}"
+        )
+    shown = [f"  {name}:\n{textwrap.indent(text, '  ')}" for name, text in list(places.items())[:MOST_SHOWN]]
+    if len(places) > MOST_SHOWN:
+        rest = f"also in the explanations of {', '.join(list(places)[MOST_SHOWN:])}"
+        shown += textwrap.wrap(rest, 100, initial_indent="  ", subsequent_indent="  ")
+    return "\n".join([phrase, *shown])
+
+
+def _places(phrase: str) -> Iterator[tuple[str, str]]:
+    """Name of each term, quantity, key and option whose explanation holds a phrase, and that explanation."""
+    from workflow.verdicts.quantities import places
+
+    def fits(text: str) -> bool:
+        return phrase.lower() in text.lower()
+
+    for names, meaning in handbook.terms():
+        if fits(meaning):
+            yield names[0], "\n".join(textwrap.wrap(meaning, 96, initial_indent="  ", subsequent_indent="  "))
+    yield from handbook.mentions(phrase)
+    for place in places():
+        quantity = place.quantity
+        if fits(quantity.meaning) or any(fits(column.label) for column in quantity.columns):
+            yield ".".join(place.path[-2:]), "\n".join(textwrap.wrap(quantity.meaning, 96, initial_indent="  "))
+    for word, explanations in vocabulary.explanations().items():
+        for explanation in explanations:
+            if fits(explanation.meaning):
+                yield word, explanation.text
+    for name in cli.COMMANDS:
+        if fits(cli.summary_of(name)):
+            yield f"granchain {name}", f"  {cli.summary_of(name)}"
+
+
+def _suggestion(phrase: str) -> str:
+    """The word that a phrase is closest to, in brackets: as it stands or in lower case, whole or its last part."""
+    from workflow.sweep import fields
     from workflow.sweep.collect import QUANTITIES
     from workflow.verdicts.quantities import places
 
-    explanations = [(names[0], text) for names, text in (*handbook.sections(), *handbook.terms())]
-    for place in places():
-        explanations.append((".".join(place.path[-2:]), place.quantity.meaning))
-        explanations += [(column.name, column.label) for column in place.quantity.columns]
-    names = [name for name, text in explanations if len(phrase) >= _LEAST_LETTERS and phrase.lower() in text.lower()]
-    if not names:
-        hint = library.suggestion(phrase[:200], (*handbook.keys(), *cli.COMMANDS, *QUANTITIES))
-        raise InputError(f"help: {phrase[:60]!r} is no key of a scene, no command, no quantity and no term{hint}")
-    shown = ", ".join(dict.fromkeys(names))
-    text = f"in the explanations of {shown}; `granchain help NAME` prints one"
-    return "\n".join([phrase, *textwrap.wrap(text, 100, initial_indent="    ", subsequent_indent="    ")])
+    names = {name for names, _ in handbook.terms() for name in names}
+    names |= {*handbook.keys(), *fields.all_fields(Scene), *cli.COMMANDS, *QUANTITIES, *vocabulary.words()}
+    names |= {place.path[-1] for place in places() if place.path}
+    names |= {name.rpartition(".")[2] for name in names}
+    spelt = dict.fromkeys([phrase[:200], phrase[:200].lower(), phrase[:200].replace(" ", "_")])
+    return next(filter(None, (library.suggestion(word, sorted(names)) for word in spelt)), "")

@@ -1,6 +1,7 @@
 """Run a scene for lists or ranges of any of its fields, locally or as one array of jobs on a cluster."""
 
 import argparse
+import textwrap
 from pathlib import Path
 
 from lammps_inputs import InputError
@@ -8,11 +9,12 @@ from lammps_inputs.jobs.site import JobOptions
 from workflow.cost_model import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
 from workflow.screen import CommandResult, one_line
-from workflow.study_kit.options import add_output
+from workflow.study_kit.options import add_output, example_file
 from workflow.sweep import file, run_sweep
 
 ANSWERS = "how many cases there are, are done, have failed"
 DRAWS = True
+FILE = f"SWEEP.yaml:\n{textwrap.indent(example_file(file), '  ')}"
 EXAMPLES = (
     "sweep sweep.yaml -o swept",
     "sweep sweep.yaml -o swept --slurm --time 02:00:00   # then, there: sbatch job.sbatch",

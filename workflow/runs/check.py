@@ -8,6 +8,7 @@ import math
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 from analysis.compare.difference import Deviation, DeviationPlace, errors_of
 from analysis.trajectory import Trajectory
@@ -128,6 +129,21 @@ class Check:
     def plain(self) -> dict[str, object]:
         """Plain data of the check, for ``run.json``."""
         return asdict(self)
+
+
+def recorded(directory: RunDirectory) -> Check | None:
+    """Error of a run that was measured at its end, from ``run.json``; None where that holds none."""
+    record = directory.account.check
+    if record is None:
+        return None
+    where = None if record.where is None else DeviationPlace(**record.where.model_dump())
+    numbers: dict[str, Any] = {
+        name: math.nan if value is None else value for name, value in record.reference.model_dump().items()
+    }
+    velocity, arrival, amplitude = (
+        math.nan if value is None else value for value in (record.velocity, record.arrival, record.amplitude)
+    )
+    return Check(velocity, where, arrival, amplitude, Uncertainty(**numbers), record.seconds)
 
 
 def check(directory: RunDirectory, settings: ChosenStep | None = None) -> Check:

@@ -81,12 +81,13 @@ class CompletedRun:
         return dataset(self.directory, self.trajectory)
 
     def __repr__(self) -> str:
-        job, problem = self.directory.job, self.directory.problem
+        problem = self.directory.problem
         error = "" if self.check is None else f", error of velocities {self.check.velocity:.1e} V"
-        return f"<run of {problem.name} in {self.directory.path}: {self.outcome}, computed by {job.engine}{error}>"
+        engine = self.directory.engine
+        return f"<run of {problem.name} in {self.directory.path}: {self.outcome}, computed by {engine}{error}>"
 
     def _repr_html_(self) -> str:
-        record = self.directory.job.plain()
+        record = self.directory.account.plain()
         shown = {"outcome": "outcome", "engine": "engine", "steps": "time steps", "ranks": "MPI ranks"}
         shown["engine_seconds"] = "time of the engine (s)"
         rows = [(words, record[key]) for key, words in shown.items() if key in record]

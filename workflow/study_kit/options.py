@@ -3,9 +3,11 @@
 import argparse
 import contextlib
 import sys
+import textwrap
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from lammps_inputs import InputError, file_names, library, strict_yaml
@@ -186,7 +188,7 @@ def second_field(text: str | None) -> SecondField:
         return SecondField()
     field, places = split(text, "--over", "chains=2,3,4")
     try:
-        values = tuple(map(_hashable, strict_yaml.parse(f"values: [{places}]", "--over")["values"]))
+        values = tuple(map(hashable, strict_yaml.parse(f"values: [{places}]", "--over")["values"]))
         count = len(set(values))
     except (InputError, TypeError):  # a mapping, too, is no value
         values, count = (), 0
@@ -195,5 +197,12 @@ def second_field(text: str | None) -> SecondField:
     return SecondField(field, values)
 
 
-def _hashable(value: Any) -> Any:
-    return tuple(map(_hashable, value)) if isinstance(value, list) else value
+def example_file(module: ModuleType) -> str:
+    """File with all its keys, explained by comments: the example in the docstring of the module that reads it."""
+    _, _, block = (module.__doc__ or "").partition("::\n\n")
+    return textwrap.dedent(block).rstrip() + "\n"
+
+
+def hashable(value: Any) -> Any:
+    """A value of a field as a key of a dictionary: lists as tuples."""
+    return tuple(map(hashable, value)) if isinstance(value, list | tuple) else value

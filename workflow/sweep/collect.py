@@ -188,10 +188,17 @@ class SweepTable:
         Returns:
             The numbers.
 
+        Raises:
+            InputError: there is no such column.
+
         Examples:
             >>> granchain.collect("swept").numbers("kick.velocity")
             array([1., 2.])
         """
+        if name not in self.columns:
+            names = [each for each in self.columns if each not in ("case", "outcome", "reason")]
+            hint = library.suggestion(str(name)[:60], names) or f"; columns are {', '.join(names)}"
+            raise InputError(f"name: {str(name)[:60]!r} is no column{hint}")
         values = (row[name] for row in self.rows)
         return np.array(
             [float(value) if isinstance(value, int | float) else math.nan for value in values],

@@ -169,6 +169,10 @@ class Sweep:
     combine: Literal["product", "zip"]
     engine: str
 
+    def plain(self) -> dict[str, Any]:
+        """Plain data of a sweep file that makes the same cases."""
+        return {"scene": self.scene, "vary": self.vary, "combine": self.combine, "engine": self.engine}
+
 
 def load(path: Path) -> Sweep:
     """Read a sweep file; its cases are not looked at yet.

@@ -18,6 +18,7 @@ from typing import Any
 from pydantic_core import from_json
 
 from lammps_inputs import InputError, Scene, file_names, library, strict_yaml
+from lammps_inputs.decks import deck
 from workflow import formats
 from workflow.engines.lammps import hosted
 from workflow.errors import RunError
@@ -37,6 +38,11 @@ from workflow.verdicts.analyse import analyse
 from workflow.verdicts.analysis_report import REPORT
 from workflow.workers import evaluate
 from workflow.workers.pool import Pool, Task, TaskResult
+
+DEFINITION = "sweep.yaml"
+"""File in the directory of a sweep that makes its cases again."""
+
+_WRITTEN = "# written by `granchain sweep`: it makes the cases of this directory\n"
 
 # --- directory --------------------------------------------------------------------------------------------------------
 
@@ -84,7 +90,7 @@ def begin(path: Path, wanted: Asked, scene: Scene) -> None:
     remove_leftovers(path)  # of a sweep that was killed
     claim(path, (file_names.SCENE,))
     job.update(path, request=wanted.plain())
-    write_text(path / file_names.SCENE, strict_yaml.dump(scene.resolved().plain()))
+    write_text(path / file_names.SCENE, deck.render_scene(scene))
 
 
 def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
@@ -275,7 +281,21 @@ def planned(definition: Sweep, directory: Path) -> Iterator[list[SweepCase]]:
     with alone(directory):
         if _names(directory) != names_before:  # another sweep may have begun there at the same time
             plan(definition, directory)
+        _keep(definition, directory)
         yield cases
+
+
+def _keep(definition: Sweep, directory: Path) -> None:
+    """Write the sweep file into the directory, unless it stands there, or the user has a file of that name."""
+    path, text = directory / DEFINITION, _WRITTEN + strict_yaml.dump(definition.plain())
+    try:
+        before = path.read_text(encoding="utf-8", errors="replace")
+    except FileNotFoundError:
+        before = _WRITTEN
+    except OSError:
+        return
+    if before.startswith(_WRITTEN) and before != text and not path.is_symlink():
+        write_text(path, text)
 
 
 def _names(directory: Path) -> set[str]:

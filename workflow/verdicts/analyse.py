@@ -56,7 +56,7 @@ class Analysis:
         survey: waves, pulses, energies and the verdict, in units of V, T and L.
         conservation: drifts of energy and momentum, number of frames.
         complete: whether the dump holds every frame that the scene asks for.
-        tables: CSV files written.
+        tables: names of the CSV files.
         figures: files drawn.
         failure: why the run failed; empty where it did not.
         altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
@@ -131,19 +131,7 @@ def analyse(
         InputError: no frames, frames that hold what is no number, or a bead that was not recorded.
     """
     frames = measure(directory, beads=beads, figures=figures, tolerances=tolerances, arrival=arrival)
-    conservation = frames.conservation
-    drawn = _write(directory, frames)
-    return Analysis(
-        problem=frames.survey.problem,
-        survey=frames.survey,
-        conservation=conservation,
-        complete=conservation.frames == frames.survey.problem.frames + 1,
-        tables=tuple(frames.tables),
-        figures=drawn,
-        failure=directory.failure,
-        altered=directory.fingerprint not in ("", frames.sha256),
-        measurements=frames.measurements,
-    )
+    return results_of(directory, frames, _write(directory, frames))
 
 
 @dataclass(frozen=True)
@@ -167,6 +155,28 @@ class MeasuredFrames:
     sha256: str
     tables: dict[str, str]
     figures: "dict[str, Callable[[], Figure]]"
+
+
+def results_of(directory: RunDirectory, frames: MeasuredFrames, drawn: tuple[Path, ...] = ()) -> Analysis:
+    """Results of an analysis.
+
+    Args:
+        directory: the run directory.
+        frames: what was measured in its frames.
+        drawn: files of the figures.
+    """
+    conservation = frames.conservation
+    return Analysis(
+        problem=frames.survey.problem,
+        survey=frames.survey,
+        conservation=conservation,
+        complete=conservation.frames == frames.survey.problem.frames + 1,
+        tables=tuple(frames.tables),
+        figures=drawn,
+        failure=directory.failure,
+        altered=directory.fingerprint not in ("", frames.sha256),
+        measurements=frames.measurements,
+    )
 
 
 def measure(

@@ -11,6 +11,7 @@ from synthetic_waves import of_keys
 
 from analysis.compare.difference import Deviation, ErrorMap
 from analysis.dispersion import Map, UnitCell
+from analysis.figures import periodic_states
 from analysis.figures.energy import energy_figure
 from analysis.figures.engines import EngineCurve, PublishedPoint, engines_figure, relative_mode_figure, scan_figure
 from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figure
@@ -18,7 +19,7 @@ from analysis.figures.forces import force_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
 from analysis.figures.spectra import dispersion_figure, spectra_figure
 from analysis.figures.studies import Objective, front_figure, history_figure, logarithmic
-from analysis.figures.style import CHAIN_COLOURS, shown_chains, title
+from analysis.figures.style import CHAIN_COLOURS, head, new_figure, shown_chains, title
 from analysis.figures.waves import distance_figure, response_figure, shape_figure
 from analysis.files.traces import Channel, Traces
 from analysis.gauges.forces import Readings
@@ -431,13 +432,68 @@ def test_beads_are_counted_from_the_end_that_was_hit(direction, label):
     assert figure.axes[2].get_xlabel() == label
 
 
-def test_the_title_tells_name_chains_coupling_and_gap():
+def test_the_title_tells_name_chains_coupling_gap_and_v():
     what = pair(False, kappa=0.25 * SPEED**0.4, gap=0.5 * SPEED**0.8)
     data = SpaceTime(what)
     data.add(moving(what, 1, 1, 0))
     # kappa at V = 1, the gap as in the scene
     gap = f"{0.5 * SPEED**0.8:.4g}"
-    assert spacetime_figure(data).get_suptitle() == f"test: 2 chains, $\\kappa = k T^2 / m$ = 0.25, gap {gap}"
+    written = f"test: 2 chains of 10 beads, $\\kappa = k T^2 / m$ = 0.25, gap {gap}, $V$ = {SPEED:g}"
+    assert " ".join(spacetime_figure(data).get_suptitle().split()) == written
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"precompression": {"force": 0.1}}, "static load 0.1, $V$ = 1"),
+        ({"gravity": 0.01, "walls": {"right": "rigid"}}, "static load 0.01 to 0.09, $V$ = 1"),
+        (
+            {"material": {"name": "steel", "radius": 5e-3}, "precompression": {"force": 2.38}},
+            "load 2.38 N, $V$ = 1 m/s",
+        ),
+        ({}, "test: 1 chain of 10 beads, $V$ = 1"),
+    ],
+)
+def test_the_title_tells_the_static_load(keys, words):
+    duration = 1e-4 if "material" in keys else 5.0
+    assert title(of_keys(beads=10, kick={"velocity": 1.0}, duration=duration, **keys)).endswith(words)
+
+
+def test_figures_of_periodic_states_name_the_state_and_tell_it_from_the_linear_mode():
+    numbers, shape = np.linspace(0.1, 1.0, 3), np.array([[1.0, -0.5, 0.2]])
+    branch = periodic_states.BranchCurve(
+        name="mode 2",
+        last_state="state 3, energy 1",
+        energy=numbers,
+        frequency=numbers,
+        stable=np.ones(3, dtype=bool),
+        bifurcations=np.zeros((0, 2)),
+        linear=shape,
+        last=shape,
+        multipliers=np.exp(1j * numbers),
+        motion=np.ones((5, 1, 3)),
+        period=1.0,
+        chains=1,
+    )
+    multipliers, shapes = (
+        draw([branch], "the case").axes[0] for draw in (periodic_states.multiplier_figure, periodic_states.shape_figure)
+    )
+    assert multipliers.get_title() == shapes.get_title() == "mode 2: state 3, energy 1"
+    looks = {line.get_label(): (line.get_marker(), line.get_linestyle()) for line in shapes.get_lines()}
+    assert looks["last state"] == ("o", "None")
+    assert looks["linear mode"] == ("None", "-")
+
+
+@pytest.mark.parametrize("width", [3.2, 6.5])
+def test_a_long_title_is_wrapped_between_its_formulas(width):
+    figure = new_figure(3.0, width)
+    head(
+        figure,
+        "a-name-of-a-scene: 2 chains of 120 beads, $\\kappa = k T^2 / m$ = 0.25, static load 2.38 N, $V$ = 1 m/s",
+    )
+    lines = figure.get_suptitle().splitlines()
+    assert len(lines) >= 2
+    assert all(line.count("$") % 2 == 0 and len(line) <= 13 * width for line in lines)
 
 
 def coupled(chains, beads=20, **coupling):
@@ -456,7 +512,7 @@ def coupled(chains, beads=20, **coupling):
     ],
 )
 def test_the_title_tells_where_springs_are_and_of_which_kind(coupling, words):
-    assert title(coupled(3, **coupling)) == f"test: 3 chains, $\\kappa$ {words}"
+    assert title(coupled(3, **coupling)) == f"test: 3 chains of 20 beads, $\\kappa$ {words}, $V$ = 1"
 
 
 def test_lattices_have_a_panel_for_each_chain_and_lines_for_those_far_from_each_other():

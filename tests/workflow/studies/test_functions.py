@@ -12,6 +12,8 @@ from lammps_inputs import plugins
 from workflow.studies.fit import study as fit
 
 DESIGN = {"scene": SCENE, "vary": {"beads": {"from": 6, "to": 8}}, "minimize": "mass", "also": ["peak_velocity"]}
+LOADED = {**SCENE, "beads": 4, "chains": 1, "precompression": {"force": 1.0}}
+LOADED.pop("coupling")
 DESIGN |= {"verify": 1}
 
 
@@ -29,7 +31,14 @@ CALLS = {
         {**SCENE, "kick": {"velocity": 1.05}}, table(path), ["kick.velocity"], path / "new", lammps=False, offset=0.0
     ),
     "design": lambda path: granchain.design(DESIGN, path / "new", jobs=1),
+    "extremes": lambda path: granchain.extremes(["drives"], path / "new", quick=True),
     "gallery": lambda path: granchain.gallery(path / "new", ["tapered"]),
+    "lyapunov": lambda path: granchain.lyapunov(LOADED, path / "new", duration=1000.0),
+    "modes": lambda path: granchain.modes(LOADED, path / "new", linear=True),
+    "threshold": lambda path: granchain.threshold(
+        SCENE, {"mass": 15.0}, {"beads": (6, 8)}, path / "new", points=3, jobs=1
+    ),
+    "trade": lambda path: granchain.trade(SCENE, path / "new", budget=1.0),
 }
 
 

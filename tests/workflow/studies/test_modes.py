@@ -348,8 +348,7 @@ def test_branches_are_written_where_lammps_fails(tmp_path, capsys, monkeypatch):
     assert "the energy has changed by" in error
     with (out / "states.csv").open() as file:
         assert float(list(csv.DictReader(file))[-1]["energy"]) == pytest.approx(0.01)
-    with (out / "lammps.csv").open() as file:
-        assert list(csv.DictReader(file)) == []
+    assert not (out / "lammps.csv").exists()
     assert {"frequency.png", "states.npz", "decks"} <= {file.name for file in out.iterdir()}
 
 
@@ -360,3 +359,17 @@ def test_linear_modes_alone_are_those_of_touching_chains_across(tmp_path, capsys
     assert main(["modes", str(path), "--linear", "-o", str(tmp_path / "out"), "--json"]) == 0
     frequencies = [mode["frequency"] for mode in json.loads(capsys.readouterr().out)["modes"]]
     assert frequencies == pytest.approx([0.0, 0.0, math.sqrt(0.1), math.sqrt(0.1)])
+
+
+def test_linear_modes_alone_write_no_empty_table_and_leave_none_of_an_earlier_start(tmp_path, capsys):
+    path, out = tmp_path / "scene.yaml", tmp_path / "out"
+    path.write_text(json.dumps(FOUR))
+    assert main(["modes", str(path), "--linear", "-o", str(out)]) == 0
+    assert {file.name for file in out.iterdir()} == {"modes.csv", "states.npz", "cases.jsonl", "run.json"}
+    assert capsys.readouterr().out.splitlines()[-1].endswith("modes.csv, states.npz")
+    earlier = ["--mode", "3", "--energy", "1e-4", "--points", "2", "--no-lammps"]
+    assert main(["modes", str(path), *earlier, "-o", str(out)]) == 0
+    assert (out / "states.csv").exists()
+    assert main(["modes", str(path), "--linear", "-o", str(out)]) == 0
+    for table in out.glob("*.csv"):
+        assert len(table.read_text().splitlines()) > 1, table

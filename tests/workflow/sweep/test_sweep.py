@@ -17,6 +17,7 @@ from workflow.cli import main
 from workflow.runs.files import alone
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
+from workflow.sweep import file as sweep_files
 from workflow.sweep.run_sweep import Asked, begin, task
 from workflow.workers.pool import Pool
 
@@ -65,6 +66,23 @@ def test_a_scene_that_ends_at_a_bead_sweeps_and_is_recognised_again(tmp_path, ca
     assert "1 of 1 cases done (1 of them before)" in capsys.readouterr().out
 
 
+def test_the_directory_keeps_a_sweep_file_that_makes_its_cases(done):
+    path, directory = done
+    again, wanted = (sweep_files.load(each) for each in (directory / "sweep.yaml", path))
+    assert sweep_files.all_cases(again) == sweep_files.all_cases(wanted)
+    assert sweep(directory / "sweep.yaml", directory) == 0  # nothing runs again
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("of_users", ["scene: mine\n", ""])
+def test_a_file_of_the_user_at_its_place_remains(of_users, tmp_path):
+    path = sweep_file(tmp_path, engine="reference", beads=[12])
+    assert sweep(path, tmp_path / "s") == 0
+    (tmp_path / "s" / "sweep.yaml").write_text(of_users)
+    assert sweep(path, tmp_path / "s") == 0
+    assert (tmp_path / "s" / "sweep.yaml").read_text() == of_users
+
+
 def stamps(directory):
     return {path: path.stat().st_mtime_ns for path in directory.rglob("*") if path.is_file()}
 
@@ -80,7 +98,7 @@ def test_a_finished_sweep_is_not_computed_again(done):
 def test_what_is_missing_failed_or_cut_short_is_computed_again_and_nothing_else(tmp_path):
     path = sweep_file(tmp_path, coupling__stiffness=[0.1, 0.2, 0.3, 0.4, 0.5])
     assert sweep(path, tmp_path / "s") == 0
-    kept, unanalysed, failed, killed, gone = sorted((tmp_path / "s").iterdir())
+    kept, unanalysed, failed, killed, gone = sorted((tmp_path / "s").glob("*=*"))
     (unanalysed / "analysis.json").unlink()
     RunDirectory(failed).update(outcome="failed")
     RunDirectory(killed).update(outcome="running")
@@ -101,7 +119,7 @@ def test_added_values_are_computed_and_cases_no_longer_named_stay(tmp_path, caps
     out = capsys.readouterr().out
     assert "2 of 2 cases done (1 of them before)" in out
     assert "1 more cases, with values that" in out
-    assert {path.name for path in (tmp_path / "s").iterdir()} == {"beads=10", "beads=11", "beads=12"}
+    assert {path.name for path in (tmp_path / "s").glob("*=*")} == {"beads=10", "beads=11", "beads=12"}
 
 
 OF_THE_DONE = {"coupling__stiffness": [0.05, 0.1]}
@@ -168,7 +186,7 @@ def test_a_failing_case_among_good_ones_is_told_in_one_line_and_tried_again(tmp_
         told, count, _ = out.splitlines()
         assert told.startswith("timestep=0.7: by step 200, the energy has changed by ")
         assert count == f"{tmp_path / 's'}: 2 of 3 cases done{before}, 1 failed"
-    found = {path.name: RunDirectory(path).job.outcome for path in (tmp_path / "s").iterdir()}
+    found = {path.name: RunDirectory(path).job.outcome for path in (tmp_path / "s").glob("*=*")}
     assert found == {"timestep=0.01": "done", "timestep=0.1": "done", "timestep=0.7": "failed"}
 
 

@@ -1,11 +1,12 @@
 """Shock pulses in granular chains, single or weakly coupled: what the commands do, for scripts and notebooks.
 
 A function has the name and the arguments of its command. A scene may be a name, a file, plain data or a `Scene`; a run
-is a `Run` or the path of its directory. Bad input raises `InputError`, a run that fails `RunError`, each with one line
-of text; nothing ends the interpreter. On a terminal and in a notebook long work has a progress bar.
+is a `Run` or the path of its directory; numbers and arrays of NumPy count as those of Python. Bad input raises
+`InputError`, a run that fails `RunError`, each with one line of text that names the argument; nothing ends the
+interpreter. On a terminal and in a notebook long work has a progress bar.
 
-Studies and tools that are installed are functions, too (``fit``, ``design``, ``gallery``, ``explore``, ``export``), and
-loaded when they are first used.
+Studies and tools that are installed are functions, too (``fit``, ``design``, ``gallery``, ``threshold``, ``lyapunov``,
+``modes``, ``trade``, ``extremes``, ``adopt``, ``explore``, ``export``), and loaded when they are first used.
 
 Examples:
     >>> import granchain
@@ -15,23 +16,32 @@ Examples:
     >>> analysis = granchain.analyze(run)
     >>> analysis.waves.of_chain(1).arrival[:3].round(2)  # in the scene's units
     array([0.  , 1.82, 3.05])
+    >>> granchain.open("demo").trajectory.frames  # later, or on another machine
+    1921
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from analysis.tracking.leading_waves import Arrival
 from lammps_inputs import InputError, Scene, file_names, plugins
+from lammps_inputs.library import suggestion
 from lammps_inputs.materials import CATALOGUE as materials  # noqa: N811  no constant to those who read it
 from lammps_inputs.materials import Solid
-from workflow.arguments import AnyRun, AnyScene, directory_of, load, path_of, source_of
+from lammps_inputs.numbers import plain_values
+from workflow.arguments import AnyDefinition, AnyRun, AnyScene, Processes, directory_of, load, source_of
+from workflow.checked import Between, checked
 from workflow.errors import RunError
+from workflow.runs import check as checking
+from workflow.runs import resume as resuming
 from workflow.runs import run as running
 from workflow.runs.deck_directory import write_deck
 from workflow.runs.run_directory import RunDirectory
+from workflow.runs.status import State, status
 from workflow.screen import progress_bar
 from workflow.study_kit.gradient import of_run, with_derivatives
 from workflow.sweep import collect as collecting
@@ -50,8 +60,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from workflow.studies.design.study import design as design
+    from workflow.studies.extremes.function import extremes as extremes
     from workflow.studies.fit.study import fit as fit
     from workflow.studies.gallery.study import gallery as gallery
+    from workflow.studies.lyapunov.function import lyapunov as lyapunov
+    from workflow.studies.modes.function import modes as modes
+    from workflow.studies.threshold.function import threshold as threshold
+    from workflow.studies.trade.function import trade as trade
+    from workflow.tools.adopt.function import adopt as adopt
     from workflow.tools.explore.notebook import explore as explore
     from workflow.tools.export.tool import export as export
 
@@ -75,7 +91,9 @@ __all__ = [
     "deck",
     "load",
     "materials",
+    "open",
     "plot",
+    "resume",
     "run",
     "statistics",
     "sweep",
@@ -100,6 +118,9 @@ if not TYPE_CHECKING:  # a type checker would take any name for one of this modu
 def __dir__() -> list[str]:
     return sorted([*__all__, *plugins.declared("functions"), "__version__"])
 
+
+Ranks = Annotated[int, Between(1)]
+"""Number of MPI ranks of LAMMPS."""
 
 MOST_EMBEDDED = 6_000_000
 """Bytes of a page that is part of a notebook's file when it is displayed; of a larger one there is a link."""
@@ -148,9 +169,9 @@ class NotebookFigure:
 class Run(running.CompletedRun):
     """Run that came to an end: its ``directory``, its ``outcome`` and its ``check``.
 
-    ``directory.path`` is the path of its files. ``outcome`` is "done", or "interrupted" with the frames until then.
-    ``check`` is its error against the reference, with the uncertainty of that; None if that was not asked for, or
-    another engine than LAMMPS ran.
+    ``directory.path`` is the path of its files. ``outcome`` is "done", or "interrupted" with the frames until then; of
+    a run that was opened also "failed" or "running". ``check`` is its error against the reference, with the uncertainty
+    of that; None if that was not asked for, or another engine than LAMMPS ran.
 
     Examples:
         >>> done = granchain.run("one-chain", "first")
@@ -159,6 +180,23 @@ class Run(running.CompletedRun):
         >>> done.si.velocity.shape == done.trajectory.velocity.shape
         True
     """
+
+    @cached_property
+    def analysis(self) -> Analysis:
+        """Waves, pulses and energies, measured when they are first asked for; nothing is written.
+
+        Returns:
+            The analysis, as that of `analyze`, which writes it beside the frames.
+
+        Raises:
+            InputError: there are no frames, or they are damaged.
+
+        Examples:
+            >>> done = granchain.run("one-chain", "analysed", engine="reference")
+            >>> done.analysis.waves.peak_velocity[40:42].round(3)
+            array([0.682, 0.682])
+        """
+        return analysing.results_of(self.directory, analysing.measure(self.directory, figures=False))
 
     def view(self) -> Page:
         """Write its page, see `view`; needs Bokeh.
@@ -173,12 +211,13 @@ class Run(running.CompletedRun):
         return view(self)
 
 
+@checked
 def run(
     scene: AnyScene,
     directory: Path | str,
     *,
     engine: Literal["lammps", "reference", "collisions"] = "lammps",
-    ranks: int = 1,
+    ranks: Ranks = 1,
     overwrite: bool = False,
     force: bool = False,
     check: bool = True,
@@ -206,16 +245,72 @@ def run(
         >>> done.trajectory.velocity.dtype
         dtype('float64')
     """
-    if not isinstance(ranks, int):
-        raise InputError(f"ranks: {ranks!r} given; a whole number, 1 or more")
     ready = running.prepare_run(
-        load(scene), path_of(directory), engine=engine, ranks=ranks, overwrite=overwrite, force=force, source="scene"
+        load(scene), Path(directory), engine=engine, ranks=ranks, overwrite=overwrite, force=force, source="scene"
     )
     with progress_bar(ready.scene.name, ready.problem) as progress:
         done = running.run_prepared(ready, check=check, progress=progress)
     return Run(done.directory, done.outcome, done.check)
 
 
+_OUTCOMES: dict[State, str] = {"done": "done", "failed": "failed", "running": "running"}
+"""State of a directory -> outcome of its run; in all others it was interrupted."""
+
+
+@checked
+def open(directory: Path | str) -> Run:
+    """Open the directory of a run that exists: of an earlier day, of the command, or back from a cluster.
+
+    Args:
+        directory: directory of the run.
+
+    Returns:
+        The run, as `run` returns it; its frames are read from the disk when they are asked for.
+
+    Raises:
+        InputError: there is no run directory, or it holds no frames.
+
+    Examples:
+        >>> earlier = granchain.open("out")
+        >>> earlier.outcome, earlier.check.velocity < 2e-4
+        ('done', True)
+        >>> earlier.trajectory.velocity.shape, len(earlier.analysis.waves)
+        ((1921, 2, 120), 240)
+    """
+    opened = RunDirectory(Path(directory))
+    _ = opened.dumps  # refuses a directory without frames
+    return Run(opened, _OUTCOMES.get(status(opened.path).state, "interrupted"), checking.recorded(opened))
+
+
+@checked
+def resume(run: AnyRun, *, ranks: Ranks | None = None, check: bool = True) -> Run:
+    """Resume a run that was interrupted, killed, or met a full disk; bit for bit as if it had never been interrupted.
+
+    Args:
+        run: a run, or its directory.
+        ranks: number of MPI ranks of LAMMPS; as many as before by default.
+        check: whether to measure the error of a LAMMPS run against the reference.
+
+    Returns:
+        The run; one that was done before is opened.
+
+    Raises:
+        InputError: no run was begun there, its files were changed, or it is under way.
+        RunError: the run failed.
+
+    Examples:
+        >>> granchain.resume("out").outcome  # it was done before
+        'done'
+    """
+    directory = run.directory if isinstance(run, running.CompletedRun) else run
+    path = directory.path if isinstance(directory, RunDirectory) else Path(directory)
+    begun = resuming.begun(path)
+    with progress_bar(begun.scene.name, begun.problem) as progress:
+        done = resuming.resume(path, ranks=ranks, check=check, progress=progress)
+    return open(path) if done is None else Run(done.directory, done.outcome, done.check)
+
+
+@checked
 def deck(scene: AnyScene, directory: Path | str, *, overwrite: bool = False, force: bool = False) -> Path:
     """Write the LAMMPS deck of a scene, for any ``lmp``; `analyze` takes the directory once the deck was run in it.
 
@@ -235,16 +330,17 @@ def deck(scene: AnyScene, directory: Path | str, *, overwrite: bool = False, for
         >>> granchain.deck("one-chain", "deck").name
         'in.chains'
     """
-    path = path_of(directory)
+    path = Path(directory)
     write_deck(load(scene), path, source=source_of(scene), overwrite=overwrite, force=force)
     return path / file_names.DECK
 
 
+@checked
 def analyze(
     run: AnyRun,
     *,
     figures: bool = False,
-    beads: Sequence[int] | None = None,
+    beads: Sequence[Annotated[int, Between(1)]] | None = None,
     arrival: Arrival | None = None,
     gradient: Sequence[str] = (),
     by: Sequence[str] | None = None,
@@ -281,12 +377,13 @@ def analyze(
     return with_derivatives(analysis, directory, derivatives)
 
 
+@checked
 def validate(
     run: AnyRun,
     *,
     against: AnyRun | None = None,
     units: Literal["scene", "dimensionless"] = "scene",
-    tolerances: Mapping[str, float] | None = None,
+    tolerances: Mapping[str, Annotated[float, Between(0.0)]] | None = None,
 ) -> Validation:
     """Compare a run with an accurate reference, with another run of its scene, or with a table or traces of your own.
 
@@ -308,13 +405,19 @@ def validate(
         >>> granchain.validate("out", tolerances={"velocity": 1e-12}).verdict("velocity")
         'EXCEEDED'
     """
-    directory, limits = directory_of(run), dict(tolerances or {})
+    limits = dict(tolerances or {})
+    for name in limits:
+        if name not in validating.TOLERANCES:
+            hint = suggestion(name[:60], validating.TOLERANCES)
+            raise InputError(f"tolerances: {name[:60]!r} given{hint}; of {', '.join(validating.TOLERANCES)}")
+    directory = directory_of(run)
     if against is None:
         return validating.validate(directory, limits)
     other = run_or_file(Path(against)) if isinstance(against, str | Path) else directory_of(against)
     return validate_against(directory, other, dimensionless=units == "dimensionless", tolerances=limits)
 
 
+@checked
 def universe(run: AnyRun) -> Any:
     """Open a run as an ``MDAnalysis.Universe``, also one that was continued; see `analysis.mda.universe`.
 
@@ -341,13 +444,14 @@ def universe(run: AnyRun) -> Any:
         raise InputError(str(error)) from None
 
 
+@checked
 def sweep(
-    definition: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None, check: bool = True
+    definition: AnyDefinition, directory: Path | str, *, jobs: Processes | None = None, check: bool = True
 ) -> SweepTable:
     """Run a scene for lists or ranges of its fields, on all cores, and gather the cases; runs what is missing.
 
     Args:
-        definition: a sweep file, or its content as a mapping.
+        definition: a sweep file, or its content as a mapping; its scene may be a `Scene`.
         directory: new, or resumed.
         jobs: cases at a time; as many as there are cores by default.
         check: whether to measure the errors against the reference.
@@ -371,18 +475,22 @@ def sweep(
         if isinstance(definition, Mapping)
         else file.load(Path(definition))
     )
-    end = carry_out(read, path_of(directory), processes=jobs, check=check)
+    end = carry_out(read, Path(directory), processes=jobs, check=check)
     if end.interrupted:
         raise RunError("interrupted: completed cases remain; the same call runs the rest")
     return collect(directory)
 
 
-def collect(directory: Path | str, at_beads: Sequence[str] = ()) -> SweepTable:
+@checked
+def collect(
+    directory: Path | str, at_beads: Sequence[str] = (), *, where: Mapping[str, Any] | None = None
+) -> SweepTable:
     """Gather the cases of a sweep into one table, those that failed with the reason.
 
     Args:
         directory: directory of the sweep, or any other that run directories lie in.
         at_beads: further columns, of the leading wave at chosen beads, such as ``peak_velocity@100``.
+        where: varied field -> value; only cases with these values.
 
     Returns:
         The table of the cases.
@@ -395,9 +503,11 @@ def collect(directory: Path | str, at_beads: Sequence[str] = ()) -> SweepTable:
         >>> table.numbers("peak_velocity@40").round(3)
         array([0.682, 1.363])
     """
-    return collecting.collect(path_of(directory), at_beads)
+    table = collecting.collect(Path(directory), at_beads)
+    return collecting.only(table, plain_values(where)) if where else table
 
 
+@checked
 def statistics(table: SweepTable, quantity: str, over: str | None = None) -> list[Group]:
     """Compute statistics of a column of a sweep's table over its cases, as ``granchain collect --statistics`` does.
 
@@ -417,10 +527,11 @@ def statistics(table: SweepTable, quantity: str, over: str | None = None) -> lis
         >>> group.statistics.values
         2
     """
-    collecting.refuse_unless_numeric("statistics", quantity)
+    collecting.refuse_unless_numeric("quantity", quantity)
     return grouped(table, quantity, default_fields(table) if over is None else named_fields("over", over, table))
 
 
+@checked
 def plot(table: SweepTable, quantity: str, over: str, beside: str | None = None) -> NotebookFigure:
     """Draw a column of a sweep's table over a varied field, or over two, as ``granchain collect --plot`` does.
 
@@ -443,6 +554,7 @@ def plot(table: SweepTable, quantity: str, over: str, beside: str | None = None)
     return NotebookFigure(collecting.drawn(table, quantity, over, beside))
 
 
+@checked
 def view(run_or_sweep: AnyRun, against: AnyRun | None = None) -> Page:
     """Write the interactive page of a run or a sweep, ``view.html``, or of two runs, ``against-B.html``.
 
@@ -467,5 +579,5 @@ def view(run_or_sweep: AnyRun, against: AnyRun | None = None) -> Page:
         return Page(write.write_comparison(directory_of(run_or_sweep), directory_of(against)))
     if isinstance(run_or_sweep, running.CompletedRun):
         run_or_sweep = run_or_sweep.directory
-    path = run_or_sweep.path if isinstance(run_or_sweep, RunDirectory) else path_of(run_or_sweep)
+    path = run_or_sweep.path if isinstance(run_or_sweep, RunDirectory) else Path(run_or_sweep)
     return Page(write.write(path))

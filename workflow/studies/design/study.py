@@ -16,13 +16,15 @@ import argparse
 import functools
 import json
 import math
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, library, strict_yaml
-from workflow.arguments import path_of
+from workflow.arguments import AnyDefinition, Processes
+from workflow.checked import checked
 from workflow.cost_model import add_job_arguments, job_options
 from workflow.runs.files import as_json
 from workflow.screen import CommandResult, one_line, print_files, print_table
@@ -33,7 +35,7 @@ from workflow.studies.design.result import DesignResult, Verified, sensitivity
 from workflow.studies.design.search import RULED_OUT, Compute, DesignRecord, computed, search, worth
 from workflow.study_kit.directory import Study, csv_text, kept_run
 from workflow.study_kit.gradient import gradient as derivatives
-from workflow.study_kit.options import add_jobs, add_output, as_job, interrupted
+from workflow.study_kit.options import add_jobs, add_output, as_job, example_file, interrupted
 from workflow.study_kit.scene_quantities import by_reference, of_frames, scene_to_run
 from workflow.sweep import fields
 from workflow.verdicts.derivative import HEAD, Derivative
@@ -42,17 +44,18 @@ REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "
 STUDY = Study("design", f"{PAGE} is the report", tables=(REPORT, TABLE, BEST, PAGE), cache="evaluations.jsonl")
 
 
+@checked
 def design(
-    definition: Mapping[str, Any] | Path | str,
+    definition: AnyDefinition,
     directory: Path | str,
     *,
-    jobs: int | None = None,
+    jobs: Processes | None = None,
     gradient: bool = False,
 ) -> DesignResult:
     """Find the scene that minimises or maximises a quantity within bounds, on all cores; resumes an interrupted call.
 
     Args:
-        definition: a design file, or its content as a mapping.
+        definition: a design file, or its content as a mapping, in which scenes may be `Scene` objects.
         directory: new, or resumed.
         jobs: designs at a time; as many as there are cores by default.
         gradient: whether steps with derivatives follow the search, and the best design is given with its derivatives.
@@ -63,13 +66,19 @@ def design(
     Raises:
         InputError: the file is invalid, or no design is within its limits.
         RunError: LAMMPS failed.
+
+    Examples:
+        >>> scene = {"name": "short", "beads": 12, "kick": {"velocity": 1.0}, "duration": 8.0}
+        >>> wanted = {"scene": scene, "vary": {"beads": {"from": 8, "to": 12}}, "minimize": "mass", "verify": 1}
+        >>> granchain.design(wanted, "designed", jobs=1).best.values
+        {'beads': 8}
     """
     wanted = (
         file.from_plain(dict(definition), Path("design"))
         if isinstance(definition, Mapping)
         else file.load(Path(definition))
     )
-    return carry_out(wanted, path_of(directory), jobs, gradient=gradient)
+    return carry_out(wanted, Path(directory), jobs, gradient=gradient)
 
 
 def carry_out(design: Design, directory: Path, jobs: int | None = None, *, gradient: bool = False) -> DesignResult:
@@ -188,8 +197,9 @@ def _written(value: Any) -> str:
 # --- command ----------------------------------------------------------------------------------------------------------
 
 ANSWERS = "what design.json holds"
+FILE = f"DESIGN.yaml:\n{textwrap.indent(example_file(file), '  ')}"
 EXAMPLES = (
-    "design design.yaml -o designed          # the same command resumes; workflow/README.md has such a file",
+    "design design.yaml -o designed          # the same command resumes",
     "design design.yaml -o designed --slurm --jobs 64   # then there: sbatch job.sbatch",
 )
 

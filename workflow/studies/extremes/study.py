@@ -298,6 +298,28 @@ def _program() -> str:
     return key_of([[path.relative_to(root).as_posix(), path.read_text("utf-8")] for path in sorted(files)])
 
 
+def carry_out(parts: Sequence[str], directory: Path | None, *, quick: bool) -> list[RunOutcome]:
+    """Run what is missing of the report, on all cores.
+
+    Args:
+        parts: names of its parts; none for all.
+        directory: made if need be, or resumed; None writes nothing.
+        quick: whether only cells are run that take about a second.
+
+    Raises:
+        InputError: there is no such part, or the directory cannot be used.
+        RunError: a process was killed.
+    """
+    refuse_unknown_parts("extremes", parts, PARTS)
+    chosen = [cell for cell in grid(parts) if not quick or cost(cell) <= QUICK]
+    with STUDY.evaluating(directory) as values:
+        results = values(plan(chosen), failed=lambda result: bool(result.failed) or result.value["kind"] == "WRONG")
+        outcomes = [RunOutcome(**value) for value in results]
+        if directory is not None:
+            STUDY.write(directory, {TABLE: to_csv(RunOutcome, outcomes)})
+    return outcomes
+
+
 # --- command ----------------------------------------------------------------------------------------------------------
 
 EXAMPLES = (
@@ -318,13 +340,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Run what is missing, print a table; exit code 1 if a cell is silently wrong."""
-    refuse_unknown_parts("extremes", arguments.parts, PARTS)
-    chosen = [cell for cell in grid(arguments.parts) if not arguments.quick or cost(cell) <= QUICK]
-    with STUDY.evaluating(arguments.output) as values:
-        results = values(plan(chosen), failed=lambda result: bool(result.failed) or result.value["kind"] == "WRONG")
-        outcomes = [RunOutcome(**value) for value in results]
-        if arguments.output is not None:
-            STUDY.write(arguments.output, {TABLE: to_csv(RunOutcome, outcomes)})
+    outcomes = carry_out(arguments.parts, arguments.output, quick=arguments.quick)
     title = "largest error of any velocity (V), against a more accurate reference"
     print_records(title, RunOutcome, outcomes)
     for outcome in outcomes:

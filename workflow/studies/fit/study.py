@@ -24,7 +24,8 @@ from analysis.gauges.gauge import read_at
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, installed_scenes, library, strict_yaml
 from workflow import formats
-from workflow.arguments import AnyScene, load, path_of, source_of
+from workflow.arguments import AnyScene, load, source_of
+from workflow.checked import checked
 from workflow.cost_model import add_job_arguments, job_options
 from workflow.formats import figure_files
 from workflow.runs.files import as_json
@@ -59,6 +60,7 @@ BEGUN = 3
 """Number of searches from the best of these points."""
 
 
+@checked
 def fit(
     scene: AnyScene,
     against: Path | str,
@@ -88,11 +90,20 @@ def fit(
     Raises:
         InputError: the scene, the table or a field cannot be used.
         RunError: LAMMPS failed.
+
+    Examples:
+        >>> import numpy as np
+        >>> scene = {"name": "short", "beads": 12, "kick": {"velocity": 1.0}, "duration": 8.0}
+        >>> frames = granchain.run(scene, "measured", engine="reference").trajectory
+        >>> rows = np.column_stack([frames.time, frames.velocity[:, 0, 3]])
+        >>> np.savetxt("traces.csv", rows, delimiter=",", header="time,velocity_1_4", comments="")
+        >>> start = granchain.load(scene, {"kick.velocity": 1.05})
+        >>> fitted = granchain.fit(start, "traces.csv", ["kick.velocity"], "fitted", offset=0.0, lammps=False)
+        >>> round(fitted.free["kick.velocity"].value, 4)
+        1.0
     """
-    names = [free] if isinstance(free, str) else list(free)
-    plain = load(scene).plain()
-    model = Model(plain, source_of(scene), names, Path(against), offset, gradient=gradient)
-    return carry_out(model, path_of(directory), lammps=lammps)
+    model = Model(load(scene).plain(), source_of(scene), list(free), Path(against), offset, gradient=gradient)
+    return carry_out(model, Path(directory), lammps=lammps)
 
 
 def carry_out(model: Model, directory: Path, *, lammps: bool = True) -> Fit:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError, html
 from lammps_inputs.library import suggestion
-from workflow.arguments import path_of
+from workflow.checked import checked
 from workflow.screen import CommandResult, count_bar, one_line, print_files, print_table
 from workflow.studies.gallery.criteria import RULE
 from workflow.studies.gallery.entries import ENTRIES, GROUPS
@@ -44,6 +44,7 @@ SUMMARY = (
 )
 
 
+@checked
 def gallery(directory: Path | str, names: Sequence[str] = ()) -> Sections:
     """Compute published results and compare them with the publications; writes ``index.html``.
 
@@ -56,9 +57,15 @@ def gallery(directory: Path | str, names: Sequence[str] = ()) -> Sections:
 
     Raises:
         InputError: there is no such entry, or the directory cannot be used.
+
+    Examples:
+        >>> sections = granchain.gallery("published", ["tapered"])
+        >>> list(sections), sections["tapered"].failed
+        (['tapered'], '')
     """
+    _chosen(names, "names")
     with count_bar("gallery") as progress:
-        return carry_out(path_of(directory), [names] if isinstance(names, str) else names, progress=progress)
+        return carry_out(Path(directory), names, progress=progress)
 
 
 def carry_out(directory: Path, names: Sequence[str] = (), *, progress: evaluate.Progress | None = None) -> Sections:
@@ -86,7 +93,7 @@ def carry_out(directory: Path, names: Sequence[str] = (), *, progress: evaluate.
     return Sections({name: computed[name] for name in chosen})
 
 
-def _chosen(names: Sequence[str]) -> list[str]:
+def _chosen(names: Sequence[str], argument: str = "ENTRY") -> list[str]:
     """Names of the entries with these names and in groups with these names, in the order of the page; by default all.
 
     Raises:
@@ -96,7 +103,7 @@ def _chosen(names: Sequence[str]) -> list[str]:
         if name not in ENTRIES and name not in GROUPS:
             names_and_groups = (*GROUPS, *ENTRIES)
             hint = suggestion(name, names_and_groups)
-            raise InputError(f"ENTRY: {name!r} is no entry{hint}; entries are {', '.join(names_and_groups)}")
+            raise InputError(f"{argument}: {name!r} is no entry{hint}; entries are {', '.join(names_and_groups)}")
     chosen = {entry for name in names for entry in GROUPS.get(name, (name,))}
     return [name for name in ENTRIES if name in chosen or not names]
 

@@ -137,6 +137,9 @@ class LyapunovResult:
     duration: float
     accuracy: float
 
+    def __repr__(self) -> str:
+        return f"<Lyapunov exponents of {self.problem.name}: {self.sentences()[0]}>"
+
     @property
     def chaotic(self) -> bool:
         """Whether deviations grow exponentially."""
@@ -230,6 +233,28 @@ def study(scene: dict[str, Any], source: str, directory: Path, exponents: int, d
     return spectrum
 
 
+def duration_of(problem: Problem, exponents: int, duration: float | None) -> float:
+    """Duration of each run, in units of T.
+
+    Args:
+        problem: problem of the scene.
+        exponents: number of exponents.
+        duration: in the scene's units; None for the default.
+
+    Raises:
+        InputError: it is too short, or there are not so many exponents.
+    """
+    chosen = DURATION if duration is None else duration / problem.scale.time
+    least = growth.RECORDS * growth.STEPS_PER_INTERVAL * growth.usual_step(problem)
+    if duration is not None and chosen < least:
+        shortest = problem.scale.written(least, "time", ".3g")
+        raise InputError(f"--duration: {duration:g} given; at least {shortest}, for {growth.RECORDS} records")
+    available = 2 * int(np.sum(tangent.make_flow(problem, 0, 1.0).free))
+    if exponents > available:
+        raise InputError(f"--exponents: {exponents} given; the scene has {available}, two for each free bead")
+    return chosen
+
+
 def _case(
     scene: dict[str, Any], source: str, exponents: int, refinement: int, start: int, duration: float
 ) -> Computation:
@@ -277,6 +302,7 @@ def _estimates(spectrum: LyapunovResult) -> list[RunningEstimate]:
 
 def _figure(spectrum: LyapunovResult) -> "Figure":
     from analysis.figures.exponents import Convergence, draw  # matplotlib takes half a second to import
+    from analysis.figures.style import title
 
     scale, usual = spectrum.problem.scale, growth.usual_step(spectrum.problem)
     lines = []
@@ -291,7 +317,7 @@ def _figure(spectrum: LyapunovResult) -> "Figure":
         for part in zip(*pairs, strict=True)
     )
     unit = Label("exponent", r"\lambda", scale.symbol("rate")), Label("time", "t", scale.symbol("time"))
-    return draw(lines, values, errors, unit, spectrum.problem.name)
+    return draw(lines, values, errors, unit, title(spectrum.problem))
 
 
 def seconds(problem: Problem, exponents: int, duration: float) -> float:
@@ -340,14 +366,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     scene = library.find(name)
     plain_scene = scene.plain()
     problem = problem_of(plain_scene, name)
-    duration = DURATION if arguments.duration is None else arguments.duration / problem.scale.time
-    least = growth.RECORDS * growth.STEPS_PER_INTERVAL * growth.usual_step(problem)
-    if duration < least:
-        shortest = problem.scale.written(least, "time", ".3g")
-        raise InputError(f"--duration: {arguments.duration:g} given; at least {shortest}, for {growth.RECORDS} records")
-    available = 2 * int(np.sum(tangent.make_flow(problem, 0, 1.0).free))
-    if arguments.exponents > available:
-        raise InputError(f"--exponents: {arguments.exponents} given; the scene has {available}, two for each free bead")
+    duration = duration_of(problem, arguments.exponents, arguments.duration)
     print_heading(scene.name, scene.units)
     print(f"four runs are computed, in about {seconds(problem, arguments.exponents, duration):.2g} s")
     try:

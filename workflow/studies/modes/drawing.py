@@ -22,11 +22,12 @@ MOST_BRANCHES = 4
 def figures(result: ModesResult) -> "dict[str, Figure]":
     """Figures of the first branches; none without branches."""
     from analysis.figures import periodic_states  # matplotlib takes half a second to import
+    from analysis.figures.style import title
 
     curves = [_curve(result, branch) for branch in result.branches if branch.states][:MOST_BRANCHES]
     if not curves:
         return {}
-    scale, name = result.problem.scale, result.problem.name
+    scale, name = result.problem.scale, title(result.problem)
     energy, frequency = (
         Label("energy", "E", scale.symbol("energy")),
         Label("angular frequency", "\\omega", scale.symbol("frequency")),
@@ -56,6 +57,7 @@ def _curve(result: ModesResult, branch: BranchOfMode) -> "BranchCurve":
     ]
     return BranchCurve(
         name=f"mode {branch.mode + 1}",
+        last_state=f"state {states.index(last) + 1}, energy {scale.written(last['energy'], 'energy', '.3g')}",
         energy=scale.measured(branch.values("energy"), "energy"),
         frequency=scale.measured(2.0 * np.pi / branch.values("period"), "frequency"),
         stable=np.array([state["stable"] for state in states]),

@@ -102,6 +102,9 @@ class ResponseResult:
     data: dict[str, Any]
     sweep: list[dict[str, Any]]
 
+    def __repr__(self) -> str:
+        return f"<{len(self.data['states'])} responses of {self.problem.name}>"
+
     def amplitudes(self, states: Sequence[dict[str, Any]]) -> Floats:
         """Largest speed of the chosen bead, [state], in units of V."""
         return np.array([state["speed"][self.place[0] - 1][self.place[1] - 1] for state in states], dtype=np.float64)

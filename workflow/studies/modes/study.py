@@ -37,6 +37,7 @@ from lammps_inputs import InputError, Problem, library, physics
 from lammps_inputs.decks import deck
 from workflow.formats import figure_files
 from workflow.runs.files import write_bytes, write_text
+from workflow.runs.output_directory import retire
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.studies.modes import lammps_check, response_study
 from workflow.studies.modes.drawing import FIGURES, figures
@@ -162,19 +163,19 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: ModesReq
         lines = [
             _lammps_line(branch, number, value) for (branch, number), value in zip(chosen, values(cases), strict=True)
         ]
-        STUDY.write(directory, {LAMMPS: to_csv(LammpsLine, lines, problem.scale)})
+        if lines:
+            STUDY.write(directory, {LAMMPS: to_csv(LammpsLine, lines, problem.scale)})
     return replace(result, checks=lines)
 
 
 def _write(directory: Path, result: ModesResult, chosen: Sequence[tuple[BranchOfMode, int]]) -> None:
     """Write tables, arrays and figures, and decks that start on chosen states, given by their numbers."""
     scale = result.problem.scale
-    tables = {
-        MODES: to_csv(LinearMode, result.modes(), scale),
-        STATES: to_csv(StateLine, result.states(), scale),
-        BIFURCATIONS: to_csv(BifurcationLine, result.bifurcations(), scale),
-        LAMMPS: to_csv(LammpsLine, result.checks, scale),
-    }
+    tables = {MODES: to_csv(LinearMode, result.modes(), scale)}
+    if result.branches:
+        tables[STATES] = to_csv(StateLine, result.states(), scale)
+        tables[BIFURCATIONS] = to_csv(BifurcationLine, result.bifurcations(), scale)
+    retire(directory, set(STUDY.files).difference(tables, (ARRAYS, DECKS, STUDY.cache)))  # of an earlier start
     STUDY.write(directory, tables, figures(result))
     write_bytes(directory / ARRAYS, _arrays(result))
     for branch, number in chosen:
@@ -320,7 +321,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_output(parser)
 
 
-def _requested(arguments: argparse.Namespace, problem: Problem, linear: LinearModes) -> ModesRequest:
+def requested(arguments: argparse.Namespace, problem: Problem, linear: LinearModes) -> ModesRequest:
     """What the arguments ask for.
 
     Raises:
@@ -361,7 +362,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     if request_of_responses is not None:
         return response_study.execute(arguments, scene, request_of_responses)
     linear = modes_of(problem, name, linear_only=arguments.linear)
-    request = _requested(arguments, problem, linear)
+    request = requested(arguments, problem, linear)
     print_heading(scene.name, scene.units)
     try:
         computed = study(plain_scene, name, arguments.output, request)
@@ -369,8 +370,8 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         return options.interrupted()
     _print(computed, request)
     figures = figure_files(*FIGURES) if any(branch.states for branch in computed.branches) else ()
-    decks = (DECKS,) if computed.checks else ()
-    print_files(arguments.output, (MODES, STATES, BIFURCATIONS, LAMMPS, ARRAYS, *decks, *figures))
+    names = [name for name in (*STUDY.tables, ARRAYS, DECKS) if (arguments.output / name).exists()]
+    print_files(arguments.output, (*names, *figures))
     return CommandResult(0 if all(branch.states for branch in computed.branches) else 1, computed.plain())
 
 

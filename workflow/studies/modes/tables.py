@@ -147,6 +147,10 @@ class ModesResult:
     branches: list[BranchOfMode]
     checks: list[LammpsLine]
 
+    def __repr__(self) -> str:
+        states = sum(len(branch.states) for branch in self.branches)
+        return f"<{len(self.linear.frequency)} linear modes of {self.problem.name}, {states} periodic states>"
+
     def modes(self) -> list[LinearMode]:
         """All linear modes."""
         chains = self.problem.chains

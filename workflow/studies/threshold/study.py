@@ -14,10 +14,11 @@ A threshold study: scans of the field, brackets that are halved, and files.
 import argparse
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
 from lammps_inputs import InputError, library
 from lammps_inputs.units import REDUCED
+from workflow.checked import Between
 from workflow.formats import figure_files
 from workflow.screen import CommandResult, cell, one_line, print_files, print_table
 from workflow.studies.threshold.crossings import Crossing, SearchedField, crossings, wanted
@@ -35,6 +36,10 @@ TABLE, POINTS, FIGURE = "threshold.csv", "points.csv", "threshold"
 STUDY = Study(
     "threshold", f"{TABLE} is the table", tables=(TABLE, POINTS), figures=(FIGURE,), cache="evaluations.jsonl"
 )
+
+
+POINTS_OF_SCAN, TOLERANCE = 9, 1e-3
+"""Default number of values of the first scan, and largest half-width of a bracket over its place."""
 
 
 @dataclass(frozen=True)
@@ -127,6 +132,10 @@ class ThresholdResult:
     thresholds: list[Threshold]
     points: list[ComputedPoint]
     refused: dict[Any, str]
+
+    def __repr__(self) -> str:
+        question, count = self.question, len(self.thresholds)
+        return f"<{count} threshold{'s' * (count != 1)} of {question.quantity} over {question.field}>"
 
     def plain(self) -> dict[str, Any]:
         """Plain data of the result, for scripts."""
@@ -273,8 +282,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--log", action="store_true", help="divide the range by factors instead of differences")
     parser.add_argument("--over", metavar="FIELD=A,B,...", help="one threshold for each value of a second field")
     words = ("values of the first scan (default 9)", "largest half-width of a bracket / its place (default 0.001)")
-    parser.add_argument("--points", metavar="N", type=options.within(int, 2, 10_000), default=9, help=words[0])
-    parser.add_argument("--tolerance", metavar="X", type=options.within(float, 1e-12, 0.5), default=1e-3, help=words[1])
+    parser.add_argument(
+        "--points", metavar="N", type=options.within(int, 2, 10_000), default=POINTS_OF_SCAN, help=words[0]
+    )
+    bounds = options.within(float, 1e-12, 0.5)
+    parser.add_argument("--tolerance", metavar="X", type=bounds, default=TOLERANCE, help=words[1])
     options.add_output(parser)
     options.add_jobs(parser)
 
@@ -291,23 +303,64 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
 
 
 def _question(arguments: argparse.Namespace) -> Question:
-    name = arguments.scene
-    plain = library.find(name).plain()
+    plain = library.find(arguments.scene).plain()
     quantity, level = options.split(arguments.where, "--where", "agree_1=50")
     field, ends = options.split(arguments.vary, "--vary", "coupling.stiffness=0.02:0.5")
     over = options.second_field(arguments.over)
     low, high = options.both_ends(ends, "--vary", "FIELD=0.02:0.5")
+    wanted_level = quantity, options.number(level, "--where", "agree_1=50")
+    scan = ScanOptions(log=arguments.log, points=arguments.points, tolerance=arguments.tolerance)
+    return question_of(arguments.scene, plain, wanted_level, (field, low, high), over, scan)
+
+
+class ScanOptions(TypedDict, total=False):
+    """How a field is searched.
+
+    Attributes:
+        log: whether the range is divided by factors instead of differences.
+        points: values of the first scan.
+        tolerance: largest half-width of a bracket over its place.
+    """
+
+    log: bool
+    points: Annotated[int, Between(2, 10_000)]
+    tolerance: Annotated[float, Between(1e-12, 0.5)]
+
+
+def question_of(
+    name: str,
+    plain: dict[str, Any],
+    where: tuple[str, float],
+    vary: tuple[str, float, float],
+    over: options.SecondField,
+    scan: ScanOptions,
+) -> Question:
+    """The question where a quantity of a scene crosses a value.
+
+    Args:
+        name: name of the scene in messages.
+        plain: its plain data.
+        where: name of the quantity, and the value.
+        vary: the varied field, and both ends of its range.
+        over: a second field and its values.
+        scan: how the range is searched.
+
+    Raises:
+        InputError: there is no such quantity or field, or the range is none.
+    """
+    (quantity, level), (field, low, high) = where, vary
+    log, ends = scan.get("log", False), f"{low:g}:{high:g}"
     try:
         integer = fields.is_whole(fields.parse(field, plain))
     except InputError as error:
         raise InputError(f"--vary: {error}") from None
-    if not low < high or (arguments.log and low <= 0.0):
-        above = ", both above 0 with --log" if arguments.log else ""
+    if not low < high or (log and low <= 0.0):
+        above = ", both above 0 with --log" if log else ""
         raise InputError(f"--vary: {ends} given; the smaller number first{above}, such as 0.02:0.5")
-    if integer and not (low.is_integer() and high.is_integer()):
+    if integer and not (float(low).is_integer() and float(high).is_integer()):
         raise InputError(f"--vary: {field} takes whole numbers; {ends} given")
-    axis = SearchedField(low, high, arguments.log, integer, arguments.points, arguments.tolerance)
-    return Question(name, plain, quantity, options.number(level, "--where", "agree_1=50"), field, axis, over)
+    axis = SearchedField(low, high, log, integer, scan.get("points", POINTS_OF_SCAN), scan.get("tolerance", TOLERANCE))
+    return Question(name, plain, quantity, level, field, axis, over)
 
 
 def _print(result: ThresholdResult, output: Path) -> None:

@@ -231,6 +231,12 @@ class Findings:
     complete: bool = False
     notes: list[str] = field(default_factory=list)
 
+    def __repr__(self) -> str:
+        measured = sum(point.measured for point in self.points)
+        return (
+            f"<errors and times of {self.problem.name}: {measured} settings, {len(self.frames)} times between frames>"
+        )
+
     @property
     def comparable(self) -> list[MeasuredSetting]:
         """Measured points whose errors are the largest of all beads."""

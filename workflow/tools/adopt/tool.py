@@ -4,10 +4,13 @@ import argparse
 import sys
 from pathlib import Path
 
-from lammps_inputs import InputError, strict_yaml
+from lammps_inputs import InputError, Scene, strict_yaml
 from workflow.runs.files import write_text
 from workflow.screen import one_line, print_heading
 from workflow.tools.adopt.adopt import RefusedDeckError, adopt
+
+LIMIT = 120.0
+"""Seconds that LAMMPS may take by default."""
 
 EXAMPLES = (
     "adopt in.chain -o chain.yaml                # then: granchain run chain.yaml -o out",
@@ -26,19 +29,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--var", metavar=("NAME", "VALUE"), nargs=2, action="append", default=[], help="a variable, as of `lmp -var`"
     )
     parser.add_argument(
-        "--limit", metavar="SECONDS", type=float, default=120.0, help="time that LAMMPS may take (default 120)"
+        "--limit", metavar="SECONDS", type=float, default=LIMIT, help=f"time that LAMMPS may take (default {LIMIT:g})"
     )
+
+
+def refuse_output(file: Path) -> None:
+    """See that a scene can be written to a file.
+
+    Raises:
+        InputError: it is no name of a scene, exists, or its directory does not.
+    """
+    if file.suffix not in (".yaml", ".yml"):
+        raise InputError(f"-o: {file}: scenes are files that end in .yaml")
+    if file.exists() or file.is_symlink():
+        raise InputError(f"-o: {file}: exists already; choose another name")
+    if not file.parent.is_dir():
+        raise InputError(f"-o: {file.parent}: no such directory")
+
+
+def write_scene(file: Path, deck: Path, scene: Scene) -> None:
+    """Write the scene of a deck."""
+    head = f"# from the LAMMPS deck {one_line(deck.name)}\n"
+    write_text(file, head + strict_yaml.dump(scene.plain()))
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Write the scene, or print every line that no scene can have."""
     file = arguments.output
-    if file.suffix not in (".yaml", ".yml"):
-        raise InputError(f"adopt: {file}: scenes are files that end in .yaml")
-    if file.exists() or file.is_symlink():
-        raise InputError(f"adopt: {file}: exists already; choose another name")
-    if not file.parent.is_dir():
-        raise InputError(f"adopt: {file.parent}: no such directory")
+    refuse_output(file)
     try:
         adopted = adopt(arguments.deck, arguments.data, list(map(tuple, arguments.var)), arguments.limit)
     except RefusedDeckError as error:
@@ -55,7 +73,6 @@ def execute(arguments: argparse.Namespace) -> int:
         f"over {adopted.steps}{part} steps velocities of the scene's deck and of {one_line(arguments.deck)} differ by "
         f"at most {adopted.difference:.1e} V"
     )
-    head = f"# from the LAMMPS deck {one_line(arguments.deck.name)}\n"
-    write_text(file, head + strict_yaml.dump(scene.plain()))
+    write_scene(file, arguments.deck, scene)
     print(f"{one_line(file)}: a scene; `granchain run {one_line(file)} -o out` runs it")
     return 0

@@ -5,6 +5,7 @@ import threading
 from html import escape
 
 from workflow.arguments import AnyScene, load, source_of
+from workflow.checked import checked
 from workflow.view import need_bokeh
 
 HEIGHT = 1100
@@ -51,6 +52,7 @@ class ExplorerPage:
         return f'<iframe src="{escape(self.address, quote=True)}" width="100%" height="{HEIGHT}"></iframe>'
 
 
+@checked
 def explore(scene: AnyScene) -> ExplorerPage:
     """Serve a page on which the numbers of a scene are changed and the reference integrator computes it anew.
 

@@ -6,6 +6,9 @@ from pathlib import Path
 from analysis.quantity import to_csv
 from workflow.tools.export.request import ExportRequest, Writers
 
+CAPTIONS = "figures.csv"
+"""Name of the table of what each file of a figure shows."""
+
 SWEEP = "table.csv"
 """Name of the table of a sweep, as ``granchain collect`` gives it."""
 
@@ -22,16 +25,19 @@ def csv(request: ExportRequest) -> Writers:
 
 
 def numbers(request: ExportRequest) -> Writers:
-    """Numbers behind every figure of a run, a file of CSV for each panel."""
-    from analysis.figures.numbers import panels  # matplotlib takes half a second to import
+    """Numbers behind every figure of a run, a file of CSV for each panel, and a table of their captions."""
+    from analysis.figures.numbers import captions, panels  # matplotlib takes half a second to import
 
-    return _of_texts(
-        {
-            f"figure-{name}-{place}.csv": to_csv(columns)
-            for name, figure in request.figures.items()
-            for place, columns in enumerate(panels(figure), 1)
-        }
-    )
+    texts, rows = {}, []
+    for name, figure in request.figures.items():
+        for place, (columns, caption) in enumerate(zip(panels(figure), captions(figure), strict=True), 1):
+            file = f"figure-{name}-{place}.csv"
+            texts[file] = to_csv(columns)
+            rows.append((file, caption))
+    if rows:
+        files, sentences = zip(*rows, strict=True)
+        texts[CAPTIONS] = to_csv({"file": list(files), "caption": list(sentences)})
+    return _of_texts(texts)
 
 
 def _of_texts(texts: dict[str, str]) -> Writers:

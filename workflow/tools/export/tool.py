@@ -5,10 +5,11 @@ import importlib
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TypedDict, Unpack
+from typing import Annotated, TypedDict, Unpack
 
 from lammps_inputs import InputError, file_names, library
-from workflow.arguments import AnyRun, directory_of, path_of
+from workflow.arguments import AnyRun, directory_of
+from workflow.checked import Between, checked
 from workflow.formats import width_from_words, written_as
 from workflow.runs.files import complete
 from workflow.runs.labelled import need
@@ -30,6 +31,9 @@ _WIDEST, _NARROWEST = 4000, 320
 """Pixels of a film."""
 
 _MOST_PICTURES = 20_000
+
+_FASTEST = 100
+"""Pictures a second of a film."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -84,18 +88,19 @@ class FilmOptions(TypedDict, total=False):
         pixels: its width.
     """
 
-    seconds: float
-    rate: int
-    pixels: int
+    seconds: Annotated[float, Between(0.0, _MOST_PICTURES, above=True)]
+    rate: Annotated[int, Between(1, _FASTEST)]
+    pixels: Annotated[int, Between(_NARROWEST, _WIDEST)]
 
 
+@checked
 def export(
     run: AnyRun,
-    to: str | Sequence[str],
+    to: Sequence[str],
     output: Path | str | None = None,
     *,
     overwrite: bool = False,
-    every: int = 1,
+    every: Annotated[int, Between(1)] = 1,
     **film: Unpack[FilmOptions],
 ) -> list[Path]:
     """Write a run, or the table of a sweep, in files of other programs, as ``granchain export`` does.
@@ -119,10 +124,10 @@ def export(
         >>> granchain.export("out", to="vmd", output="for-vmd")
         [PosixPath('for-vmd/frames.vmd')]
     """
-    path = path_of(run) if isinstance(run, str | os.PathLike) else directory_of(run).path
-    names = to.split(",") if isinstance(to, str) else list(to)
+    path = Path(run) if isinstance(run, str | os.PathLike) else directory_of(run).path
+    names = [name for each in to for name in each.split(",")]
     options = Options(every, **film)
-    target = None if output is None else path_of(output)
+    target = None if output is None else Path(output)
     return write(path, _formats(names), target, options, overwrite=overwrite)
 
 
@@ -215,7 +220,7 @@ def _refuse_options(options: Options) -> None:
     for option, value, fits, valid in (
         ("--every", options.every, options.every >= 1, "1 or more"),
         ("--seconds", options.seconds, 0.0 < options.seconds <= _MOST_PICTURES, "more than 0"),
-        ("--rate", options.rate, 1 <= options.rate <= 100, "1 to 100 pictures a second"),
+        ("--rate", options.rate, 1 <= options.rate <= _FASTEST, f"1 to {_FASTEST} pictures a second"),
         ("--seconds", options.seconds, pictures <= _MOST_PICTURES, f"at most {_MOST_PICTURES} pictures"),
         ("--pixels", options.pixels, _NARROWEST <= options.pixels <= _WIDEST, f"{_NARROWEST} to {_WIDEST}"),
     ):

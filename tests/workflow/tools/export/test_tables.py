@@ -28,6 +28,18 @@ def test_csv_holds_the_table_of_waves_and_numbers_of_every_panel(run_of, tmp_pat
     np.testing.assert_array_equal(velocities, run.trajectory.velocity[:, 1])
 
 
+def test_every_file_of_numbers_of_a_figure_has_a_caption_that_names_its_quantities_and_the_case(run_of, tmp_path):
+    paths = granchain.export(run_of("coupled"), "csv", tmp_path)
+    head, *lines = rows(tmp_path / "figures.csv")
+    assert head == ["file", "caption"]
+    assert {file for file, _ in lines} == {path.name for path in paths if path.name.startswith("figure-")}
+    for file, caption in lines:
+        quantities = [heading for heading in rows(tmp_path / file)[0][1:] if heading not in ("x", "y", "value")]
+        assert all(heading in caption for heading in quantities), file
+        assert "2 chains of" in caption
+        assert "V = " in caption
+
+
 def test_parquet_holds_the_columns_of_the_csv_with_units_and_null_where_it_is_empty(run_of, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed (granchain[export])")
     run = run_of("steel")

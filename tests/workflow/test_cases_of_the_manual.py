@@ -1,0 +1,58 @@
+"""Numbers that the scene reference states of beads without a modulus and of beads with flat ends."""
+
+import re
+
+import pytest
+
+import granchain
+from lammps_inputs import handbook, strict_yaml
+
+
+def keys_of(title):
+    """Keys that a titled paragraph of the scene reference names, with that after it, and their text."""
+    section = handbook.page().partition(f"**{title}.**")[2]
+    text = " ".join(re.split(r"\n\n(?=<!--|An entry)", section)[0].split())
+    keys = re.findall(r"`([a-z]+: [^`]+)`", text)
+    return strict_yaml.parse("\n".join(keys), title), text
+
+
+@pytest.fixture
+def run(tmp_path):
+    return lambda scene: granchain.run({"name": "case", **scene}, tmp_path / "run", engine="reference")
+
+
+def test_ten_balls_by_mass_and_contact_constant_leave_with_the_stated_velocities(run):
+    keys, text = keys_of("Mass and stiffness without a modulus")
+    velocity = run({**keys, "beads": 10, "kick": {"velocity": 1}, "duration": 6e-3}).trajectory.velocity
+    assert velocity[-1, 0, [9, 0]] == pytest.approx([0.98587, -0.07109], abs=6e-6)
+    assert "0.98587 V" in text
+    assert "0.07109 V" in text
+
+
+def test_cylinders_with_flat_ends_have_the_stated_pulse(run):
+    keys, text = keys_of("Flat ends")
+    waves = run({**keys, "beads": 60, "kick": {"velocity": 0.3}, "until_bead": 55}).analysis.waves
+    pulse = waves.where(waves.bead == 40)
+    assert pulse.peak_velocity == pytest.approx(0.20438, abs=5e-6)
+    assert pulse.speed == pytest.approx(61_970, rel=1e-4)
+    assert "0.20438 m/s" in text
+    assert "61,970 beads/s" in text
+
+
+def test_a_bead_of_a_linear_chain_sees_the_far_end_when_the_manual_says(tmp_path):
+    # strains travel at sqrt(k / m) = 1 at most
+    def run(beads):
+        scene = {"name": "bar", "beads": beads, "contact": {"force": "k*s", "k": 1, "tension": "allowed"}}
+        scene |= {
+            "push": {"peak": 0.01, "duration": 20, "shape": "half-sine"},
+            "duration": 130.0,
+            "output": {"every": 0.5},
+        }
+        return granchain.run(scene, tmp_path / str(beads), engine="reference").si
+
+    short, long = run(50), run(120)
+    apart = abs(short.velocity[:, 0, 24] - long.velocity[:, 0, 24])
+    largest = abs(long.velocity[:, 0, 24]).max()
+    reflected = 2 * 50 - 25
+    assert apart[short.time < reflected - 5].max() < 0.02 * largest
+    assert apart[short.time > reflected + 5].max() > 0.5 * largest

@@ -1,0 +1,156 @@
+"""`granchain help` explains every word that it lists, and suggests one for a word that is nearly one of them."""
+
+import contextlib
+import re
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import pytest
+import yaml
+from processes import HANGS
+
+from lammps_inputs import InputError, Scene, handbook
+from workflow import cli, vocabulary
+from workflow.cli import COMMANDS, PRINTED, main
+from workflow.commands import help as helping
+from workflow.study_kit.options import example_file
+from workflow.sweep import fields, file
+from workflow.sweep.collect import QUANTITIES
+from workflow.verdicts.quantities import places
+
+OPTIONS = sorted(
+    {
+        option
+        for name in COMMANDS
+        for action in next(each for each in cli.parser([name])._actions if each.choices and name in each.choices)
+        .choices[name]
+        ._actions
+        for option in action.option_strings
+        if option.startswith("--")
+    }
+)
+NAMES = {
+    "keys": [*handbook.keys(), *fields.all_fields(Scene)],
+    "options": OPTIONS,
+    "quantities": [*QUANTITIES, *(place.path[-1] for place in places() if place.path)],
+    "terms": [
+        names[0] for names, _ in handbook.terms() if re.search(r"[A-Za-z]", names[0]) and "symbol" not in names[0]
+    ],
+    "words of choices": vocabulary.words(),
+}
+
+
+def explanation(word, capsys):
+    with contextlib.suppress(SystemExit):  # after the help of a command
+        helping.execute(SimpleNamespace(words=word.split()))
+    return capsys.readouterr().out
+
+
+@pytest.mark.parametrize("kind", NAMES)
+def test_every_word_that_help_lists_is_explained(kind, capsys):
+    names = dict.fromkeys(NAMES[kind])
+    assert len(names) > 20
+    unexplained = []
+    for word in names:
+        try:
+            text = explanation(word.lstrip("-"), capsys)
+        except InputError as error:
+            unexplained.append(str(error))
+            continue
+        meaning = text.removeprefix(word.lstrip("-")).strip()
+        if len(meaning) < 4 or "`granchain help NAME`" in text or "explains each" in text:
+            unexplained.append(word)
+    assert unexplained == []
+
+
+@pytest.mark.parametrize("word", ["vary", "pilot", "tension", "combine", "netcdf", "--no-check", "steel", "two-chains"])
+def test_a_word_is_explained_in_place_of_a_reference_to_where_it_is(word, capsys):
+    assert main(["help", word]) == 0
+    out = capsys.readouterr().out
+    assert len(out.splitlines()) >= 3
+    assert "granchain help NAME" not in out
+
+
+def near(word):
+    """The word without a letter in its middle."""
+    half = len(word) // 2
+    return word[:half] + word[half + 1 :]
+
+
+@pytest.mark.parametrize(
+    "word", ["kappa", "theta", "coupling", "restitution", "--restart-every", "amplitude", "netcdf", "lyapunov", "steel"]
+)
+def test_a_near_miss_is_suggested_whatever_kind_of_word_it_is(word, capsys):
+    for misspelt in (near(word), near(word).upper()):
+        assert main(["help", misspelt]) == 2
+        assert f"did you mean `{word.lstrip('-')}" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", NAMES)
+def test_every_near_miss_is_explained_or_suggested(kind, capsys):
+    bare = []
+    for word in dict.fromkeys(name.lstrip("-") for name in NAMES[kind] if len(name) > 5):
+        try:
+            explanation(near(word), capsys)
+        except InputError as error:
+            bare += [word] * ("did you mean" not in str(error))
+    assert bare == []
+
+
+def test_the_program_alone_prints_its_help(capsys):
+    assert main([]) == 0
+    alone = capsys.readouterr().out
+    assert main(["help"]) == 0
+    assert capsys.readouterr().out == alone
+    assert all(f"  {name} " in alone for name in COMMANDS)
+
+
+ARGUMENTS = {"show": ["one-chain"], "cite": ["one-chain"], "help": ["kappa"], "status": ["."], "completion": ["bash"]}
+ARGUMENTS |= {"gallery": ["--list"]}
+
+
+@pytest.mark.parametrize("name", [*PRINTED, *{"gallery"}.intersection(COMMANDS)])
+def test_quiet_does_not_silence_what_a_command_is_for(name, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    main([name, *ARGUMENTS.get(name, [])])
+    printed = capsys.readouterr().out
+    main([name, *ARGUMENTS.get(name, []), "-q"])
+    assert capsys.readouterr().out == printed != ""
+
+
+@pytest.mark.parametrize("name", ["sweep", "design"])
+def test_help_of_a_command_shows_the_file_that_it_takes(name, capsys):
+    with pytest.raises(SystemExit):
+        main([name, "--help"])
+    usage = capsys.readouterr().out
+    assert main(["help", "vary"]) == 0
+    lines = capsys.readouterr().out
+    for line in example_file(sys.modules[vocabulary.FILES[name]]).splitlines():
+        assert line in usage
+        assert line in lines
+
+
+def test_the_sweep_file_of_the_help_is_one(tmp_path):
+    definition = file.from_plain(yaml.safe_load(example_file(file)), tmp_path / "sweep.yaml")
+    assert len(file.all_cases(definition)) == 15
+    assert {case.values["coupling.stiffness"] for case in file.all_cases(definition)} == {0.05, 0.1, 0.2}
+
+
+@pytest.mark.parametrize("command", ["analyze", "collect", "export --to csv", "validate", "view"])
+def test_a_directory_that_is_not_there_is_named_as_the_user_did(command, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    name, *options = command.split()
+    assert main([name, "nope", *options]) == 2
+    error = capsys.readouterr().err
+    assert "nope" in error
+    assert "-o" not in error.split()
+
+
+def test_the_module_runs_as_the_program_does():
+    done = subprocess.run(
+        [sys.executable, "-m", "workflow", "help", "kapa"], capture_output=True, timeout=HANGS, text=True
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "did you mean `kappa`" in done.stderr
