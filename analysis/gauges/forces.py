@@ -3,7 +3,8 @@
 Force follows from displacements. Between two frames a displacement is the polynomial of degree five through its value
 and two derivatives there (degree three, where the beads around were not recorded), so that a force is known at any
 time: its impulse is an integral by Gauss rules, cut where a contact opens or closes; its largest value lies between
-frames, and so do the moments at which contacts open and close.
+frames, and so do the moments at which contacts open and close. A contact that acts at a distance may pull: its force is
+then negative, and it counts as closed while it pushes.
 
 How far a force between frames may be off is measured at every frame: the polynomial from the frame before to the frame
 after it leaves out the frame between them. The uncertainty between frames half as far apart is a quarter of the
@@ -60,7 +61,12 @@ class Reading:
     name: str = declare("name of the gauge, with which its columns in ``forces.csv`` begin")
     chain: int = declare("number of the chain")
     bead: int = declare("bead at the wall; the first bead of a contact; the bead with the sensor")
-    largest: float = declare("largest total force, at frames and between them", "force", COARSE_FORCE, symbol="F_m")
+    largest: float = declare(
+        "largest total force, at frames and between them; positive where beads are pushed apart",
+        "force",
+        COARSE_FORCE,
+        symbol="F_m",
+    )
     largest_error: float = declare(f"uncertainty of ``largest`` and ``dynamic`` {BY_FRAMES}", "force", "as ``largest``")
     at: float = declare("time of the largest force", "time", f"{NOT_ABOVE}; {COARSE_FORCE}")
     at_error: float = declare(
@@ -71,14 +77,15 @@ class Reading:
         "largest force above the static one", "force", f"{NO_LOAD}; {NOT_ABOVE}; {COARSE_FORCE}"
     )
     impulse: float = declare(
-        "integral over time of the total force minus the static one",
+        "integral over time of the total force minus the static one; negative where a contact pulls more than pushes",
         "momentum",
         f"{TOO_COARSE} the integral of the size of that difference",
     )
     impulse_error: float = declare(f"uncertainty of ``impulse`` {BY_FRAMES}", "momentum", "as ``impulse``")
     dwell: float = declare(
-        "duration of the contact in which the force was largest, or until the end of the record; under a static load, "
-        "time around the maximum in which the dynamic force is above 1 % of its largest value",
+        "duration of the contact in which the force was largest, or until the end of the record: time in which its "
+        "elastic force pushes, by more than 1e-9 m V / T (contacts of spheres: that of an overlap of 1e-6 L); under a "
+        "static load, time around the maximum in which the dynamic force is above 1 % of its largest value",
         "time",
         f"{TOO_COARSE} it, or leave open in which contact the force was largest",
     )
@@ -89,7 +96,10 @@ class Reading:
         "pulse, and ``impulse`` is that until then",
         undefined=NOT_ABOVE,
     )
-    contacts: int = declare("number of times that the contact has closed; one that is closed at the start counts")
+    contacts: int = declare(
+        "number of times that the contact has closed, so that its elastic force pushes by more than 1e-9 m V / T; one "
+        "that is closed at the start counts"
+    )
     reflected: Reflection | None = declare(
         "at a wall: what it reflects of the first pulse that meets it",
         undefined="not at a wall; there is a static load, a foundation or unlike beads; a pulse was not seen at enough "
@@ -295,7 +305,7 @@ class ForceMeter:
         """Differences of strain and force at frames that polynomials leave out, [0 or 1, frame, chain, gauge]."""
         self._static = np.stack([gauge.static for gauge in gauges], axis=-1)
         self._largest, self._at = np.full(shape, -np.inf), np.full(shape, np.nan)
-        self._impulse, self._size = np.zeros(shape), np.zeros(shape)
+        self._impulse, self._quadrature, self._size = np.zeros((3, *shape))
         self._closed = np.zeros(shape, dtype=bool)
         self._changes: list[list[_Changes]] = [[] for _ in gauges]
         self._tops: list[list[Floats]] = [[] for _ in gauges]
@@ -340,7 +350,7 @@ class ForceMeter:
         stated = largest_error <= np.maximum(LARGEST_UNCERTAINTY * excess, FAINT)
         risen = stated & self._risen()
         spacing = self.problem.every if len(frames.time) < 2 else float(frames.time[1] - frames.time[0])
-        impulse_error = spacing * np.sum(frames.force_error, axis=0)
+        impulse_error = spacing * np.sum(frames.force_error, axis=0) + self._quadrature
         certain = impulse_error <= np.maximum(LARGEST_UNCERTAINTY * self._size, FAINT)
         dwells = self._dwells(frames)
         same_contact = (dwells.earliest <= self._at - at_error) & (self._at + at_error <= dwells.latest) | ~risen
@@ -470,16 +480,19 @@ class ForceMeter:
         forces = np.tile(static, (len(border), 1))
         forces[:, moving] = 0.0
         pressing = forces.copy() if gauge.damped else forces
-        impulse = np.zeros(len(chain))
+        impulse, quadrature = np.zeros((2, len(chain)))
         for curve in curves:
             single = curve.of(moving)
             at_borders = [np.full(len(moving), s) for s in border]
             forces[:, moving] += np.stack([single(s) for s in at_borders]) / len(curves)
             if gauge.damped:
                 pressing[:, moving] += np.stack([single.elastic(s) for s in at_borders]) / len(curves)
-            impulse[moving] += (single.integral(border) - curve.probe.static[chain[moving]]) * spacing / len(curves)
+            integral, error = single.integral(border)
+            impulse[moving] += (integral - curve.probe.static[chain[moving]]) * spacing / len(curves)
+            quadrature[moving] += error * spacing / len(curves)
         # term by term: the order must not depend on how many there are at once
         np.add.at(self._impulse[:, place], chain, impulse)
+        np.add.at(self._quadrature[:, place], chain, quadrature)
 
         def mean(entry: Integers, s: Floats) -> Floats:
             """Mean force of the contacts at s in chosen stretches, both [entry]."""
