@@ -222,6 +222,48 @@ def test_maxima_are_as_accurate_as_stated_where_dashpots_stop_beads_within_a_fra
             assert abs(own.time[same] - found.time[k]) <= found.time_error[k] + 1e-6
 
 
+def latest_over_stated(run, fine, every, start=0):
+    """Largest error of the time of a maximum over what it states, in frames of a run so far apart."""
+    worst = 0.0
+    for direction in (1, -1):
+        right, found = (find_peaks([part], direction=direction) for part in (run, run[start :: round(every / fine)]))
+        found = found.where((found.velocity > 0.02) & np.isfinite(found.time_error) & (found.time > start * fine))
+        for k in range(len(found)):
+            same = (right.chain == found.chain[k]) & (right.bead == found.bead[k])
+            nearest = int(np.argmin(np.where(same, np.abs(right.time - found.time[k]), np.inf)))
+            stated = found.time_error[k] + right.time_error[nearest] + 1e-7
+            worst = max(worst, abs(right.time[nearest] - found.time[k]) / stated)
+    return worst
+
+
+def test_maxima_are_as_accurate_as_stated_where_the_dashpot_of_a_neighbour_jumps():
+    """A contact that closes or opens beside a neighbour changes the slope of the force of the dashpot between both."""
+    plain = {"beads": 4, "kick": {"velocity": 1.0}, "duration": 12.0, "damping": {"contact": 0.1}}
+    run = engine.run(of_keys(**plain, output={"every": 0.01}))
+    worst = [latest_over_stated(run, 0.01, every, start) for every in (0.05, 0.1, 0.2) for start in (0, 2, 4)]
+    assert 0.05 < max(worst) < 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "damping",
+    [
+        {"contact": 0.1},
+        {"contact": 0.3, "law": "viscoelastic"},
+        {"contact": 0.53, "law": "restitution"},
+        {"contact": 0.115, "tension": "cut", "coupling": 0.05},
+    ],
+    ids=["linear", "viscoelastic", "restitution", "cut"],
+)
+def test_maxima_are_as_accurate_as_stated_with_every_law_of_dashpots(damping):
+    coupled = {"chains": 2, "coupling": {"stiffness": 0.3}, "duration": 16.0}
+    for beads, walls in ((4, None), (5, {"left": "flat", "right": "rigid"}), (7, {"right": "bead"})):
+        keys = {**coupled, "beads": beads, "kick": [{"velocity": 1.0}, {"chain": 2, "bead": 3, "velocity": 0.26}]}
+        run = engine.run(of_keys(**keys, walls=walls, damping=damping, output={"every": 0.01}))
+        for every in (0.05, 0.1, 0.2, 0.3, 0.5):
+            assert latest_over_stated(run, 0.01, every) < 1.0
+
+
 @pytest.mark.parametrize("width", [0.001, 0.3])
 def test_maxima_are_as_accurate_as_stated_where_a_foundation_stiffens_between_two_frames(width):
     ramp = {"from": 0.2, "to": 2.0, "times": [2.97, 2.97 + width]}
