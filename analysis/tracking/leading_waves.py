@@ -43,10 +43,10 @@ class Waves(Columns):
     )
     speed: Floats = declare(
         "speed of the pulse in its direction, from the arrivals at the recorded beads on either side (at an end of the "
-        "chain, and at the last bead reached: one)",
+        "chain, and at the last bead reached: one), which it passed one after the other",
         "speed",
-        "one bead of the chain was reached, an arrival is undefined, or the pulse begins or ends there within the "
-        "chain, as at a kicked bead",
+        "one bead of the chain was reached, an arrival is undefined or not later than that at the bead before, or the "
+        "pulse begins or ends there within the chain, as at a kicked bead",
         "c",
     )
     arrival_error: Floats = declare(
@@ -160,7 +160,7 @@ def leading_waves(
     at_maximum = (arrival or usual_arrival(problem)) == "maximum"
     time, error = (first.time, first.time_error) if at_maximum else (first.centre, first.centre_error)
     defined = np.where(np.isfinite(error), time, np.nan)
-    number = numbers(first, changes(passages, problem) if succession is None else succession)
+    number = numbers(first, changes(passages, problem) if succession is None else succession, problem)
     waves = with_speeds(first.chain, first.bead, defined, first.velocity, number, direction=first.direction)
     speed = np.where(_begins_within(first, problem), np.nan, waves.speed)
     return replace(waves, speed=speed, time=first.time, arrival_error=error, peak_velocity_error=first.velocity_error)
@@ -185,6 +185,8 @@ def with_speeds(
 ) -> Waves:
     """Waves whose local speeds follow from their arrivals, without errors; entries are sorted by chain, then bead.
 
+    A speed is that of one pulse between beads that it passed one after the other, else NaN.
+
     Args:
         chain: [wave] number of the chain, from 1.
         bead: [wave] number of the bead, from 1.
@@ -202,7 +204,10 @@ def with_speeds(
         speed[in_chain] = direction * local_speed(bead[in_chain], arrival[in_chain])
     unknown = np.full(len(chain), np.nan)
     waves = Waves(chain, bead, number, arrival, peak_velocity, speed, unknown, unknown, time=arrival)
-    speed[waves.ends], speed[waves.ends + 1] = np.nan, np.nan
+    backward = np.flatnonzero((np.diff(chain) == 0) & (direction * np.diff(arrival) <= 0.0))
+    for last in (waves.ends, backward):
+        speed[last], speed[last + 1] = np.nan, np.nan
+    speed[speed <= 0.0] = np.nan  # past a bead without an arrival
     return waves
 
 

@@ -532,10 +532,10 @@ def _share_of_doubt(problem: Problem, spacing: float, quick: float, *, by_equati
     damped = physics.contact_loss(problem.system) is not None
     if not by_equations:
         return 3.0 if damped else 0.3
+    twice = 2.0 if damped else 1.0
     if spacing < FAR_APART:
-        share = 1.25 if quick >= FAR_APART else max(0.2 * spacing**2, (FREQUENCY * quick) ** 2 / 100.0)
-        return 2.0 * share if damped else share
-    return 0.1 if (physics.exponent(problem.system) or 1.5) <= HARDENING else 0.25
+        return twice * (1.25 if quick >= FAR_APART else max(0.2 * spacing**2, (FREQUENCY * quick) ** 2 / 100.0))
+    return twice * (0.1 if (physics.exponent(problem.system) or 1.5) <= HARDENING else 0.25)
 
 
 def _padded(polynomials: Floats) -> Floats:
