@@ -158,7 +158,7 @@ def survey(
     arrival = usual_arrival(problem) if arrival is None else arrival
     ahead = _peaks_ahead(first.peaks[direction], first.tracks, problem)
     succession = changes(ahead, problem)
-    waves = leading_waves(ahead, problem, arrival, succession)
+    waves = leading_waves(ahead, problem, arrival, succession, first.tracks)
     shared = _shared(first, waves, problem, along)
     pulses, crests = _distinct_from_sound(first.tracks, waves, direction, problem)
     clear = _clear_of_ends(pulses, waves, direction, problem)
