@@ -14,7 +14,7 @@ uncertain is not stated.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,8 +31,10 @@ from analysis.gauges.gauge import (
 )
 from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
+from analysis.sharing.run_error import RunError
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
 from lammps_inputs import Problem
+from lammps_inputs.limits import rates
 
 PULSE = 0.01
 """Share of its largest value, above the static one, from which a force is that of a pulse."""
@@ -50,7 +52,7 @@ NOT_ABOVE = "the force never exceeds the static one by more than the numerical n
 NO_LOAD = "there is no static load"
 TOO_COARSE = "frames are so far apart that its uncertainty exceeds a twentieth of"
 COARSE_FORCE = f"{TOO_COARSE} the largest dynamic force"
-BY_FRAMES = "by the time between frames"
+BY_FRAMES = "by the time between frames and by the run (``run_error``)"
 
 
 @result
@@ -70,7 +72,9 @@ class Reading:
     largest_error: float = declare(f"uncertainty of ``largest`` and ``dynamic`` {BY_FRAMES}", "force", "as ``largest``")
     at: float = declare("time of the largest force", "time", f"{NOT_ABOVE}; {COARSE_FORCE}")
     at_error: float = declare(
-        f"uncertainty of ``at`` {BY_FRAMES}: how far from it the force may be as large", "time", "as ``at``"
+        f"uncertainty of ``at`` {BY_FRAMES}: how far from it the force may be as large",
+        "time",
+        "as ``at``",
     )
     static: float | None = declare("force at rest, which ``largest`` includes", "force", NO_LOAD, "F_0")
     dynamic: float | None = declare(
@@ -191,6 +195,22 @@ class Readings:
             for chain in range(values.shape[1])
         }
         return ForceTable(self.time, force)
+
+    def with_error(self, error: RunError, problem: Problem) -> "Readings":
+        """Readings whose uncertainties cover the error of the run (`analysis.sharing.run_error`)."""
+        if not error.measured:
+            return self
+        mass = float(np.max(problem.system.mass))
+        force = 0.5 * mass * rates.fastest(problem.system) * error.velocity
+        size = np.abs(self.largest - self.static)
+        late = np.maximum(error.arrival, np.divide(mass * error.velocity, size, out=0.0 * size, where=size > 0.0))
+        return replace(
+            self,
+            largest_error=self.largest_error + force,
+            at_error=self.at_error + late,
+            impulse_error=self.impulse_error + 2.0 * mass * error.velocity * np.maximum(self.contacts, 1),
+            dwell_error=self.dwell_error + 2.0 * late,
+        )
 
     @property
     def loaded(self) -> bool:

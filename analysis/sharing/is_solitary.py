@@ -37,12 +37,12 @@ class Character:
         symbol="v",
     )
     arrival_error: float = declare(
-        "bound on the error of the arrival by the time between frames",
+        "bound on the error of the arrival by the time between frames and by the run (``run_error``)",
         "time",
         "the largest velocity is reached on a plateau (a bead that flies freely)",
     )
     peak_velocity_error: float = declare(
-        "bound on the error of the peak velocity by the time between frames", "velocity"
+        "bound on the error of the peak velocity by the time between frames and by the run (``run_error``)", "velocity"
     )
     speed: float = declare("speed of the pulse at that bead", "speed", "it was seen at one bead only", "c")
     width: float = declare("full width of the velocity at half its maximum", "beads", UNSEEN)
@@ -58,7 +58,9 @@ class Character:
         f"{UNSEEN}, another pulse is near, or frames are so far apart that its uncertainty exceeds a twentieth of it",
     )
     energy_error: float = declare(
-        "uncertainty of the energy by the time between frames", "energy", "as ``energy``; not all beads are recorded"
+        "uncertainty of the energy by the time between frames and by the run (``run_error``)",
+        "energy",
+        "as ``energy``; not all beads are recorded",
     )
     residual: float = declare(
         "largest difference of the velocity from the exact wave of this peak velocity, over that",

@@ -50,10 +50,12 @@ class Waves(Columns):
         "c",
     )
     arrival_error: Floats = declare(
-        "bound on the error of the arrival by the time between frames", "time", "so is the arrival"
+        "bound on the error of the arrival by the time between frames and by the run (``run_error``)",
+        "time",
+        "so is the arrival",
     )
     peak_velocity_error: Floats = declare(
-        "bound on the error of the peak velocity by the time between frames", "velocity"
+        "bound on the error of the peak velocity by the time between frames and by the run (``run_error``)", "velocity"
     )
     time: Floats
     """Time at which the bead is fastest, in units of T, whether or not that is sharp."""

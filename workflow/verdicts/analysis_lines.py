@@ -90,7 +90,7 @@ def _accuracy(analysis: Analysis) -> Iterator[str]:
         apart = scale.written(problem.every, "time", ".3g")
         arrivals = f", that of arrivals up to {scale.written(late, 'time', '.1e')}" if late > 0.0 else ""
         yield (
-            f"with frames {apart} apart the uncertainty of peak velocities is up to "
+            f"the uncertainty of peak velocities, by frames {apart} apart and by the run, is up to "
             f"{waves.peak_velocity_error[worst]:.1e} V (bead {waves.bead[worst]} of chain {waves.chain[worst]})"
             f"{arrivals}; waves.csv has each"
         )
