@@ -12,6 +12,7 @@ run is added to each. Both are bounds, so they add up.
   (`analysis.gauges.forces.Readings.with_error`).
 """
 
+import copy
 import math
 from dataclasses import dataclass, replace
 
@@ -81,25 +82,28 @@ def with_run_error(survey: Survey, error: RunError) -> Survey:
         return survey
     problem = survey.problem
     shared, pulses = _of_shared(survey.shared, error), tuple(_of_pulse(pulse, survey, error) for pulse in survey.pulses)
-    _add_to_energies(survey.energies, shared, error)
     along = problem if survey.direction > 0 else mirrored_problem(problem)
     return replace(
         survey,
-        waves=_of_waves(survey.waves, error),
+        waves=_of_waves(survey, error),
         pulses=pulses,
         characters=tuple(map(_of_character, survey.characters, pulses)),
         shared=shared,
+        energies=_of_energies(survey.energies, shared, error),
         verdict=numbered(verdict_on(shared.followed, along, survey.decay), survey.direction),
     )
 
 
-def _of_waves(waves: Waves, error: RunError) -> Waves:
-    """Leading waves; what starts at its maximum starts there exactly."""
-    exact = waves.peak_velocity_error == 0.0
+def _of_waves(survey: Survey, error: RunError) -> Waves:
+    """Leading waves; a maximum at the start is exact, and last beads, which fly off, have errors of other pulses."""
+    waves = survey.waves
+    exact, last = waves.peak_velocity_error == 0.0, waves.bead == (survey.problem.beads if survey.direction > 0 else 1)
+    arrival = np.where(last, error.of_passages(waves.peak_velocity), error.arrival)
+    peak = np.where(last, error.velocity, error.amplitude)
     return replace(
         waves,
-        arrival_error=waves.arrival_error + np.where(exact, 0.0, error.arrival),
-        peak_velocity_error=waves.peak_velocity_error + np.where(exact, 0.0, error.amplitude),
+        arrival_error=waves.arrival_error + np.where(exact, 0.0, arrival),
+        peak_velocity_error=waves.peak_velocity_error + np.where(exact, 0.0, peak),
     )
 
 
@@ -131,20 +135,21 @@ def _of_character(character: Character, pulse: Pulse) -> Character:
 
 
 def _of_shared(shared: Sharing, error: RunError) -> Sharing:
-    """Leading waves side by side; an impulse is the velocity that it gives a bead, over the mass."""
-    if shared.amplitude_error is None or shared.arrival_error is None:
+    """Leading waves side by side; arrivals are compared at one bead, and a time step delays those of all chains alike.
+
+    An impulse is the velocity that it gives a bead, over the mass.
+    """
+    if shared.amplitude_error is None:
         return shared
     added = error.velocity if shared.of_impulses else error.amplitude
-    return replace(
-        shared,
-        amplitude_error=np.nan_to_num(shared.amplitude_error) + added,
-        arrival_error=shared.arrival_error + error.arrival,
-    )
+    return replace(shared, amplitude_error=np.nan_to_num(shared.amplitude_error) + added)
 
 
-def _add_to_energies(energies: EnergyShares, shared: Sharing, error: RunError) -> None:
-    """Add to the uncertainties of the energies of chains and of their waves."""
+def _of_energies(energies: EnergyShares, shared: Sharing, error: RunError) -> EnergyShares:
+    """Energies of chains and of their waves with the uncertainties of squares of velocities."""
     peak = shared.amplitude[energies.place]
     relative = 2.0 * np.divide(error.amplitude, peak, out=np.zeros_like(peak), where=peak > 0.0)
-    energies.chain_error += relative * energies.chain
-    energies.wave_error += relative * energies.wave
+    total = copy.copy(energies)
+    total.chain_error = energies.chain_error + relative * energies.chain
+    total.wave_error = energies.wave_error + relative * energies.wave
+    return total

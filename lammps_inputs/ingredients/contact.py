@@ -280,8 +280,8 @@ class Contact(by_formula.ByFormula):
                 )
         elif not kind.cut and scene.gap:
             raise ValueError(
-                "gap: contact.force acts at a distance, so that beads a gap apart pull each other at rest; leave the gap "
-                "or contact.tension out"
+                "gap: contact.force acts at a distance, so that beads a gap apart pull each other at rest; leave "
+                "the gap or contact.tension out"
             )
 
     def refuse_system(self, scene: SceneContext, system: System) -> None:

@@ -40,7 +40,7 @@ _LOADED_WORDS = {
 """Quantity -> heading of the printed table; under a static load."""
 
 
-SMALLEST_UNCERTAINTY = 1e-4
+SMALLEST_UNCERTAINTY = 5e-4
 """Uncertainty of a largest force, in its excess over the static one, above which it is printed."""
 
 

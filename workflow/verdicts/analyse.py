@@ -64,6 +64,7 @@ class Analysis:
         measurements: what not every run has, by its key in ``analysis.json``, in the order of the text
             (`workflow.measures`); ``plain()`` of each is in the scene's units.
         derivatives: of quantities by fields of the scene, where they were asked for.
+        error: measured error of the run, which the uncertainties cover.
     """
 
     problem: Problem
@@ -76,6 +77,7 @@ class Analysis:
     altered: bool
     measurements: dict[str, Measurement]
     derivatives: tuple[Derivative, ...] = ()
+    error: RunError = UNMEASURED
 
     @cached_property
     def waves(self) -> WavesTable:
@@ -144,6 +146,7 @@ def analyse(
         failure=directory.failure,
         altered=directory.fingerprint not in ("", frames.sha256),
         measurements=frames.measurements,
+        error=frames.error,
     )
 
 

@@ -72,6 +72,10 @@ def _drifts(analysis: Analysis) -> dict[str, float]:
     return {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
 
 
+UNCHECKED = "the run was not checked against the reference, so that uncertainties cover the time between frames alone"
+"""What is printed of a run without a measured error."""
+
+
 def _accuracy(analysis: Analysis) -> Iterator[str]:
     """Lines on what arrivals are, if not maxima, and the uncertainty of the table, if more than `DOCUMENTED`."""
     problem, waves = analysis.problem, analysis.survey.waves
@@ -94,6 +98,8 @@ def _accuracy(analysis: Analysis) -> Iterator[str]:
             f"{waves.peak_velocity_error[worst]:.1e} V (bead {waves.bead[worst]} of chain {waves.chain[worst]})"
             f"{arrivals}; waves.csv has each"
         )
+    if not analysis.error.measured:
+        yield UNCHECKED
     if problem.every > FAR:
         far = scale.written(FAR, "time", ".3g")
         yield f"frames are more than {far} apart, so that small pulses between them may be missed"

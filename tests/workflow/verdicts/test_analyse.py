@@ -199,7 +199,9 @@ def test_frames_far_apart_are_said_to_leave_peaks_less_sure(finished, tmp_path, 
     assert "uncertainty by" not in capsys.readouterr().out
     coarse = run(scene(output=Output(every=1.25)), tmp_path / "coarse", check=False).directory
     assert main(["analyze", str(coarse.path), "--no-figures"]) == 0
-    assert "with frames 1.25 apart the uncertainty of peak velocities is up to" in capsys.readouterr().out
+    assert (
+        "the uncertainty of peak velocities, by frames 1.25 apart and by the run, is up to" in capsys.readouterr().out
+    )
 
 
 def test_frames_so_far_apart_that_agreement_to_one_per_cent_cannot_be_told_get_no_verdict(tmp_path):
