@@ -80,6 +80,7 @@ def _accuracy(analysis: Analysis) -> Iterator[str]:
     """Lines on what arrivals are, if not maxima, and the uncertainty of the table, if more than `DOCUMENTED`."""
     problem, waves = analysis.problem, analysis.survey.waves
     scale, clear = problem.scale, problem.beads - CLEAR
+    before_last = waves.where(along_the_way(problem, waves.bead) < problem.beads)  # the last bead flies off
     if analysis.survey.arrival == "impulse":
         yield "the arrival of a wave is the centre of the impulse until the bead is fastest"
     elif free := int(np.count_nonzero(np.isnan(waves.arrival[along_the_way(problem, waves.bead) <= clear]))):
@@ -88,14 +89,15 @@ def _accuracy(analysis: Analysis) -> Iterator[str]:
             f"arrivals at the maximum of the velocity are undefined at {where} freely (empty in waves.csv); "
             "`--arrival impulse` defines them"
         )
-    if len(waves) and waves.peak_velocity_error.max() > DOCUMENTED:
-        worst = int(np.argmax(waves.peak_velocity_error))
-        late = waves.arrival_error[np.isfinite(waves.arrival_error)].max(initial=0.0)
+    if np.max(before_last.peak_velocity_error, initial=0.0) > DOCUMENTED:
+        worst = int(np.argmax(before_last.peak_velocity_error))
+        late = before_last.arrival_error[np.isfinite(before_last.arrival_error)].max(initial=0.0)
         apart = scale.written(problem.every, "time", ".3g")
         arrivals = f", that of arrivals up to {scale.written(late, 'time', '.1e')}" if late > 0.0 else ""
         yield (
             f"the uncertainty of peak velocities, by frames {apart} apart and by the run, is up to "
-            f"{waves.peak_velocity_error[worst]:.1e} V (bead {waves.bead[worst]} of chain {waves.chain[worst]})"
+            f"{before_last.peak_velocity_error[worst]:.1e} V (bead {before_last.bead[worst]} of chain "
+            f"{before_last.chain[worst]})"
             f"{arrivals}; waves.csv has each"
         )
     if not analysis.error.measured:
