@@ -87,9 +87,8 @@ class Reading:
     )
     impulse_error: float = declare(f"uncertainty of ``impulse`` {BY_FRAMES}", "momentum", "as ``impulse``")
     dwell: float = declare(
-        "duration of the contact in which the force was largest, or until the end of the record: time in which its "
-        "elastic force pushes, by more than 1e-9 m V / T (contacts of spheres: that of an overlap of 1e-6 L); under a "
-        "static load, time around the maximum in which the dynamic force is above 1 % of its largest value",
+        "time in which the contact with the largest force pushes by over 1e-9 m V / T (overlaps over 1e-6 L), "
+        "or until the end; under a static load, in which the dynamic force is over 1 % of its maximum",
         "time",
         f"{TOO_COARSE} it, or leave open in which contact the force was largest",
     )

@@ -301,9 +301,8 @@ class Final(Estimate):
     """The asymptotic amplitude."""
 
     uncertainty: float = declare(
-        "its uncertainty: largest deviation from it over the last half beat, or the extrapolated change that is still "
-        "to come where that is larger; and the largest error of these amplitudes by the time between frames and by the "
-        "run (``run_error``)",
+        "its uncertainty: largest deviation over the last half beat, or the change still to come where that is larger; "
+        "and the error of these amplitudes by the time between frames and by the run",
         "V",
     )
 
