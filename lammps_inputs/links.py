@@ -293,7 +293,7 @@ class Ground(Link):
 class Wall(Ground):
     """Links of the last bead of each chain, or the first, with a wall at rest, by a law of contacts or of dashpots.
 
-    It only ever pushes, and lets no bead oscillate. Its law has the strength 0 for all other beads.
+    It pushes, or pulls where contacts do, and lets no bead oscillate. Its law has the strength 0 for all other beads.
     """
 
     def mirrored(self) -> Self:

@@ -313,7 +313,7 @@ def contact_loss(system: System) -> ContactLoss | None:
 
 @once
 def walls(system: System) -> tuple[Wall, ...]:
-    """The links to the ground that only push."""
+    """The links of beads at the ends with walls."""
     return tuple(link for link in system.ground if isinstance(link, Wall))
 
 

@@ -3,7 +3,8 @@
 Force follows from displacements. Between two frames a displacement is the polynomial of degree five through its value
 and two derivatives there (degree three, where the beads around were not recorded), so that a force is known at any
 time: its impulse is an integral by Gauss rules, cut where a contact opens or closes; its largest value lies between
-frames, and so do the moments at which contacts open and close.
+frames, and so do the moments at which contacts open and close. A contact that acts at a distance may pull: its force is
+then negative, and it counts as closed while it pushes.
 
 How far a force between frames may be off is measured at every frame: the polynomial from the frame before to the frame
 after it leaves out the frame between them. The uncertainty between frames half as far apart is a quarter of the
@@ -13,7 +14,7 @@ uncertain is not stated.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,8 +31,10 @@ from analysis.gauges.gauge import (
 )
 from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
+from analysis.sharing.run_error import RunError
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
 from lammps_inputs import Problem
+from lammps_inputs.limits import rates
 
 PULSE = 0.01
 """Share of its largest value, above the static one, from which a force is that of a pulse."""
@@ -49,7 +52,7 @@ NOT_ABOVE = "the force never exceeds the static one by more than the numerical n
 NO_LOAD = "there is no static load"
 TOO_COARSE = "frames are so far apart that its uncertainty exceeds a twentieth of"
 COARSE_FORCE = f"{TOO_COARSE} the largest dynamic force"
-BY_FRAMES = "by the time between frames"
+BY_FRAMES = "by the time between frames and by the run (``run_error``)"
 
 
 @result
@@ -60,25 +63,32 @@ class Reading:
     name: str = declare("name of the gauge, with which its columns in ``forces.csv`` begin")
     chain: int = declare("number of the chain")
     bead: int = declare("bead at the wall; the first bead of a contact; the bead with the sensor")
-    largest: float = declare("largest total force, at frames and between them", "force", COARSE_FORCE, symbol="F_m")
+    largest: float = declare(
+        "largest total force, at frames and between them; positive where beads are pushed apart",
+        "force",
+        COARSE_FORCE,
+        symbol="F_m",
+    )
     largest_error: float = declare(f"uncertainty of ``largest`` and ``dynamic`` {BY_FRAMES}", "force", "as ``largest``")
     at: float = declare("time of the largest force", "time", f"{NOT_ABOVE}; {COARSE_FORCE}")
     at_error: float = declare(
-        f"uncertainty of ``at`` {BY_FRAMES}: how far from it the force may be as large", "time", "as ``at``"
+        f"uncertainty of ``at`` {BY_FRAMES}: how far from it the force may be as large",
+        "time",
+        "as ``at``",
     )
     static: float | None = declare("force at rest, which ``largest`` includes", "force", NO_LOAD, "F_0")
     dynamic: float | None = declare(
         "largest force above the static one", "force", f"{NO_LOAD}; {NOT_ABOVE}; {COARSE_FORCE}"
     )
     impulse: float = declare(
-        "integral over time of the total force minus the static one",
+        "integral over time of the total force minus the static one; negative where a contact pulls more than pushes",
         "momentum",
         f"{TOO_COARSE} the integral of the size of that difference",
     )
     impulse_error: float = declare(f"uncertainty of ``impulse`` {BY_FRAMES}", "momentum", "as ``impulse``")
     dwell: float = declare(
-        "duration of the contact in which the force was largest, or until the end of the record; under a static load, "
-        "time around the maximum in which the dynamic force is above 1 % of its largest value",
+        "time in which the contact with the largest force pushes by over 1e-9 m V / T (overlaps over 1e-6 L), "
+        "or until the end; under a static load, in which the dynamic force is over 1 % of its maximum",
         "time",
         f"{TOO_COARSE} it, or leave open in which contact the force was largest",
     )
@@ -89,7 +99,10 @@ class Reading:
         "pulse, and ``impulse`` is that until then",
         undefined=NOT_ABOVE,
     )
-    contacts: int = declare("number of times that the contact has closed; one that is closed at the start counts")
+    contacts: int = declare(
+        "number of times that the contact has closed, so that its elastic force pushes by more than 1e-9 m V / T; one "
+        "that is closed at the start counts"
+    )
     reflected: Reflection | None = declare(
         "at a wall: what it reflects of the first pulse that meets it",
         undefined="not at a wall; there is a static load, a foundation or unlike beads; a pulse was not seen at enough "
@@ -182,6 +195,22 @@ class Readings:
         }
         return ForceTable(self.time, force)
 
+    def with_error(self, error: RunError, problem: Problem) -> "Readings":
+        """Readings whose uncertainties cover the error of the run (`analysis.sharing.run_error`)."""
+        if not error.measured:
+            return self
+        mass = float(np.max(problem.system.mass))
+        force = 0.5 * mass * rates.fastest(problem.system) * error.velocity
+        size = np.abs(self.largest - self.static)
+        late = np.maximum(error.arrival, np.divide(mass * error.velocity, size, out=0.0 * size, where=size > 0.0))
+        return replace(
+            self,
+            largest_error=self.largest_error + force,
+            at_error=self.at_error + late,
+            impulse_error=self.impulse_error + 2.0 * mass * error.velocity * np.maximum(self.contacts, 1),
+            dwell_error=self.dwell_error + ENDS * late,
+        )
+
     @property
     def loaded(self) -> bool:
         """Whether any of them is under a static load."""
@@ -197,6 +226,11 @@ class Readings:
         """[chain, gauge] force above the static one in the last frame over ``dynamic``; NaN where that is undefined."""
         return np.asarray((self.force[-1] - self.static) / self.dynamic)
 
+
+ENDS = 5.0
+"""Error of a dwell over that of the time of the largest force, both by the run: the ends of a contact are off by more,
+as it opens slowly. Measured: up to 3.7.
+"""
 
 CLOSED = 1e-9
 """Force from which on a contact counts as closed, of an overlap of 1e-6, far above rounding: behind a pulse beads touch
@@ -295,7 +329,7 @@ class ForceMeter:
         """Differences of strain and force at frames that polynomials leave out, [0 or 1, frame, chain, gauge]."""
         self._static = np.stack([gauge.static for gauge in gauges], axis=-1)
         self._largest, self._at = np.full(shape, -np.inf), np.full(shape, np.nan)
-        self._impulse, self._size = np.zeros(shape), np.zeros(shape)
+        self._impulse, self._quadrature, self._size = np.zeros((3, *shape))
         self._closed = np.zeros(shape, dtype=bool)
         self._changes: list[list[_Changes]] = [[] for _ in gauges]
         self._tops: list[list[Floats]] = [[] for _ in gauges]
@@ -340,7 +374,7 @@ class ForceMeter:
         stated = largest_error <= np.maximum(LARGEST_UNCERTAINTY * excess, FAINT)
         risen = stated & self._risen()
         spacing = self.problem.every if len(frames.time) < 2 else float(frames.time[1] - frames.time[0])
-        impulse_error = spacing * np.sum(frames.force_error, axis=0)
+        impulse_error = spacing * np.sum(frames.force_error, axis=0) + self._quadrature
         certain = impulse_error <= np.maximum(LARGEST_UNCERTAINTY * self._size, FAINT)
         dwells = self._dwells(frames)
         same_contact = (dwells.earliest <= self._at - at_error) & (self._at + at_error <= dwells.latest) | ~risen
@@ -470,16 +504,19 @@ class ForceMeter:
         forces = np.tile(static, (len(border), 1))
         forces[:, moving] = 0.0
         pressing = forces.copy() if gauge.damped else forces
-        impulse = np.zeros(len(chain))
+        impulse, quadrature = np.zeros((2, len(chain)))
         for curve in curves:
             single = curve.of(moving)
             at_borders = [np.full(len(moving), s) for s in border]
             forces[:, moving] += np.stack([single(s) for s in at_borders]) / len(curves)
             if gauge.damped:
                 pressing[:, moving] += np.stack([single.elastic(s) for s in at_borders]) / len(curves)
-            impulse[moving] += (single.integral(border) - curve.probe.static[chain[moving]]) * spacing / len(curves)
+            integral, error = single.integral(border)
+            impulse[moving] += (integral - curve.probe.static[chain[moving]]) * spacing / len(curves)
+            quadrature[moving] += error * spacing / len(curves)
         # term by term: the order must not depend on how many there are at once
         np.add.at(self._impulse[:, place], chain, impulse)
+        np.add.at(self._quadrature[:, place], chain, quadrature)
 
         def mean(entry: Integers, s: Floats) -> Floats:
             """Mean force of the contacts at s in chosen stretches, both [entry]."""

@@ -30,8 +30,8 @@ class Probe:
 
     Attributes:
         behind, ahead: beads whose difference of displacements is its strain, counted from 1; 0 for a body at rest.
-        force: strain [chain, ...] -> elastic force [chain, ...], that at rest included, never negative; 0 where the
-            contact is open.
+        force: strain [chain, ...] -> elastic force [chain, ...], that at rest included: 0 where contacts are open,
+            negative where contacts that act at a distance pull.
         static: [chain] force at rest.
         loss: strain, its rate -> force of the dashpot; None where there is none.
         place: that of its state in those of frames (`analysis.trajectory.Trajectory`); ``force`` takes the state.
@@ -68,7 +68,7 @@ class Gauge:
 
     @property
     def damped(self) -> bool:
-        """Whether forces against velocities are among what is read, so that it may be negative."""
+        """Whether forces against velocities are among what is read, which jump where contacts close or open."""
         return any(probe.loss is not None for probe in self.probes)
 
     @property
@@ -106,7 +106,7 @@ def _at_wall(system: System, link: Wall) -> Probe:
     def force(strain: Floats, chain: Integers, contact_state: Any) -> Floats:
         """Total force on the wall, of the strain's shape [chain, ...]."""
         law = _at_state(laws.at(link.law, chain, place), contact_state)
-        return np.asarray(np.maximum(laws.force(law, strain - link.gap) + laws.load(law), 0.0))
+        return np.asarray(laws.force(law, strain - link.gap) + laws.load(law))
 
     static = np.broadcast_to(laws.load(laws.at(link.law, np.arange(system.chains), place)), system.chains)
     behind, ahead = (system.beads, 0) if right else (0, 1)
@@ -218,8 +218,8 @@ def _acceleration(block: Trajectory, bead: int) -> Floats:
 
 # --- between frames ---------------------------------------------------------------------------------------------------
 
-TOUCH = 1e-18
-"""Force from which on there is an impulse to add up, of an overlap of 1e-12."""
+TOUCH = 1e-15
+"""Size of a force from which on there is an impulse to add up, of an overlap of 1e-10; rounding of loads is less."""
 
 PANEL = 0.05
 """Largest stretch of time for one Gauss rule of four nodes."""
@@ -270,7 +270,7 @@ class ContactCurve:
         return hermite.value(hermite.derivative(self.polynomial), s) / self.spacing
 
     def elastic(self, s: Floats) -> Floats:
-        """Elastic force at s, both [stretch], in units of m V / T: positive where the contact is closed."""
+        """Elastic force at s, both [stretch], in units of m V / T: negative where the contact pulls."""
         strain, state = hermite.value(self.polynomial, s), self.state
         if state is not None:  # a contact that opens is in its state of the frame after
             rate = hermite.value(hermite.derivative(self.polynomial), s)
@@ -283,33 +283,42 @@ class ContactCurve:
             return self.elastic(s)
         return self.elastic(s) + self.probe.loss(hermite.value(self.polynomial, s), self.rate(s), self.chain)
 
-    def integral(self, border: Floats) -> Floats:
-        """Integral of the force over s from 0 to 1, [stretch]; panels have the borders [border].
+    def integral(self, border: Floats) -> tuple[Floats, Floats]:
+        """Integral of the force over s from 0 to 1, and its uncertainty, each [stretch]; panels are between [border].
 
-        In a panel where the contact opens or closes, the force is a power 3/2 from there on, for which a Gauss rule is
-        inaccurate: with the square root of the time from there as variable it is smooth.
+        In a panel where the force begins or ends, it is a power 3/2 of the time from there on, for which a Gauss rule
+        is inaccurate: with the square root of that time as variable it is smooth. The uncertainty is the difference
+        from the rule with a node less, which shows kinks and jumps of dashpots and of contacts that yield.
         """
-        node, weight = np.polynomial.legendre.leggauss(4)
-        node, weight = 0.5 * (node + 1.0), 0.5 * weight
         size = self.polynomial.shape[1]
-        total = np.zeros(size)
-        closed = np.stack([self.elastic(np.full(size, s)) for s in border]) > TOUCH
+        totals = np.zeros((len(_RULES), size))
+        acts = np.stack([np.abs(self.elastic(np.full(size, s))) for s in border]) > TOUCH
         for panel, (low, high) in enumerate(itertools.pairwise(border.tolist())):
-            closed_throughout = closed[panel] & closed[panel + 1]
-            for s, w in zip(node, weight, strict=True):
-                total += np.where(
-                    closed_throughout, w * (high - low) * self(np.full(size, low + s * (high - low))), 0.0
-                )
-        panel_of, entry = np.nonzero(closed[:-1] != closed[1:])
+            throughout = acts[panel] & acts[panel + 1]
+            for total, rule in zip(totals, _RULES, strict=True):
+                for s, w in rule:
+                    total += np.where(throughout, w * (high - low) * self(np.full(size, low + s * (high - low))), 0.0)
+        panel_of, entry = np.nonzero(acts[:-1] != acts[1:])
         changing = self.of(entry)
-        low, high, before = border[panel_of], border[panel_of + 1], closed[panel_of, entry]
-        at = hermite.change(lambda s: changing.elastic(s) > TOUCH, before, low, high)
+        low, high, before = border[panel_of], border[panel_of + 1], acts[panel_of, entry]
+        at = hermite.change(lambda s: np.abs(changing.elastic(s)) > TOUCH, before, low, high)
         width = np.sqrt(np.where(before, at - low, high - at))
         direction = np.where(before, -1.0, 1.0)
-        for s, w in zip(node, weight, strict=True):
-            root = width * s
-            np.add.at(total, entry, w * width * 2.0 * root * changing(at + direction * root * root))
-        return total
+        for total, rule in zip(totals, _RULES, strict=True):
+            for s, w in rule:
+                root = width * s
+                np.add.at(total, entry, w * width * 2.0 * root * changing(at + direction * root * root))
+        return totals[0], np.abs(totals[0] - totals[1])
+
+
+def _gauss(nodes: int) -> list[tuple[float, float]]:
+    """Nodes and weights of a Gauss rule from 0 to 1."""
+    node, weight = np.polynomial.legendre.leggauss(nodes)
+    return list(zip((0.5 * (node + 1.0)).tolist(), (0.5 * weight).tolist(), strict=True))
+
+
+_RULES = _gauss(4), _gauss(3)
+"""The rule that integrates a force, and that with a node less."""
 
 
 def borders(spacing: float) -> Floats:

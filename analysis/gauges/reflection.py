@@ -50,10 +50,8 @@ class Reflection:
     reflected_beads: tuple[int, int] = declare("first and last bead at which the reflected pulse was measured")
 
 
-def reflections(
-    pulses: tuple[Pulse, ...], problem: Problem, *, right: bool, error: float = 0.0
-) -> list[Reflection | None]:
-    """Reflection of the first pulse that meets a wall, by chain; ``error``: that of peak velocities, in units of V.
+def reflections(pulses: tuple[Pulse, ...], problem: Problem, *, right: bool) -> list[Reflection | None]:
+    """Reflection of the first pulse that meets a wall, by chain.
 
     None where no such ratio is defined (under a static load, on a foundation, and between beads that differ no pulse
     keeps its velocity), or it is not known to `LARGEST_UNCERTAINTY`: a pulse or its reflection was not seen at enough
@@ -61,16 +59,14 @@ def reflections(
     """
     system = problem.system
     plain = physics.alike(system) and not physics.loaded(system) and system.holds(Fact.PULSE)
-    by_chain = [
-        _of_chain(pulses, problem, chain, right, error) if plain else None for chain in range(1, problem.chains + 1)
-    ]
+    by_chain = [_of_chain(pulses, problem, chain, right) if plain else None for chain in range(1, problem.chains + 1)]
     return [
         reflection if reflection is not None and reflection.uncertainty <= LARGEST_UNCERTAINTY else None
         for reflection in by_chain
     ]
 
 
-def _of_chain(pulses: tuple[Pulse, ...], problem: Problem, chain: int, right: bool, error: float) -> Reflection | None:
+def _of_chain(pulses: tuple[Pulse, ...], problem: Problem, chain: int, right: bool) -> Reflection | None:
     towards = 1 if right else -1
     in_chain = [pulse for pulse in pulses if pulse.chain == chain]
     close = [pulse for pulse in in_chain if _distance(pulse, problem, right).min() <= NEAR]
@@ -91,7 +87,7 @@ def _of_chain(pulses: tuple[Pulse, ...], problem: Problem, chain: int, right: bo
     if first is None or second is None:
         return None
     ratio = float(np.exp(second[0] - first[0]))
-    errors = [error / float(np.median(pulse.peak_velocity)) for pulse in (incident, reflected)]
+    errors = [float(np.median(pulse.peak_velocity_error / pulse.peak_velocity)) for pulse in (incident, reflected)]
     return Reflection(ratio, ratio * float(np.linalg.norm([first[1], second[1], *errors])), first[2], second[2])
 
 

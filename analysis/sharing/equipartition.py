@@ -250,7 +250,8 @@ class Sharing:
     def final(self) -> Estimate | None:
         """Amplitude that the leading waves settle at, in V: mean over chains and the last half beat.
 
-        The uncertainty is the largest deviation from it, or what is still to come where that is more. None where
+        The uncertainty is the largest deviation from it, or what is still to come where that is more, and the largest
+        error of these amplitudes. None where
         amplitudes have no limit, or do not show one: they deviate by more than half of the mean, or the mean changes
         from stretch to stretch of as many beads, by more than half the deviation, and not ever less.
         """
@@ -264,12 +265,14 @@ class Sharing:
         starts = [start for start in (self.tail - count, self.tail - 2 * count) if start >= 0]
         means = [mean, *(float(np.mean(self._mean[start : start + count])) for start in starts)]
         change, *before = -np.diff(means) if len(means) > 1 else [math.inf]
+        errors = 0.0 if self.amplitude_error is None else np.nan_to_num(self.of_tied(self.amplitude_error)[self.tail :])
+        error = float(np.max(errors))
         if abs(change) <= max(SETTLED * mean, 0.5 * varies):
-            return Estimate(mean, varies)
+            return Estimate(mean, varies + error)
         ratio = change / before[0] if before and before[0] != 0.0 else math.inf
         if not 0.0 <= ratio <= CONVERGES:
             return None
-        return Estimate(mean, max(varies, abs(change) * ratio / (1.0 - ratio)))
+        return Estimate(mean, max(varies, abs(change) * ratio / (1.0 - ratio)) + error)
 
     @cached_property
     def span(self) -> tuple[int, float, float] | None:

@@ -37,12 +37,12 @@ class Character:
         symbol="v",
     )
     arrival_error: float = declare(
-        "bound on the error of the arrival by the time between frames",
+        "bound on the error of the arrival by the time between frames and by the run (``run_error``)",
         "time",
         "the largest velocity is reached on a plateau (a bead that flies freely)",
     )
     peak_velocity_error: float = declare(
-        "bound on the error of the peak velocity by the time between frames", "velocity"
+        "bound on the error of the peak velocity by the time between frames and by the run (``run_error``)", "velocity"
     )
     speed: float = declare("speed of the pulse at that bead", "speed", "it was seen at one bead only", "c")
     width: float = declare("full width of the velocity at half its maximum", "beads", UNSEEN)
@@ -55,7 +55,7 @@ class Character:
     )
     momentum_error: float = declare(
         "uncertainty of the momentum, by the time between frames, by that of arrivals, from which the speed follows, "
-        "and by where the pulse ends: the momentum of one bead of travel at either end",
+        "by where the pulse ends (the momentum of one bead of travel at either end) and by the run (``run_error``)",
         "momentum",
         "as ``momentum``",
     )
@@ -65,7 +65,9 @@ class Character:
         f"{UNSEEN}, another pulse is near, or frames are so far apart that its uncertainty exceeds a twentieth of it",
     )
     energy_error: float = declare(
-        "uncertainty of the energy by the time between frames", "energy", "as ``energy``; not all beads are recorded"
+        "uncertainty of the energy by the time between frames and by the run (``run_error``)",
+        "energy",
+        "as ``energy``; not all beads are recorded",
     )
     residual: float = declare(
         "largest difference of the velocity from the exact wave of this peak velocity, over that",

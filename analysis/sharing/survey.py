@@ -104,7 +104,7 @@ def _leads(pulse: Pulse, waves: Waves, direction: int) -> bool:
     return pulse.direction == direction and bool(np.any(is_end))
 
 
-def _numbered(verdict: Verdict, direction: int) -> Verdict:
+def numbered(verdict: Verdict, direction: int) -> Verdict:
     """A verdict whose sentence says how it counts beads, where that is not by their numbers."""
     if direction > 0 or " bead " not in verdict.sentence:
         return verdict
@@ -158,7 +158,7 @@ def survey(
     arrival = usual_arrival(problem) if arrival is None else arrival
     ahead = _peaks_ahead(first.peaks[direction], first.tracks, problem)
     succession = changes(ahead, problem)
-    waves = leading_waves(ahead, problem, arrival, succession)
+    waves = leading_waves(ahead, problem, arrival, succession, first.tracks)
     shared = _shared(first, waves, problem, along)
     pulses, crests = _distinct_from_sound(first.tracks, waves, direction, problem)
     clear = _clear_of_ends(pulses, waves, direction, problem)
@@ -185,7 +185,7 @@ def survey(
         shared=shared,
         energies=energies,
         decay=decay,
-        verdict=_numbered(verdict_on(shared.followed, along, decay), direction),
+        verdict=numbered(verdict_on(shared.followed, along, decay), direction),
     )
 
 

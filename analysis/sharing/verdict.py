@@ -257,8 +257,8 @@ def _doubt(shared: Sharing) -> str:
         return "beads fly freely when they are fastest, so that arrivals at the maximum are not defined"
     if max(amplitude, arrival) > AGREEMENT:
         return (
-            f"frames are so far apart that the uncertainty of amplitudes is {amplitude:.1%}, and that of arrivals "
-            f"{arrival:.1%} of the wave's passage"
+            f"the time between frames and the error of the run leave amplitudes an uncertainty of {amplitude:.1%}, and "
+            f"arrivals one of {arrival:.1%} of the wave's passage"
         )
     return ""
 

@@ -43,19 +43,19 @@ class Waves(Columns):
     )
     speed: Floats = declare(
         "speed of the pulse in its direction, from the arrivals at the recorded beads on either side (at an end of the "
-        "chain, and at the last bead reached: one)",
+        "chain, and at the last bead reached: one), which it passed one after the other",
         "speed",
-        "one bead of the chain was reached, an arrival is undefined, or the pulse begins or ends there within the "
-        "chain, as at a kicked bead",
+        "one bead of the chain was reached, an arrival is undefined or not later than that at the bead before, or the "
+        "pulse begins or ends there within the chain, as at a kicked bead",
         "c",
     )
     arrival_error: Floats = declare(
-        "bound on the error of the arrival by the time between frames",
+        "bound on the error of the arrival by the time between frames and by the run (``run_error``)",
         "time",
         "so is the arrival, or the motion of rigid beads follows rounding there",
     )
     peak_velocity_error: Floats = declare(
-        "bound on the error of the peak velocity by the time between frames",
+        "bound on the error of the peak velocity by the time between frames and by the run (``run_error``)",
         "velocity",
         "the motion of rigid beads follows rounding there",
     )
@@ -146,7 +146,11 @@ def usual_arrival(problem: Problem) -> Arrival:
 
 
 def leading_waves(
-    peaks: Peaks, problem: Problem, arrival: Arrival | None = None, succession: tuple[Change, ...] | None = None
+    peaks: Peaks,
+    problem: Problem,
+    arrival: Arrival | None = None,
+    succession: tuple[Change, ...] | None = None,
+    pulses: tuple[Pulse, ...] = (),
 ) -> Waves:
     """The first maximum of every bead that the leading pulse comes to, and which pulse that is.
 
@@ -155,6 +159,7 @@ def leading_waves(
         problem: what was run.
         arrival: definition of an arrival; by default `usual_arrival`.
         succession: ends of leading pulses after which another one leads; by default those that the maxima show.
+        pulses: those that were followed along the chains; no speed is between passages of two of them.
 
     Returns:
         The waves, sorted by chain, then bead; times in units of T, velocities in units of V.
@@ -164,9 +169,10 @@ def leading_waves(
     at_maximum = (arrival or usual_arrival(problem)) == "maximum"
     time, error = (first.time, first.time_error) if at_maximum else (first.centre, first.centre_error)
     defined = np.where(np.isfinite(error), time, np.nan)
-    number = numbers(first, changes(passages, problem) if succession is None else succession)
+    number = numbers(first, changes(passages, problem) if succession is None else succession, problem)
     waves = with_speeds(first.chain, first.bead, defined, first.velocity, number, direction=first.direction)
-    speed = np.where(_begins_within(first, problem), np.nan, waves.speed)
+    undefined = _begins_within(first, problem) | _beside_another(first, pulses)
+    speed = np.where(undefined, np.nan, waves.speed)
     return replace(waves, speed=speed, time=first.time, arrival_error=error, peak_velocity_error=first.velocity_error)
 
 
@@ -176,6 +182,16 @@ def _begins_within(first: Peaks, problem: Problem) -> Flags:
     begins = np.full(problem.chains + 1, np.max(along, initial=-problem.beads))
     np.minimum.at(begins, first.chain, along)
     return np.asarray((along == begins[first.chain]) & (along > np.min(first.direction * problem.recorded_beads)))
+
+
+def _beside_another(first: Peaks, pulses: tuple[Pulse, ...]) -> Flags:
+    """Mask, [first maximum], of passages of one pulse next to a bead at which another of these pulses is first."""
+    number = np.full(len(first), -1)
+    for each, pulse in enumerate(pulses):
+        if pulse.direction == first.direction:
+            number[(first.chain == pulse.chain) & np.isin(first.time, pulse.arrival)] = each
+    changes = (np.diff(first.chain) == 0) & (np.diff(number) != 0) & (number[1:] >= 0) & (number[:-1] >= 0)
+    return np.asarray(np.append(changes, False) | np.insert(changes, 0, False))
 
 
 def with_speeds(
@@ -188,6 +204,8 @@ def with_speeds(
     direction: int = 1,
 ) -> Waves:
     """Waves whose local speeds follow from their arrivals, without errors; entries are sorted by chain, then bead.
+
+    A speed is that of one pulse between beads that it passed one after the other, else NaN.
 
     Args:
         chain: [wave] number of the chain, from 1.
@@ -206,7 +224,10 @@ def with_speeds(
         speed[in_chain] = direction * local_speed(bead[in_chain], arrival[in_chain])
     unknown = np.full(len(chain), np.nan)
     waves = Waves(chain, bead, number, arrival, peak_velocity, speed, unknown, unknown, time=arrival)
-    speed[waves.ends], speed[waves.ends + 1] = np.nan, np.nan
+    backward = np.flatnonzero((np.diff(chain) == 0) & (direction * np.diff(arrival) <= 0.0))
+    for last in (waves.ends, backward):
+        speed[last], speed[last + 1] = np.nan, np.nan
+    speed[speed <= 0.0] = np.nan  # past a bead without an arrival
     return waves
 
 

@@ -262,7 +262,8 @@ class Train(Columns):
     arrival: Floats = declare("arrival of each pulse", "time", symbol="t")
     peak_velocity: Floats = declare("peak velocity of each pulse, positive in its direction", "velocity", symbol="v")
     uncertainty: Floats = declare(
-        "of each peak velocity: largest difference from it over the ten beads before",
+        "of each peak velocity: largest difference from it over the ten beads before, and its error by the time "
+        "between frames and by the run (``run_error``)",
         "velocity",
         "none of them was recorded",
     )
@@ -299,7 +300,8 @@ def train_of(
         at: Integers = np.flatnonzero(pulse.bead == bead)
         if (pulse.chain, pulse.direction) == (chain, direction) and len(at):
             arrival, peak = float(pulse.arrival[at[0]]), float(pulse.peak_velocity[at[0]])
-            at_bead.append((arrival, peak, pulse.variation(int(at[0]))))
+            uncertainty = pulse.variation(int(at[0])) + float(pulse.peak_velocity_error[at[0]])
+            at_bead.append((arrival, peak, uncertainty))
     exact = exact or solitary_wave()
     apart: list[tuple[float, float, float]] = []
     for pulse_at in sorted(at_bead):

@@ -10,7 +10,7 @@ one of the next bead, at which the pulse goes on. To fit is to be `EARLIEST` to 
 nearer in amplitude.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -67,17 +67,31 @@ def changes(peaks: Peaks, problem: Problem) -> tuple[Change, ...]:
     return tuple(ends)
 
 
-def numbers(first: Peaks, succession: tuple[Change, ...]) -> Integers:
+def numbers(first: Peaks, succession: tuple[Change, ...], problem: Problem) -> Integers:
     """Number of the pulse that leads at each bead, [first maximum], from 1 in each chain.
 
     Args:
         first: first maxima of beads.
         succession: ends of leading pulses.
+        problem: what was run.
     """
     number, direction = np.ones(len(first), dtype=np.int64), first.direction
-    for change in succession:
-        number += (first.chain == change.chain) & (direction * first.bead >= direction * change.first)
+    beginnings = {(change.chain, change.first) for change in succession} | set(_begun_ahead(first, problem))
+    for chain, bead in beginnings:
+        number += (first.chain == chain) & (direction * first.bead >= direction * bead)
     return number
+
+
+def _begun_ahead(first: Peaks, problem: Problem) -> Iterator[tuple[int, int]]:
+    """Chain and bead of every excitation that makes a pulse before the one behind it comes there."""
+    along = first.direction * first.bead
+    for chain, bead, impulse in physics.excitations(problem.system):
+        there = np.flatnonzero((first.chain == chain) & (first.bead == bead))
+        behind = np.flatnonzero((first.chain == chain) & (along < first.direction * bead))
+        if impulse * first.direction > 0.0 and len(there) and len(behind):
+            before = behind[np.argmax(along[behind])]
+            if first.time[there[0]] <= first.time[before]:
+                yield chain, bead
 
 
 def _in_chain(peaks: Peaks, speed_at: Callable[[Integers, Floats], Floats]) -> list[Change]:

@@ -278,6 +278,11 @@ class Contact(by_formula.ByFormula):
                     f"{loads[0]}: contact.force is {rest:.6g} at s = 0, the force of every contact at rest; leave one "
                     "of them out"
                 )
+        elif not kind.cut and scene.gap:
+            raise ValueError(
+                "gap: contact.force acts at a distance, so that beads a gap apart pull each other at rest; leave "
+                "the gap or contact.tension out"
+            )
 
     def refuse_system(self, scene: SceneContext, system: System) -> None:
         """Refuse what is known of spheres only, and formulas where they have no value."""

@@ -511,6 +511,7 @@ REFUSED = [
     _refused("foundation.stiffness: so stiff that the beads do not move", foundation={"stiffness": 1e13}),
     _refused("foundation: beads behind a window", foundation={"stiffness": 1.0}, **_WINDOW),
     _refused("gap: beads under a static load touch", **_LOAD, gap=0.1),
+    _refused("gap: contact.force acts at a distance", contact={"force": "A*s", "A": 1, "tension": "allowed"}, gap=0.1),
     _refused("precompression: a window lets go of rows", **_LOAD, **_WINDOW),
     _refused("precompression.force: should be greater than 0", precompression={"force": 0.0}),
     _refused("precompression: 1e+07 times m V / T", precompression={"force": 1e7}),

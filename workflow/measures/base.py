@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from analysis import quantity
+from analysis.sharing.run_error import UNMEASURED, RunError
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, Scene
 from workflow.runs.job import RoundingRecord
@@ -25,14 +26,14 @@ class Recorded:
         scene: what was run.
         problem: the dimensionless problem that it stands for.
         deforms: whether beads have overlaps and forces, as those of all engines but that of rigid beads.
-        amplitude_error: measured error of peak velocities, in units of V; 0 where it was not measured.
+        error: measured error of the run.
         rounding: where collisions of rigid beads begin to follow rounding; None where none do.
     """
 
     scene: Scene
     problem: Problem
     deforms: bool = True
-    amplitude_error: float = 0.0
+    error: RunError = UNMEASURED
     rounding: RoundingRecord | None = None
 
 

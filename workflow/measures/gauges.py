@@ -40,7 +40,7 @@ _LOADED_WORDS = {
 """Quantity -> heading of the printed table; under a static load."""
 
 
-SMALLEST_UNCERTAINTY = 1e-4
+SMALLEST_UNCERTAINTY = 5e-4
 """Uncertainty of a largest force, in its excess over the static one, above which it is printed."""
 
 
@@ -112,8 +112,9 @@ class ForceMeasurement(Measurement):
         late = scale.written(float(readings.at_error[chain, place]), "time", ".1e")
         where = f"{readings.gauges[place].name}, chain {chain + 1}, its time to {late}"
         yield (
-            f"with frames {every} apart the uncertainty of largest forces is up to {relative[chain, place]:.1e} of the "
-            f"excess over rest ({where}); analysis.json has that of each force, impulse and dwell"
+            f"the uncertainty of largest forces, by frames {every} apart and by the run, is up to "
+            f"{relative[chain, place]:.1e} of the excess over rest ({where}); analysis.json has that of each force, "
+            "impulse and dwell"
         )
 
     def _places(self, chosen: NDArray[np.bool_]) -> str:
@@ -165,10 +166,8 @@ class ForceMeasurement(Measurement):
         def finish(survey: Survey) -> ForceMeasurement:
             passed = (*survey.pulses, *survey.crests)
             sides = {gauge.side for gauge in places if gauge.kind == "wall"}
-            reflected = {
-                side: reflections(passed, problem, right=side == "right", error=run.amplitude_error) for side in sides
-            }
-            readings = meter.result()
+            reflected = {side: reflections(passed, problem, right=side == "right") for side in sides}
+            readings = meter.result().with_error(run.error, problem)
             return cls(problem, readings.entries(reflected), readings)
 
         return FrameMeter(finish, meter.add)

@@ -1,5 +1,6 @@
 """Analyse a run directory: ``waves.csv``, ``analysis.json`` and the figures beside the frames, which are read twice."""
 
+import math
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -17,6 +18,7 @@ from analysis.quantity import csv_of, plain
 from analysis.sharing.equipartition import runs_exact_waves
 from analysis.sharing.impulses import Impulses, from_events
 from analysis.sharing.is_solitary import Tolerances
+from analysis.sharing.run_error import UNMEASURED, RunError, with_run_error
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival
 from analysis.tracking.undisturbed import CLEAR
@@ -63,6 +65,7 @@ class Analysis:
         measurements: what not every run has, by its key in ``analysis.json``, in the order of the text
             (`workflow.measures`); ``plain()`` of each is in the scene's units.
         derivatives: of quantities by fields of the scene, where they were asked for.
+        error: measured error of the run, which the uncertainties cover.
     """
 
     problem: Problem
@@ -75,6 +78,7 @@ class Analysis:
     altered: bool
     measurements: dict[str, Measurement]
     derivatives: tuple[Derivative, ...] = ()
+    error: RunError = UNMEASURED
 
     @cached_property
     def waves(self) -> WavesTable:
@@ -140,6 +144,7 @@ class MeasuredFrames:
 
     Attributes:
         survey: waves, pulses, energies and the verdict, in units of V, T and L.
+        error: measured error of the run, which uncertainties of the survey cover.
         conservation: drifts of energy and momentum, number of frames.
         measurements: what not every run has, by its key in ``analysis.json``.
         tolerances: within which a pulse is called solitary.
@@ -149,6 +154,7 @@ class MeasuredFrames:
     """
 
     survey: Survey
+    error: RunError
     conservation: Conservation
     measurements: dict[str, Measurement]
     tolerances: Tolerances
@@ -176,6 +182,7 @@ def results_of(directory: RunDirectory, frames: MeasuredFrames, drawn: tuple[Pat
         failure=directory.failure,
         altered=directory.fingerprint not in ("", frames.sha256),
         measurements=frames.measurements,
+        error=frames.error,
     )
 
 
@@ -206,12 +213,13 @@ def measure(
     shown = default_beads(problem) if beads is None else beads
     _refuse_frames(directory, shown)
     by_snapshots = problem.frames_per_snapshot is not None
+    run = recorded(directory)
     exchange = accountant(directory, problem)
     conservation, fingerprint = Conservation(), Fingerprint()
-    meters = _meters(recorded(directory))
+    meters = _meters(run)
     spacetime, history = _pictures(problem, shown) if figures else (None, None)
     of_frames = (history,) if by_snapshots else (history, spacetime)
-    results = survey(
+    of_frames_alone = survey(
         lambda: _sane(directory, directory.blocks()),
         problem,
         watchers=[conservation, fingerprint, *meters, *(of_frames if figures else ())],
@@ -220,7 +228,7 @@ def measure(
         counted=exchange.of,
         impulses=_of_collisions(directory, problem),
     )
-    results = _without_errors_by_rounding(results, directory.account.rounding)
+    results = _without_errors_by_rounding(with_run_error(of_frames_alone, run.error), directory.account.rounding)
     of_all_beads = conservation
     if by_snapshots:
         of_all_beads, exchange = _read_snapshots(directory, fingerprint, spacetime)
@@ -231,6 +239,7 @@ def measure(
     measurements = {measurement.key: measurement for measurement in measured if measurement is not None}
     return MeasuredFrames(
         survey=results,
+        error=run.error,
         conservation=conservation,
         measurements=measurements,
         tolerances=allowed,
@@ -292,14 +301,28 @@ def _take_over(conservation: Conservation, of_all_beads: Conservation) -> None:
 
 def recorded(directory: RunDirectory) -> Recorded:
     """The run of a directory as meters see it."""
-    check = None if directory.scene.output.forces is None else directory.job.check  # run.json may be damaged
     return Recorded(
         scene=directory.scene,
         problem=directory.problem,
         deforms=ENGINES[directory.engine].deforms,
-        amplitude_error=0.0 if check is None else check.amplitude or 0.0,
+        error=run_error(directory),
         rounding=directory.account.rounding,
     )
+
+
+def run_error(directory: RunDirectory) -> RunError:
+    """Error of a run by its check, or of the reference's by step halving; of all others none is known."""
+    account = directory.account
+    if account.check is not None:
+        reference = account.check.reference
+        measured = (account.check.velocity, account.check.amplitude, account.check.arrival)
+    elif account.uncertainty is not None:
+        reference, measured = account.uncertainty, (0.0, None, None)
+    else:
+        return UNMEASURED
+    velocity, amplitude, arrival = (math.nan if value is None else value for value in measured)
+    of_reference = (math.nan if value is None else value for value in (reference.velocity, reference.arrival))
+    return RunError.of(velocity, amplitude, arrival, *of_reference)
 
 
 def _of_collisions(directory: RunDirectory, problem: Problem) -> Impulses | None:
@@ -338,7 +361,7 @@ def _write(directory: RunDirectory, frames: MeasuredFrames) -> tuple[Path, ...]:
     for name, text in frames.tables.items():
         write_text(directory.path / name, text)
     more = {key: measurement.plain() for key, measurement in frames.measurements.items()}
-    content = report(frames.survey, frames.conservation, frames.tolerances)
+    content = report(frames.survey, frames.conservation, frames.tolerances, frames.error)
     write_json(directory.path / REPORT, plain(content, frames.survey.problem.scale) | more)
     return drawn
 

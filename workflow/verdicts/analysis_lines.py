@@ -72,10 +72,15 @@ def _drifts(analysis: Analysis) -> dict[str, float]:
     return {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
 
 
+UNCHECKED = "the run was not checked against the reference, so that uncertainties cover the time between frames alone"
+"""What is printed of a run without a measured error."""
+
+
 def _accuracy(analysis: Analysis) -> Iterator[str]:
     """Lines on what arrivals are, if not maxima, and the uncertainty of the table, if more than `DOCUMENTED`."""
     problem, waves = analysis.problem, analysis.survey.waves
     scale, clear = problem.scale, problem.beads - CLEAR
+    before_last = waves.where(along_the_way(problem, waves.bead) < problem.beads)  # the last bead flies off
     if analysis.survey.arrival == "impulse":
         yield "the arrival of a wave is the centre of the impulse until the bead is fastest"
     elif free := int(np.count_nonzero(np.isnan(waves.arrival[along_the_way(problem, waves.bead) <= clear]))):
@@ -84,17 +89,19 @@ def _accuracy(analysis: Analysis) -> Iterator[str]:
             f"arrivals at the maximum of the velocity are undefined at {where} freely (empty in waves.csv); "
             "`--arrival impulse` defines them"
         )
-    uncertainty = np.nan_to_num(waves.peak_velocity_error)  # NaN where rigid beads follow rounding
+    uncertainty = np.nan_to_num(before_last.peak_velocity_error)  # NaN where rigid beads follow rounding
     if uncertainty.max(initial=0.0) > DOCUMENTED:
         worst = int(np.argmax(uncertainty))
-        late = waves.arrival_error[np.isfinite(waves.arrival_error)].max(initial=0.0)
+        late = before_last.arrival_error[np.isfinite(before_last.arrival_error)].max(initial=0.0)
         apart = scale.written(problem.every, "time", ".3g")
         arrivals = f", that of arrivals up to {scale.written(late, 'time', '.1e')}" if late > 0.0 else ""
         yield (
-            f"with frames {apart} apart the uncertainty of peak velocities is up to "
-            f"{uncertainty[worst]:.1e} V (bead {waves.bead[worst]} of chain {waves.chain[worst]})"
+            f"the uncertainty of peak velocities, by frames {apart} apart and by the run, is up to "
+            f"{uncertainty[worst]:.1e} V (bead {before_last.bead[worst]} of chain {before_last.chain[worst]})"
             f"{arrivals}; waves.csv has each"
         )
+    if not analysis.error.measured:
+        yield UNCHECKED
     if problem.every > FAR:
         far = scale.written(FAR, "time", ".3g")
         yield f"frames are more than {far} apart, so that small pulses between them may be missed"

@@ -12,6 +12,7 @@ from analysis.quantity import QuantityColumn, data_frame, declare, declared, der
 from analysis.shape.exact_wave import wave_of
 from analysis.sharing.equipartition import AGREEMENTS, Estimate, resolved, runs_exact_waves
 from analysis.sharing.is_solitary import Character, Tolerances
+from analysis.sharing.run_error import UNMEASURED, RunError
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import DecayFit
 from analysis.tracking.leading_waves import Waves
@@ -55,10 +56,14 @@ class WavesTable(Waves):
         f"not all beads are recorded, not all waves passed, another pulse is as near, or {TOO_COARSE}",
     )
     chain_energy_error: Floats = declare(
-        "uncertainty of ``chain_energy`` by the time between frames", "energy", "as ``chain_energy``"
+        "uncertainty of ``chain_energy`` by the time between frames and by the run (``run_error``)",
+        "energy",
+        "as ``chain_energy``",
     )
     wave_energy_error: Floats = declare(
-        "uncertainty of ``wave_energy`` by the time between frames", "energy", "as ``wave_energy``"
+        "uncertainty of ``wave_energy`` by the time between frames and by the run (``run_error``)",
+        "energy",
+        "as ``wave_energy``",
     )
     scale: Scale = DIMENSIONLESS  # of the numbers
 
@@ -260,12 +265,14 @@ class ChainSummary:
         column="speed at the last clear bead",
     )
     arrival_error: float | None = declare(
-        "bound on the error of the arrival by the time between frames",
+        "bound on the error of the arrival by the time between frames and by the run (``run_error``)",
         "time",
         NOT_REACHED,
     )
     peak_velocity_error: float | None = declare(
-        "bound on the error of the peak velocity by the time between frames", "velocity", NOT_REACHED
+        "bound on the error of the peak velocity by the time between frames and by the run (``run_error``)",
+        "velocity",
+        NOT_REACHED,
     )
     arrival_reduced: float | None = declare("the arrival in units of T", "T", "as ``arrival``", "t / T")
     peak_velocity_reduced: float | None = declare(
@@ -294,8 +301,8 @@ class Final(Estimate):
     """The asymptotic amplitude."""
 
     uncertainty: float = declare(
-        "its uncertainty: largest deviation from it over the last half beat, or the extrapolated change that is still "
-        "to come where that is larger",
+        "its uncertainty: largest deviation over the last half beat, or the change still to come where that is larger; "
+        "and the error of these amplitudes by the time between frames and by the run",
         "V",
     )
 
@@ -332,7 +339,7 @@ class EnergyShare:
         columns=(QuantityColumn("energy_share", "share of the energy in the leading waves"),),
     )
     measured_error: float | None = declare(
-        "uncertainty of ``measured`` by the time between frames",
+        "uncertainty of ``measured`` by the time between frames and by the run (``run_error``)",
         "energy input",
         "as ``measured``",
         columns=(
@@ -420,6 +427,20 @@ class PulseEntry(Character):
 
 
 @result
+class ErrorOfRun:
+    """Error of a run by its time step and integrator, with the uncertainty of the reference that measured it."""
+
+    velocity: float = declare("bound on the error of any velocity of a bead or resonator", "V")
+    amplitude: float = declare(
+        "bound on the error of a peak velocity of a leading pulse; ``velocity`` where no pulse leads", "V"
+    )
+    arrival: float = declare(
+        "bound on the error of an arrival of a leading pulse; ``velocity`` over V, in units of T, where none is sharp",
+        "T",
+    )
+
+
+@result
 class Report:
     """The contents of ``analysis.json`` of every run; what only some have is in `workflow.measures`."""
 
@@ -463,11 +484,15 @@ class Report:
         "how the chains share the leading pulse, whose amplitude at a bead is its peak velocity or, where coupled "
         "chains have gaps, the impulse of the bead's first contact over its mass"
     )
+    run_error: ErrorOfRun | None = declare(
+        "error of the run, which all uncertainties in these files cover beside that by the time between frames",
+        undefined="the run was not checked (rigid beads, runs that a cluster resumed): they cover the frames alone",
+    )
     tolerances: Tolerances = declare("relative differences within which a pulse is called solitary")
     pulses: list[PulseEntry] = declare("every pulse, the strongest first")
 
 
-def report(survey: Survey, conservation: Conservation, tolerances: Tolerances) -> Report:
+def report(survey: Survey, conservation: Conservation, tolerances: Tolerances, error: RunError = UNMEASURED) -> Report:
     """What is known of every run, dimensionless."""
     problem, scale = survey.problem, survey.problem.scale
     entries = [pulse_entry(survey, *pair) for pair in zip(survey.pulses, survey.characters, strict=True)]
@@ -487,6 +512,7 @@ def report(survey: Survey, conservation: Conservation, tolerances: Tolerances) -
         ],
         train=train(survey),
         equipartition=equipartition(survey),
+        run_error=ErrorOfRun(error.velocity, error.amplitude, error.arrival) if error.measured else None,
         tolerances=tolerances,
         pulses=sorted(entries, key=lambda entry: -entry.peak_velocity),
     )

@@ -222,6 +222,23 @@ scenes without one have reduced units. V is the largest excitation (the kick vel
 A quantity that is undefined is null in JSON, an empty cell in CSV and `-` in printed tables. The last column is the
 name in the table of `granchain collect`. The last two sections define the terms of the verdicts and derive the numbers
 of the pulse in a single chain.
+
+An uncertainty is a sum of bounds:
+
+- what the time between frames leaves: differences of polynomials of several degrees, and contacts, dashpots and
+  forces that begin between frames;
+- the error of the run by its time step (`run_error`), measured against the reference, with that of the reference;
+- of an asymptotic amplitude and a train, the variation of the peak velocity.
+
+The error of the run, in units of m, V and T, with the error e of all velocities:
+
+- leading pulses: that of peak velocities, and of arrivals, of leading pulses;
+- other pulses and last beads: e in peak velocities v, and e / v^1.2 in arrivals;
+- energies: twice that of the peak velocity, relative to it;
+- forces: e m omega / 2, with the largest mass m and angular frequency omega; impulses: 2 m e each time that a contact
+  closes; the time of the largest force F: that of arrivals or m e / F; dwells: five times as much.
+
+`decay_law.n_star_error` and `beat_length.uncertainty` are those of the fit and of the scatter alone.
 """
 
 HEAD = """

@@ -67,7 +67,8 @@ TERMS = {
         "pulse, contacts that act at a distance"
     ),
     "asymptotic amplitude": "mean over chains and the last half beat (of one chain the last tenth of the beads); its "
-    f"uncertainty is the largest deviation, at most {LARGEST_DEVIATION:g} of it, or the change that is still to come",
+    f"uncertainty is the largest deviation, at most {LARGEST_DEVIATION:g} of it, or the change to come, plus "
+    "errors by frames and run",
     "converge": f"the means over the last two half beats differ by at most {SETTLED:g} of them, half of the largest "
     f"deviation, or {CONVERGES:g} of the difference before; and neither dissipation, beads nor loads change amplitudes",
     "solitary": f"shape and speed are those of the exact wave of this amplitude within {_ALLOWED.shape:.0%} and "

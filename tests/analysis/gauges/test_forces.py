@@ -64,6 +64,100 @@ def test_a_lone_bead_at_a_wall_has_the_exact_contact():
     assert readings.contacts[0, 0] == 1
 
 
+def impulses_by_momentum(trajectory, readings):
+    """Impulse of each gauge but the left wall's that the momentum of the beads beyond it gives, [gauge], of all chains.
+
+    The static forces of all contacts are in equilibrium, so that they cancel.
+    """
+    (_, velocity), mass = trajectory.atoms, physics.masses(trajectory.problem.system)
+    gained = ((velocity[-1] - velocity[0]) * mass).sum(axis=0)
+    at_wall = [gauge.name for gauge in readings.gauges].index("right wall")
+    passed_on = readings.impulse[:, at_wall].sum()
+    contact = [gained[n:].sum() + passed_on for n in range(trajectory.problem.beads)]
+    return {
+        "left wall": contact[0],
+        **{gauge.name: contact[gauge.bead] for gauge in readings.gauges if gauge.kind == "contact"},
+        **{
+            gauge.name: 0.5 * (contact[gauge.bead - 1] + contact[gauge.bead])
+            for gauge in readings.gauges
+            if gauge.kind == "sensor"
+        },
+    }
+
+
+def linear_motion(beads, stiffness=1.0):
+    """Motion of beads of mass 1 on springs between two walls, the first kicked: a sum over modes."""
+    matrix = stiffness * (2.0 * np.eye(beads) - np.eye(beads, k=1) - np.eye(beads, k=-1))
+    squares, modes = np.linalg.eigh(matrix)
+    omega, size = np.sqrt(squares), modes[0]
+
+    def motion(time):
+        phase = np.multiply.outer(time[..., 0], omega)
+        return (np.sin(phase) / omega * size) @ modes.T, (np.cos(phase) * size) @ modes.T
+
+    return motion
+
+
+@pytest.mark.parametrize("every", [0.05, 0.2])
+def test_a_contact_that_pulls_passes_on_the_momentum_of_all_beads_beyond_it(every):
+    """The deviation from the exact sum is that of the interpolation, which the uncertainties bound."""
+    keys = {"contact": {"force": "A*s", "A": 1, "tension": "allowed"}, "beads": 6, "output": {"every": every}}
+    springs = written_down(walled(**keys, walls={"left": "bead", "right": "bead"}, duration=30.0), linear_motion(6))
+    readings = readings_of(springs, contacts=(1, 2, 5), sensors=(3,))
+    exact = impulses_by_momentum(springs, readings)
+    places = {gauge.name: place for place, gauge in enumerate(readings.gauges)}
+    of_wall = readings.impulse_error[0, places["right wall"]]
+    for name, impulse in exact.items():
+        bound = readings.impulse_error[0, places[name]] + of_wall + 1e-12
+        assert abs(readings.impulse[0, places[name]] - impulse) <= bound < 1e-4
+    for side, bead, sign in (("left wall", 0, -1.0), ("right wall", 5, 1.0)):
+        column = readings.force[:, 0, places[side]]
+        np.testing.assert_allclose(column, sign * springs.displacement[:, 0, bead], atol=1e-12)
+        assert column.min() < -0.4
+
+
+RANGE_OF_LAWS = {
+    "flat walls": {"walls": {"left": "flat", "right": "rigid"}},
+    "springs": {"contact": {"force": "A*s", "A": 1, "tension": "allowed"}},
+    "Toda": {"contact": {"force": "A*(exp(b*s)-1)", "A": 1, "b": 1, "tension": "allowed"}},
+    "kinked at rest": {"contact": {"force": "A*s*abs(s)", "A": 1, "tension": "allowed"}},
+    "cut formula": {"contact": {"force": "A*s^1.5*(1+b*s)", "A": 1, "b": 0.2}},
+    "magnets": {"contact": {"force": "A/(d-s)^p", "A": 1, "d": 3, "p": 2}},
+    "loaded": {"precompression": {"force": 0.02}},
+    "loaded power": {"precompression": {"force": 0.2}, "contact": {"exponent": 2}},
+    "column": {"gravity": 0.02, "walls": {"right": "flat"}},
+    "linear dashpots": {"damping": {"contact": 0.3}},
+    "viscoelastic": {"damping": {"contact": 0.3, "law": "viscoelastic"}},
+    "restitution": {"damping": {"contact": 0.7, "law": "restitution"}},
+    "tension cut": {"damping": {"contact": 0.3, "tension": "cut"}},
+    "loaded dashpots": {"precompression": {"force": 0.02}, "damping": {"contact": 0.3}},
+    "resonators": {"resonators": {"mass": 0.3, "stiffness": 1.0}},
+    "coupled springs": {
+        "chains": 2,
+        "coupling": {"stiffness": 0.1},
+        "contact": {"force": "A*s", "A": 1, "tension": "allowed"},
+    },
+}
+"""Keys of scenes whose contacts only push, push and pull, touch or act at a distance."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("every", [0.05, 0.2, 0.4])
+@pytest.mark.parametrize("law", RANGE_OF_LAWS)
+def test_impulses_of_every_law_are_the_momentum_beyond_them_within_their_uncertainties(law, every):
+    """The reference integrator takes steps of 5e-4 T, whose error in the sum is below 1e-8."""
+    walls = {"left": "bead", "right": "bead"}
+    keys = {"beads": 6, "walls": walls, "duration": 20.0, "output": {"every": every}} | RANGE_OF_LAWS[law]
+    trajectory = engine.run(walled(**keys), steps_per_frame=round(every / 5e-4))
+    readings = readings_of(trajectory, contacts=(1, 2, 3, 4, 5), sensors=(3,))
+    places = {gauge.name: place for place, gauge in enumerate(readings.gauges)}
+    off = {name: readings.impulse_error[:, place].sum() for name, place in places.items()}
+    for name, impulse in impulses_by_momentum(trajectory, readings).items():
+        if name in places:
+            bound = off[name] + off["right wall"] + 1e-8
+            assert abs(readings.impulse[:, places[name]].sum() - impulse) <= bound
+
+
 def test_a_sensor_reads_the_mean_of_its_beads_contacts(found):
     readings = readings_of(found, contacts=(9, 10), sensors=(10,))
     np.testing.assert_allclose(readings.force[..., 3], readings.force[..., 1:3].mean(axis=-1), atol=1e-16)

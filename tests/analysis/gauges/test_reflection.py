@@ -51,7 +51,9 @@ def test_velocities_that_decay_on_the_way_are_compared_at_the_wall(right):
 
 
 def test_the_uncertainty_holds_the_error_of_the_velocities():
-    found = reflections(there_and_back(lambda _: 1.0, lambda _: 0.5), PLAIN, right=True, error=1e-3)[0]
+    exact = there_and_back(lambda _: 1.0, lambda _: 0.5)
+    pulses = tuple(replace(pulse, peak_velocity_error=np.full(len(pulse), 1e-3)) for pulse in exact)
+    found = reflections(pulses, PLAIN, right=True)[0]
     assert found.uncertainty == pytest.approx(0.5 * math.hypot(1e-3, 2e-3), rel=1e-6)
 
 

@@ -89,7 +89,7 @@ def test_in_chains_with_gaps_one_pulse_leads():
 
 def test_numbers_count_the_pulses_of_each_chain():
     first = maxima((BEAD, 1.0 * BEAD, np.full(20, 0.2)))
-    found = numbers(first, (one(last=3, first=4), one(last=9, first=11), one(chain=2)))
+    found = numbers(first, (one(last=3, first=4), one(last=9, first=11), one(chain=2)), CHAIN)
     assert np.array_equal(found, 1 + (BEAD >= 4) + (BEAD >= 11))
 
 

@@ -194,12 +194,30 @@ def test_frames_that_are_not_those_of_the_run_are_told_of(finished, tmp_path, ca
     assert "the checksum of the frames is not that in run.json" in capsys.readouterr().out
 
 
+def test_an_uncertainty_covers_the_error_that_the_run_states_and_without_a_check_the_frames_alone(tmp_path, capsys):
+    coarse = run(scene(timestep=0.1, output=Output(every=0.1)), tmp_path / "coarse").directory
+    assert main(["analyze", str(coarse.path), "--no-figures"]) == 0
+    assert "was not checked" not in capsys.readouterr().out
+    check, report = coarse.account.check, json.loads((coarse.path / "analysis.json").read_text())
+    assert check.amplitude > 1e-4
+    assert report["run_error"]["amplitude"] >= check.amplitude
+    assert report["equipartition"]["final"]["uncertainty"] >= check.amplitude
+    assert all(wave["peak_velocity_error"] >= check.amplitude for wave in report["waves"])
+    assert all(wave["arrival_error"] >= check.arrival for wave in report["waves"])
+    alone = run(scene(timestep=0.1, output=Output(every=0.1)), tmp_path / "alone", check=False).directory
+    assert main(["analyze", str(alone.path), "--no-figures"]) == 0
+    assert "uncertainties cover the time between frames alone" in capsys.readouterr().out
+    assert json.loads((alone.path / "analysis.json").read_text())["run_error"] is None
+
+
 def test_frames_far_apart_are_said_to_leave_peaks_less_sure(finished, tmp_path, capsys):
     main(["analyze", str(finished.path), "--no-figures"])
     assert "uncertainty by" not in capsys.readouterr().out
     coarse = run(scene(output=Output(every=1.25)), tmp_path / "coarse", check=False).directory
     assert main(["analyze", str(coarse.path), "--no-figures"]) == 0
-    assert "with frames 1.25 apart the uncertainty of peak velocities is up to" in capsys.readouterr().out
+    assert (
+        "the uncertainty of peak velocities, by frames 1.25 apart and by the run, is up to" in capsys.readouterr().out
+    )
 
 
 def test_frames_so_far_apart_that_agreement_to_one_per_cent_cannot_be_told_get_no_verdict(tmp_path):

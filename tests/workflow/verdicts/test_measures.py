@@ -92,7 +92,8 @@ def test_the_uncertainty_of_forces_is_printed_where_it_matters(problem):
     assert not any("uncertainty" in line for line in measurement_of(seen, problem).lines() if isinstance(line, str))
     seen.largest_error[0, 1] = 1e-3 * seen.largest[0, 1]
     _, sentence, *_ = measurement_of(seen, problem).lines()
-    assert "the uncertainty of largest forces is up to 1.0e-03 of the excess over rest (contact 7, chain 1" in sentence
+    assert "the uncertainty of largest forces, by frames " in sentence
+    assert "is up to 1.0e-03 of the excess over rest (contact 7, chain 1" in sentence
 
 
 @pytest.mark.parametrize("static", [0.0, 5.0])

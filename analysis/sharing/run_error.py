@@ -1,0 +1,161 @@
+"""Error of a run in the uncertainties of what is measured in it, beside what the time between its frames leaves.
+
+A run has an error by its time step and integrator, which a reference measures: of velocities, and of peak velocities
+and arrivals of the leading pulse. Uncertainties of a survey are those by the time between frames; here the error of the
+run is added to each. Both are bounds, so they add up.
+
+- A leading pulse has the errors that were measured for leading pulses, others that of all velocities: as a velocity,
+  and as the time in which the exact wave of their peak velocity v rises by it, over ``v**1.2``.
+- An energy is a square of velocities: its relative error is twice that of the peak velocity.
+- A force changes by ``m omega`` times a velocity, with the largest angular frequency omega, half of it for two beads
+  that move against each other; an impulse changes the velocities of two beads whenever a contact closes
+  (`analysis.gauges.forces.Readings.with_error`).
+"""
+
+import copy
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from analysis.shape.waveforms import REACH
+from analysis.sharing.energies import EnergyShares
+from analysis.sharing.equipartition import Sharing
+from analysis.sharing.is_solitary import Character
+from analysis.sharing.survey import Survey, numbered
+from analysis.sharing.verdict import verdict_on
+from analysis.tracking.leading_waves import Waves
+from analysis.tracking.pulses import Pulse
+from analysis.trajectory import Floats, mirrored_problem
+
+STEEPEST = 1.2
+"""Power of the peak velocity by which the largest slope of the exact wave's velocity over time grows."""
+
+
+@dataclass(frozen=True)
+class RunError:
+    """Bounds on the errors of a run, dimensionless; all 0 where none was measured.
+
+    Attributes:
+        velocity: of any velocity, in units of V.
+        amplitude: of peak velocities of the leading pulse, in units of V.
+        arrival: of arrivals of the leading pulse, in units of T.
+        measured: whether they were measured, by a check or the reference's step halving.
+    """
+
+    velocity: float = 0.0
+    amplitude: float = 0.0
+    arrival: float = 0.0
+    measured: bool = False
+
+    @classmethod
+    def of(
+        cls, velocity: float, amplitude: float, arrival: float, of_reference: float, arrival_of_reference: float
+    ) -> "RunError":
+        """Errors against a reference, with those of the reference itself.
+
+        Args:
+            velocity, amplitude, arrival: largest differences from the reference; NaN where undefined, and then taken
+                from the velocity.
+            of_reference, arrival_of_reference: uncertainty of the reference in velocities and in arrivals. That in peak
+                velocities is taken for as much smaller as the run's error is.
+        """
+        total = velocity + of_reference
+        if not math.isfinite(total):
+            return cls()
+        peaks = amplitude * (1.0 + of_reference / velocity) if amplitude <= velocity > 0.0 else amplitude + of_reference
+        times = arrival + (arrival_of_reference if math.isfinite(arrival_of_reference) else 0.0)
+        peaks, times = (total if math.isnan(value) else value for value in (peaks, times))
+        return cls(total, peaks, times, measured=True)
+
+    def of_passages(self, peak_velocity: Floats) -> Floats:
+        """Errors of the arrivals, [passage], of pulses that do not lead, of these peak velocities."""
+        return np.maximum(self.arrival, self.velocity / np.maximum(peak_velocity, 1e-12) ** STEEPEST)
+
+
+UNMEASURED = RunError()
+"""That of a run without a check: uncertainties then cover the time between frames alone."""
+
+
+def with_run_error(survey: Survey, error: RunError) -> Survey:
+    """A survey whose uncertainties, and the verdict that depends on them, cover the error of the run."""
+    if not error.measured:
+        return survey
+    problem = survey.problem
+    shared, pulses = _of_shared(survey.shared, error), tuple(_of_pulse(pulse, survey, error) for pulse in survey.pulses)
+    along = problem if survey.direction > 0 else mirrored_problem(problem)
+    return replace(
+        survey,
+        waves=_of_waves(survey, error),
+        pulses=pulses,
+        characters=tuple(_of_character(*each, error) for each in zip(survey.characters, pulses, strict=True)),
+        shared=shared,
+        energies=_of_energies(survey.energies, shared, error),
+        verdict=numbered(verdict_on(shared.followed, along, survey.decay), survey.direction),
+    )
+
+
+def _of_waves(survey: Survey, error: RunError) -> Waves:
+    """Leading waves; a maximum at the start is exact, and last beads, which fly off, have errors of other pulses."""
+    waves = survey.waves
+    exact, last = waves.peak_velocity_error == 0.0, waves.bead == (survey.problem.beads if survey.direction > 0 else 1)
+    arrival = np.where(last, error.of_passages(waves.peak_velocity), error.arrival)
+    peak = np.where(last, error.velocity, error.amplitude)
+    return replace(
+        waves,
+        arrival_error=waves.arrival_error + np.where(exact, 0.0, arrival),
+        peak_velocity_error=waves.peak_velocity_error + np.where(exact, 0.0, peak),
+    )
+
+
+def _of_pulse(pulse: Pulse, survey: Survey, error: RunError) -> Pulse:
+    """A pulse with errors of leading ones where it leads, and of all others elsewhere."""
+    waves = survey.waves.of_chain(pulse.chain)
+    leads = np.isin(pulse.arrival, waves.time) & (pulse.direction == survey.direction)
+    exact = pulse.peak_velocity_error == 0.0
+    peak = np.where(leads, error.amplitude, error.velocity)
+    arrival = np.where(leads, error.arrival, error.of_passages(pulse.peak_velocity))
+    return replace(
+        pulse,
+        arrival_error=pulse.arrival_error + np.where(exact, 0.0, arrival),
+        peak_velocity_error=pulse.peak_velocity_error + np.where(exact, 0.0, peak),
+    )
+
+
+def _of_character(character: Character, pulse: Pulse, error: RunError) -> Character:
+    """A character with the errors of its pulse at its bead.
+
+    A momentum is the velocity of a bead over the time of travel past `REACH` beads on either side, times the speed.
+    """
+    at = int(np.flatnonzero(pulse.bead == character.bead)[0])
+    peak, arrival = float(pulse.peak_velocity_error[at]), float(pulse.arrival_error[at])
+    added = (peak - character.peak_velocity_error) / character.peak_velocity
+    delayed = character.momentum * character.speed * (arrival - character.arrival_error)
+    return replace(
+        character,
+        arrival_error=arrival,
+        peak_velocity_error=peak,
+        momentum_error=character.momentum_error + 2.0 * REACH * error.velocity + delayed,
+        energy_error=character.energy_error + 2.0 * added * character.energy,
+    )
+
+
+def _of_shared(shared: Sharing, error: RunError) -> Sharing:
+    """Leading waves side by side; arrivals are compared at one bead, and a time step delays those of all chains alike.
+
+    An impulse is the velocity that it gives a bead, over the mass.
+    """
+    if shared.amplitude_error is None:
+        return shared
+    added = error.velocity if shared.of_impulses else error.amplitude
+    return replace(shared, amplitude_error=np.nan_to_num(shared.amplitude_error) + added)
+
+
+def _of_energies(energies: EnergyShares, shared: Sharing, error: RunError) -> EnergyShares:
+    """Energies of chains and of their waves with the uncertainties of squares of velocities."""
+    peak = shared.amplitude[energies.place]
+    relative = 2.0 * np.divide(error.amplitude, peak, out=np.zeros_like(peak), where=peak > 0.0)
+    total = copy.copy(energies)
+    total.chain_error = energies.chain_error + relative * energies.chain
+    total.wave_error = energies.wave_error + relative * energies.wave
+    return total

@@ -1,0 +1,82 @@
+"""Uncertainties of a survey with the error of the run that it was made of."""
+
+import math
+
+import numpy as np
+import pytest
+from synthetic_waves import of_keys, surveyed
+
+from analysis.gauges.forces import ForceMeter
+from analysis.gauges.gauge import gauges
+from analysis.sharing.run_error import UNMEASURED, RunError, with_run_error
+from analysis.trajectory import watch
+from workflow.engines.reference import engine
+from workflow.verdicts.analysis_report import Final, equipartition, train
+
+ERROR = RunError(velocity=3e-3, amplitude=1e-3, arrival=2e-2, measured=True)
+
+
+@pytest.fixture(scope="module")
+def run():
+    keys = {"chains": 2, "beads": 60, "coupling": {"stiffness": 0.5}, "kick": {"velocity": 1.0}, "duration": 90.0}
+    return engine.run(of_keys(**keys))
+
+
+@pytest.fixture(scope="module")
+def of_frames(run):
+    return surveyed(run)
+
+
+def test_the_reference_adds_its_uncertainty_to_the_error_that_it_measures():
+    error = RunError.of(1e-3, 1e-4, 2e-3, 1e-4, 3e-4)
+    assert (error.velocity, error.arrival) == pytest.approx((1.1e-3, 2.3e-3))
+    assert error.amplitude == pytest.approx(1.1e-4)  # the reference's in peaks is as much smaller as the run's
+
+
+def test_errors_of_peaks_that_are_not_known_are_those_of_velocities():
+    assert RunError.of(0.0, math.nan, math.nan, 1e-5, math.nan) == RunError(1e-5, 1e-5, 1e-5, measured=True)
+    assert not RunError.of(math.nan, 1.0, 1.0, 1.0, 1.0).measured
+
+
+def test_without_a_measured_error_nothing_is_added(of_frames):
+    assert with_run_error(of_frames, UNMEASURED) is of_frames
+
+
+def test_every_uncertainty_of_a_survey_covers_the_error_of_the_run(of_frames):
+    total = with_run_error(of_frames, ERROR)
+    moving = of_frames.waves.peak_velocity_error > 0.0
+    for name, least in (("arrival_error", ERROR.arrival), ("peak_velocity_error", ERROR.amplitude)):
+        before, after = getattr(of_frames.waves, name), getattr(total.waves, name)
+        known = moving & np.isfinite(before)
+        assert np.all(after[known] >= before[known] + least * (1.0 - 1e-9))
+        assert np.all(after[~moving] == 0.0)  # a kicked bead is fastest at the start, exactly
+    before, after = (results.shared.followed.final for results in (of_frames, total))
+    assert after.value == before.value
+    assert after.uncertainty == pytest.approx(before.uncertainty + ERROR.amplitude, rel=1e-9)
+    share = equipartition(total).energy_share
+    relative = 2.0 * ERROR.amplitude / total.shared.amplitude[total.energies.place[-1]]
+    added = share.measured_error - equipartition(of_frames).energy_share.measured_error
+    assert added == pytest.approx(np.sum(relative * total.energies.wave[-1]), rel=1e-6)
+    assert isinstance(equipartition(total).final, Final)
+    assert train(total).uncertainty[0] >= train(of_frames).uncertainty[0] + 0.9 * ERROR.amplitude
+
+
+def test_pulses_that_do_not_lead_have_the_error_of_all_velocities(of_frames):
+    total = with_run_error(of_frames, ERROR)
+    others = [k for k, pulse in enumerate(of_frames.pulses) if not of_frames.leads(pulse)]
+    assert others
+    for k in others:
+        last = total.pulses[k].peak_velocity_error[-1] - of_frames.pulses[k].peak_velocity_error[-1]
+        assert last == pytest.approx(ERROR.velocity)
+        assert total.characters[k].peak_velocity_error >= ERROR.amplitude
+
+
+def test_forces_impulses_and_dwells_cover_the_error_of_the_run(run):
+    meter = ForceMeter(run.problem, gauges(run.problem.system, contacts=(10,)))
+    of_frames = watch(meter, (run,)).result()
+    total = of_frames.with_error(ERROR, run.problem)
+    for name in ("largest", "at", "impulse", "dwell"):
+        np.testing.assert_array_equal(getattr(total, name), getattr(of_frames, name))
+        added = getattr(total, f"{name}_error") - getattr(of_frames, f"{name}_error")
+        assert np.all(added >= 0.5 * ERROR.velocity)
+    assert of_frames.with_error(UNMEASURED, run.problem) is of_frames
