@@ -110,7 +110,7 @@ class FormulaLaw:
             result = f"strength * per_force * length * {direction} * ({value})"
         return (
             f"def {name}(s, {arguments}):\n    u = {direction} * length * {strain}\n"
-            f"    return {result} if {acts} else 0.0\n"
+            f"    return {result} if strength != 0.0 and {acts} else 0.0\n"
         )
 
     @classmethod
