@@ -13,7 +13,6 @@ from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines, WallLinks
 from lammps_inputs.laws import Parameter, Pure, formula
 from lammps_inputs.numbers import text
 
-
 LEAST_OVERLAP = 1e-300
 """Overlap in place of 0 in slopes, of which any power is a number: absent links have the exponent 0."""
 

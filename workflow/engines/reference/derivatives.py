@@ -180,19 +180,23 @@ def _completed(
     return DerivativeFrames(x, v, np.array(dx), np.array(dv))
 
 
+class TooLargeError(InputError):
+    """Frames of derivatives would take too much memory."""
+
+
 def _empty_frames(problem: Problem, numbers: int) -> DerivativesOfMotion:
     """Arrays for all frames.
 
     Raises:
-        InputError: they would take too much memory.
+        TooLargeError: they would take too much memory.
     """
     time = np.arange(problem.frames + 1, dtype=np.float64) * problem.every
     shape = (len(time), problem.lines, len(problem.recorded_beads))
     size = 16.0 * (1 + numbers) * float(np.prod(shape))
     if size > MOST_BYTES:
-        raise InputError(
+        raise TooLargeError(
             f"the frames of {numbers} derivatives would take {size / 1e9:.2g} GB of memory, more than "
-            f"{MOST_BYTES / 1e9:g}; record less often, with a larger `output.every`"
+            f"{MOST_BYTES / 1e9:g}"
         )
     x, v = np.empty((2, *shape))
     dx, dv = np.empty((2, numbers, *shape))
