@@ -1,5 +1,6 @@
 """Twenty small scenes of all ingredients that have derivatives, and their derivatives by differences of runs."""
 
+import math
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from analysis.trajectory import blocks
 from lammps_inputs import library
+from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.reference import engine
 from workflow.study_kit import scene_quantities
 from workflow.sweep import fields
@@ -124,9 +126,12 @@ def values_of_run(plain: dict[str, Any], name: str, every: float) -> Any:
     return np.array([values[quantity] for quantity in SCENES[name].quantities], dtype=np.float64)
 
 
-def differences(name: str, field: str, every: float) -> tuple[Any, Any]:
+def differences(name: str, field: str) -> tuple[Any, Any]:
     """Derivatives [quantity] by a field from differences of accurate runs, extrapolated, and their uncertainties."""
     plain = scene_of(name)
+    problem = library.from_plain(plain, name).problem()
+    frames = problem.frames * math.ceil(problem.every / (0.02 * min(1.0, stability_bound(problem.system))))
+    every = plain["duration"] / frames
     value = fields.look_up(plain, fields.parse(field, plain))
 
     def difference(share: float) -> Any:

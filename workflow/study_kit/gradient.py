@@ -41,13 +41,13 @@ _NOISE = 1e-9
 SAFETY = 3.0
 """Uncertainty over the difference from a run with half the steps and frames, as of the reference itself."""
 
-GOAL, HALVINGS = 2e-7, 6
+GOAL, HALVINGS = 2e-7, 5
 """Difference of a run with half the steps and frames, over the size of a derivative, that is aimed for, and how often
 these are halved for it at most."""
 
-FALL = 2.0**-2.5
-"""Factor by which halving of steps and frames lessens errors at least, where contacts open: a difference that is far
-smaller than by it is so by chance."""
+FALL = 2.0**-1.5
+"""Factor by which halving lessens errors at least: where contacts open, slopes of forces begin as roots of the overlap.
+A difference that is smaller than by it is so by chance."""
 
 GRADIENT = "gradient.csv"
 """File of the derivatives in a run's directory."""
@@ -73,19 +73,19 @@ def gradient(
     """
     for name in quantities:
         scene_quantities.refuse_unknown(name, source, "quantity")
-        _refuse_without_derivative(name, source)
+        if reason := why_no_derivative(name):
+            raise InputError(f"{source}: --gradient: {reason}")
     varied = VariedScene.of(plain, tuple(dict.fromkeys(quantities)), by, source)
     with count_bar("derivatives") as count:
         motion = varied.motion(0)
-        estimates = [_Estimate.of(varied, motion)]
+        estimate = _Estimate.of(varied, motion)
         for halvings in range(1, HALVINGS + 1):
             count(halvings - 1, HALVINGS)
             motion = varied.motion(halvings)
-            estimates.append(_Estimate.of(varied, motion, estimates[-1]))
-            if estimates[-1].settled(estimates[:-2]):
+            estimate = _Estimate.of(varied, motion, estimate)
+            if not np.any(estimate.change > GOAL * estimate.sizes):
                 break
-        farther = varied.slopes(motion, estimates[-1].values, FAR)
-        return list(estimates[-1].lines(varied, farther))
+        return list(estimate.lines(varied, varied.slopes(motion, estimate.values, FAR)))
 
 
 @dataclass(frozen=True)
@@ -115,12 +115,6 @@ class _Estimate:
             least = np.where(np.isfinite(coarser.change), coarser.change * FALL, 0.0)
             change = np.fmax(np.abs(slopes - coarser.slopes), least)
         return cls(values, slopes, change, np.fmax(np.abs(slopes), scale))
-
-    def settled(self, earlier: "Sequence[_Estimate]") -> bool:
-        """Whether a shorter step changes little, or, by rounding, no less than in all but the last of earlier runs."""
-        unsettled = self.change > GOAL * self.sizes
-        least = np.fmin.reduce([estimate.change for estimate in earlier]) if earlier else np.inf
-        return not bool(np.any(unsettled & (self.change < 0.5 * least)))
 
     def lines(self, varied: VariedScene, farther: Floats) -> Iterator[Derivative]:
         """All derivatives.
@@ -161,22 +155,19 @@ INSTEAD = {
 """Quantity that is a whole number -> quantities that have derivatives and change with the same."""
 
 
-def _refuse_without_derivative(name: str, source: str) -> None:
-    """Refuse a quantity that changes in jumps alone, or that is an error of a computation.
+def why_no_derivative(name: str) -> str:
+    """Why a quantity has no derivative, and what to ask for instead; empty if it has one.
 
-    Raises:
-        InputError: says why, and what to ask for instead.
+    It changes in jumps alone, or is an error of a computation.
     """
     column = column_called(name)
     if column is not None and column.place.quantity.counts:
-        reason = f"is a whole number, which changes in jumps; ask for {INSTEAD.get(name, 'another quantity')}"
-    elif name.endswith("_uncertainty"):
-        reason = f"is an uncertainty; ask for {name.removesuffix('_uncertainty')}"
-    elif name == "energy_drift":
-        reason = "is an error of the run's time step; ask for another quantity"
-    else:
-        return
-    raise InputError(f"{source}: --gradient: no derivative of {name}: it {reason}")
+        return f"{name} is a whole number, which changes in jumps; ask for {INSTEAD.get(name, 'another quantity')}"
+    if name.endswith("_uncertainty"):
+        return f"{name} is an uncertainty; ask for {name.removesuffix('_uncertainty')}"
+    if name == "energy_drift":
+        return "energy_drift is an error of the time step; ask for another quantity"
+    return ""
 
 
 def values_and_slopes(plain: dict[str, Any], names: Sequence[str], by: Sequence[str], source: str) -> dict[str, Any]:
