@@ -84,8 +84,9 @@ class VariedScene:
     @classmethod
     def of(cls, plain: dict[str, Any], quantities: tuple[str, ...], by: Sequence[str] | None, source: str) -> Self:
         """A scene with its duration, time step and output written out."""
+        every = plain.get("output", {}).get("every")
         plain = {key: value for key, value in plain.items() if key not in ("timestep", "accuracy")}
-        scene = with_short_frames(scene_quantities.scene_to_run(plain, quantities, source))
+        scene = with_short_frames(scene_quantities.scene_to_run(plain, quantities, source), every)
         plain = {key: value for key, value in scene.plain().items() if key != "until_bead"}
         try:
             tangent.refuse_without_slope(scene.system)
@@ -172,16 +173,20 @@ class VariedScene:
         return np.array([math.nan if values[name] is None else values[name] for name in self.quantities])
 
 
-def with_short_frames(scene: Scene) -> Scene:
-    """A scene with its time step and output written out, whose frames resolve the fastest motion.
+def with_short_frames(scene: Scene, every: float | None) -> Scene:
+    """A scene with its duration, time step and output written out, whose frames resolve the fastest motion.
 
-    Its frames are those of the scene, or several for each.
+    Args:
+        scene: a scene with a duration.
+        every: time between its frames, in its units; None for the default. It lasts a whole number of these.
     """
-    scene = scene.model_copy(update={"timestep": None, "accuracy": None}).resolved()
+    output = scene.output.model_copy(update={"every": every})
+    scene = scene.model_copy(update={"timestep": None, "accuracy": None, "output": output}).resolved()
     problem = scene.problem()
     parts = math.ceil(problem.every / (FRAMES * stability_bound(problem.system)) * (1.0 - 1e-9))
-    output = scene.output.model_copy(update={"every": scene.scale.measured(problem.every / parts, "time")})
-    return scene.model_copy(update={"timestep": None, "output": output}).resolved()
+    duration = scene.scale.measured(problem.duration, "time")
+    output = scene.output.model_copy(update={"every": duration / (problem.frames * parts)})
+    return scene.model_copy(update={"timestep": None, "duration": duration, "output": output}).resolved()
 
 
 def _halved(problem: Problem, halvings: int) -> Problem:

@@ -166,6 +166,16 @@ def test_pulses_that_are_short_against_default_frames_have_the_derivatives_of_th
         assert line.uncertainty < 5e-6 * abs(line.value / value)
 
 
+def test_the_end_is_that_of_the_run_whatever_its_time_step_and_frames():
+    """A run of 7 with frames 0.3 apart lasts 7.2."""
+    given = {**PAIR, "beads": 8, "duration": 7}
+    [line] = gradient(
+        scene_of({**given, "timestep": 0.012, "output": {"every": 0.3}}), ["participation"], ["coupling.stiffness"], "a"
+    )
+    [longer] = gradient(scene_of({**given, "duration": 7.2}), ["participation"], ["coupling.stiffness"], "b")
+    assert abs(line.derivative - longer.derivative) < 1e-6 * abs(longer.derivative)
+
+
 @pytest.mark.slow
 def test_uncertainties_hold_in_95_of_100_derivatives_of_scenes_of_all_ingredients():
     held = []
