@@ -104,7 +104,7 @@ SCENES = {
             "duration": 6.0,
         },
         ("peak_velocity@6", "arrival@6"),
-        ("contact.A", "contact.p", "kick.velocity"),
+        ("contact.A", "kick.velocity"),
     ),
 }
 

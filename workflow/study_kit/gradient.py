@@ -81,6 +81,8 @@ def gradient(
         estimate = _Estimate.of(varied, motion)
         for halvings in range(1, HALVINGS + 1):
             count(halvings - 1, HALVINGS)
+            if halvings > 1 and not varied.fits(halvings):
+                break
             motion = varied.motion(halvings)
             estimate = _Estimate.of(varied, motion, estimate)
             if not np.any(estimate.change > GOAL * estimate.sizes):

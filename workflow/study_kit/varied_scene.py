@@ -17,9 +17,10 @@ from lammps_inputs import InputError, Problem, Scene, library
 from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.reference import engine, tangent
 from workflow.engines.reference.derivatives import (
+    MOST_BYTES,
     DerivativesOfMotion,
     Sides,
-    TooLargeError,
+    bytes_of_frames,
     derivatives_of_motion,
     same_form,
 )
@@ -119,23 +120,28 @@ class VariedScene:
             sides.append(Sides(ends, tuple(value * change for change in SIDES)))
         return sides
 
+    def fits(self, halvings: int) -> bool:
+        """Whether the frames of `motion` do not take too much memory."""
+        problem = _halved(self.problem, min(halvings, HALVED_FRAMES))
+        return bytes_of_frames(problem, len(self.values)) <= MOST_BYTES
+
     def motion(self, halvings: int) -> DerivativesOfMotion:
         """The motion and its derivatives, with steps and, up to `HALVED_FRAMES`, times between frames halved so often.
 
         Raises:
             InputError: the frames would take too much memory.
         """
+        if not self.fits(halvings):
+            raise InputError(
+                f"{self.source}: the frames of {len(self.values)} derivatives would take more than "
+                f"{MOST_BYTES / 1e9:g} GB of memory; name fewer fields with `--by`, or take a shorter `duration`"
+            )
         of_frames = min(halvings, HALVED_FRAMES)
         steps = engine.default_steps_per_frame(self.problem) * 2 ** (halvings - of_frames)
         sides = [
             Sides(tuple(_halved(side, of_frames) for side in beside.problems), beside.changes) for beside in self.sides
         ]
-        try:
-            return derivatives_of_motion(_halved(self.problem, of_frames), sides, steps)
-        except TooLargeError as error:
-            raise InputError(
-                f"{self.source}: {error}; name fewer fields with `--by`, or take a shorter `duration`"
-            ) from None
+        return derivatives_of_motion(_halved(self.problem, of_frames), sides, steps)
 
     def slopes(self, motion: DerivativesOfMotion, middle: Floats, moved: float) -> Floats:
         """Derivatives [quantity, field] by central differences along derivatives of the motion; NaN where undefined.

@@ -180,23 +180,24 @@ def _completed(
     return DerivativeFrames(x, v, np.array(dx), np.array(dv))
 
 
-class TooLargeError(InputError):
-    """Frames of derivatives would take too much memory."""
+def bytes_of_frames(problem: Problem, numbers: int) -> float:
+    """Memory, in bytes, that the frames of a problem take with derivatives by so many numbers."""
+    return 16.0 * (1 + numbers) * (problem.frames + 1) * problem.lines * len(problem.recorded_beads)
 
 
 def _empty_frames(problem: Problem, numbers: int) -> DerivativesOfMotion:
     """Arrays for all frames.
 
     Raises:
-        TooLargeError: they would take too much memory.
+        InputError: they would take too much memory.
     """
     time = np.arange(problem.frames + 1, dtype=np.float64) * problem.every
     shape = (len(time), problem.lines, len(problem.recorded_beads))
-    size = 16.0 * (1 + numbers) * float(np.prod(shape))
+    size = bytes_of_frames(problem, numbers)
     if size > MOST_BYTES:
-        raise TooLargeError(
+        raise InputError(
             f"the frames of {numbers} derivatives would take {size / 1e9:.2g} GB of memory, more than "
-            f"{MOST_BYTES / 1e9:g}"
+            f"{MOST_BYTES / 1e9:g}; record less often, with a larger `output.every`"
         )
     x, v = np.empty((2, *shape))
     dx, dv = np.empty((2, numbers, *shape))
