@@ -76,3 +76,16 @@ def test_absent_links_have_neither_force_nor_slope_at_any_strain(name):
                 results = [function(strain, *parameters) for strain in STRAINS]
                 assert not np.any(results), (term.law.__name__, results)
     assert absent > 0
+
+
+@pytest.mark.slow
+def test_formulas_have_neither_force_nor_energy_nor_slope_where_there_is_no_link():
+    """Beyond the largest strain of its formula a spring has no force at all, which an absent one does not feel."""
+    system = system_of(LAWS["formulas of springs in some rows"])
+    for link in (*system.across, *system.ground):
+        absent = np.broadcast_to(np.asarray(link.law.strength) == 0.0, link.strain(np.zeros((2, 8))).shape)
+        assert absent.any()
+        for function in (link.law.force, link.law.energy, link.law.stiffness):
+            for strain in STRAINS:
+                results = function(np.full(absent.shape, strain), *link.law)
+                assert not np.any(results[absent])
