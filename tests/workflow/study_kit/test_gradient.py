@@ -56,10 +56,6 @@ WHOLE = [name for name in KNOWN if name in QUANTITIES_OF_RUNS and QUANTITIES_OF_
 ERRORS = [name for name in KNOWN if name.endswith("_uncertainty") or name == "energy_drift"]
 
 
-def fields_of(plain, name):
-    return fields.look_up(plain, fields.parse(name, plain))
-
-
 def scene_of(keys):
     return granchain.load({key: value for key, value in keys.items() if value is not None}).plain()
 
@@ -178,7 +174,7 @@ def test_the_end_is_that_of_the_run_whatever_its_time_step_and_frames():
 
 @pytest.mark.slow
 def test_uncertainties_hold_in_95_of_100_derivatives_of_scenes_of_all_ingredients():
-    held = []
+    held, decisive = [], []
     for name, scene in SCENES.items():
         plain = derivative_scenes.scene_of(name)
         lines = gradient(plain, scene.quantities, scene.by, name)
@@ -186,11 +182,11 @@ def test_uncertainties_hold_in_95_of_100_derivatives_of_scenes_of_all_ingredient
             right, doubt = derivative_scenes.differences(name, field)
             for line, value, error in zip(lines[place :: len(scene.by)], right, doubt, strict=True):
                 assert line.derivative is not None
-                # differences of runs that are far less accurate would show nothing
-                assert error < 0.5 * line.uncertainty + 2e-7 * abs(line.value / fields_of(plain, field)), line
+                decisive.append(error < 0.5 * line.uncertainty)
                 held.append(abs(line.derivative - value) <= line.uncertainty + error)
     assert len(held) > 100
     assert np.mean(held) >= 0.95
+    assert np.mean(decisive) >= 0.9  # less accurate differences would show nothing
 
 
 def test_frames_as_fine_as_memory_allows_are_taken_and_else_fewer_fields_are_asked_for(monkeypatch):
