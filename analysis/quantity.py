@@ -64,6 +64,7 @@ class Quantity:
         digits: format in a printed table of records; None where it is left out of that.
         head: over that column, in place of the field's name.
         pure: whether it is a number without unit, such as a ratio, and neither a count nor the number of a bead.
+        counts: whether it is a whole number, such as a count or the number of a bead, or true or false.
     """
 
     meaning: str
@@ -75,6 +76,7 @@ class Quantity:
     digits: str | None = None
     head: str = ""
     pure: bool = False
+    counts: bool = False
 
     def symbol_of_unit(self, *, si: bool) -> str:
         """Symbol of the unit, such as ``m/s`` or ``reduced``; empty where there is no unit."""
@@ -133,14 +135,17 @@ def _declared(kind: Any) -> dict[str, tuple[Quantity, Any]]:
         columns = quantity.columns
         if quantity.column is not None:
             columns = (QuantityColumn(name, quantity.column, symbol=quantity.symbol),)
-        pure = not quantity.unit and _holds_floats(kind_of_value)
-        quantities[name] = replace(quantity, columns=columns, pure=pure), kind_of_value
+        floats, whole = (_holds(kind_of_value, kinds) for kinds in ((float, np.float64), (int, bool, np.int64)))
+        quantities[name] = (
+            replace(quantity, columns=columns, pure=floats and not quantity.unit, counts=whole and not floats),
+            kind_of_value,
+        )
     return quantities
 
 
-def _holds_floats(kind: Any) -> bool:
-    """Whether values of a type are floating-point numbers, or arrays or mappings of them."""
-    return kind in (float, np.float64) or any(map(_holds_floats, typing.get_args(kind)))
+def _holds(kind: Any, kinds: tuple[Any, ...]) -> bool:
+    """Whether values of a type are numbers of some kinds, or arrays or mappings of them."""
+    return kind in kinds or any(_holds(part, kinds) for part in typing.get_args(kind))
 
 
 declared: Callable[[Any], dict[str, tuple[Quantity, Any]]] = cache(_declared)

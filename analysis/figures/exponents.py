@@ -28,14 +28,20 @@ class Convergence:
 
 @styled
 def draw(
-    runs: Sequence[Convergence], exponents: Floats, errors: Floats, labels: tuple[Label, Label], title: str
+    runs: Sequence[Convergence],
+    exponents: Floats,
+    errors: Floats,
+    bounds: Floats,
+    labels: tuple[Label, Label],
+    title: str,
 ) -> Figure:
     """Estimates of the largest exponent over time, with the result; beside them all exponents where there are several.
 
     Args:
         runs: estimates of the runs.
-        exponents: results, [exponent]; NaN where undefined.
-        errors: their uncertainties.
+        exponents: results, [exponent]; NaN where undefined, or where they cannot be distinguished from 0.
+        errors: their uncertainties, [exponent].
+        bounds: on the sizes of those that cannot be distinguished from 0, [exponent]; NaN of the others.
         labels: of an exponent and of time.
         title: for the top.
     """
@@ -48,11 +54,14 @@ def draw(
         axes[0].axhspan(
             exponents[0] - errors[0], exponents[0] + errors[0], color="0.8", label="result, with its uncertainty"
         )
+    elif np.isfinite(bounds[0]):
+        axes[0].axhspan(-bounds[0], bounds[0], color="0.9", label="result: cannot be distinguished from 0")
     axes[0].set_xscale("log")
     axes[0].set_xlabel(labels[1].mathtext)
     axes[0].set_ylabel(f"largest {labels[0].mathtext}")
     if several:
         number = np.arange(1, len(exponents) + 1)
+        axes[1].vlines(number, -bounds, bounds, color="0.8", linewidth=3.0)
         axes[1].errorbar(number, exponents, yerr=errors, fmt="o", markersize=3, color="black")
         axes[1].axhline(0.0, color="0.6", linewidth=0.8)
         axes[1].set_xlabel("number of the exponent")

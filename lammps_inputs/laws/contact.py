@@ -13,6 +13,9 @@ from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines, WallLinks
 from lammps_inputs.laws import Parameter, Pure, formula
 from lammps_inputs.numbers import text
 
+LEAST_OVERLAP = 1e-300
+"""Overlap in place of 0 in slopes, of which any power is a number: absent links have the exponent 0."""
+
 
 class Hertz(NamedTuple):
     """``A (s)+^1.5`` with the overlap as strain (Starosvetsky, Hasan & Vakakis, eq. 1: A = 1)."""
@@ -142,7 +145,7 @@ class Power(NamedTuple):
     @staticmethod
     def stiffness(s: Any, strength: Any, exponent: Any) -> Any:
         """``p A (s)+^(p - 1)``; with p = 1 it jumps where the beads touch."""
-        return strength * (exponent * np.maximum(s, 0.0) ** (exponent - 1.0)) * (np.asarray(s) > 0.0)
+        return strength * (exponent * np.maximum(s, LEAST_OVERLAP) ** (exponent - 1.0)) * (np.asarray(s) > 0.0)
 
     @staticmethod
     def max_strain(energy: Any, strength: Any, exponent: Any) -> Any:

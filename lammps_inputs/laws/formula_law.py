@@ -111,7 +111,7 @@ class FormulaLaw:
             result = f"strength * per_force * length * {direction} * ({value})"
         return (
             f"def {name}(s, {arguments}):\n    u = {direction} * length * {strain}\n"
-            f"    return {result} if {acts} else 0.0\n"
+            f"    return {result} if strength != 0.0 and {acts} else 0.0\n"
         )
 
     @classmethod
@@ -120,7 +120,8 @@ class FormulaLaw:
         """Force above that at rest, dimensionless, an array of the shape of the strain ``s`` and of the parameters."""
         strength, length, per_force, at_rest, *numbers = values
         u = cls._argument(s, length)
-        return np.asarray(strength * per_force * (_value(cls, cls.derived.force)(u, *numbers) - at_rest) * cls._acts(s))
+        force = strength * per_force * (_value(cls, cls.derived.force)(u, *numbers) - at_rest)
+        return np.asarray(np.where(cls._acts(s, strength), force, 0.0))
 
     @classmethod
     @np.errstate(all="ignore")
@@ -130,9 +131,8 @@ class FormulaLaw:
         u = cls._argument(s, length)
         form = energy_form(cast(Any, cls), tuple(map(float, numbers)))
         integral = _integral(cls, u, numbers) if not form else _value(cls, form)(u, *numbers)
-        return np.asarray(
-            strength * (per_force / length) * cls.kind.direction * (integral - at_rest * u) * cls._acts(s)
-        )
+        energy = strength * (per_force / length) * cls.kind.direction * (integral - at_rest * u)
+        return np.asarray(np.where(cls._acts(s, strength), energy, 0.0))
 
     @classmethod
     @np.errstate(all="ignore")
@@ -146,8 +146,8 @@ class FormulaLaw:
         slopes = np.where(
             np.isfinite(slopes) | (u != 0.0), slopes, slope(cls.kind.direction * np.float64(1e-200), *numbers)
         )
-        acts = np.asarray(s) > 0.0 if cls.kind.cut else 1.0
-        return np.asarray(strength * (per_force * length) * cls.kind.direction * slopes * acts)
+        acts = cls._acts(s, strength) if cls.kind.cut else np.asarray(strength) != 0.0
+        return np.asarray(np.where(acts, strength * (per_force * length) * cls.kind.direction * slopes, 0.0))
 
     @classmethod
     @np.errstate(all="ignore")
@@ -167,8 +167,10 @@ class FormulaLaw:
         return np.asarray(cls.kind.direction * length * (np.maximum(s, 0.0) if cls.kind.cut else s))
 
     @classmethod
-    def _acts(cls, s: Any) -> Any:
-        return np.asarray(s) > 0.0 if cls.kind.cut else np.asarray(s) != 0.0
+    def _acts(cls, s: Any, strength: Any) -> Any:
+        """Whether there is a link, and a force at strains, of the shape of both together."""
+        strains = np.asarray(s) > 0.0 if cls.kind.cut else np.asarray(s) != 0.0
+        return strains & (np.asarray(strength) != 0.0)
 
 
 def _value(law: type[FormulaLaw], form: str, argument: str = STRAIN) -> Callable[..., Floats]:

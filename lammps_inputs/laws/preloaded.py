@@ -11,7 +11,7 @@ import numpy as np
 
 from lammps_inputs.deck_lines import BeadLayout, DeckLines
 from lammps_inputs.laws import Parameter, Pure
-from lammps_inputs.laws.contact import Hertz, Power
+from lammps_inputs.laws.contact import LEAST_OVERLAP, Hertz, Power
 from lammps_inputs.laws.plastic import Thornton
 from lammps_inputs.units import Dimension
 
@@ -104,8 +104,8 @@ class PreloadedPower(NamedTuple):
     @staticmethod
     def stiffness(s: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
         """``p A (d0 + s)+^(p - 1)``."""
-        closed = np.maximum(rest + s, 0.0)
-        return strength * (exponent * closed ** (exponent - 1.0)) * (closed > 0.0)
+        overlap = rest + s
+        return strength * (exponent * np.maximum(overlap, LEAST_OVERLAP) ** (exponent - 1.0)) * (overlap > 0.0)
 
     @staticmethod
     def max_strain(energy: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:

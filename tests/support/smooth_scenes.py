@@ -16,6 +16,17 @@ SMOOTH = {
     },
     "unlike masses": {**LOADED, "disorder": {"mass": 0.3, "seed": 1}},
     "resonators": {**LOADED, "resonators": {"mass": 0.3, "stiffness": 0.5, "damping": 0.05}},
+    "exponent beside resonators": {
+        **LOADED,
+        "contact": {"exponent": 2.5},
+        "resonators": {"mass": 0.3, "stiffness": 0.5},
+    },
+    "formula beside resonators": {
+        **LOADED,
+        "precompression": None,
+        "contact": {"force": "A*(d0+s)^p", "A": 1, "d0": 1.5, "p": 2},
+        "resonators": {"mass": 0.3, "stiffness": 0.5},
+    },
     "dashpots": {**LOADED, "damping": {"contact": 0.1, "tension": "allowed"}},
     "driven": {**LOADED, "kick": None, "drive": {"displacement": 0.05, "frequency": 0.4}, "damping": {"beads": 0.1}},
     "pushed": {**LOADED, "kick": None, "push": {"shape": "half-sine", "peak": 0.3, "duration": 2}},

@@ -390,6 +390,7 @@ def test_steps_along_derivatives_end_where_the_objective_is_stationary(tmp_path,
             },
             "contacts that yield",
         ),
+        ({"minimize": "front"}, "front is a whole number, which changes in jumps; ask for arrival@BEAD"),
     ],
 )
 def test_steps_along_derivatives_are_refused_before_the_search(changes, reason, tmp_path, capsys):

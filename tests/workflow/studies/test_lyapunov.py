@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from analysis.figures import exponents as exponents_figure
 from workflow.cli import main
 from workflow.studies.lyapunov import growth
 from workflow.studies.lyapunov.study import Exponent, GrowthOfRun, combined
@@ -21,6 +22,8 @@ CHAOTIC = {
     "duration": 100,
 }
 DRAG = 0.1
+
+draw_exponents = exponents_figure.draw
 
 
 def exponents(scene, count, duration, refinement=1):
@@ -91,9 +94,45 @@ def test_runs_that_differ_have_no_common_exponent():
         GrowthOfRun(1, start, time, (rate * time + 0.1 * noise)[:, np.newaxis])
         for start, rate in enumerate((0.03, 0.05))
     ]
-    assert combined(runs) == [Exponent(1, None, None)]
+    assert combined(runs) == [Exponent(1, None, None, None)]
     alike = combined([runs[0], runs[0]])[0]
     assert alike.exponent == pytest.approx(0.03, abs=1e-3)
+
+
+@pytest.mark.parametrize(("rate", "noise"), [(0.0, 1e-3), (0.004, 0.1), (0.012, 3.0), (-0.012, 3.0)])
+def test_exponents_of_the_size_of_their_uncertainty_or_of_regular_motion_are_bounded(rate, noise):
+    time = np.linspace(1.0, 1000.0, 200)
+    walk = np.random.default_rng(0).normal(size=(4, 200)).cumsum(axis=1)
+    starts = [(1, 0), (1, 1), (2, 0), (2, 1)]
+    runs = [
+        GrowthOfRun(*start, time, (rate * time + noise * steps)[:, np.newaxis])
+        for start, steps in zip(starts, walk, strict=True)
+    ]
+    [exponent] = combined(runs)
+    assert (exponent.exponent, exponent.uncertainty) == (None, None)
+    assert exponent.bound >= max(10.0 / 1000.0, abs(rate))
+
+
+def test_table_text_figure_and_data_say_that_regular_motion_has_no_exponent(tmp_path, capsys, monkeypatch):
+    scene, out, drawn = tmp_path / "scene.yaml", str(tmp_path / "out"), []
+    scene.write_text(json.dumps(CHAOTIC | {"kick": {"bead": 4, "velocity": 1e-4}}))
+    monkeypatch.setattr(exponents_figure, "draw", lambda *parts: drawn.append(parts) or draw_exponents(*parts))
+    words = ["lyapunov", str(scene), "--exponents", "2", "--duration", "2000", "-o", out]
+    assert main(words) == 0
+    printed = capsys.readouterr().out
+    assert "no exponent can be distinguished from 0: the largest is below" in printed
+    for name in ("exponents.csv", "runs.csv"):
+        with (tmp_path / "out" / name).open() as file:
+            lines = list(csv.DictReader(file))
+        assert lines
+        assert {line["exponent"] + line["uncertainty"] for line in lines} == {""}
+    [(_, values, errors, bounds, *_)] = drawn
+    assert not np.any(np.isfinite([values, errors]))
+    assert np.all(bounds > 0.0)
+    assert main([*words, "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert [line["exponent"] for line in answer["exponents"]] == [None, None]
+    assert [line["bound"] for line in answer["exponents"]] == pytest.approx(bounds)
 
 
 def test_command_writes_tables_and_says_for_how_long_a_run_can_be_predicted(tmp_path, capsys):

@@ -4,8 +4,10 @@ import csv
 import json
 from functools import partial
 
+import derivative_scenes
 import numpy as np
 import pytest
+from derivative_scenes import SCENES
 
 import granchain
 from analysis.trajectory import blocks
@@ -15,7 +17,9 @@ from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.study_kit import scene_quantities
 from workflow.study_kit.gradient import gradient
+from workflow.study_kit.scene_quantities import KNOWN
 from workflow.sweep import fields
+from workflow.sweep.collect import QUANTITIES as QUANTITIES_OF_RUNS
 
 CHAIN = {"name": "chain", "chains": 1, "beads": 24, "kick": {"velocity": 1}, "duration": 30}
 PAIR = {**CHAIN, "chains": 2, "coupling": {"stiffness": 0.2}}
@@ -48,13 +52,18 @@ TEN = {
 QUANTITIES = ("peak_velocity@12", "arrival@12")
 
 
+WHOLE = [name for name in KNOWN if name in QUANTITIES_OF_RUNS and QUANTITIES_OF_RUNS[name].place.quantity.counts]
+ERRORS = [name for name in KNOWN if name.endswith("_uncertainty") or name == "energy_drift"]
+
+
 def scene_of(keys):
     return granchain.load({key: value for key, value in keys.items() if value is not None}).plain()
 
 
 def measured(plain, steps):
-    """Quantities of a run with so many steps from frame to frame."""
-    scene = library.from_plain(plain, "scene")
+    """Quantities of a run with so many steps from frame to frame, which are an eighth of those of the scene apart."""
+    plain = {key: value for key, value in plain.items() if key != "timestep"}
+    scene = library.from_plain({**plain, "output": {"every": plain["output"]["every"] / 8}}, "scene")
     run = engine.run(scene.problem(), steps_per_frame=steps)
     values = scene_quantities.of_frames(run.problem, partial(blocks, run), scene, QUANTITIES)
     return np.array([values[name] for name in QUANTITIES])
@@ -76,7 +85,7 @@ def test_derivatives_are_those_of_differences_of_accurate_runs_to_six_digits(kin
     keys, name = TEN[kind]
     plain = granchain.load(scene_of(keys)).resolved().plain()
     derivatives = gradient(plain, QUANTITIES, [name], kind)
-    steps = 64 * engine.default_steps_per_frame(library.from_plain(plain, kind).problem())
+    steps = 8 * engine.default_steps_per_frame(library.from_plain(plain, kind).problem())
     value = fields.look_up(plain, fields.parse(name, plain))
 
     def difference(share):
@@ -120,6 +129,75 @@ def test_without_fields_all_numbers_of_the_scene_are_varied():
 def test_fields_without_derivative_are_refused(name, reason):
     with pytest.raises(InputError, match=reason):
         gradient(scene_of(PAIR), ["peak_velocity@12"], [name], "pair")
+
+
+@pytest.mark.parametrize("name", [*WHOLE, *ERRORS])
+def test_quantities_that_change_in_jumps_or_are_errors_are_refused_with_another_to_ask_for(name):
+    with pytest.raises(InputError, match=rf"^pair: --gradient: {name} is an?.*; ask for \w+"):
+        gradient(scene_of(PAIR), [name], ["coupling.stiffness"], "pair")
+
+
+def test_quantities_that_are_whole_numbers_are_those_of_whole_numbers_in_results():
+    assert {"front", "bead", "agree_10", "agree_1", "synchronised_1", "contacts"} == set(WHOLE)
+
+
+STIFF = {
+    "strength": {"contact": {"strength": 100.0}, "duration": 4.0},
+    "heavy": {"kinds": {"heavy": {"mass": 0.02}}, "pattern": ["heavy"], "duration": 7.0},
+    "fast": {"kick": {"velocity": 60.0}, "duration": 8.0},
+    "timestep and frames": {"contact": {"strength": 100.0}, "timestep": 0.002, "output": {"every": 0.5}},
+}
+
+
+@pytest.mark.parametrize("name", STIFF)
+def test_pulses_that_are_short_against_default_frames_have_the_derivatives_of_the_scaling_law(name):
+    """Velocities grow as the kick's, whatever the strength and mass of equal beads, and times as its power -1/5."""
+    scene = scene_of({**CHAIN, "beads": 12, **STIFF[name]})
+    by = ["kick.velocity", *(["contact.strength"] if "contact" in STIFF[name] else [])]
+    for line in gradient(scene, ["peak_velocity@8", "arrival@8"], by, name):
+        of_velocity, of_strength = (1.0, 0.0) if line.quantity.startswith("peak") else (-0.2, -0.4)
+        right = of_velocity if line.field == "kick.velocity" else of_strength
+        value = 1.0 if line.field == "kick.velocity" and name != "fast" else 60.0 if name == "fast" else 100.0
+        assert abs(line.derivative - right * line.value / value) <= line.uncertainty
+        assert line.uncertainty < 5e-6 * abs(line.value / value)
+
+
+def test_the_end_is_that_of_the_run_whatever_its_time_step_and_frames():
+    """A run of 7 with frames 0.3 apart lasts 7.2."""
+    given = {**PAIR, "beads": 8, "duration": 7}
+    [line] = gradient(
+        scene_of({**given, "timestep": 0.012, "output": {"every": 0.3}}), ["participation"], ["coupling.stiffness"], "a"
+    )
+    [longer] = gradient(scene_of({**given, "duration": 7.2}), ["participation"], ["coupling.stiffness"], "b")
+    assert abs(line.derivative - longer.derivative) < 1e-6 * abs(longer.derivative)
+
+
+@pytest.mark.slow
+def test_uncertainties_hold_in_95_of_100_derivatives_of_scenes_of_all_ingredients():
+    held, decisive = [], []
+    for name, scene in SCENES.items():
+        plain = derivative_scenes.scene_of(name)
+        lines = gradient(plain, scene.quantities, scene.by, name)
+        for place, field in enumerate(scene.by):
+            right, doubt = derivative_scenes.differences(name, field)
+            for line, value, error in zip(lines[place :: len(scene.by)], right, doubt, strict=True):
+                assert line.derivative is not None
+                decisive.append(error < 0.5 * line.uncertainty)
+                held.append(abs(line.derivative - value) <= line.uncertainty + error)
+    assert len(held) > 100
+    assert np.mean(held) >= 0.95
+    assert np.mean(decisive) >= 0.9  # less accurate differences would show nothing
+
+
+def test_frames_as_fine_as_memory_allows_are_taken_and_else_fewer_fields_are_asked_for(monkeypatch):
+    scene = scene_of({**CHAIN, "beads": 8, "duration": 12})
+    # 121 frames of 8 beads with a derivative take 31 kB, and twice as many fit
+    monkeypatch.setattr("workflow.study_kit.varied_scene.MOST_BYTES", 63e3)
+    [line] = gradient(scene, ["arrival@6"], ["kick.velocity"], "chain")
+    assert abs(line.derivative + 0.2 * line.value) <= line.uncertainty
+    monkeypatch.setattr("workflow.study_kit.varied_scene.MOST_BYTES", 40e3)
+    with pytest.raises(InputError, match=r"chain: the frames of 1 derivatives .* name fewer fields with `--by`"):
+        gradient(scene, ["arrival@6"], ["kick.velocity"], "chain")
 
 
 def test_contacts_that_yield_are_refused():

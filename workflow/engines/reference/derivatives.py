@@ -180,6 +180,11 @@ def _completed(
     return DerivativeFrames(x, v, np.array(dx), np.array(dv))
 
 
+def bytes_of_frames(problem: Problem, numbers: int) -> float:
+    """Memory, in bytes, that the frames of a problem take with derivatives by so many numbers."""
+    return 16.0 * (1 + numbers) * (problem.frames + 1) * problem.lines * len(problem.recorded_beads)
+
+
 def _empty_frames(problem: Problem, numbers: int) -> DerivativesOfMotion:
     """Arrays for all frames.
 
@@ -188,7 +193,7 @@ def _empty_frames(problem: Problem, numbers: int) -> DerivativesOfMotion:
     """
     time = np.arange(problem.frames + 1, dtype=np.float64) * problem.every
     shape = (len(time), problem.lines, len(problem.recorded_beads))
-    size = 16.0 * (1 + numbers) * float(np.prod(shape))
+    size = bytes_of_frames(problem, numbers)
     if size > MOST_BYTES:
         raise InputError(
             f"the frames of {numbers} derivatives would take {size / 1e9:.2g} GB of memory, more than "

@@ -34,7 +34,8 @@ def refuse_without_slope(system: System) -> None:
             "`tension: allowed` has none"
         )
     for link in system.along:
-        if np.any(np.asarray(laws.exponent(link.law) or 1.5) <= 1.0):
+        exponent = laws.exponent(link.law)
+        if exponent is not None and np.any(np.asarray(exponent) <= 1.0):
             raise InputError("the equations cannot be linearised: contacts of exponent 1 have a slope that jumps")
 
 

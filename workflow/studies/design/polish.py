@@ -14,6 +14,7 @@ from lammps_inputs import InputError, library
 from workflow.engines.reference import tangent
 from workflow.studies.design.file import Design, Variable, values_of
 from workflow.studies.design.search import DesignRecord
+from workflow.study_kit.gradient import why_no_derivative
 from workflow.sweep import fields
 from workflow.workers.evaluate import Computation, case
 
@@ -32,11 +33,13 @@ class _NoValueError(Exception):
 
 
 def refuse_no_gradient(design: Design) -> None:
-    """Refuse a design file without a field for derivatives, or whose scene cannot be linearised.
+    """Refuse a design file without a field for derivatives, or whose objective has none, or whose scene.
 
     Raises:
         InputError: names the file.
     """
+    if reason := why_no_derivative(design.objective):
+        raise InputError(f"{design.source}: --gradient: {reason}")
     if not smooth(design):
         raise InputError(f"{design.source}: --gradient: no varied field is one number that need not be whole")
     middle = [0.5 * sum(variable.bounds) for variable in design.variables for _ in range(variable.coordinates)]

@@ -35,6 +35,7 @@ from workflow.studies.design.result import DesignResult, Verified, sensitivity
 from workflow.studies.design.search import RULED_OUT, Compute, DesignRecord, computed, search, worth
 from workflow.study_kit.directory import Study, csv_text, kept_run
 from workflow.study_kit.gradient import gradient as derivatives
+from workflow.study_kit.gradient import why_no_derivative
 from workflow.study_kit.options import add_jobs, add_output, as_job, example_file, interrupted
 from workflow.study_kit.scene_quantities import by_reference, of_frames, scene_to_run
 from workflow.sweep import fields
@@ -138,8 +139,9 @@ def _within_limits(design: Design, records: list[DesignRecord]) -> list[DesignRe
 
 
 def gradient_at(plain: dict[str, Any], design: Design) -> list[Derivative]:
-    """Derivatives of the quantities of a scene by the varied fields."""
-    return derivatives(plain, design.names, [variable.field for variable in smooth(design)], design.source)
+    """Derivatives of the quantities of a scene that have any by the varied fields."""
+    names = [name for name in design.names if not why_no_derivative(name)]
+    return derivatives(plain, names, [variable.field for variable in smooth(design)], design.source)
 
 
 def _shown(design: Design, compute: Callable[..., list[DesignRecord]]) -> Compute:

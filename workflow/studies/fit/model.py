@@ -19,7 +19,7 @@ from lammps_inputs.units import REDUCED, SI
 from workflow.engines.reference import engine, tangent
 from workflow.engines.reference.derivatives import Sides, derivatives_of_motion
 from workflow.engines.reference.schemes import VERLET
-from workflow.study_kit.gradient import SceneInUnits, numbers
+from workflow.study_kit.varied_scene import SceneInUnits, numbers
 from workflow.sweep import fields
 from workflow.verdicts.validate_table import check_channels
 

@@ -57,6 +57,9 @@ REFINEMENTS, STARTS = (1, 2), (0, 1)
 LEAST_GROWTH = 10.0
 """Logarithm of the least growth along a run that counts as exponential; that of regular motion is that of time."""
 
+LEAST_UNCERTAINTIES = 3.0
+"""Least size of an exponent, over its uncertainty, that can be distinguished from 0."""
+
 AGREEMENT = 16.3
 """Largest sum of squares of the runs' deviations from their mean over their uncertainties: exceeded by 1 in 1000 of
 four independent runs."""
@@ -73,11 +76,18 @@ class Exponent:
     exponent: float | None = declare(
         "mean rate of growth of the logarithm of a deviation, mean over the runs",
         "rate",
-        "the runs differ by more than their uncertainties",
+        "it cannot be distinguished from 0, or the runs differ by more than their uncertainties",
         digits=".4g",
     )
     uncertainty: float | None = declare(
         "standard error, from blocks of each run", "rate", "the exponent is undefined", digits=".1e"
+    )
+    bound: float | None = declare(
+        "bound on the size of an exponent that cannot be distinguished from 0: below 10 over the duration, or within "
+        "three uncertainties",
+        "rate",
+        "the exponent can be distinguished from 0, or the runs differ by more than their uncertainties",
+        digits=".2g",
     )
 
 
@@ -88,8 +98,15 @@ class RunExponent:
     step: float = declare("time step of the reference", "time", digits=".4g")
     start: int = declare("0: start of the scene; 1: a start nearby", digits="d")
     number: int = declare("number of the exponent, in descending order", digits="d")
-    exponent: float = declare("mean rate of growth of the logarithm of a deviation", "rate", digits=".4g")
-    uncertainty: float = declare("standard error, from blocks of the run", "rate", digits=".1e")
+    exponent: float | None = declare(
+        "mean rate of growth of the logarithm of a deviation",
+        "rate",
+        "that of the four runs cannot be distinguished from 0",
+        digits=".4g",
+    )
+    uncertainty: float | None = declare(
+        "standard error, from blocks of the run", "rate", "the exponent is undefined", digits=".1e"
+    )
 
 
 @result
@@ -143,13 +160,8 @@ class LyapunovResult:
     @property
     def chaotic(self) -> bool:
         """Whether deviations grow exponentially."""
-        largest = self.exponents[0]
-        return (
-            largest.exponent is not None
-            and largest.uncertainty is not None
-            and largest.exponent * self.duration > LEAST_GROWTH
-            and largest.exponent > 3.0 * largest.uncertainty
-        )
+        largest = self.exponents[0].exponent
+        return largest is not None and largest > 0.0
 
     def predictable(self, deviation: float) -> tuple[float, float] | None:
         """Time in units of T until a rounding error has grown to a deviation in V, and its uncertainty.
@@ -165,13 +177,14 @@ class LyapunovResult:
     def sentences(self) -> list[str]:
         """What follows, in sentences."""
         scale, largest = self.problem.scale, self.exponents[0]
+        if largest.bound is not None:
+            bound = scale.written(largest.bound, "rate", ".2g")
+            subject = "no positive exponent" if any(line.bound is None for line in self.exponents) else "no exponent"
+            return [f"{subject} can be distinguished from 0: the largest is below {bound} in size"]
         if largest.exponent is None or largest.uncertainty is None:
             rates = [growth.exponents_of(run.time, run.growth)[0][0] for run in self.runs]
             texts = ", ".join(scale.written(rate, "rate", ".4g") for rate in rates)
             return [f"the largest exponent is undefined: the runs differ ({texts}); try a longer `--duration`"]
-        if abs(largest.exponent) * self.duration <= LEAST_GROWTH:
-            bound = scale.written(LEAST_GROWTH / self.duration, "rate", ".2g")
-            return [f"no exponent can be distinguished from 0: the largest is below {bound} in size"]
         value, error = (scale.measured(number, "rate") for number in (largest.exponent, largest.uncertainty))
         unit = " 1/s" if scale.si else " per unit time"
         lines = [f"the largest Lyapunov exponent is {value:.4g} +- {error:.1g}{unit}"]
@@ -270,7 +283,7 @@ def _case(
 
 
 def combined(runs: list[GrowthOfRun]) -> list[Exponent]:
-    """Means of the exponents of runs, where these agree, or are all as small as those of regular motion."""
+    """Means of the exponents of runs, where these agree; bounds where they cannot be distinguished from 0."""
     both = [growth.exponents_of(run.time, run.growth) for run in runs]
     values, errors = (np.array(part) for part in zip(*both, strict=True))
     least = LEAST_GROWTH / min(float(run.time[-1]) for run in runs)
@@ -278,16 +291,25 @@ def combined(runs: list[GrowthOfRun]) -> list[Exponent]:
     for number, (value, error) in enumerate(zip(values.T, errors.T, strict=True), 1):
         mean, uncertainty = float(np.mean(value)), float(np.sqrt(np.sum(error**2))) / len(runs)
         apart = np.sum((value - mean) ** 2 / np.maximum(error, 1e-12) ** 2)
-        agree = apart <= AGREEMENT or bool(np.all(np.abs(value) < least))
-        exponents.append(Exponent(number, mean if agree else None, uncertainty if agree else None))
+        largest = float(np.max(np.abs(value) + LEAST_UNCERTAINTIES * error))
+        if bool(np.all(np.abs(value) < least)) or (
+            apart <= AGREEMENT and abs(mean) <= LEAST_UNCERTAINTIES * uncertainty
+        ):
+            exponents.append(Exponent(number, None, None, max(least, largest)))
+        elif apart <= AGREEMENT:
+            exponents.append(Exponent(number, mean, uncertainty, None))
+        else:
+            exponents.append(Exponent(number, None, None, None))
     return exponents
 
 
 def _of_runs(spectrum: LyapunovResult) -> list[RunExponent]:
     usual, lines = growth.usual_step(spectrum.problem), []
     for run in spectrum.runs:
-        for number, (value, error) in enumerate(zip(*growth.exponents_of(run.time, run.growth), strict=True), 1):
-            lines.append(RunExponent(usual / run.refinement, run.start, number, float(value), float(error)))
+        pairs = zip(*(part.tolist() for part in growth.exponents_of(run.time, run.growth)), strict=True)
+        for exponent, pair in zip(spectrum.exponents, pairs, strict=True):
+            value, error = pair if exponent.bound is None else (None, None)
+            lines.append(RunExponent(usual / run.refinement, run.start, exponent.number, value, error))
     return lines
 
 
@@ -311,13 +333,13 @@ def _figure(spectrum: LyapunovResult) -> "Figure":
         name = f"step {step}, start {'nearby' if run.start else 'of the scene'}"
         exponent = scale.measured(run.growth[:, 0] / run.time, "rate")
         lines.append(Convergence(name, scale.measured(run.time, "time"), exponent))
-    pairs = [(exponent.exponent, exponent.uncertainty) for exponent in spectrum.exponents]
-    values, errors = (
+    results = [(exponent.exponent, exponent.uncertainty, exponent.bound) for exponent in spectrum.exponents]
+    values, errors, bounds = (
         scale.measured(np.array([math.nan if number is None else number for number in part]), "rate")
-        for part in zip(*pairs, strict=True)
+        for part in zip(*results, strict=True)
     )
     unit = Label("exponent", r"\lambda", scale.symbol("rate")), Label("time", "t", scale.symbol("time"))
-    return draw(lines, values, errors, unit, title(spectrum.problem))
+    return draw(lines, values, errors, bounds, unit, title(spectrum.problem))
 
 
 def seconds(problem: Problem, exponents: int, duration: float) -> float:
@@ -361,7 +383,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
-    """Print the exponents; exit code 1 where the largest is undefined, 130 when interrupted, with all runs kept."""
+    """Print the exponents; exit code 1 where runs differ in the largest, 130 when interrupted, with all runs kept."""
     name = arguments.scene
     scene = library.find(name)
     plain_scene = scene.plain()
@@ -378,4 +400,5 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     for line in spectrum.sentences():
         print(line)
     print_files(arguments.output, (TABLE, RUNS, CONVERGENCE, *figure_files(FIGURE)))
-    return CommandResult(1 if spectrum.exponents[0].exponent is None else 0, spectrum.plain())
+    largest = spectrum.exponents[0]
+    return CommandResult(1 if largest.exponent is None and largest.bound is None else 0, spectrum.plain())

@@ -98,8 +98,13 @@ def test_state_moves_as_without_vectors():
         ({"damping": {"contact": 0.1, "tension": "cut"}}, "`tension: cut`"),
         ({"contact": {"yield": {"overlap": 0.1}}}, "contacts that yield"),
         ({"contact": {"exponent": 1}}, "exponent 1"),
+        ({"contact": {"exponent": [1.5, 2.0, 1.0, 1.5, 1.5]}}, "exponent 1"),
     ],
 )
 def test_systems_whose_forces_jump_are_refused(changes, reason):
     with pytest.raises(InputError, match=reason):
         tangent.make_flow(problem_of(changes), 1, 0.05)
+
+
+def test_exponents_above_1_that_differ_from_contact_to_contact_are_not_refused():
+    tangent.refuse_without_slope(problem_of({"contact": {"exponent": [1.5, 2.0, 3.0, 1.7, 1.5]}}).system)
