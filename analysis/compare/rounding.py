@@ -21,8 +21,34 @@ def precision(values: Floats) -> str | None:
     Sums with other numbers, such as rest positions, may have followed. Whole numbers are no evidence; None where fewer
     than `_FEWEST` different others are found.
     """
+    return _rounded_to(_sample(values))
+
+
+def rounding_error(values: Floats) -> float:
+    """Largest error of numbers [...] by the digits to which they were rounded; 0 where they were not."""
+    sample = _sample(values)
+    rounded_to = _rounded_to(sample)
+    return 0.0 if rounded_to is None else _largest_error(sample, rounded_to)
+
+
+def _largest_error(sample: Floats, rounded_to: str) -> float:
+    """Half of the rounding step of the largest of some numbers."""
+    largest = float(np.max(np.abs(sample)))
+    if rounded_to == SINGLE:
+        return 0.5 * float(np.spacing(np.float32(largest)))
+    count, word = rounded_to.split()
+    unit = 1.0 if word == "decimals" else 10.0 ** (np.floor(np.log10(largest)) + 1.0)
+    return float(0.5 * unit * 10.0 ** -int(count))
+
+
+def _sample(values: Floats) -> Floats:
+    """Some different numbers that are not whole, [number]."""
     telling = values[np.isfinite(values) & (values != np.round(values)) & (np.abs(values) > 1e-200)].ravel()
-    sample = np.unique(telling[:: max(1, len(telling) // 2000)])
+    return np.unique(telling[:: max(1, len(telling) // 2000)])
+
+
+def _rounded_to(sample: Floats) -> str | None:
+    """Precision to which different numbers [number] were rounded; None where it is not seen, or they are too few."""
     if len(sample) < _FEWEST:
         return None
     digit = 10.0 ** (np.floor(np.log10(np.abs(sample))) + 1.0)
@@ -36,9 +62,8 @@ def precision(values: Floats) -> str | None:
             if _all_near(sample, np.array([float(f"{value:.{places}{form}}") for value in sample.tolist()]), step):
                 fitting.append((count, word))
                 break
-    if fitting:
-        count, word = min(fitting)
-        return f"{count} {word}"
+    if fitting:  # six digits of numbers from 1 to 100 are five decimals, too: the coarser is what they were rounded to
+        return max((f"{count} {word}" for count, word in sorted(fitting)), key=lambda form: _largest_error(sample, form))
     with np.errstate(over="ignore", under="ignore"):
         single = sample.astype(np.float32)
         if _all_near(sample, single.astype(np.float64), np.spacing(np.abs(single)).astype(np.float64)):

@@ -143,7 +143,7 @@ def _scene_of(measured: Any, executed: Executed, path: Path, steps: int) -> tupl
     if units[-1:] == ["si"] and measured.exponent == 1.5:
         keys = SceneKeys(measured, si=True, poisson_ratio=_poisson_ratio(executed))
         try:
-            return library.from_plain(keys.keys(name, every, steps), source), keys
+            return library.from_plain(keys.keys(name, path.name, every, steps), source), keys
         except InputError as error:
             reason = str(error).removeprefix(f"{source}: ")
         reduced = SceneKeys(measured, si=False)
@@ -151,11 +151,11 @@ def _scene_of(measured: Any, executed: Executed, path: Path, steps: int) -> tupl
             f"in SI units the scene is refused ({reason}), so that it is in reduced units: lengths in m, times in s, "
             f"masses in units of {reduced.mass:.6g} kg"
         )
-        return library.from_plain(reduced.keys(name, every, steps), source), reduced
+        return library.from_plain(reduced.keys(name, path.name, every, steps), source), reduced
     keys = SceneKeys(measured, si=False)
     if keys.mass != 1.0:
         keys.notes.append(f"the scene's unit of mass is {keys.mass:.6g} of the deck; lengths and times are the deck's")
-    return library.from_plain(keys.keys(name, every, steps), source), keys
+    return library.from_plain(keys.keys(name, path.name, every, steps), source), keys
 
 
 def _poisson_ratio(executed: Executed) -> float:

@@ -76,7 +76,9 @@ class Measured:
         walls: "left" or "right" -> constant of the wall, [chain].
         inner: atoms inside the beads.
         timestep: time step.
+        first_step: number of the step at the start.
         direction: 1 where beads are counted along the axis, -1 where against it.
+        wall_atoms: "left" or "right" -> numbers of the held atoms that are the wall, [chain].
     """
 
     axis: int
@@ -98,7 +100,14 @@ class Measured:
     walls: dict[str, Floats]
     inner: list[Inner]
     timestep: float
+    first_step: int = 0
     direction: float = 1.0
+    wall_atoms: dict[str, Integers] = field(default_factory=dict)
+
+    @property
+    def rounding(self) -> float:
+        """Error of overlaps by rounded positions."""
+        return 8.0 * float(np.finfo(float).eps * np.max(np.abs(self.place)))
 
     @property
     def load(self) -> Floats:
@@ -107,7 +116,9 @@ class Measured:
 
     def reversed(self) -> "Measured":
         """Chains whose beads are counted from the other end, velocities being positive towards higher numbers."""
-        walls = {{"left": "right", "right": "left"}[side]: values for side, values in self.walls.items()}
+        other = {"left": "right", "right": "left"}
+        walls = {other[side]: values for side, values in self.walls.items()}
+        wall_atoms = {other[side]: atoms for side, atoms in self.wall_atoms.items()}
         inner = [part.taken(slice(None, None, -1)) for part in self.inner]
         coupling = {chains: table[:, ::-1] for chains, table in self.coupling.items()}
         names = (
@@ -124,7 +135,8 @@ class Measured:
         )
         along = {name: getattr(self, name)[..., ::-1] for name in (*names, "foundation", "drag")}
         along |= {"place": -along["place"], "velocity": -along["velocity"]}
-        return replace(self, **along, walls=walls, inner=inner, coupling=coupling, direction=-self.direction)
+        parts = {"walls": walls, "wall_atoms": wall_atoms, "inner": inner, "coupling": coupling}
+        return replace(self, **along, **parts, direction=-self.direction)
 
     def without_held(self) -> "Measured":
         """Chains without the beads at their ends that never move, which are walls.
@@ -143,11 +155,11 @@ class Measured:
                 "fix freeze",
                 "fix setforce",
             )
-        walls = dict(self.walls)
+        walls, wall_atoms = dict(self.walls), dict(self.wall_atoms)
         if first > 0:
-            walls["left"] = self.strength[:, first - 1]
+            walls["left"], wall_atoms["left"] = self.strength[:, first - 1], self.ids[:, first - 1]
         if last < self.held.shape[1]:
-            walls["right"] = self.strength[:, last - 1]
+            walls["right"], wall_atoms["right"] = self.strength[:, last - 1], self.ids[:, last]
         beads, contacts = slice(first, last), slice(first, last - 1)
         of_beads = {
             name: getattr(self, name)[..., beads] for name in ("ids", "place", "velocity", "mass", "radius", "held")
@@ -165,7 +177,8 @@ class Measured:
         inner = [part.taken(beads) for part in self.inner]
         coupling = {chains: table[:, beads] for chains, table in self.coupling.items()}
         overlap = self.overlap[:, contacts]
-        return replace(self, **of_beads, **of_contacts, overlap=overlap, walls=walls, inner=inner, coupling=coupling)
+        parts = {"walls": walls, "wall_atoms": wall_atoms, "inner": inner, "coupling": coupling}
+        return replace(self, **of_beads, **of_contacts, overlap=overlap, **parts)
 
 
 def arrange(place: Floats, radius: Floats, mass: Floats, bonds: Integers) -> tuple[int, Integers, list[Inner]]:

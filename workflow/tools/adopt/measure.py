@@ -12,6 +12,7 @@ All quantities are in the deck's units; positions and forces are those along the
 
 import itertools
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -116,7 +117,9 @@ def measure(lmp: Any) -> Measured:
     atoms = Atoms(lmp)
     axis, chains, inner = arrange(atoms.place, atoms.radius, atoms.mass, _bonds(lmp, atoms.ids))
     _refuse_ring(lmp, atoms, axis, chains)
-    return _Bench(atoms, axis, chains, inner).measured(float(lmp.extract_global("dt")))
+    first_step = int(lmp.extract_global("ntimestep"))
+    measured = _Bench(atoms, axis, chains, inner).measured(float(lmp.extract_global("dt")))
+    return replace(measured, first_step=first_step)
 
 
 def _bonds(lmp: Any, ids: Integers) -> Integers:
