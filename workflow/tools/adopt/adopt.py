@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import InputError, Scene, file_names, library
 from lammps_inputs.decks import deck as scene_deck
 from workflow.errors import RunError
-from workflow.tools.adopt import evaluate
+from workflow.tools.adopt import differences, evaluate
 from workflow.tools.adopt.chains import TIME, Measured, NotMeasuredError
 from workflow.tools.adopt.deck_text import FIXES_WITHOUT_EFFECT, WITHOUT_EFFECT, Command, Deck, words_of
 from workflow.tools.adopt.evaluate import Executed, Workplace
@@ -88,12 +88,27 @@ def adopt(path: Path, data: Path | None, variables: list[tuple[str, str]], secon
             raise RefusedDeckError(_at_lines(error, executed, path)) from None
         compared, difference = _beside(workplace, scene, keys.measured, steps)
     if not difference <= AGREE + drag_error(scene):
-        raise RunError(
-            f"{path}: the scene that was read moves otherwise: over {compared} steps velocities differ by "
-            f"{difference:.2g} V; the deck has a force that was not recognised"
-        )
-    notes = [*keys.notes, *_notes(executed)]
+        _refuse_other_motion(keys.measured, scene, executed, path, f"over {compared} steps by {difference:.2g} V")
+    notes = [*keys.notes, *differences.unreached(keys.measured), *_notes(executed)]
     return Adopted(scene, "xyz"[keys.measured.axis], notes, compared, steps, difference)
+
+
+def _refuse_other_motion(measured: Measured, scene: Scene, executed: Executed, path: Path, apart: str) -> NoReturn:
+    """Refuse a deck whose motion is not that of the scene that was read; names the laws that differ.
+
+    Raises:
+        RefusedDeckError: walls are elsewhere, or have other laws.
+        RunError: other forces differ, or none do at the displacements at which they were measured.
+    """
+    walls = differences.of_walls(measured, scene)
+    if walls:
+        errors = [NotMeasuredError(text, "fix wall/gran") for text in walls]
+        raise RefusedDeckError([line for error in errors for line in _at_lines(error, executed, path)])
+    forces = differences.of_forces(measured, scene)
+    where = "; ".join(forces) or (
+        "forces agree where they were measured, at overlaps and velocities of the first impact; a force differs elsewhere"
+    )
+    raise RunError(f"{path}: the scene that was read moves otherwise (velocities differ {apart}): {where}")
 
 
 def refuse(executed: Executed, path: Path) -> None:
