@@ -31,6 +31,10 @@ AFTER_RUN = ("compute", "group", "if", "jump", "label", "next", "quit", "run", "
 """Commands after the first run that change nothing that moves the beads."""
 
 
+UNIT_NAMES = {"cgs": ("cm", "s", "g"), "micro": ("um", "us", "pg"), "nano": ("nm", "ns", "ag")}
+"""LAMMPS's other units in which forces are masses times lengths over times squared: length, time, mass."""
+
+
 class RefusedDeckError(InputError):
     """Commands of a deck that no scene can have; `lines` has one message for each."""
 
@@ -126,10 +130,14 @@ def refuse(executed: Executed, path: Path) -> None:
         raise RefusedDeckError(list(dict.fromkeys(refused)))
     evaluate.refuse_error(executed, path)
     if executed.runs:
-        first, _ = executed.runs[0]
-        later = [command for command in executed.commands[first + 1 :] if _moves(command)]
+        (first, _), (last, _) = executed.runs[0], executed.runs[-1]
+        later = [command for command in executed.commands[first + 1 : last] if _moves(command)]
         if later:
-            why = "comes after the first run, and a scene has one motion from its start on; supported: further `run`"
+            why = (
+                "comes after the first run, and a scene has one motion, from equilibrium on: for a chain that relaxes "
+                "and is then kicked, write `gravity` or `precompression`, and `kick`, into a scene of your own; "
+                "supported: further `run`"
+            )
             raise RefusedDeckError(list(dict.fromkeys(f"{command.place}: {why}" for command in later)))
 
 
@@ -154,6 +162,7 @@ def _scene_of(measured: Any, executed: Executed, path: Path, steps: int) -> tupl
     name = re.sub(r"[^A-Za-z0-9._-]", "-", path.name.removeprefix("in.")).strip(".-_")[:64] or "adopted"
     every = min(executed.every) if executed.every else None
     units = [words_of(command.text)[1] for command in executed.commands if command.style == "units"]
+    others = UNIT_NAMES.get(units[-1] if units else "")
     source = f"{path}: the scene that was read"
     if units[-1:] == ["si"] and measured.exponent == 1.5:
         keys = SceneKeys(measured, si=True, poisson_ratio=_poisson_ratio(executed))
@@ -168,7 +177,12 @@ def _scene_of(measured: Any, executed: Executed, path: Path, steps: int) -> tupl
         )
         return library.from_plain(reduced.keys(name, path.name, every, steps), source), reduced
     keys = SceneKeys(measured, si=False)
-    if keys.mass != 1.0:
+    if others is not None:
+        keys.notes.append(
+            f"the scene is in reduced units: lengths in {others[0]}, times in {others[1]}, masses in units of "
+            f"{keys.mass:.6g} {others[2]}"
+        )
+    elif keys.mass != 1.0:
         keys.notes.append(f"the scene's unit of mass is {keys.mass:.6g} of the deck; lengths and times are the deck's")
     return library.from_plain(keys.keys(name, path.name, every, steps), source), keys
 
@@ -242,7 +256,7 @@ def _beside(workplace: Workplace, scene: Scene, measured: Measured, steps: int) 
         f"dump_modify granchain_frames first yes\nrun {compared} post no\nquit 0\n",
     )
     if executed.error:
-        raise InputError(f"{executed.commands[-1].place}: {executed.error}")
+        raise InputError(f"{executed.commands[-1].place}: {evaluate.explained(executed.error)}")
     folder = workplace.folder / "scene"
     folder.mkdir()
     scene_deck.write(scene, folder)

@@ -20,6 +20,9 @@ Floats = NDArray[np.float64]
 ALIKE = 1e-5
 """Relative difference of forces that is that of their measurement."""
 
+LEAST = 1e-6
+"""Forces over the largest that are rounding."""
+
 MOST = 3
 """Pairs or walls that are named."""
 
@@ -93,19 +96,18 @@ def of_forces(measured: Measured, scene: Scene) -> list[str]:
     """Sentences on the pairs and walls whose forces are not the scene's, where they differ most, most first."""
     problem = scene.problem()
     system, scale = problem.system, problem.scale
-    chains = system.chains
-    mass = measured.mass / physics.masses(system)[:chains]
+    chains, lines = system.chains, physics.lines(system)
+    of_line = np.arange(lines) % chains  # atoms inside the beads move with them
+    overall = max(float(np.max(np.abs(probe.force))) for probe in measured.probes)
     worst: dict[tuple[int, int], tuple[float, str]] = {}
     for probe in measured.probes:
-        shape = physics.masses(system).shape
-        x, v = np.zeros(shape), np.zeros(shape)
-        x[:chains], v[:chains] = probe.displacement / scale.length, probe.velocity / scale.velocity
-        of_scene, at_rest = (
+        x, v = probe.displacement[of_line] / scale.length, probe.velocity[of_line] / scale.velocity
+        moved, at_rest = (
             motion.acceleration(system, displacement, velocity=velocity)[:chains]
-            for displacement, velocity in ((x, v), (np.zeros(shape), np.zeros(shape)))
+            for displacement, velocity in ((x, v), (0.0 * x, 0.0 * v))
         )
-        right = (of_scene - at_rest) * physics.masses(system)[:chains] * mass * scale.velocity / scale.time
-        largest = float(np.max(np.abs(np.concatenate([right, probe.force])))) or 1.0
+        right = (moved - at_rest) * measured.mass * scale.velocity / scale.time
+        largest = max(float(np.max(np.abs(np.concatenate([right, probe.force])))), LEAST * overall)
         off = np.abs(probe.force - right) / largest
         for chain, bead in np.argwhere(off > ALIKE).tolist():
             text = (

@@ -51,8 +51,11 @@ class Atoms:
 
     def __init__(self, lmp: Any) -> None:
         self._lmp = lmp
-        if lmp.get_natoms() < 2 or lmp.extract_setting("radius_flag") != 1:
-            raise NotMeasuredError("there are no spheres at the first run", "atom_style", *PLACES)
+        if lmp.extract_setting("radius_flag") != 1:
+            raise NotMeasuredError("atoms are no spheres; supported: atom_style sphere, hybrid sphere bond", "atom_style")
+        if lmp.get_natoms() < 2:
+            count = "is one sphere" if lmp.get_natoms() == 1 else "are no atoms"
+            raise NotMeasuredError(f"there {count} at the first run; supported: chains of at least 2 beads", *PLACES)
         lmp.command("run 0 post no")
         self.ids = np.sort(self._now("id"))
         self.place, self.velocity, self.radius, self.mass = (
@@ -185,14 +188,12 @@ class _Bench:
                 "set",
                 "read_data",
             )
-        if self.speed == 0.0:
-            raise NotMeasuredError(
-                "no bead moves at the start; supported: velocities by `velocity` or `set` before the run", "run"
-            )
         self._refuse_time()
         self.rest = atoms.forces(axis)
         self._measure_foundation()
         strength, exponent = self._measure_contacts()
+        if self.speed == 0.0:
+            self._refuse_rest(strength, exponent)
         self._refuse_motion_at_rest(strength, exponent)
         drag = self._measure_drag()
         walls, wall_dashpots, other_walls = self._measure_walls(exponent)
@@ -367,17 +368,38 @@ class _Bench:
 
     def _refuse_motion_at_rest(self, strength: Floats, exponent: float) -> None:
         """Refuse a start that is no equilibrium but for the velocities."""
-        load = float(np.max(strength * np.maximum(self.overlap, 0.0) ** exponent))
         energy = float(np.median(self.atoms.mass)) * self.speed**2
         impact = energy ** (exponent / (exponent + 1.0)) * float(np.max(strength)) ** (1.0 / (exponent + 1.0))
-        if np.max(np.abs(self.rest)) > self.noise + UNBALANCED * max(load, impact):
-            atom = int(np.argmax(np.abs(self.rest)))
-            raise NotMeasuredError(
-                f"beads are not in equilibrium at the start (force {self.rest[atom]:.6g} on atom "
-                f"{self.atoms.ids[atom]}); supported: chains at rest under no load, `precompression` or `gravity`",
-                *PLACES,
-                *_FORCES,
-            )
+        if self._unbalanced(strength, exponent, impact):
+            raise NotMeasuredError(f"beads are not in equilibrium at the start ({self._why})", *PLACES, *_FORCES)
+
+    def _refuse_rest(self, strength: Floats, exponent: float) -> None:
+        """Refuse a start without any velocity."""
+        if self._unbalanced(strength, exponent, 0.0):
+            raise NotMeasuredError(f"beads fall from rest ({self._why})", *PLACES, *_FORCES)
+        raise NotMeasuredError(
+            "no bead moves at the start; supported: velocities by `velocity` or `set` before the run (`kick` of a scene)",
+            "run",
+        )
+
+    def _unbalanced(self, strength: Floats, exponent: float, impact: float) -> bool:
+        """Whether a force on a bead at rest is more than rounding, beside loads and the force of an impact."""
+        load = float(np.max(strength * np.maximum(self.overlap, 0.0) ** exponent))
+        return bool(np.max(np.abs(self.rest)) > self.noise + UNBALANCED * max(load, impact))
+
+    @property
+    def _why(self) -> str:
+        """Largest force on a bead at rest, and what a scene has for it."""
+        place = int(np.argmax(np.abs(self.rest)))
+        pressed = float(np.max(self.overlap)) > self.touching
+        start = (
+            "beads that overlap are held by `precompression: {force: ...}`, or by walls at the ends, or lie on a wall "
+            "under `gravity`"
+            if pressed
+            else "a column that has settled on a wall is `gravity: ...` with `walls`, what then moves it `kick`; free "
+            "fall before the first contact is no part of a scene"
+        )
+        return f"force {self.rest[place]:.6g} on atom {self.atoms.ids[place]}; a scene starts in equilibrium: {start}"
 
     # --- dashpots -----------------------------------------------------------------------------------------------------
 

@@ -49,9 +49,14 @@ def single_value(values: Any, message: str, *commands: str) -> float:
         NotMeasuredError: they differ.
     """
     array = np.asarray(values, dtype=np.float64)
-    if np.ptp(array) > SAME * np.max(np.abs(array)):
+    if not _alike(array):
         raise NotMeasuredError(message, *commands)
     return tidy(float(np.mean(array)))
+
+
+def _alike(values: Floats) -> bool:
+    """Whether all values are one number."""
+    return bool(np.ptp(values) <= SAME * np.max(np.abs(values)))
 
 
 class SceneKeys:
@@ -346,6 +351,10 @@ class SceneKeys:
             keys["coupling"] = single_value(np.array(between) / self.unit, message, "pair_coeff")
         return {"damping": keys} if keys else {}
 
+    def _restores(self, power: float) -> bool:
+        """Whether dashpots that grow with a power of the overlap are those of a restitution."""
+        return abs(power - (self.measured.exponent - 1.0) / 2.0) < 1e-5
+
     def _dashpots_of_contacts(self) -> dict[str, Any]:
         measured = self.measured
         (low, high), (near, far) = measured.dashpot, measured.dashpot_overlap
@@ -353,15 +362,17 @@ class SceneKeys:
         message = "the dashpots of contacts differ; supported: one law and coefficient of all contacts"
         commands = ("pair_coeff", "pair_style")
         tension = {"tension": "cut"} if measured.cut else {}
-        if abs(power) < 1e-5:
-            return {"contact": single_value(low / self.unit, message, *commands)} | tension
-        if abs(power - 0.5) < 1e-5:
-            coefficient = low / np.sqrt(near) / self.unit
-            return {"contact": single_value(coefficient, message, *commands), "law": "viscoelastic"} | tension
-        if abs(power - (measured.exponent - 1.0) / 2.0) < 1e-5:
-            pair = measured.mass[:, :-1] * measured.mass[:, 1:] / (measured.mass[:, :-1] + measured.mass[:, 1:])
-            ratio = single_value(low / near**power / np.sqrt(pair * measured.strength), message, *commands)
-            share = brentq(lambda e: alpha(e, measured.exponent) - ratio, 1e-6, 1.0, xtol=1e-15)
+        linear, viscoelastic = low / self.unit, low / np.sqrt(near) / self.unit
+        pair = measured.mass[:, :-1] * measured.mass[:, 1:] / (measured.mass[:, :-1] + measured.mass[:, 1:])
+        ratio = low / near**power / np.sqrt(pair * measured.strength)
+        # laws of one power of the overlap differ in what is the same in all contacts
+        if abs(power) < 1e-5 and (not self._restores(power) or _alike(linear)):
+            return {"contact": single_value(linear, message, *commands)} | tension
+        if abs(power - 0.5) < 1e-5 and (not self._restores(power) or _alike(viscoelastic)):
+            return {"contact": single_value(viscoelastic, message, *commands), "law": "viscoelastic"} | tension
+        if self._restores(power):
+            value = single_value(ratio, message, *commands)
+            share = brentq(lambda e: alpha(e, measured.exponent) - value, 1e-6, 1.0, xtol=1e-15)
             return {"contact": tidy(float(share)), "law": "restitution"}
         raise NotMeasuredError(
             f"the dashpots of contacts grow as overlap^{power:.4g}; supported: powers 0 (`damping velocity`), 0.5 "
