@@ -74,7 +74,9 @@ def _pieces(text: str) -> list[range]:
     for part in text.split(","):
         match = _PIECE.fullmatch(part.strip())
         if match is None:
-            raise ValueError(f"adopted.atoms: {part.strip()!r} is no number or range of atoms; such as '2-29' or '58-1:3'")
+            raise ValueError(
+                f"adopted.atoms: {part.strip()!r} is no number or range of atoms; such as '2-29' or '58-1:3'"
+            )
         first, last, step = (None if number is None else int(number) for number in match.groups())
         assert first is not None
         last, step = first if last is None else last, max(1, step or 1)

@@ -63,7 +63,9 @@ def _rounded_to(sample: Floats) -> str | None:
                 fitting.append((count, word))
                 break
     if fitting:  # six digits of numbers from 1 to 100 are five decimals, too: the coarser is what they were rounded to
-        return max((f"{count} {word}" for count, word in sorted(fitting)), key=lambda form: _largest_error(sample, form))
+        return max(
+            (f"{count} {word}" for count, word in sorted(fitting)), key=lambda form: _largest_error(sample, form)
+        )
     with np.errstate(over="ignore", under="ignore"):
         single = sample.astype(np.float32)
         if _all_near(sample, single.astype(np.float64), np.spacing(np.abs(single)).astype(np.float64)):

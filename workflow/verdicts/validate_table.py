@@ -92,7 +92,9 @@ def _within_rounding(rounding: float) -> dict[str, float]:
     return {"displacement": TOLERANCES["displacement"] + rounding} if rounding else {}
 
 
-def _rounding_of_positions(path: Path, loaded: TrajectoryTable, rounding: float, others: tuple[str, ...]) -> tuple[str, ...]:
+def _rounding_of_positions(
+    path: Path, loaded: TrajectoryTable, rounding: float, others: tuple[str, ...]
+) -> tuple[str, ...]:
     """How far positions of a dump were rounded, what follows from that, and other remarks that are not empty."""
     assert loaded.position is not None
     line = (
@@ -135,7 +137,9 @@ def _diagnosis(path: Path, theirs: Trajectory, run: Trajectory, coarse: bool) ->
     """
     if coarse:
         causes = tuple(f"{path}: {cause}" for cause in start.differences(theirs)) if theirs.time[0] == 0.0 else ()
-        return Diagnosis(causes, "" if causes else f"{path}: no cause could be determined: positions have too few digits")
+        return Diagnosis(
+            causes, "" if causes else f"{path}: no cause could be determined: positions have too few digits"
+        )
     in_table = diagnose(theirs, run)
     if in_table.causes:
         return Diagnosis(tuple(f"{path}: {cause}" for cause in in_table.causes))

@@ -72,7 +72,9 @@ class Probe:
 
     def taken(self, beads: slice, sign: float = 1.0) -> "Probe":
         """Forces on some beads, in another order with the other sign."""
-        return Probe(self.pattern, *(sign * array[:, beads] for array in (self.displacement, self.velocity, self.force)))
+        return Probe(
+            self.pattern, *(sign * array[:, beads] for array in (self.displacement, self.velocity, self.force))
+        )
 
     def place(self, measured: "Measured", chain: int, bead: int) -> str:
         """Words for the contact or wall that acts on a bead, and how it moves."""

@@ -32,7 +32,9 @@ _WALLS = "supported: walls as far from the chains as the beads are from each oth
 def of_walls(measured: Measured, scene: Scene) -> list[str]:
     """Sentences on walls that are not those of the scene, in the deck's units."""
     sentences = [f"{text}; {_WALLS}" for wall in measured.other_walls for text in _other_wall(wall, measured)]
-    return sentences + [f"{text}; {_WALLS}" for side in measured.walls for text in _other_dashpot(side, measured, scene)]
+    return sentences + [
+        f"{text}; {_WALLS}" for side in measured.walls for text in _other_dashpot(side, measured, scene)
+    ]
 
 
 def unreached(measured: Measured) -> list[str]:
@@ -84,7 +86,9 @@ def _dashpot_of_scene(side: str, measured: Measured, scene: Scene, overlap: Floa
     strength = measured.walls[side]
     if damping.law == "restitution":
         critical = np.sqrt(measured.mass[:, end] * strength)
-        return np.asarray(alpha(damping.contact, measured.exponent) * critical * overlap ** ((measured.exponent - 1.0) / 2.0))
+        return np.asarray(
+            alpha(damping.contact, measured.exponent) * critical * overlap ** ((measured.exponent - 1.0) / 2.0)
+        )
     coefficient = damping.contact * unit
     if damping.law == "viscoelastic":
         reference = float(scene.scale.force / scene.scale.length**measured.exponent) * (1.0 if scene.scale.si else unit)

@@ -20,7 +20,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from workflow.tools.adopt.chains import PLACES, TIME, Floats, Inner, Integers, Measured, NotMeasuredError, Probe, arrange
+from workflow.tools.adopt.chains import (
+    PLACES,
+    TIME,
+    Floats,
+    Inner,
+    Integers,
+    Measured,
+    NotMeasuredError,
+    Probe,
+    arrange,
+)
 from workflow.tools.adopt.wall_laws import Reach, WallLaw, wall_dashpot, wall_law
 
 LEVELS = (1.0, 2.0, 4.0)
@@ -52,7 +62,9 @@ class Atoms:
     def __init__(self, lmp: Any) -> None:
         self._lmp = lmp
         if lmp.extract_setting("radius_flag") != 1:
-            raise NotMeasuredError("atoms are no spheres; supported: atom_style sphere, hybrid sphere bond", "atom_style")
+            raise NotMeasuredError(
+                "atoms are no spheres; supported: atom_style sphere, hybrid sphere bond", "atom_style"
+            )
         if lmp.get_natoms() < 2:
             count = "is one sphere" if lmp.get_natoms() == 1 else "are no atoms"
             raise NotMeasuredError(f"there {count} at the first run; supported: chains of at least 2 beads", *PLACES)
