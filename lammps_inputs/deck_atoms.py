@@ -17,7 +17,7 @@ Text = Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f-\x9f\u202
 
 
 class DeckAtoms(ScenePart):
-    """Atoms of the deck that `granchain adopt` read, by which `granchain validate --against` reads that deck's dumps."""
+    """Atoms of the deck that `granchain adopt` read, by which dumps of that deck are compared with a run."""
 
     example: ClassVar[str] = "{deck: in.column, axis: -z, atoms: ['20-2'], timestep: 1.0e-07}"
 
@@ -50,7 +50,7 @@ class DeckAtoms(ScenePart):
             count = sum(len(piece) for piece in _pieces(text))
             if count != scene.beads:
                 raise ValueError(
-                    f"adopted.atoms: chain {number} has {count} atoms for {scene.beads} beads; such as '1-{scene.beads}'"
+                    f"adopted.atoms: chain {number} has {count} atoms, not {scene.beads}; such as '1-{scene.beads}'"
                 )
 
     @property

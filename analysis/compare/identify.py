@@ -359,7 +359,7 @@ def _other_law(equations: MomentumEquations, part: LinkImpulses) -> Explanation:
     multiplied = _multiplied(equations, part)
     if named:
         best = min(named, key=lambda fit: fit.left)
-        if best.left <= max(multiplied, _BETTER * _norm(equations.residual)):
+        if best.left <= max(multiplied, EXPLAINED * _norm(equations.residual)):
             departures = [replace(departure, name=part.name, effect=effect) for departure in best.departures]
             return Explanation(best.left, departures)
     return Explanation(multiplied, [Departure(part.name, "law", np.nan, np.nan, 0.0, effect)])
@@ -427,7 +427,7 @@ def _other_parameters_of(equations: MomentumEquations, part: LinkImpulses, famil
     departures = []
     if abs(change) > uncertainty[1]:
         departures.append(Departure(part.name, quantity, change, float(uncertainty[1]), 0.0, 0.0))
-    if abs(strength - 1.0) > max(uncertainty[0], 1e-3):
+    if quantity == "gap" and abs(strength - 1.0) > max(uncertainty[0], 1e-3):  # else it depends on the unit of length
         departures.append(Departure(part.name, "strength", strength, float(uncertainty[0]), 1.0, 0.0))
     if not any(departure.quantity == quantity for departure in departures):
         return None

@@ -98,8 +98,8 @@ def _rounding_of_positions(
     """How far positions of a dump were rounded, what follows from that, and other remarks that are not empty."""
     assert loaded.position is not None
     line = (
-        f"positions in {path} have only {precision(loaded.position)}, so that displacements are uncertain by "
-        f"{rounding:.1g} L, which is part of their tolerance"
+        f"positions in {path} are rounded to {2.0 * rounding_error(loaded.position):.1g} (its own unit of length), so "
+        f"that displacements are uncertain by {rounding:.1g} L, which is part of their tolerance"
     )
     if rounding > TOLERANCES["amplitude"]:
         line += "; peaks and arrivals do not follow from them (write them with `dump_modify ID format float %.17g`)"

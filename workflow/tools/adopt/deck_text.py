@@ -226,8 +226,8 @@ _MOVES = {
     "linear": "a bead of constant velocity is `striker: {mass: 1.0e+06, velocity: ...}` of a scene of your own, whose "
     "large mass keeps its velocity",
     "wiggle": "a bead that oscillates is `drive` of a scene of your own",
-    "variable": "a bead of given motion is `drive`, one that is pushed by a given force `push: {table: FILE}`, of a scene "
-    "of your own",
+    "variable": "a bead of given motion is `drive`, one under a given force `push: {table: FILE}`, of a scene of "
+    "your own",
 }
 """What a scene has for beads that `fix move` moves."""
 

@@ -92,7 +92,7 @@ class Atoms:
             atom = self.ids[int(np.argmax(~np.all(np.isfinite(force), axis=1)))]
             raise NotMeasuredError(
                 f"the force on atom {atom} is not a number where beads touch; in `fix wall/gran` of hooke and hertz "
-                "styles LAMMPS divides by the damping gamma_n: write one above 0, such as 1e-20, or the style `granular`",
+                "styles LAMMPS divides by gamma_n: write one above 0, such as 1e-20, or the style `granular`",
                 "fix wall/gran",
             )
         across = np.delete(np.abs(force), axis, axis=1)
@@ -390,7 +390,7 @@ class _Bench:
         if self._unbalanced(strength, exponent, 0.0):
             raise NotMeasuredError(f"beads fall from rest ({self._why})", *PLACES, *_FORCES)
         raise NotMeasuredError(
-            "no bead moves at the start; supported: velocities by `velocity` or `set` before the run (`kick` of a scene)",
+            "no bead moves at the start; supported: velocities by `velocity` or `set` before the run (key `kick`)",
             "run",
         )
 

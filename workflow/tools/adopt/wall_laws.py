@@ -103,7 +103,7 @@ def wall_dashpot(push: Push, distances: Floats, speed: float) -> Floats:
 
 
 def _power(forces: Floats, overlaps: Floats, exponent: float, small: float) -> tuple[float, float, float]:
-    """Constant, exponent, and how much larger overlaps are, of forces at three overlaps that are nearly known; or NaN."""
+    """Constant, exponent, and how much larger overlaps are, of forces at three nearly known overlaps; NaN without."""
     if not np.all(forces > 0.0):
         return math.nan, math.nan, math.nan
 
