@@ -77,9 +77,8 @@ def load(path: Path) -> TrajectoryTable:
         wrong = np.argwhere(~np.isfinite(values))
         if len(wrong):
             place = ", ".join(str(index + 1) for index in wrong[0])
-            raise InputError(
-                f"{path}: column {name!r} holds {values[tuple(wrong[0])]} in row {place}; leave such rows out"
-            )
+            place = f"entry {place}" if start[:2] == b"PK" else f"line {line_of_row(path, int(wrong[0][0]))}"
+            raise InputError(f"{path}: column {name!r} holds {values[tuple(wrong[0])]} in {place}; leave such rows out")
     if columns[present[0]].ndim == 3:
         return _from_grid(path, columns)
     for name in KEYS:
@@ -162,10 +161,38 @@ def read_text(
     except InputError:
         raise
     except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise InputError(f"{path}: {_cell_that_is_no_number(path, places, convert) or error}") from None
     if data.size == 0:
         raise InputError(f"{path}: holds no row")
     return places, data
+
+
+def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Number of the line, and the cells, of each row of a text below its header."""
+    with path.open(encoding="utf-8-sig") as file:
+        _, delimiter = header(file.readline())
+        for number, line in enumerate(file, 2):
+            row = line.partition("#")[0].strip()
+            if row:
+                yield number, [cell.strip() for cell in row.split(delimiter)]
+
+
+def line_of_row(path: Path, row: int) -> int:
+    """Number of the line in which a row of a text stands, rows counted from 0 below the header."""
+    return next(number for count, (number, _) in enumerate(_rows(path)) if count == row)
+
+
+def _cell_that_is_no_number(path: Path, places: dict[Name, int], convert: Callable[[str], float] | None) -> str:
+    """Sentence on the first cell of some columns that is no number, with its line and column; empty if none is."""
+    with path.open(encoding="utf-8-sig") as file:
+        names, _ = header(file.readline())
+    for number, cells in _rows(path):
+        for place in places.values():
+            try:
+                (convert or float)(cells[place])
+            except ValueError:
+                return f"line {number}: column {names[place]!r} holds {cells[place]!r}, which is no number"
+    return ""
 
 
 def header(line: str) -> tuple[list[str], str | None]:

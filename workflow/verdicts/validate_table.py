@@ -165,7 +165,7 @@ def _loaded(path: Path, problem: Problem, deck: DeckAtoms | None, *, dimensionle
 def validate_traces(
     directory: RunDirectory, path: Path, *, dimensionless: bool = False, tolerances: dict[str, float] | None = None
 ) -> Validation:
-    """Compare a run with traces in a file (see `analysis.files.traces`); writes ``validation.json`` and a figure.
+    """Compare a run with traces in a file (`analysis.files.traces`); writes ``validation-against.json`` and a figure.
 
     Args:
         directory: the run.
