@@ -40,6 +40,7 @@ class TrajectoryTable:
         chains, beads: numbers along the other axes, ascending, counted from 1.
         displacement, velocity: [frame, chain, bead]; None without such a column; NaN where a row is missing.
         position: [frame, chain, bead] positions as they stand in a file that holds no displacements.
+        position_unit: length of 1 of these positions: 1, or the box of scaled ones.
         dump: whether the file is a dump of LAMMPS.
     """
 
@@ -49,6 +50,7 @@ class TrajectoryTable:
     displacement: Floats | None
     velocity: Floats | None
     position: Floats | None = None
+    position_unit: float = 1.0
     dump: bool = False
 
 

@@ -28,13 +28,17 @@ class DumpFrame(NamedTuple):
         step: number of the time step.
         time: time of the frame; None where the dump does not state it.
         names: names of the columns that were read: id, then position and velocity where they exist.
-        rows: [atom, column].
+        rows: [atom, column]; positions as they stand in the file.
+        origin: position of a stated 0.
+        unit: length of a stated 1: 1, or the box of scaled positions.
     """
 
     step: int
     time: float | None
     names: list[str]
     rows: Floats
+    origin: float = 0.0
+    unit: float = 1.0
 
 
 def is_text_dump(path: Path) -> bool:
@@ -88,7 +92,9 @@ def load_dump(path: Path, beads: int, timestep: float, deck: DeckAtoms | None = 
         raise InputError(f"{path}: times are not ascending")
     values = np.stack([frame.rows for frame in frames])
     sign = 1.0 if deck is None else deck.sign
-    position = sign * values[..., 1] if "position" in first.names else None
+    stated = values[..., 1] if "position" in first.names else None
+    origin, unit = np.array([(frame.origin, frame.unit) for frame in frames]).T[:, :, np.newaxis]
+    position = None if stated is None else sign * (origin + unit * stated)
     velocity = sign * values[..., -1] if "velocity" in first.names else None
     late = time[0] > 0.5 * timestep
     if late and velocity is None:
@@ -102,7 +108,8 @@ def load_dump(path: Path, beads: int, timestep: float, deck: DeckAtoms | None = 
         beads=np.arange(of_bead.shape[1]) + 1 if deck is not None else np.unique((atoms - 1) % beads) + 1,
         displacement=None if position is None or late else _placed(position - position[0], of_bead),
         velocity=None if velocity is None else _placed(velocity, of_bead),
-        position=None if position is None or late else _placed(position, of_bead),
+        position=None if stated is None or late else _placed(stated, of_bead),
+        position_unit=float(np.max(unit)),
         dump=True,
     )
 
@@ -159,10 +166,11 @@ def _frame(file: TextIO, path: Path, axis: str) -> DumpFrame | None:
             if (width := len(lines[0].split())) != len(columns):
                 raise ValueError(f"{len(columns)} columns are named, {width} found")
             rows = np.loadtxt(lines, ndmin=2, dtype=np.float64, usecols=[columns.index(n) for n in chosen.values()])
+            low, high = 0.0, 1.0
             if chosen.get("position", axis).removeprefix(axis) in _SCALED:
                 low, high = map(float, box["xyz".index(axis)].split()[:2])
-                rows[:, 1] = low + (high - low) * rows[:, 1]
-            return DumpFrame(step, time if time is None or math.isfinite(time) else None, list(chosen), rows)
+            known = None if time is None or not math.isfinite(time) else time
+            return DumpFrame(step, known, list(chosen), rows, low, high - low)
     return None
 
 

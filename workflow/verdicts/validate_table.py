@@ -44,7 +44,7 @@ def validate_table(
     problem = directory.problem
     deck = directory.scene.adopted
     loaded = _loaded(path, problem, deck, dimensionless=dimensionless)
-    rounding = 0.0 if loaded.position is None else 2.0 * rounding_error(loaded.position)
+    rounding = 0.0 if loaded.position is None else 2.0 * rounding_error(loaded.position) * loaded.position_unit
     rounding /= 1.0 if dimensionless else problem.scale.length
     limits = limits_of(problem, {**_within_rounding(rounding), **(tolerances or {})})
     run_frames = joined(blocks(directory))[: problem.frames + 1]
@@ -97,9 +97,10 @@ def _rounding_of_positions(
 ) -> tuple[str, ...]:
     """How far positions of a dump were rounded, what follows from that, and other remarks that are not empty."""
     assert loaded.position is not None
+    step = 2.0 * rounding_error(loaded.position) * loaded.position_unit
     line = (
-        f"positions in {path} are rounded to {2.0 * rounding_error(loaded.position):.1g} (its own unit of length), so "
-        f"that displacements are uncertain by {rounding:.1g} L, which is part of their tolerance"
+        f"positions in {path} are rounded to {step:.1g} (its own unit of length), so that displacements are uncertain by "
+        f"{rounding:.1g} L, which is part of their tolerance"
     )
     if rounding > TOLERANCES["amplitude"]:
         line += "; peaks and arrivals do not follow from them (write them with `dump_modify ID format float %.17g`)"

@@ -48,7 +48,7 @@ def test_against_the_axis_displacements_and_velocities_change_their_sign(tmp_pat
 def test_scaled_positions_are_those_in_the_box_of_their_frame(tmp_path):
     rows = {0: ["7 0.25", "2 0.5", "5 0.75"], 4: ["7 0.375", "2 0.5", "5 0.75"]}
     found = load_dump(dump(tmp_path, "id zs", rows, low=-4.0, high=4.0), beads=3, timestep=0.5, deck=deck())
-    assert found.position[0].tolist() == [[-2.0, 0.0, 2.0]]
+    assert (found.position[0].tolist(), found.position_unit) == ([[0.25, 0.5, 0.75]], 8.0)
     assert found.displacement[1].tolist() == [[1.0, 0.0, 0.0]]
     assert found.velocity is None
 

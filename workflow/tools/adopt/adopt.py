@@ -109,7 +109,10 @@ def _refuse_other_motion(measured: Measured, scene: Scene, executed: Executed, p
         errors = [NotMeasuredError(text, "fix wall/gran") for text in walls]
         raise RefusedDeckError([line for error in errors for line in _at_lines(error, executed, path)])
     forces = differences.of_forces(measured, scene)
-    where = "; ".join(forces) or ("forces agree where they were measured, at small overlaps; a force differs elsewhere")
+    where = "; ".join(forces) or (
+        "forces agree where they were measured, at small overlaps; either a force differs elsewhere, or a contact with "
+        "a dashpot closes within rounding of a time step (try a kick that is 3 % smaller)"
+    )
     raise RunError(f"{path}: the scene that was read moves otherwise (velocities differ {apart}): {where}")
 
 

@@ -1,6 +1,7 @@
 """Chains of beads in LAMMPS: how their atoms are arranged, and what is known of the forces on them."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -181,7 +182,7 @@ class Measured:
         )
         along = {name: getattr(self, name)[..., ::-1] for name in (*names, "foundation", "drag")}
         along |= {"place": -along["place"], "velocity": -along["velocity"]}
-        parts = {"walls": walls, "wall_atoms": wall_atoms, "inner": inner, "coupling": coupling}
+        parts: dict[str, Any] = {"walls": walls, "wall_atoms": wall_atoms, "inner": inner, "coupling": coupling}
         parts |= {"wall_dashpot": wall_dashpot, "other_walls": other_walls}
         parts["probes"] = [probe.taken(slice(None, None, -1), -1.0) for probe in self.probes]
         return replace(self, **along, **parts, direction=-self.direction)
@@ -225,7 +226,7 @@ class Measured:
         inner = [part.taken(beads) for part in self.inner]
         coupling = {chains: table[:, beads] for chains, table in self.coupling.items()}
         overlap = self.overlap[:, contacts]
-        parts = {"walls": walls, "wall_atoms": wall_atoms, "inner": inner, "coupling": coupling}
+        parts: dict[str, Any] = {"walls": walls, "wall_atoms": wall_atoms, "inner": inner, "coupling": coupling}
         parts["probes"] = [probe.taken(beads) for probe in self.probes]
         parts["other_walls"] = [wall for wall in self.other_walls if wall.side not in wall_atoms]
         for side, contact in (("left", first - 1), ("right", last - 1)):
