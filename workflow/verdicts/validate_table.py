@@ -99,7 +99,7 @@ def _rounding_of_positions(
     assert loaded.position is not None
     step = 2.0 * rounding_error(loaded.position) * loaded.position_unit
     line = (
-        f"positions in {path} are rounded to {step:.1g} (its own unit of length), so that displacements are uncertain by "
+        f"positions in {path} are rounded to {step:.1g} (its unit of length), so that displacements are uncertain by "
         f"{rounding:.1g} L, which is part of their tolerance"
     )
     if rounding > TOLERANCES["amplitude"]:
