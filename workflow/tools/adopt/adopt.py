@@ -106,7 +106,7 @@ def _refuse_other_motion(measured: Measured, scene: Scene, executed: Executed, p
     """
     walls = differences.of_walls(measured, scene)
     if walls:
-        errors = [NotMeasuredError(text, "fix wall/gran") for text in walls]
+        errors = [NotMeasuredError(text, "fix wall/gran", "fix freeze") for text in walls]
         raise RefusedDeckError([line for error in errors for line in _at_lines(error, executed, path)])
     forces = differences.of_forces(measured, scene)
     where = "; ".join(forces) or (
@@ -253,6 +253,7 @@ def _beside(workplace: Workplace, scene: Scene, measured: Measured, steps: int) 
     frames = workplace.folder / "user.bin"
     executed = workplace.execute(
         "beside",
+        "reset_timestep 0\n"  # dumps write at multiples of their interval
         f"dump granchain_frames all custom {every} {frames} id v{axis}\n"
         f"dump_modify granchain_frames first yes\nrun {compared} post no\nquit 0\n",
     )

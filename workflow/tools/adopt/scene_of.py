@@ -157,7 +157,7 @@ class SceneKeys:
         """Key `adopted`: which atom of the deck is which bead, and what its walls are."""
         measured = self.measured
         axis = "-" * (measured.direction < 0.0) + "xyz"[measured.axis]
-        keys = {"deck": deck, "axis": axis, "atoms": [text_of(ids) for ids in measured.ids]}
+        keys: dict[str, Any] = {"deck": deck, "axis": axis, "atoms": [text_of(ids) for ids in measured.ids]}
         keys |= {"timestep": measured.timestep} | ({"first_step": measured.first_step} if measured.first_step else {})
         for side in measured.walls:
             held = measured.wall_atoms.get(side)

@@ -97,6 +97,11 @@ CASES: dict[str, tuple[dict[str, Any], str, str]] = {
         "1-8",
     ),
     "scaled positions": ({"places": TOUCHING, "dump": "atom 40 mine.dump"}, "x", "1-8"),
+    "another first step and beads that move alone": (
+        {"places": TOUCHING, "held": "1", "kicked": 2, "dump": "custom 40 mine.dump id x vx\nreset_timestep 1010"},
+        "x",
+        "2-8",
+    ),
     "seventeen digits": (
         {"places": TOUCHING, "dump": "custom 40 mine.dump id x vx\ndump_modify mine format float %.17g"},
         "x",
