@@ -68,15 +68,7 @@ def load_dump(path: Path, beads: int, timestep: float, deck: DeckAtoms | None = 
     """
     if path.stat().st_size > MAX_BYTES:
         raise InputError(f"{path}: larger than 4 GiB; write fewer frames or beads")
-    frames: list[DumpFrame] = []
-    try:
-        with path.open(encoding="utf-8") as file:
-            while (frame := _frame(file, path, "x" if deck is None else deck.axis[-1])) is not None:
-                frames.append(frame._replace(rows=frame.rows[np.argsort(frame.rows[:, 0])]))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
-    except (UnicodeDecodeError, ValueError) as error:
-        raise InputError(f"{path}: is no text dump of LAMMPS ({error})") from None
+    frames = _frames(path, "x" if deck is None else deck.axis[-1])
     if len(frames) < 2:
         raise InputError(f"{path}: holds {len(frames)} complete frames; a start and at least one more are needed")
     first = frames[0]
@@ -112,6 +104,20 @@ def load_dump(path: Path, beads: int, timestep: float, deck: DeckAtoms | None = 
         position_unit=float(np.max(unit)),
         dump=True,
     )
+
+
+def _frames(path: Path, axis: str) -> list[DumpFrame]:
+    """All complete frames, their atoms in ascending order of their numbers."""
+    frames: list[DumpFrame] = []
+    try:
+        with path.open(encoding="utf-8") as file:
+            while (frame := _frame(file, path, axis)) is not None:
+                frames.append(frame._replace(rows=frame.rows[np.argsort(frame.rows[:, 0])]))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except (UnicodeDecodeError, ValueError) as error:
+        raise InputError(f"{path}: is no text dump of LAMMPS ({error})") from None
+    return frames
 
 
 def _placed(values: Floats, of_bead: Integers) -> Floats:

@@ -44,18 +44,12 @@ def validate_table(
     problem = directory.problem
     deck = directory.scene.adopted
     loaded = _loaded(path, problem, deck, dimensionless=dimensionless)
-    rounding = 0.0 if loaded.position is None else 2.0 * rounding_error(loaded.position) * loaded.position_unit
-    rounding /= 1.0 if dimensionless else problem.scale.length
+    rounding = _step_of_positions(loaded) / (1.0 if dimensionless else problem.scale.length)
     limits = limits_of(problem, {**_within_rounding(rounding), **(tolerances or {})})
     run_frames = joined(blocks(directory))[: problem.frames + 1]
     theirs = as_trajectory(loaded, problem, dimensionless=dimensionless)
     run_part = common_times.of_recorded(run_frames, theirs.problem)
-    try:
-        resampled = common_times.at_times(run_part, theirs.time)
-    except InputError as error:
-        if run_frames.frames < problem.frames + 1:
-            raise InputError(f"{path}: {error}; the run is incomplete") from None
-        raise InputError(f"{path}: {error}; if the table is in other units, see --units") from None
+    resampled = _resampled(path, run_part, theirs.time, incomplete=run_frames.frames < problem.frames + 1)
     difference = Difference(limits)
     difference.add(only_where_known(resampled, theirs), only_where_known(theirs, theirs))
     deviations = difference.deviations()
@@ -87,6 +81,24 @@ def validate_table(
     return result
 
 
+def _resampled(path: Path, run: Trajectory, times: Floats, *, incomplete: bool) -> Trajectory:
+    """A run at the times [frame] of a table.
+
+    Raises:
+        InputError: they reach beyond the run.
+    """
+    try:
+        return common_times.at_times(run, times)
+    except InputError as error:
+        reason = "the run is incomplete" if incomplete else "if the table is in other units, see --units"
+        raise InputError(f"{path}: {error}; {reason}") from None
+
+
+def _step_of_positions(loaded: TrajectoryTable) -> float:
+    """Step to which positions of a dump are rounded, the largest error of a displacement; 0 without positions."""
+    return 0.0 if loaded.position is None else 2.0 * rounding_error(loaded.position) * loaded.position_unit
+
+
 def _within_rounding(rounding: float) -> dict[str, float]:
     """Tolerance of displacements from positions that were rounded, whose errors, in L, are known."""
     return {"displacement": TOLERANCES["displacement"] + rounding} if rounding else {}
@@ -96,8 +108,7 @@ def _rounding_of_positions(
     path: Path, loaded: TrajectoryTable, rounding: float, others: tuple[str, ...]
 ) -> tuple[str, ...]:
     """How far positions of a dump were rounded, what follows from that, and other remarks that are not empty."""
-    assert loaded.position is not None
-    step = 2.0 * rounding_error(loaded.position) * loaded.position_unit
+    step = _step_of_positions(loaded)
     line = (
         f"positions in {path} are rounded to {step:.1g} (its unit of length), so that displacements are uncertain by "
         f"{rounding:.1g} L, which is part of their tolerance"

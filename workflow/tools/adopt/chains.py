@@ -56,7 +56,7 @@ class Inner:
 
 
 @dataclass(frozen=True)
-class Probe:
+class ForceProbe:
     """Forces at displacements and velocities in which forces of one kind act.
 
     Attributes:
@@ -71,9 +71,9 @@ class Probe:
     velocity: Floats
     force: Floats
 
-    def taken(self, beads: slice, sign: float = 1.0) -> "Probe":
+    def taken(self, beads: slice, sign: float = 1.0) -> "ForceProbe":
         """Forces on some beads, in another order with the other sign."""
-        return Probe(
+        return ForceProbe(
             self.pattern, *(sign * array[:, beads] for array in (self.displacement, self.velocity, self.force))
         )
 
@@ -144,7 +144,7 @@ class Measured:
     other_walls: list[WallLaw]
     inner: list[Inner]
     timestep: float
-    probes: list[Probe] = field(default_factory=list)
+    probes: list[ForceProbe] = field(default_factory=list)
     first_step: int = 0
     direction: float = 1.0
     wall_atoms: dict[str, Integers] = field(default_factory=dict)

@@ -1,7 +1,7 @@
 """What of a user's deck a scene cannot have: walls elsewhere or of other laws, and forces that are not the scene's.
 
 Forces are compared pair by pair and wall by wall, at the displacements and velocities at which they were measured
-(`Probe`), with those of the scene's equations.
+(`ForceProbe`), with those of the scene's equations.
 """
 
 from collections.abc import Iterator

@@ -24,11 +24,11 @@ from workflow.tools.adopt.chains import (
     PLACES,
     TIME,
     Floats,
+    ForceProbe,
     Inner,
     Integers,
     Measured,
     NotMeasuredError,
-    Probe,
     arrange,
 )
 from workflow.tools.adopt.wall_laws import Reach, WallLaw, wall_dashpot, wall_law
@@ -238,7 +238,7 @@ class _Bench:
         result.probes = list(self._probes(result.held))
         return result
 
-    def _probes(self, held: NDArray[np.bool_]) -> Iterator[Probe]:
+    def _probes(self, held: NDArray[np.bool_]) -> Iterator[ForceProbe]:
         """Forces in all patterns, at rest, closing and opening, by which a scene is compared with the deck."""
         free = np.ones(len(self.rows))
         free[self.chains[held]] = 0.0
@@ -254,7 +254,7 @@ class _Bench:
             for rate in (0.0, self.speed, -self.speed):
                 x, v = displacement * free, rate * np.sign(displacement) * free
                 force = self._moved(x, v) - self.rest
-                yield Probe(name, x[self.chains], v[self.chains], force[self.chains])
+                yield ForceProbe(name, x[self.chains], v[self.chains], force[self.chains])
 
     # --- springs to the ground ----------------------------------------------------------------------------------------
 

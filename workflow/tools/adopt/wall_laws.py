@@ -46,7 +46,7 @@ class WallLaw:
     dashpot_overlap: Floats
 
 
-Push = Callable[[float, float], Floats]
+WallPush = Callable[[float, float], Floats]
 """Force of a wall on the beads at an end, [chain], all beads moved towards it by a distance, with a velocity."""
 
 Noise = Callable[[float], float]
@@ -66,7 +66,7 @@ class Reach(NamedTuple):
     farthest: float
 
 
-def wall_law(side: str, push: Push, reach: Reach, noise: Noise, exponent: float, speed: float) -> "WallLaw | None":
+def wall_law(side: str, push: WallPush, reach: Reach, noise: Noise, exponent: float, speed: float) -> "WallLaw | None":
     """Law of the wall at an end where beads are not pressed; None where no wall is within reach.
 
     Args:
@@ -97,7 +97,7 @@ def wall_law(side: str, push: Push, reach: Reach, noise: Noise, exponent: float,
     return WallLaw(side, near - correction, strength, float(np.nanmax(power)), dashpot, overlaps)
 
 
-def wall_dashpot(push: Push, distances: Floats, speed: float) -> Floats:
+def wall_dashpot(push: WallPush, distances: Floats, speed: float) -> Floats:
     """Ratio of dashpot force and velocity, [distance, chain], of beads that move towards a wall."""
     return np.array([(push(distance, speed) - push(distance, 0.0)) / speed for distance in distances.tolist()])
 
