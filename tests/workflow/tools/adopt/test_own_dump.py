@@ -98,7 +98,7 @@ CASES: dict[str, tuple[dict[str, Any], str, str]] = {
     ),
     "scaled positions": ({"places": TOUCHING, "dump": "atom 40 mine.dump"}, "x", "1-8"),
     "another first step and beads that move alone": (
-        {"places": TOUCHING, "held": "1", "kicked": 2, "dump": "custom 40 mine.dump id x vx\nreset_timestep 1010"},
+        {"places": TOUCHING, "held": "1", "kicked": 2, "dump": "custom 40 mine.dump id x vx\nreset_timestep 1000"},
         "x",
         "2-8",
     ),
