@@ -13,6 +13,7 @@ from pydantic import BeforeValidator, Field, create_model, field_validator, mode
 
 from lammps_inputs import html, laws, physics, strict_yaml
 from lammps_inputs import scheme as schemes
+from lammps_inputs.deck_atoms import DeckAtoms
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import contacts, plastic
@@ -158,6 +159,8 @@ class BaseScene(ScenePart):
     """Size beyond which `granchain run` refuses to start."""
     output: Output = Output()
     """What is recorded, and how often."""
+    adopted: DeckAtoms | None = None
+    """Atoms of the LAMMPS deck that `granchain adopt` read."""
 
     @model_validator(mode="before")
     @classmethod
@@ -200,6 +203,8 @@ class BaseScene(ScenePart):
         self._check_further_atoms()
         self._check_motion(system)
         self.output.refuse(self)
+        if self.adopted is not None:
+            self.adopted.refuse(self)
         self._check_times()
         return self
 

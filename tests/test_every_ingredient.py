@@ -275,7 +275,7 @@ EDITED = {
         "walls of exponent 3, gap",
         r'"0.25\*\((\S+?)-r\)\^4"',
         r'"(\1-r)^4.1/4.1"',
-        "the contacts do not follow the law of the scene: as if the exponent of the strain were larger by 0.0999",
+        "the exponent of the contacts is larger by 0.0999 than the scene says",
     ),
     "no strengths": (
         "random contacts",

@@ -11,7 +11,7 @@ of the strain, or of time.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +27,7 @@ from analysis.compare.momentum import (
     name_of_load,
 )
 from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import laws
 from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across, Along, Ground, Link
 from lammps_inputs.loads import Load
@@ -74,6 +75,9 @@ _POWERS, _LEAST = (-2.0, -1.0, 0.0, 0.5, 1.0, 2.0), 0.01
 that is added to it, so that negative powers are finite.
 """
 
+_MOST_CHANGE, _DIFFERENCE = 3.0, 1e-4
+"""Difference of an exponent or a gap that is looked for, at most; difference by which derivatives are computed."""
+
 _FREQUENCIES = (1.0, 0.8, 0.9, 1.1, 1.25)
 """Frequencies over that of the scene from which the fit of a course over time starts."""
 
@@ -84,10 +88,10 @@ class Departure:
 
     Attributes:
         name: of the force or the beads.
-        quantity: what differs: "strength", "mass", "exponent of the strain", "course" (another function of time) or a
-            parameter of this function.
+        quantity: what differs: "strength", "mass", "exponent" or "gap" of contacts, "law" (another function of the
+            strain), "course" (another function of time) or a parameter of this function.
         factor: on the number of the scene; of what the scene lacks the number itself, dimensionless; of an exponent
-            the difference, of a phase the angle in radians. NaN of a course.
+            or a gap the difference, of a phase the angle in radians. NaN of a law or a course.
         uncertainty: of the factor.
         scene: factor of the scene: 1, of what it lacks and of an exponent 0, of a phase the angle.
         effect: share of all changes of momentum that it makes, root mean square.
@@ -347,7 +351,22 @@ def _functions(equations: MomentumEquations, noise: float, limit: float) -> Expl
 
 
 def _other_law(equations: MomentumEquations, part: LinkImpulses) -> Explanation:
-    """Force multiplied by a function of the strain; its exponent is the mean slope over the upper half decade."""
+    """Force that is another function of the strain: with another exponent or gap, if one explains it, or unknown."""
+    effect = _norm(equations.residual) / equations.size
+    exponent = _other_parameters_of(equations, part, _of_exponent)
+    gap = _other_parameters_of(equations, part, _of_gap) if isinstance(part.link, Along) else None
+    named = [fit for fit in (exponent, gap) if fit is not None]
+    multiplied = _multiplied(equations, part)
+    if named:
+        best = min(named, key=lambda fit: fit.left)
+        if best.left <= max(multiplied, EXPLAINED * _norm(equations.residual)):
+            departures = [replace(departure, name=part.name, effect=effect) for departure in best.departures]
+            return Explanation(best.left, departures)
+    return Explanation(multiplied, [Departure(part.name, "law", np.nan, np.nan, 0.0, effect)])
+
+
+def _multiplied(equations: MomentumEquations, part: LinkImpulses) -> float:
+    """Residual of the force multiplied by powers of the strain."""
     link, lines, force = part.link, equations.lines(part.link), equations.force(part.link)
     largest = float(np.max(np.abs(link.strain(equations.trajectory.atoms[0][:, lines])))) or 1.0
 
@@ -355,19 +374,64 @@ def _other_law(equations: MomentumEquations, part: LinkImpulses) -> Explanation:
         return lambda t, x, v: force(t, x, v) * (_LEAST + np.abs(link.strain(x[:, lines])) / largest) ** power
 
     impulses = integrals(equations.trajectory, [multiplied(power) for power in _POWERS])
-    fit = least_squares(equations.residual, [equations.column(link, impulse) for impulse in impulses])
-    shares = np.geomspace(0.3, 1.0, 10)
-    multiplier = np.abs(1.0 + (_LEAST + shares[:, np.newaxis]) ** np.array(_POWERS) @ fit.change)
-    exponents = np.diff(np.log(multiplier)) / np.diff(np.log(shares))
-    departure = Departure(
-        name=part.name,
-        quantity="exponent of the strain",
-        factor=float(np.mean(exponents)),
-        uncertainty=_SAFETY * float(np.ptp(exponents)),
-        scene=0.0,
-        effect=_norm(equations.residual) / equations.size,
-    )
-    return Explanation(fit.left, [departure])
+    return least_squares(equations.residual, [equations.column(link, impulse) for impulse in impulses]).left
+
+
+Family = Callable[[MomentumEquations, LinkImpulses], tuple[str, Callable[[float], ForceOfState]] | None]
+"""Name of a number of a law, and the force at a difference of it from the scene's; None where a law has none."""
+
+
+def _of_exponent(
+    equations: MomentumEquations, part: LinkImpulses
+) -> tuple[str, Callable[[float], ForceOfState]] | None:
+    """Contacts of a power of the overlap, without a static load, or linear springs, that have another power."""
+    link, lines, force = part.link, equations.lines(part.link), equations.force(part.link)
+    if not (hasattr(link.law, "exponent") or isinstance(link.law, Linear)) or np.any(laws.load(link.law)):
+        return None
+
+    def of(change: float) -> ForceOfState:
+        def changed(t: Floats, x: Floats, v: Floats) -> Floats:
+            return np.asarray(force(t, x, v) * np.maximum(np.abs(link.strain(x[:, lines])), _DISTINCT) ** change)
+
+        return changed
+
+    return "exponent", of
+
+
+def _of_gap(equations: MomentumEquations, part: LinkImpulses) -> tuple[str, Callable[[float], ForceOfState]] | None:
+    """Contacts without a static load that close at another distance of the beads."""
+    link = part.link
+    if not isinstance(link, Along) or np.any(laws.load(link.law)) or not hasattr(link.law, "exponent"):
+        return None
+    return "gap", lambda change: equations.force(replace(link, gap=link.gap + change))
+
+
+def _other_parameters_of(equations: MomentumEquations, part: LinkImpulses, family: Family) -> Explanation | None:
+    """Factor on a force and difference of one of its numbers, by Gauss and Newton's method; None where it has none."""
+    named = family(equations, part)
+    if named is None:
+        return None
+    quantity, force = named
+    target = equations.residual + equations.column(part.link, part.impulse)
+    strength, change, limit = 1.0, 0.0, _MOST_CHANGE
+    for _ in range(_ITERATIONS):
+        impulses = integrals(equations.trajectory, [force(change), force(change + _DIFFERENCE)])
+        column, further = (equations.column(part.link, impulse) for impulse in impulses)
+        fit = least_squares(target - strength * column, [column, strength * (further - column) / _DIFFERENCE])
+        step = float(np.clip(fit.change[1], -0.5, 0.5))
+        strength, change = strength + float(fit.change[0]), float(np.clip(change + step, -limit, limit))
+        if abs(step) < _SETTLED * _DIFFERENCE + 1e-3 * fit.bound[1] * fit.left:
+            break
+    # a difference of the derivative is known to the difference with which it was computed
+    uncertainty = _SAFETY * fit.bound * fit.left + np.array([0.0, _SETTLED * abs(change)])
+    departures = []
+    if abs(change) > uncertainty[1]:
+        departures.append(Departure(part.name, quantity, change, float(uncertainty[1]), 0.0, 0.0))
+    if quantity == "gap" and abs(strength - 1.0) > max(uncertainty[0], 1e-3):  # else it depends on the unit of length
+        departures.append(Departure(part.name, "strength", strength, float(uncertainty[0]), 1.0, 0.0))
+    if not any(departure.quantity == quantity for departure in departures):
+        return None
+    return Explanation(fit.left, departures)
 
 
 def _other_course(equations: MomentumEquations, load: Load, noise: float) -> Explanation:

@@ -21,10 +21,44 @@ def precision(values: Floats) -> str | None:
     Sums with other numbers, such as rest positions, may have followed. Whole numbers are no evidence; None where fewer
     than `_FEWEST` different others are found.
     """
+    sample = _sample(values)
+    fitting = _fitting(sample)
+    if fitting:
+        count, word = min(fitting)
+        return f"{count} {word}"
+    return SINGLE if _is_single(sample) else None
+
+
+def rounding_error(values: Floats) -> float:
+    """Largest error of numbers [...] by the digits to which they were rounded; 0 where they were not.
+
+    Numbers that may have been rounded to digits or to decimals, such as those of 6 digits from 1 to 100, are taken for
+    the coarser.
+    """
+    sample = _sample(values)
+    errors = [_largest_error(sample, *form) for form in _fitting(sample)]
+    if not errors and _is_single(sample):
+        errors = [0.5 * float(np.spacing(np.float32(np.max(np.abs(sample)))))]
+    return max(errors, default=0.0)
+
+
+def _largest_error(sample: Floats, count: int, word: str) -> float:
+    """Half of the rounding step of the largest of some numbers, of so many digits or decimals."""
+    largest = float(np.max(np.abs(sample)))
+    unit = 1.0 if word == "decimals" else 10.0 ** (np.floor(np.log10(largest)) + 1.0)
+    return float(0.5 * unit * 10.0**-count)
+
+
+def _sample(values: Floats) -> Floats:
+    """Some different numbers that are not whole, [number]."""
     telling = values[np.isfinite(values) & (values != np.round(values)) & (np.abs(values) > 1e-200)].ravel()
-    sample = np.unique(telling[:: max(1, len(telling) // 2000)])
+    return np.unique(telling[:: max(1, len(telling) // 2000)])
+
+
+def _fitting(sample: Floats) -> list[tuple[int, str]]:
+    """Digits and decimals to which different numbers [number] may have been rounded; empty where they are too few."""
     if len(sample) < _FEWEST:
-        return None
+        return []
     digit = 10.0 ** (np.floor(np.log10(np.abs(sample))) + 1.0)
     fitting = []
     for word, form, unit in (("digits", "e", digit), ("decimals", "f", np.ones(len(sample)))):
@@ -36,14 +70,16 @@ def precision(values: Floats) -> str | None:
             if _all_near(sample, np.array([float(f"{value:.{places}{form}}") for value in sample.tolist()]), step):
                 fitting.append((count, word))
                 break
-    if fitting:
-        count, word = min(fitting)
-        return f"{count} {word}"
+    return fitting
+
+
+def _is_single(sample: Floats) -> bool:
+    """Whether different numbers [number] have single precision; not where they are too few."""
+    if len(sample) < _FEWEST:
+        return False
     with np.errstate(over="ignore", under="ignore"):
         single = sample.astype(np.float32)
-        if _all_near(sample, single.astype(np.float64), np.spacing(np.abs(single)).astype(np.float64)):
-            return SINGLE
-    return None
+        return _all_near(sample, single.astype(np.float64), np.spacing(np.abs(single)).astype(np.float64))
 
 
 def _all_near(sample: Floats, rounded: Floats, step: Floats) -> bool:

@@ -1,13 +1,9 @@
-"""A user's own trajectory in a file: a long table of time, chain, bead and displacement or velocity, an npz, a dump.
+"""A user's own trajectory in a file: a long table of time, chain, bead and displacement or velocity, or an npz.
 
 Text has a header line with the column names and commas or blanks between columns; other columns are passed over. An npz
 holds arrays under those names: one number per row of such a table, or a grid, that is ``time`` [frame] with
 ``displacement`` and/or ``velocity`` [frame, chain, bead] (then ``chain`` and ``bead`` may number the axes; else they
 count from 1). A place without a value is left out of a table; a value that is not a finite number is refused.
-
-A text dump is a trajectory that LAMMPS wrote (``dump ... custom FILE id x vx``), from any deck of the same beads. Atoms
-are numbered chain after chain. Displacements are from the first frame, which is the start; so it does not matter where
-the deck has its beads. Numbers are as exact as ``dump_modify format`` made them.
 """
 
 import math
@@ -17,9 +13,8 @@ import zipfile
 import zlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from itertools import islice
 from pathlib import Path
-from typing import TextIO, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -44,6 +39,9 @@ class TrajectoryTable:
         time: [frame], ascending.
         chains, beads: numbers along the other axes, ascending, counted from 1.
         displacement, velocity: [frame, chain, bead]; None without such a column; NaN where a row is missing.
+        position: [frame, chain, bead] positions as they stand in a file that holds no displacements.
+        position_unit: length of 1 of these positions: 1, or the box of scaled ones.
+        dump: whether the file is a dump of LAMMPS.
     """
 
     time: Floats
@@ -51,6 +49,9 @@ class TrajectoryTable:
     beads: Integers
     displacement: Floats | None
     velocity: Floats | None
+    position: Floats | None = None
+    position_unit: float = 1.0
+    dump: bool = False
 
 
 def load(path: Path) -> TrajectoryTable:
@@ -78,9 +79,8 @@ def load(path: Path) -> TrajectoryTable:
         wrong = np.argwhere(~np.isfinite(values))
         if len(wrong):
             place = ", ".join(str(index + 1) for index in wrong[0])
-            raise InputError(
-                f"{path}: column {name!r} holds {values[tuple(wrong[0])]} in row {place}; leave such rows out"
-            )
+            place = f"entry {place}" if start[:2] == b"PK" else f"line {line_of_row(path, int(wrong[0][0]))}"
+            raise InputError(f"{path}: column {name!r} holds {values[tuple(wrong[0])]} in {place}; leave such rows out")
     if columns[present[0]].ndim == 3:
         return _from_grid(path, columns)
     for name in KEYS:
@@ -163,10 +163,38 @@ def read_text(
     except InputError:
         raise
     except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise InputError(f"{path}: {_cell_that_is_no_number(path, places, convert) or error}") from None
     if data.size == 0:
         raise InputError(f"{path}: holds no row")
     return places, data
+
+
+def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Number of the line, and the cells, of each row of a text below its header."""
+    with path.open(encoding="utf-8-sig") as file:
+        _, delimiter = header(file.readline())
+        for number, line in enumerate(file, 2):
+            row = line.partition("#")[0].strip()
+            if row:
+                yield number, [cell.strip() for cell in row.split(delimiter)]
+
+
+def line_of_row(path: Path, row: int) -> int:
+    """Number of the line in which a row of a text stands, rows counted from 0 below the header."""
+    return next(number for count, (number, _) in enumerate(_rows(path)) if count == row)
+
+
+def _cell_that_is_no_number(path: Path, places: dict[Name, int], convert: Callable[[str], float] | None) -> str:
+    """Sentence on the first cell of some columns that is no number, with its line and column; empty if none is."""
+    with path.open(encoding="utf-8-sig") as file:
+        names, _ = header(file.readline())
+    for number, cells in _rows(path):
+        for place in places.values():
+            try:
+                (convert or float)(cells[place])
+            except ValueError:
+                return f"line {number}: column {names[place]!r} holds {cells[place]!r}, which is no number"
+    return ""
 
 
 def header(line: str) -> tuple[list[str], str | None]:
@@ -235,95 +263,3 @@ def _numbers(path: Path, name: str, column: Floats) -> Integers:
     if not np.all((column == np.round(column)) & (column >= 0.0) & (column <= MAX_NUMBER)):
         raise InputError(f"{path}: column {name!r} holds what is not the number of a {name}")
     return column.astype(np.int64)
-
-
-_FIRST = "ITEM: TIMESTEP"
-_POSITIONS = ("x", "xu")
-
-
-def is_text_dump(path: Path) -> bool:
-    """Whether a file begins as a text dump of LAMMPS does."""
-    try:
-        with path.open("rb") as file:
-            start = file.read(64)
-    except OSError:
-        return False
-    return start.lstrip().startswith((b"ITEM: TIMESTEP", b"ITEM: UNITS", b"ITEM: TIME"))
-
-
-def load_dump(path: Path, beads: int, timestep: float) -> TrajectoryTable:
-    """Read a dump; what is cut off at its end is left out.
-
-    Args:
-        path: the file.
-        beads: in every chain.
-        timestep: of the deck, in the units that the table is to have; not needed where frames know their time.
-
-    Raises:
-        InputError: it cannot be read, lacks a column, or has atoms that come and go.
-    """
-    if path.stat().st_size > MAX_BYTES:
-        raise InputError(f"{path}: larger than 4 GiB; write fewer frames or beads")
-    times: list[float] = []
-    frames: list[Floats] = []
-    names: list[str] = []
-    try:
-        with path.open(encoding="utf-8") as file:
-            while (read := _frame(file, path)) is not None:
-                step, frame_time, names, rows = read
-                times.append(step * timestep if frame_time is None else frame_time)
-                frames.append(rows[np.argsort(rows[:, names.index("id")])])
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
-    except (UnicodeDecodeError, ValueError) as error:
-        raise InputError(f"{path}: is no text dump of LAMMPS ({error})") from None
-    if len(frames) < 2:
-        raise InputError(f"{path}: holds {len(frames)} complete frames; a start and at least one more are needed")
-    atom = frames[0][:, names.index("id")]
-    if any(rows.shape != frames[0].shape or np.any(rows[:, names.index("id")] != atom) for rows in frames):
-        raise InputError(f"{path}: not the same atoms in all frames")
-    chain, bead = np.divmod(atom.astype(np.int64) - 1, beads)
-    chains, numbers = np.unique(chain), np.unique(bead)
-    if len(chains) * len(numbers) != len(atom) or np.any(atom < 1):
-        raise InputError(
-            f"{path}: its {len(atom)} atoms are not the same beads of chains of {beads}, one after the other"
-        )
-    values = np.stack(frames).reshape(len(frames), len(chains), len(numbers), -1)
-    if not np.all(np.isfinite(values)):
-        raise InputError(f"{path}: holds what is not a finite number")
-    position = next((values[..., names.index(name)] for name in _POSITIONS if name in names), None)
-    time = np.array(times)
-    if not np.all(np.diff(time) > 0.0):
-        raise InputError(f"{path}: times are not ascending")
-    return TrajectoryTable(
-        time=time,
-        chains=chains + 1,
-        beads=numbers + 1,
-        displacement=None if position is None else position - position[0],
-        velocity=values[..., names.index("vx")] if "vx" in names else None,
-    )
-
-
-def _frame(file: TextIO, path: Path) -> tuple[int, float | None, list[str], Floats] | None:
-    """Step, time if it is given, names of the columns, and [atom, column] of the next whole frame; None at the end."""
-    step, time, count = -1, None, -1
-    while line := file.readline():
-        item = line.strip()
-        if item == _FIRST:
-            step = int(file.readline())
-        elif item == "ITEM: TIME":
-            time = float(file.readline())
-        elif item == "ITEM: NUMBER OF ATOMS":
-            count = int(file.readline())
-        elif item.startswith("ITEM: ATOMS"):
-            names = item.split()[2:]
-            if "id" not in names or not {"vx", *_POSITIONS} & set(names):
-                raise InputError(f"{path}: its columns are {' '.join(names)}; id, and x or vx, are needed")
-            rows = list(islice(file, count))
-            if step < 0 or count < 1 or len(rows) < count or not rows[-1].endswith("\n"):
-                return None
-            values = np.loadtxt(rows, ndmin=2, dtype=np.float64)
-            if values.shape[1] != len(names):
-                raise ValueError(f"{len(names)} columns are named, {values.shape[1]} found")
-            return step, time if time is None or math.isfinite(time) else None, names, values
-    return None

@@ -137,7 +137,8 @@ def load(path: Path) -> Traces:
     for column, values in zip(columns, data.T, strict=True):
         if np.isinf(values).any() or np.isnan(values).all():
             row = int(np.argmax(~np.isfinite(values)))
-            raise InputError(f"{path}: column {column.heading!r} holds {values[row]} in row {row + 1}")
+            line = table.line_of_row(path, row)
+            raise InputError(f"{path}: column {column.heading!r} holds {values[row]} in line {line}")
     time = data[:, 0] * columns[0].worth
     if not np.all(np.diff(time) > 0.0):  # also where a time is missing
         raise InputError(f"{path}: times are not ascending")

@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from lammps_inputs import materials, references, schema
+from lammps_inputs.deck_atoms import DeckAtoms
 from lammps_inputs.ingredients import contact, coupling, foundation, plastic, unequal
 from lammps_inputs.ingredients.preload import Gravity
 from lammps_inputs.ingredients.registry import INGREDIENTS
@@ -20,6 +21,7 @@ from lammps_inputs.scene import Kick, Material, Scene
 from lammps_inputs.units import Unit
 
 _TYPES: list[type[BaseModel]] = [Material, Kick, Output, Forces, Spectra, Limits, coupling.Ramp, contact.Profile]
+_TYPES += [DeckAtoms]
 _TYPES += [foundation.GroundRamp, foundation.Modulation, plastic.Yield]
 _TYPES += [unequal.BeadKind, unequal.Replacement, unequal.Disorder, unequal.Striker, *INGREDIENTS.values()]
 PARTS = {model.__name__: model for model in _TYPES if model is not Gravity}  # which is a number

@@ -15,7 +15,7 @@ from workflow.verdicts.validate_against import run_or_file, validate_against
 from workflow.verdicts.validate_run import refuse_another_scene
 from workflow.view import need_bokeh
 
-ANSWERS = "what validation.json holds"
+ANSWERS = "what validation.json, or validation-against.json, holds"
 DRAWS = True
 EXAMPLES = (
     "validate demo",
@@ -52,7 +52,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--page",
         action="store_true",
-        help=f"write {validation.PAGE}, too: an interactive page of the differences from the reference or another run",
+        help="write validation.html (validation-against.html), too: an interactive page of the differences from the "
+        "reference (from another run)",
     )
 
 
@@ -75,14 +76,14 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     if arguments.output is None:  # else it was printed before the scene was run
         print_heading(comparison.problem.name, directory.scene.units)
     _print(comparison)
-    files = (validation.REPORT, *figure_files(validation.FIGURE))
+    files = (comparison.report, *figure_files(comparison.stem))
     if arguments.page:
         from workflow.view.write import write_validation  # bokeh takes half a second to import
 
         write_validation(directory, comparison, against if isinstance(against, RunDirectory) else None)
-        files = (*files, validation.PAGE)
+        files = (*files, comparison.page)
     print_files(directory.path, files)
-    data = json.loads((directory.path / validation.REPORT).read_text(encoding="utf-8"))
+    data = json.loads((directory.path / comparison.report).read_text(encoding="utf-8"))
     return CommandResult(0 if comparison.passed else 1, data)
 
 

@@ -21,10 +21,12 @@ from analysis.compare.identify import (
     time_shift,
 )
 from analysis.compare.rounding import precision
+from analysis.compare.scaled import scale_factor
 from analysis.files.recording import rest_positions
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs.loads import Motion
 from lammps_inputs.units import Scale
+from workflow.verdicts.long_step import long_step
 
 _SHIFTED = 0.97
 """Share of the squared difference that a shift in time must explain."""
@@ -71,10 +73,10 @@ def diagnose(trajectory: Trajectory, reference: Trajectory) -> Diagnosis:
         trajectory: consecutive frames of all beads.
         reference: the same frames as the scene has them.
     """
-    causes = _not_finite(trajectory) or _shifted(trajectory, reference)
+    causes = _not_finite(trajectory) or _scaled(trajectory, reference) or _shifted(trajectory, reference)
     departures = [] if causes else _prescribed(trajectory)
     if not causes and not departures and trajectory.time[0] == 0.0:
-        causes = start.differences(trajectory)
+        causes = start.differences(trajectory) or long_step(trajectory, reference)
     if causes:
         return Diagnosis(tuple(causes))
     reason = _reason_against(trajectory, reference)
@@ -96,6 +98,20 @@ def _not_finite(trajectory: Trajectory) -> list[str]:
         return []
     time = trajectory.problem.scale.written(trajectory.time[int(np.argmax(wrong))], "time")
     return [f"from t = {time} on, positions or velocities are not finite numbers (a time step too long?)"]
+
+
+def _scaled(trajectory: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether times, displacements or velocities are multiples of the right ones."""
+    if _reason_against(trajectory, reference):
+        return []
+    scaled = scale_factor(trajectory, reference)
+    if scaled is None:
+        return []
+    factor = f"{scaled.factor:.6g} (± {scaled.uncertainty:.1g}) times"
+    if scaled.quantity.startswith("times"):
+        also = ", and velocities as many times smaller," if "velocities" in scaled.quantity else ""
+        return [f"times{also} are {factor} as long as the motion is (another time step, or unit of time?)"]
+    return [f"{scaled.quantity} are {factor} as large as the motion says (another unit?)"]
 
 
 def _shifted(trajectory: Trajectory, reference: Trajectory) -> list[str]:
@@ -208,9 +224,15 @@ def _sentence(departure: Departure, scale: Scale) -> str:
         name = f"{name} {departure.place}"
     if quantity == "course":
         return f"{name} has another course over time than the scene says"
-    if quantity == "exponent of the strain":
-        exponent = f"the {quantity} were larger by {factor:.3g} (± {uncertainty:.1g})"
-        return f"{name} {do} not follow the law of the scene: as if {exponent}"
+    if quantity == "law":
+        return f"{name} {do} not follow the law of the scene: the force is another function of the overlap or strain"
+    if quantity == "exponent":
+        more = "larger" if factor > 0.0 else "smaller"
+        return f"the exponent of {name} is {more} by {abs(factor):.3g} (± {uncertainty:.1g}) than the scene says"
+    if quantity == "gap":
+        more = "larger" if factor > 0.0 else "smaller"
+        size, known = scale.written(abs(factor), "length", ".4g"), scale.written(uncertainty, "length", ".1g")
+        return f"the gap of {name} is {more} by {size} (± {known}) than the scene says"
     if quantity == "phase":
         angle, bound, scene = (math.degrees(number) for number in (factor, uncertainty, departure.scene))
         return f"{name} has a phase of {angle:.4g} (± {bound:.1g}) instead of {scene:.4g} degrees"
@@ -220,6 +242,6 @@ def _sentence(departure: Departure, scale: Scale) -> str:
     if departure.scene == 0.0:
         value = f"{factor:.4g} m/T" if name.endswith("damping") else scale.written(factor, "stiffness", ".4g")
         return f"{name} of {value} is not in the scene"
-    if abs(factor) <= uncertainty and quantity == "strength":
-        return f"{name} {are} missing"
+    if abs(factor) <= uncertainty:  # such a number is none
+        return f"{name} {are} {'missing' if quantity == 'strength' else 'practically without mass'}"
     return f"{name} {are} {factor:.4g} (± {uncertainty:.1g}) times as {adjective} as the scene says"

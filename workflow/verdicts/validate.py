@@ -43,7 +43,10 @@ FIRST_ORDER = {"amplitude": 2.5e-4, "arrival": 1e-2}
 
 REPORT = "validation.json"
 FIGURE = "validation"
-PAGE = "validation.html"
+"""Report, and stem of the files, of the comparison with the reference."""
+
+AGAINST = "validation-against"
+"""Stem of the files of a comparison with a file or another run, which leave those of the reference as they are."""
 
 _DIAGNOSED_BYTES = 64 << 20
 
@@ -97,6 +100,45 @@ class Validation:
     uncertainty: Uncertainty | None = None
     interpolation: tuple[float, float] | None = None
     runs: RunDifference | None = None
+
+    @property
+    def stem(self) -> str:
+        """Name of the files of this comparison without their endings.
+
+        Returns:
+            ``validation`` against the reference, else ``validation-against``.
+
+        Examples:
+            >>> granchain.validate("out").stem
+            'validation'
+        """
+        return AGAINST if self.uncertainty is None else FIGURE
+
+    @property
+    def report(self) -> str:
+        """Name of the JSON file of this comparison.
+
+        Returns:
+            The name.
+
+        Examples:
+            >>> granchain.validate("out").report
+            'validation.json'
+        """
+        return f"{self.stem}.json"
+
+    @property
+    def page(self) -> str:
+        """Name of the page of this comparison, which is written on request.
+
+        Returns:
+            The name.
+
+        Examples:
+            >>> granchain.validate("out").page
+            'validation.html'
+        """
+        return f"{self.stem}.html"
 
     @property
     def complete(self) -> bool:
@@ -180,7 +222,7 @@ class Validation:
         return html.table(repr(self)[1:-1], head, rows) + words
 
     def plain(self) -> dict[str, Any]:
-        """The contents of ``validation.json``, dimensionless; what is not a finite number is null there.
+        """The contents of the JSON file, dimensionless; what is not a finite number is null there.
 
         | key                 | what                                                                         |
         |---------------------|------------------------------------------------------------------------------|
@@ -334,11 +376,11 @@ def any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) -> 
 
 
 def write(path: Path, result: Validation, figure: Any) -> None:
-    """Write ``validation.json`` and a figure into a run directory; remove the page of an earlier validation."""
-    claim(path, (REPORT, *figure_files(FIGURE)))
-    retire(path, (PAGE,))
-    write_json(path / REPORT, result.plain())
-    write_figure(path, FIGURE, figure)
+    """Write the report and a figure into a run directory; remove the page of an earlier comparison of this kind."""
+    claim(path, (result.report, *figure_files(result.stem)))
+    retire(path, (result.page,))
+    write_json(path / result.report, result.plain())
+    write_figure(path, result.stem, figure)
 
 
 def error_figure(result: Validation, difference: Difference, against: str) -> Any:

@@ -41,6 +41,7 @@ NOT_PHYSICS = (
     "window",
     "limits",
     "output",
+    "adopted",
 )
 """Keys of a scene that say how it is computed, for how long, and what is recorded, but not what the beads do."""
 

@@ -6,15 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.compare import common_times
+from analysis.compare import common_times, start
 from analysis.compare.difference import Deviation, DeviationPlace, Difference, deviation_of
-from analysis.compare.rounding import precision
-from analysis.files import table, traces
+from analysis.compare.rounding import precision, rounding_error
+from analysis.files import table, text_dump, traces
 from analysis.files.table import TrajectoryTable
 from analysis.files.traces import Channel
 from analysis.gauges.gauge import beads_of, complaint, read_at
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem, physics
+from lammps_inputs.deck_atoms import DeckAtoms
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.diagnose import Diagnosis, diagnose
 from workflow.verdicts.validate import TOLERANCES, Validation, any_exceeded, blocks, error_figure, limits_of, write
@@ -41,25 +42,26 @@ def validate_table(
         InputError: the table cannot be read, or has chains, beads or times that the run has not.
     """
     problem = directory.problem
-    limits = limits_of(problem, tolerances)
-    loaded = _loaded(path, problem, dimensionless=dimensionless)
+    deck = directory.scene.adopted
+    loaded = _loaded(path, problem, deck, dimensionless=dimensionless)
+    rounding = _step_of_positions(loaded) / (1.0 if dimensionless else problem.scale.length)
+    limits = limits_of(problem, {**_within_rounding(rounding), **(tolerances or {})})
     run_frames = joined(blocks(directory))[: problem.frames + 1]
     theirs = as_trajectory(loaded, problem, dimensionless=dimensionless)
     run_part = common_times.of_recorded(run_frames, theirs.problem)
-    try:
-        resampled = common_times.at_times(run_part, theirs.time)
-    except InputError as error:
-        if run_frames.frames < problem.frames + 1:
-            raise InputError(f"{path}: {error}; the run is incomplete") from None
-        raise InputError(f"{path}: {error}; if the table is in other units, see --units") from None
+    resampled = _resampled(path, run_part, theirs.time, incomplete=run_frames.frames < problem.frames + 1)
     difference = Difference(limits)
     difference.add(only_where_known(resampled, theirs), only_where_known(theirs, theirs))
     deviations = difference.deviations()
-    deviations = {name: deviations[name] for name in _quantities(loaded, theirs) if name in deviations}
+    coarse = rounding > TOLERANCES["amplitude"]
+    deviations = {name: deviations[name] for name in _quantities(loaded, theirs, coarse) if name in deviations}
     exceeded = any_exceeded(deviations, limits)
-    diagnosis = _diagnosis(path, theirs, resampled) if exceeded and theirs.problem.recorded is None else Diagnosis()
+    diagnosable = exceeded and theirs.problem.recorded is None
+    diagnosis = _diagnosis(path, theirs, resampled, coarse) if diagnosable else Diagnosis()
     causes, notes = diagnosis.causes, tuple(rounded(path, theirs))
-    if exceeded and not causes:
+    if rounding:
+        notes = _rounding_of_positions(path, loaded, rounding, (diagnosis.remark,))
+    elif exceeded and not causes:
         if notes:  # nothing else explains the deviation
             causes, notes = notes, ()
         elif diagnosis.remark:
@@ -70,7 +72,7 @@ def validate_table(
         deviations=deviations,
         tolerances=limits,
         causes=causes,
-        remarks=(*notes, *remarks(path, theirs, run_frames)),
+        remarks=(*notes, *_of_dump(path, loaded, deck), *remarks(path, theirs, run_frames)),
         interpolation=None if are_frames(theirs, run_frames) else common_times.interpolation_error(run_part),
         frames=run_frames.frames,
         compared=len(theirs.time),
@@ -79,19 +81,77 @@ def validate_table(
     return result
 
 
-def _quantities(loaded: TrajectoryTable, theirs: Trajectory) -> list[str]:
-    """Quantities that a table determines; peaks and arrivals only by both motions at evenly spaced times."""
+def _resampled(path: Path, run: Trajectory, times: Floats, *, incomplete: bool) -> Trajectory:
+    """A run at the times [frame] of a table.
+
+    Raises:
+        InputError: they reach beyond the run.
+    """
+    try:
+        return common_times.at_times(run, times)
+    except InputError as error:
+        reason = "the run is incomplete" if incomplete else "if the table is in other units, see --units"
+        raise InputError(f"{path}: {error}; {reason}") from None
+
+
+def _step_of_positions(loaded: TrajectoryTable) -> float:
+    """Step to which positions of a dump are rounded, the largest error of a displacement; 0 without positions."""
+    return 0.0 if loaded.position is None else 2.0 * rounding_error(loaded.position) * loaded.position_unit
+
+
+def _within_rounding(rounding: float) -> dict[str, float]:
+    """Tolerance of displacements from positions that were rounded, whose errors, in L, are known."""
+    return {"displacement": TOLERANCES["displacement"] + rounding} if rounding else {}
+
+
+def _rounding_of_positions(
+    path: Path, loaded: TrajectoryTable, rounding: float, others: tuple[str, ...]
+) -> tuple[str, ...]:
+    """How far positions of a dump were rounded, what follows from that, and other remarks that are not empty."""
+    step = _step_of_positions(loaded)
+    line = (
+        f"positions in {path} are rounded to {step:.1g} (its unit of length), so that displacements are uncertain by "
+        f"{rounding:.1g} L, which is part of their tolerance"
+    )
+    if rounding > TOLERANCES["amplitude"]:
+        line += "; peaks and arrivals do not follow from them (write them with `dump_modify ID format float %.17g`)"
+    return (line, *filter(None, others))
+
+
+def _of_dump(path: Path, loaded: TrajectoryTable, deck: DeckAtoms | None) -> Iterator[str]:
+    """How a dump was read: through the map of an adopted deck; without displacements where it begins late."""
+    if not loaded.dump:
+        return
+    if deck is not None:
+        yield f"{path} was read as a dump of {deck.deck}, from which the scene was adopted (its atoms: key `adopted`)"
+    if loaded.time[0] > 0.0 and loaded.displacement is None:
+        yield f"{path} begins after the start, so that displacements are unknown and velocities alone are compared"
+
+
+def _quantities(loaded: TrajectoryTable, theirs: Trajectory, coarse: bool) -> list[str]:
+    """Quantities that a table determines; peaks and arrivals only by both motions at evenly spaced times.
+
+    Where displacements are coarse, peaks between frames do not follow from them.
+    """
     names = [name for name in table.VALUES if getattr(loaded, name) is not None]
     complete = not any(
         np.isnan(values[:, loaded.chains - 1]).any() for values in (theirs.displacement, theirs.velocity)
     )
-    if complete and len(theirs.time) > 8 and evenly_spaced(theirs.time):
+    if complete and not coarse and len(theirs.time) > 8 and evenly_spaced(theirs.time):
         names += ["amplitude", "arrival"]
     return names
 
 
-def _diagnosis(path: Path, theirs: Trajectory, run: Trajectory) -> Diagnosis:
-    """Likely causes of what a table and a run at its times differ by: those in the table, else those in the run."""
+def _diagnosis(path: Path, theirs: Trajectory, run: Trajectory, coarse: bool) -> Diagnosis:
+    """Likely causes of what a table and a run at its times differ by: those in the table, else those in the run.
+
+    From coarse positions no forces follow, and only the velocities at the start are compared with the scene's.
+    """
+    if coarse:
+        causes = tuple(f"{path}: {cause}" for cause in start.differences(theirs)) if theirs.time[0] == 0.0 else ()
+        return Diagnosis(
+            causes, "" if causes else f"{path}: no cause could be determined: positions have too few digits"
+        )
     in_table = diagnose(theirs, run)
     if in_table.causes:
         return Diagnosis(tuple(f"{path}: {cause}" for cause in in_table.causes))
@@ -99,15 +159,15 @@ def _diagnosis(path: Path, theirs: Trajectory, run: Trajectory) -> Diagnosis:
     return in_run if in_run.causes else Diagnosis(remark=f"{path}: {in_table.remark}")
 
 
-def _loaded(path: Path, problem: Problem, *, dimensionless: bool) -> TrajectoryTable:
+def _loaded(path: Path, problem: Problem, deck: DeckAtoms | None, *, dimensionless: bool) -> TrajectoryTable:
     """The table in a file, with chains and beads of a problem.
 
     Raises:
         InputError: it cannot be read, or has chains or beads that the problem has not.
     """
-    if table.is_text_dump(path):
-        step = problem.timestep if dimensionless else problem.timestep * problem.scale.time
-        loaded = table.load_dump(path, problem.beads, step)
+    if text_dump.is_text_dump(path):
+        step = problem.timestep * problem.scale.time if deck is None else deck.timestep
+        loaded = text_dump.load_dump(path, problem.beads, step / problem.scale.time if dimensionless else step, deck)
     else:
         loaded = table.load(path)
     check_places(path, loaded, problem)
@@ -117,7 +177,7 @@ def _loaded(path: Path, problem: Problem, *, dimensionless: bool) -> TrajectoryT
 def validate_traces(
     directory: RunDirectory, path: Path, *, dimensionless: bool = False, tolerances: dict[str, float] | None = None
 ) -> Validation:
-    """Compare a run with traces in a file (see `analysis.files.traces`); writes ``validation.json`` and a figure.
+    """Compare a run with traces in a file (`analysis.files.traces`); writes ``validation-against.json`` and a figure.
 
     Args:
         directory: the run.

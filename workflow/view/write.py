@@ -26,7 +26,6 @@ from workflow.screen import PrintedTable
 from workflow.sweep.collect import collect
 from workflow.verdicts.analyse import FIGURES, analyse, default_beads
 from workflow.verdicts.analysis_lines import lines as analysis_lines
-from workflow.verdicts.validate import PAGE as VALIDATION_PAGE
 from workflow.verdicts.validate import Validation
 from workflow.verdicts.validate_run import compare_runs, refuse_other_beads
 from workflow.view import compare_page
@@ -321,14 +320,14 @@ def write_comparison(directory: RunDirectory, against: RunDirectory) -> Path:
 
 
 def write_validation(directory: RunDirectory, comparison: Validation, against: RunDirectory | None) -> Path:
-    """Write ``validation.html``, the page of a validation, into the directory of its run.
+    """Write the page of a validation into the directory of its run.
 
     Args:
         directory: directory of the run.
         comparison: the validation.
         against: the run that it was compared with; None for the reference.
     """
-    return _compared((directory,) if against is None else (directory, against), comparison, VALIDATION_PAGE)
+    return _compared((directory,) if against is None else (directory, against), comparison, comparison.page)
 
 
 def _compared(runs: tuple[RunDirectory, ...], comparison: Validation, file: str) -> Path:

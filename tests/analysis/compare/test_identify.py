@@ -103,5 +103,5 @@ def test_springs_of_a_cubic_force_are_found_cubic():
     velocity[:, 0, 0], velocity[:, 1, 0] = v / 2.0, -v / 2.0
     cubic = replace(run, displacement=displacement, velocity=velocity)
     (departure,) = identify(cubic, engine.run(run.problem)).departures
-    assert (departure.name, departure.quantity) == ("coupling", "exponent of the strain")
+    assert (departure.name, departure.quantity) == ("coupling", "exponent")
     assert abs(departure.factor - 2.0) <= departure.uncertainty < 0.3

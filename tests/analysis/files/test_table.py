@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from analysis.files import table
+from analysis.files import table, text_dump
 from lammps_inputs import InputError
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
@@ -144,11 +144,15 @@ WRONG = {
     "a short row": (HEAD + "0,1,1,1\n0,1,2\n", "but 3 columns in line 3"),
     "a long row": (HEAD + "0,1,1,1,7\n", "but 5 columns in line 2"),
     "a word": (HEAD + "0,1,1,fast\n", "fast"),
-    "nothing for a number": (HEAD + "0,1,1,\n", "could not convert"),
+    "nothing for a number": (HEAD + "0,1,1,\n", "line 2: column 'velocity' holds '', which is no number"),
+    "a word below comments and empty lines": (
+        HEAD + "# mine\n\n0,1,1,1\n\n0,x,2,1\n",
+        "line 6: column 'chain' holds 'x', which is no number",
+    ),
     "decimal comma": ("time;chain;bead;velocity\n0,0;1;1;0,5\n", "names no column"),
-    "NaN": (HEAD + "0,1,1,1\n0,1,2,nan\n", "'velocity' holds nan in row 2"),
-    "infinite": (HEAD + "0,1,1,-inf\n", "'velocity' holds -inf in row 1"),
-    "overflow": (HEAD + "0,1,1,1e999\n", "'velocity' holds inf in row 1"),
+    "NaN": (HEAD + "0,1,1,1\n0,1,2,nan\n", "'velocity' holds nan in line 3"),
+    "infinite": (HEAD + "0,1,1,-inf\n", "'velocity' holds -inf in line 2"),
+    "overflow": (HEAD + "0,1,1,1e999\n", "'velocity' holds inf in line 2"),
     "NaN for a time": (HEAD + "nan,1,1,1\n", "'time' holds nan"),
     "half a bead": (HEAD + "0,1,1.5,1\n", "'bead' holds what is not the number of a bead"),
     "negative chain": (HEAD + "0,-1,1,1\n", "'chain' holds what is not the number of a chain"),
@@ -196,7 +200,7 @@ WRONG_ARRAYS = {
     "too few chains": (grid_of(chain=np.array([1])), "do not number"),
     "a chain twice": (grid_of(chain=np.array([1, 1])), "named twice"),
     "half a bead": (grid_of(bead=np.array([1, 1.5, 2, 3])), "'bead' holds what is not"),
-    "NaN": (grid_of(velocity=np.full((3, 2, 4), np.nan)), "'velocity' holds nan in row 1, 1, 1"),
+    "NaN": (grid_of(velocity=np.full((3, 2, 4), np.nan)), "'velocity' holds nan in entry 1, 1, 1"),
     "every row of its own": (
         {name: np.arange(2000.0) for name in ("time", "chain", "bead", "velocity")},
         "2000 times of 2000 chains and 2000 beads are too many",
@@ -279,7 +283,7 @@ def moved(rows=ROWS):
 
 
 def test_beads_are_placed_by_their_numbers_and_displaced_from_the_first_frame(tmp_path):
-    found = table.load_dump(dump(tmp_path, frame(0), frame(20, rows=moved())), beads=2, timestep=0.5)
+    found = text_dump.load_dump(dump(tmp_path, frame(0), frame(20, rows=moved())), beads=2, timestep=0.5)
     assert found.time.tolist() == [0.0, 10.0]
     assert (found.chains.tolist(), found.beads.tolist()) == ([1, 2], [1, 2])
     assert found.displacement[1].tolist() == [[0.0, 0.5], [-0.25, 0.0]]
@@ -288,13 +292,13 @@ def test_beads_are_placed_by_their_numbers_and_displaced_from_the_first_frame(tm
 
 def test_the_time_that_a_frame_tells_counts(tmp_path):
     timed = [f"ITEM: UNITS\nlj\nITEM: TIME\n{time}\n{frame(step)}" for step, time in ((0, 0.0), (7, 2.5))]
-    assert table.load_dump(dump(tmp_path, *timed), beads=2, timestep=9.0).time.tolist() == [0.0, 2.5]
+    assert text_dump.load_dump(dump(tmp_path, *timed), beads=2, timestep=9.0).time.tolist() == [0.0, 2.5]
 
 
 @pytest.mark.parametrize("left", range(1, 12))
 def test_a_frame_that_is_cut_off_is_left_out(tmp_path, left):
     text = frame(0) + frame(1) + frame(2)
-    found = table.load_dump(dump(tmp_path, text[:-left]), beads=2, timestep=1.0)
+    found = text_dump.load_dump(dump(tmp_path, text[:-left]), beads=2, timestep=1.0)
     assert found.time.tolist() == [0.0, 1.0]
 
 
@@ -312,11 +316,11 @@ def test_a_frame_that_is_cut_off_is_left_out(tmp_path, left):
 )
 def test_what_is_no_dump_of_the_beads_is_one_line(frames, says, tmp_path):
     with pytest.raises(InputError, match=says) as raised:
-        table.load_dump(dump(tmp_path, *frames), beads=2, timestep=1.0)
+        text_dump.load_dump(dump(tmp_path, *frames), beads=2, timestep=1.0)
     assert "\n" not in str(raised.value)
 
 
 def test_only_what_begins_like_one_is_taken_for_one(tmp_path):
-    assert table.is_text_dump(dump(tmp_path, frame(0)))
-    assert not table.is_text_dump(dump(tmp_path, "time,chain,bead\n"))
-    assert np.all([not table.is_text_dump(path) for path in (tmp_path, tmp_path / "nothing")])
+    assert text_dump.is_text_dump(dump(tmp_path, frame(0)))
+    assert not text_dump.is_text_dump(dump(tmp_path, "time,chain,bead\n"))
+    assert np.all([not text_dump.is_text_dump(path) for path in (tmp_path, tmp_path / "nothing")])

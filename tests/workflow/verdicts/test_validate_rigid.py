@@ -15,7 +15,7 @@ from lammps_inputs import Kick, find
 from workflow.cli import main
 from workflow.runs.files import EVENTS
 from workflow.runs.run import run
-from workflow.verdicts.validate import REPORT
+from workflow.verdicts.validate import AGAINST
 from workflow.verdicts.validate_run import validate_run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -86,7 +86,7 @@ def test_the_table_has_a_line_for_each_chain_and_velocities_have_no_tolerance(pa
     assert velocity[3:5] == ["none", "bead"]  # no verdict
     (impulse,) = (words for words in lines if words[:1] == ["impulse"])
     assert impulse[3:5] == ["1.0e-01", "EXCEEDED"]
-    chains = json.loads((elastic.path / REPORT).read_text())["runs"]["chains"]
+    chains = json.loads((elastic.path / f"{AGAINST}.json").read_text())["runs"]["chains"]
     for found in chains:
         (words,) = (words for words in lines if words[:1] == [str(found["chain"])])
         until = "none" if found["agrees_until"] is None else str(found["agrees_until"])

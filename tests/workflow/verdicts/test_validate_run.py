@@ -16,7 +16,7 @@ from workflow.cli import main
 from workflow.runs.files import RECORD
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory, results
-from workflow.verdicts.validate import REPORT
+from workflow.verdicts.validate import AGAINST
 from workflow.verdicts.validate_run import validate_run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -97,7 +97,7 @@ def test_a_run_that_is_bitwise_another_passes_whatever_the_tolerances(first, tmp
     assert answer["runs"]["sha256"] == 2 * [first.job.results.sha256]
     assert answer["runs"]["since"] is None
     assert answer["quantities"]["velocity"]["largest"] == 0.0
-    assert json.loads((copy.path / REPORT).read_text()) == answer
+    assert json.loads((copy.path / f"{AGAINST}.json").read_text()) == answer
 
 
 def test_the_frames_count_and_not_what_run_json_says_of_them(first, tmp_path, capsys):

@@ -1,6 +1,7 @@
 """A run against a user's own trajectory, or traces: columns, grids, other times and units; refusals of bad tables."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,8 +17,9 @@ from lammps_inputs import Kick, Material, library
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts import validate_table as tables
-from workflow.verdicts.validate import REPORT
+from workflow.verdicts.validate import AGAINST, validate
 from workflow.verdicts.validate_table import validate_table
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -208,7 +210,7 @@ def test_a_table_in_other_units_is_asked_about(runs, exact, tmp_path):
         ),
         (lambda t: t | {"chain": t["chain"] + 1}, "has chain 3, but the scene has chains 1 to 2"),
         (lambda t: t | {"bead": t["bead"] + 1}, "has bead 26, which the run did not record"),
-        (lambda t: t | {"velocity": np.where(t["bead"] == 3, np.nan, t["velocity"])}, "'velocity' holds nan in row 3"),
+        (lambda t: t | {"velocity": np.where(t["bead"] == 3, np.nan, t["velocity"])}, "'velocity' holds nan in line 4"),
     ],
 )
 def test_a_table_that_does_not_fit_ends_in_one_line_and_exit_code_2(change, words, runs, exact, tmp_path, capsys):
@@ -225,7 +227,7 @@ def test_a_table_beyond_an_interrupted_run_says_so(runs, exact, tmp_path, capsys
     early = csv(tmp_path / "early.csv", columns(exact[1][:100]))
     assert main(["validate", str(part.path), "--against", str(early)]) == 1
     assert "the run is incomplete: 100 of 251 frames" in capsys.readouterr().out.splitlines()
-    report = json.loads((part.path / REPORT).read_text())
+    report = json.loads((part.path / f"{AGAINST}.json").read_text())
     assert not any(quantity["exceeded"] for quantity in report["quantities"].values())
 
 
@@ -304,7 +306,7 @@ def written(directory, names, factor=1.0, shift=0.0):
 
 def test_forces_csv_reads_back_as_the_run_that_it_is_of(directory):
     assert main(["validate", str(directory), "--against", str(directory / "forces.csv")]) == 0
-    found = json.loads((directory / "validation.json").read_text())
+    found = json.loads((directory / "validation-against.json").read_text())
     assert len(found["quantities"]) == 6
     assert all(entry["largest"] < 1e-12 for entry in found["quantities"].values())
 
@@ -312,7 +314,7 @@ def test_forces_csv_reads_back_as_the_run_that_it_is_of(directory):
 def test_a_trace_that_is_off_is_named_with_place_and_time(directory, capsys):
     path = written(directory, {"force_sensor_8_chain_2": "sensor_8_chain_2"}, factor=1.05)
     assert main(["validate", str(directory), "--against", str(path)]) == 1
-    found = json.loads((directory / "validation.json").read_text())["quantities"]["force_sensor_8_chain_2"]
+    found = json.loads((directory / "validation-against.json").read_text())["quantities"]["force_sensor_8_chain_2"]
     own = np.genfromtxt(directory / "forces.csv", delimiter=",", names=True)["sensor_8_chain_2"]
     assert found["largest"] == pytest.approx(0.05 * own.max(), rel=1e-6)
     assert found["where"]["chain"] == 2
@@ -332,3 +334,14 @@ def test_a_trace_that_is_off_is_named_with_place_and_time(directory, capsys):
 def test_what_cannot_be_compared_is_one_line(name, shift, says, directory, capsys):
     path = written(directory, {name: "contact_5_chain_1"}, shift=shift)
     assert says in refusal(["validate", directory, "--against", path], capsys)
+
+
+def test_a_comparison_with_a_file_leaves_the_report_of_the_reference_as_it_is(runs, exact, tmp_path):
+    directory = RunDirectory(shutil.copytree(runs["reduced"].path, tmp_path / "run"))
+    validate(directory)
+    before = (directory.path / "validation.json").read_bytes()
+    table = columns(exact[0][::10])
+    found = validate_table(directory, csv(tmp_path / "own.csv", table | {"velocity": table["velocity"] + 0.1}))
+    assert not found.passed
+    assert (directory.path / "validation.json").read_bytes() == before
+    assert json.loads((directory.path / "validation-against.json").read_text())["passed"] is False

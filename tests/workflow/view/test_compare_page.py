@@ -159,11 +159,13 @@ def test_a_validation_writes_its_page_on_request_and_removes_that_of_an_earlier_
     assert "--page" in refusal(["validate", copy, "--page", "--against", tmp_path / "mine.csv"], capsys)
     for more in ([], ["--against", str(made / "sparse")]):
         assert main(["validate", str(copy), "--page", *more]) == 0
-        assert "validation.html" in capsys.readouterr().out
-        text = (copy / "validation.html").read_text()
+        page = "validation-against.html" if more else "validation.html"
+        assert page in capsys.readouterr().out
+        text = (copy / page).read_text()
         assert "against sparse" in text if more else "B is the reference integrator" in text
     assert main(["validate", str(copy)]) == 0
     assert not (copy / "validation.html").exists()
+    assert (copy / "validation-against.html").exists()
 
 
 @pytest.mark.usefixtures("lammps_here")

@@ -394,7 +394,7 @@ def validate(
         tolerances: quantity -> tolerance in V, T and L, in place of the default, such as ``{"velocity": 1e-3}``.
 
     Returns:
-        The comparison, also written to ``validation.json`` in the run's directory.
+        The comparison, also written into the run's directory: ``validation.json``, or ``validation-against.json``.
 
     Raises:
         InputError: frames or file cannot be used, or the two runs are of different scenes.

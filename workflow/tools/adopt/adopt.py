@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import InputError, Scene, file_names, library
 from lammps_inputs.decks import deck as scene_deck
 from workflow.errors import RunError
-from workflow.tools.adopt import evaluate
+from workflow.tools.adopt import differences, evaluate
 from workflow.tools.adopt.chains import TIME, Measured, NotMeasuredError
 from workflow.tools.adopt.deck_text import FIXES_WITHOUT_EFFECT, WITHOUT_EFFECT, Command, Deck, words_of
 from workflow.tools.adopt.evaluate import Executed, Workplace
@@ -29,6 +29,10 @@ AGREE = 1e-4
 
 AFTER_RUN = ("compute", "group", "if", "jump", "label", "next", "quit", "run", "uncompute", "variable")
 """Commands after the first run that change nothing that moves the beads."""
+
+
+UNIT_NAMES = {"cgs": ("cm", "s", "g"), "micro": ("um", "us", "pg"), "nano": ("nm", "ns", "ag")}
+"""LAMMPS's other units in which forces are masses times lengths over times squared: length, time, mass."""
 
 
 class RefusedDeckError(InputError):
@@ -88,12 +92,28 @@ def adopt(path: Path, data: Path | None, variables: list[tuple[str, str]], secon
             raise RefusedDeckError(_at_lines(error, executed, path)) from None
         compared, difference = _beside(workplace, scene, keys.measured, steps)
     if not difference <= AGREE + drag_error(scene):
-        raise RunError(
-            f"{path}: the scene that was read moves otherwise: over {compared} steps velocities differ by "
-            f"{difference:.2g} V; the deck has a force that was not recognised"
-        )
-    notes = [*keys.notes, *_notes(executed)]
+        _refuse_other_motion(keys.measured, scene, executed, path, f"over {compared} steps by {difference:.2g} V")
+    notes = [*keys.notes, *differences.unreached(keys.measured), *_notes(executed)]
     return Adopted(scene, "xyz"[keys.measured.axis], notes, compared, steps, difference)
+
+
+def _refuse_other_motion(measured: Measured, scene: Scene, executed: Executed, path: Path, apart: str) -> NoReturn:
+    """Refuse a deck whose motion is not that of the scene that was read; names the laws that differ.
+
+    Raises:
+        RefusedDeckError: walls are elsewhere, or have other laws.
+        RunError: other forces differ, or none do at the displacements at which they were measured.
+    """
+    walls = differences.of_walls(measured, scene)
+    if walls:
+        errors = [NotMeasuredError(text, "fix wall/gran", "fix freeze") for text in walls]
+        raise RefusedDeckError([line for error in errors for line in _at_lines(error, executed, path)])
+    forces = differences.of_forces(measured, scene)
+    where = "; ".join(forces) or (
+        "forces agree where they were measured, at small overlaps; either a force differs elsewhere, or a contact with "
+        "a dashpot closes within rounding of a time step (try a kick that is 3 % smaller)"
+    )
+    raise RunError(f"{path}: the scene that was read moves otherwise (velocities differ {apart}): {where}")
 
 
 def refuse(executed: Executed, path: Path) -> None:
@@ -111,10 +131,14 @@ def refuse(executed: Executed, path: Path) -> None:
         raise RefusedDeckError(list(dict.fromkeys(refused)))
     evaluate.refuse_error(executed, path)
     if executed.runs:
-        first, _ = executed.runs[0]
-        later = [command for command in executed.commands[first + 1 :] if _moves(command)]
+        (first, _), (last, _) = executed.runs[0], executed.runs[-1]
+        later = [command for command in executed.commands[first + 1 : last] if _moves(command)]
         if later:
-            why = "comes after the first run, and a scene has one motion from its start on; supported: further `run`"
+            why = (
+                "comes after the first run, and a scene has one motion, from equilibrium on: for a chain that relaxes "
+                "and is then kicked, write `gravity` or `precompression`, and `kick`, into a scene of your own; "
+                "supported: further `run`"
+            )
             raise RefusedDeckError(list(dict.fromkeys(f"{command.place}: {why}" for command in later)))
 
 
@@ -139,11 +163,12 @@ def _scene_of(measured: Any, executed: Executed, path: Path, steps: int) -> tupl
     name = re.sub(r"[^A-Za-z0-9._-]", "-", path.name.removeprefix("in.")).strip(".-_")[:64] or "adopted"
     every = min(executed.every) if executed.every else None
     units = [words_of(command.text)[1] for command in executed.commands if command.style == "units"]
+    others = UNIT_NAMES.get(units[-1] if units else "")
     source = f"{path}: the scene that was read"
     if units[-1:] == ["si"] and measured.exponent == 1.5:
         keys = SceneKeys(measured, si=True, poisson_ratio=_poisson_ratio(executed))
         try:
-            return library.from_plain(keys.keys(name, every, steps), source), keys
+            return library.from_plain(keys.keys(name, path.name, every, steps), source), keys
         except InputError as error:
             reason = str(error).removeprefix(f"{source}: ")
         reduced = SceneKeys(measured, si=False)
@@ -151,11 +176,16 @@ def _scene_of(measured: Any, executed: Executed, path: Path, steps: int) -> tupl
             f"in SI units the scene is refused ({reason}), so that it is in reduced units: lengths in m, times in s, "
             f"masses in units of {reduced.mass:.6g} kg"
         )
-        return library.from_plain(reduced.keys(name, every, steps), source), reduced
+        return library.from_plain(reduced.keys(name, path.name, every, steps), source), reduced
     keys = SceneKeys(measured, si=False)
-    if keys.mass != 1.0:
+    if others is not None:
+        keys.notes.append(
+            f"the scene is in reduced units: lengths in {others[0]}, times in {others[1]}, masses in units of "
+            f"{keys.mass:.6g} {others[2]}"
+        )
+    elif keys.mass != 1.0:
         keys.notes.append(f"the scene's unit of mass is {keys.mass:.6g} of the deck; lengths and times are the deck's")
-    return library.from_plain(keys.keys(name, every, steps), source), keys
+    return library.from_plain(keys.keys(name, path.name, every, steps), source), keys
 
 
 def _poisson_ratio(executed: Executed) -> float:
@@ -223,11 +253,12 @@ def _beside(workplace: Workplace, scene: Scene, measured: Measured, steps: int) 
     frames = workplace.folder / "user.bin"
     executed = workplace.execute(
         "beside",
+        "reset_timestep 0\n"  # dumps write at multiples of their interval
         f"dump granchain_frames all custom {every} {frames} id v{axis}\n"
         f"dump_modify granchain_frames first yes\nrun {compared} post no\nquit 0\n",
     )
     if executed.error:
-        raise InputError(f"{executed.commands[-1].place}: {executed.error}")
+        raise InputError(f"{executed.commands[-1].place}: {evaluate.explained(executed.error)}")
     folder = workplace.folder / "scene"
     folder.mkdir()
     scene_deck.write(scene, folder)

@@ -1,9 +1,12 @@
 """Chains of beads in LAMMPS: how their atoms are arranged, and what is known of the forces on them."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from workflow.tools.adopt.wall_laws import WallLaw
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -52,6 +55,42 @@ class Inner:
         return Inner(self.chain, self.atoms[beads], *numbers)
 
 
+@dataclass(frozen=True)
+class ForceProbe:
+    """Forces at displacements and velocities in which forces of one kind act.
+
+    Attributes:
+        pattern: "pairs" of beads that are pressed together, "chain" that is moved, or "left" or "right" wall.
+        displacement: [chain, bead].
+        velocity: [chain, bead].
+        force: forces beyond those at the start, [chain, bead].
+    """
+
+    pattern: str
+    displacement: Floats
+    velocity: Floats
+    force: Floats
+
+    def taken(self, beads: slice, sign: float = 1.0) -> "ForceProbe":
+        """Forces on some beads, in another order with the other sign."""
+        return ForceProbe(
+            self.pattern, *(sign * array[:, beads] for array in (self.displacement, self.velocity, self.force))
+        )
+
+    def place(self, measured: "Measured", chain: int, bead: int) -> str:
+        """Words for the contact or wall that acts on a bead, and how it moves."""
+        if self.pattern == "chain":
+            return "springs between chains, or to the ground, of one chain that is moved"
+        sign = 1.0 if self.displacement[chain, bead] > 0.0 else -1.0
+        rate = sign * self.velocity[chain, bead]
+        moving = f"while it {'closes' if rate > 0.0 else 'opens'} with {abs(rate):.3g}" if rate else "at rest"
+        other = bead + int(sign)
+        if self.pattern != "pairs" or not 0 <= other < measured.ids.shape[1]:
+            return f"the wall beside atom {measured.ids[chain, bead]}, or a spring to the ground, {moving}"
+        first, second = sorted((measured.ids[chain, bead], measured.ids[chain, other]))
+        return f"the contact of atoms {first} and {second}, {moving}"
+
+
 @dataclass
 class Measured:
     """Chains and forces of a deck, in its units.
@@ -74,9 +113,14 @@ class Measured:
         drag: drag coefficient, [chain, bead].
         coupling: pair of chains -> linear and cubic stiffness, and dashpot coefficient, [3, bead].
         walls: "left" or "right" -> constant of the wall, [chain].
+        wall_dashpot: "left" or "right" -> ratio of dashpot force and velocity, [2, chain], at `dashpot_overlap`.
+        other_walls: walls that stand elsewhere than the next bead would, or have another law than the contacts.
         inner: atoms inside the beads.
         timestep: time step.
+        probes: forces by which a scene is compared with the deck.
+        first_step: number of the step at the start.
         direction: 1 where beads are counted along the axis, -1 where against it.
+        wall_atoms: "left" or "right" -> numbers of the held atoms that are the wall, [chain].
     """
 
     axis: int
@@ -96,9 +140,19 @@ class Measured:
     drag: Floats
     coupling: dict[tuple[int, int], Floats]
     walls: dict[str, Floats]
+    wall_dashpot: dict[str, Floats]
+    other_walls: list[WallLaw]
     inner: list[Inner]
     timestep: float
+    probes: list[ForceProbe] = field(default_factory=list)
+    first_step: int = 0
     direction: float = 1.0
+    wall_atoms: dict[str, Integers] = field(default_factory=dict)
+
+    @property
+    def rounding(self) -> float:
+        """Error of overlaps by rounded positions."""
+        return 8.0 * float(np.finfo(float).eps * np.max(np.abs(self.place)))
 
     @property
     def load(self) -> Floats:
@@ -107,7 +161,11 @@ class Measured:
 
     def reversed(self) -> "Measured":
         """Chains whose beads are counted from the other end, velocities being positive towards higher numbers."""
-        walls = {{"left": "right", "right": "left"}[side]: values for side, values in self.walls.items()}
+        other = {"left": "right", "right": "left"}
+        walls = {other[side]: values for side, values in self.walls.items()}
+        wall_atoms = {other[side]: atoms for side, atoms in self.wall_atoms.items()}
+        wall_dashpot = {other[side]: values for side, values in self.wall_dashpot.items()}
+        other_walls = [replace(wall, side=other[wall.side]) for wall in self.other_walls]
         inner = [part.taken(slice(None, None, -1)) for part in self.inner]
         coupling = {chains: table[:, ::-1] for chains, table in self.coupling.items()}
         names = (
@@ -124,7 +182,10 @@ class Measured:
         )
         along = {name: getattr(self, name)[..., ::-1] for name in (*names, "foundation", "drag")}
         along |= {"place": -along["place"], "velocity": -along["velocity"]}
-        return replace(self, **along, walls=walls, inner=inner, coupling=coupling, direction=-self.direction)
+        parts: dict[str, Any] = {"walls": walls, "wall_atoms": wall_atoms, "inner": inner, "coupling": coupling}
+        parts |= {"wall_dashpot": wall_dashpot, "other_walls": other_walls}
+        parts["probes"] = [probe.taken(slice(None, None, -1), -1.0) for probe in self.probes]
+        return replace(self, **along, **parts, direction=-self.direction)
 
     def without_held(self) -> "Measured":
         """Chains without the beads at their ends that never move, which are walls.
@@ -143,11 +204,11 @@ class Measured:
                 "fix freeze",
                 "fix setforce",
             )
-        walls = dict(self.walls)
+        walls, wall_atoms = dict(self.walls), dict(self.wall_atoms)
         if first > 0:
-            walls["left"] = self.strength[:, first - 1]
+            walls["left"], wall_atoms["left"] = self.strength[:, first - 1], self.ids[:, first - 1]
         if last < self.held.shape[1]:
-            walls["right"] = self.strength[:, last - 1]
+            walls["right"], wall_atoms["right"] = self.strength[:, last - 1], self.ids[:, last]
         beads, contacts = slice(first, last), slice(first, last - 1)
         of_beads = {
             name: getattr(self, name)[..., beads] for name in ("ids", "place", "velocity", "mass", "radius", "held")
@@ -165,7 +226,13 @@ class Measured:
         inner = [part.taken(beads) for part in self.inner]
         coupling = {chains: table[:, beads] for chains, table in self.coupling.items()}
         overlap = self.overlap[:, contacts]
-        return replace(self, **of_beads, **of_contacts, overlap=overlap, walls=walls, inner=inner, coupling=coupling)
+        parts: dict[str, Any] = {"walls": walls, "wall_atoms": wall_atoms, "inner": inner, "coupling": coupling}
+        parts["probes"] = [probe.taken(beads) for probe in self.probes]
+        parts["other_walls"] = [wall for wall in self.other_walls if wall.side not in wall_atoms]
+        for side, contact in (("left", first - 1), ("right", last - 1)):
+            if side in wall_atoms:
+                parts["wall_dashpot"] = self.wall_dashpot | {side: self.dashpot[:, :, contact]}
+        return replace(self, **of_beads, **of_contacts, overlap=overlap, **parts)
 
 
 def arrange(place: Floats, radius: Floats, mass: Floats, bonds: Integers) -> tuple[int, Integers, list[Inner]]:

@@ -37,7 +37,7 @@ EXECUTED = _names(
 )
 """Commands that LAMMPS executes: none of them writes a file or starts a program."""
 
-UNITS = ("lj", "si")
+UNITS = ("lj", "si", "cgs", "micro", "nano")
 PAIR_STYLES = _names(
     "granular gran/hertz/history gran/hooke gran/hooke/history lepton lepton/sphere hybrid/overlay dpd/ext/tstat zero"
 )
@@ -213,12 +213,35 @@ def refusal(words: list[str]) -> str:
 
 
 _REASONS = {
-    "fix move": "a prescribed motion is not read; write `drive` into a scene of your own; supported: held beads",
-    "minimize": "a relaxation is no part of a scene, whose beads start at rest; supported: `run`",
+    "communicate": "is of LIGGGHTS; LAMMPS has `comm_modify`, and a scene needs none",
+    "minimize": "a relaxation is no part of a scene, which starts in equilibrium: `gravity` or `precompression` states "
+    "the load, and `kick` what then moves; supported: `run`",
     "python": "Python code is not executed; supported: `variable` of styles equal, index, loop, string",
     "read_restart": "a restart does not state its contacts; supported: `read_data`, `create_atoms`",
     "rerun": "has no dynamics; supported: `run`",
 }
+
+
+_MOVES = {
+    "linear": "a bead of constant velocity is `striker: {mass: 1.0e+06, velocity: ...}` of a scene of your own, whose "
+    "large mass keeps its velocity",
+    "wiggle": "a bead that oscillates is `drive` of a scene of your own",
+    "variable": "a bead of given motion is `drive`, one under a given force `push: {table: FILE}`, of a scene of "
+    "your own",
+}
+"""What a scene has for beads that `fix move` moves."""
+
+_LIGGGHTS_PROPERTIES = {
+    "youngsModulus": "a scene has `material: {youngs_modulus: ...}`",
+    "poissonsRatio": "a scene has `material: {poisson_ratio: ...}`",
+    "coefficientRestitution": "a scene has `damping: {contact: e, law: restitution}`",
+    "coefficientFriction": "friction does not act in chains; leave it out",
+    "coefficientRollingFriction": "friction does not act in chains; leave it out",
+    "characteristicVelocity": "a scene has `contact: {exponent: 1, stiffness: ...}` for linear contacts",
+}
+
+_LIGGGHTS_FIXES = ("insert", "particletemplate", "particledistribution", "mesh")
+"""Beginnings of the names of LIGGGHTS's fixes that place particles and walls."""
 
 
 def _supported(kind: str, names: tuple[str, ...]) -> str:
@@ -230,10 +253,15 @@ def _units(rest: list[str]) -> str:
 
 
 def _atom_style(rest: list[str]) -> str:
+    if rest[:1] == ["granular"]:
+        return "is of LIGGGHTS; LAMMPS has atom_style sphere, and a scene `material: {radius: ..., density: ...}`"
     return "" if "sphere" in rest else "beads are spheres; supported: atom_style sphere, hybrid sphere bond"
 
 
 def _pair_style(rest: list[str]) -> str:
+    if rest[:2] == ["gran", "model"]:
+        law = "`contact: {exponent: 1}`" if "hooke" in rest else "Hertz's contacts, its default"
+        return f"is of LIGGGHTS; a scene has {law}, and `material`"
     allowed = {*PAIR_STYLES, "limit_damping", "nocoeff"}
     return "" if _styles(rest) <= allowed else _supported("contacts", PAIR_STYLES)
 
@@ -256,7 +284,17 @@ def _styles(rest: list[str]) -> set[str]:
 def _fix(rest: list[str]) -> str:
     if len(rest) < 3 or "$" in rest[2]:
         return "its style is missing or a variable; write it out"
-    style = _plain(rest[2])
+    style, options = _plain(rest[2]), rest[3:]
+    if style == "move":
+        moved = _MOVES.get(options[0] if options else "", "a bead of given motion is `drive` of a scene of your own")
+        return f"a prescribed motion is not read; {moved}; supported: held beads"
+    if style == "property/global":
+        key = _LIGGGHTS_PROPERTIES.get(options[0] if options else "", "a scene has `material`, `contact` and `damping`")
+        return f"is of LIGGGHTS; {key}"
+    if style.startswith(_LIGGGHTS_FIXES):
+        return "is of LIGGGHTS; a scene has `beads`, `gap`, `material: {radius: ..., density: ...}` and `walls`"
+    if style == "wall/gran" and options[:1] == ["model"]:
+        return "is of LIGGGHTS; a scene has `walls: {left: flat, right: flat}`"
     return "" if style in FIXES else _REASONS.get(f"fix {style}", _supported("fix", FIXES))
 
 

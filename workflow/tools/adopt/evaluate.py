@@ -190,6 +190,12 @@ def _failed(error: Exception) -> int:
     return 1
 
 
+def explained(error: str) -> str:
+    """Message of LAMMPS, with what to do where that is known."""
+    lost = error.startswith("Lost atoms")
+    return f"{error}: a bead leaves the box; make the box larger along the chain, or the run shorter" if lost else error
+
+
 def refuse_error(executed: Executed, path: Path) -> None:
     """Refuse a deck that LAMMPS did not execute to its end.
 
@@ -198,7 +204,7 @@ def refuse_error(executed: Executed, path: Path) -> None:
     """
     if executed.error:
         place = executed.commands[-1].place if executed.commands else str(path)
-        raise InputError(f"{place}: {executed.error}")
+        raise InputError(f"{place}: {explained(executed.error)}")
 
 
 if __name__ == "__main__":

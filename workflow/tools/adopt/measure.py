@@ -12,13 +12,26 @@ All quantities are in the deck's units; positions and forces are those along the
 
 import itertools
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from workflow.tools.adopt.chains import PLACES, TIME, Floats, Inner, Integers, Measured, NotMeasuredError, arrange
+from workflow.tools.adopt.chains import (
+    PLACES,
+    TIME,
+    Floats,
+    ForceProbe,
+    Inner,
+    Integers,
+    Measured,
+    NotMeasuredError,
+    arrange,
+)
+from workflow.tools.adopt.wall_laws import Reach, WallLaw, wall_dashpot, wall_law
 
 LEVELS = (1.0, 2.0, 4.0)
 """Overlaps or displacements of a pattern, in units of the first."""
@@ -48,8 +61,13 @@ class Atoms:
 
     def __init__(self, lmp: Any) -> None:
         self._lmp = lmp
-        if lmp.get_natoms() < 2 or lmp.extract_setting("radius_flag") != 1:
-            raise NotMeasuredError("there are no spheres at the first run", "atom_style", *PLACES)
+        if lmp.extract_setting("radius_flag") != 1:
+            raise NotMeasuredError(
+                "atoms are no spheres; supported: atom_style sphere, hybrid sphere bond", "atom_style"
+            )
+        if lmp.get_natoms() < 2:
+            count = "is one sphere" if lmp.get_natoms() == 1 else "are no atoms"
+            raise NotMeasuredError(f"there {count} at the first run; supported: chains of at least 2 beads", *PLACES)
         lmp.command("run 0 post no")
         self.ids = np.sort(self._now("id"))
         self.place, self.velocity, self.radius, self.mass = (
@@ -70,6 +88,13 @@ class Atoms:
         self._put(place, speed)
         self._lmp.command("run 0 post no")
         force = self._sorted("f")
+        if not np.all(np.isfinite(force)):
+            atom = self.ids[int(np.argmax(~np.all(np.isfinite(force), axis=1)))]
+            raise NotMeasuredError(
+                f"the force on atom {atom} is not a number where beads touch; in `fix wall/gran` of hooke and hertz "
+                "styles LAMMPS divides by gamma_n: write one above 0, such as 1e-20, or the style `granular`",
+                "fix wall/gran",
+            )
         across = np.delete(np.abs(force), axis, axis=1)
         if np.max(across) > ROUNDED * np.max(np.abs(force)) and np.max(across) > 0.0:
             atom = self.ids[int(np.argmax(np.max(across, axis=1)))]
@@ -88,6 +113,11 @@ class Atoms:
         self._lmp.command("run 1 post no")
         moved = self._sorted("x")[:, axis] != self.place[:, axis]
         return np.asarray(moved)
+
+    def box(self, axis: int) -> tuple[float, float]:
+        """Lower and upper face of the box along an axis."""
+        low, high, *_ = self._lmp.extract_box()
+        return float(low[axis]), float(high[axis])
 
     def at_another_time(self) -> None:
         """Continue at a later step, for forces that depend on the time."""
@@ -116,7 +146,9 @@ def measure(lmp: Any) -> Measured:
     atoms = Atoms(lmp)
     axis, chains, inner = arrange(atoms.place, atoms.radius, atoms.mass, _bonds(lmp, atoms.ids))
     _refuse_ring(lmp, atoms, axis, chains)
-    return _Bench(atoms, axis, chains, inner).measured(float(lmp.extract_global("dt")))
+    first_step = int(lmp.extract_global("ntimestep"))
+    measured = _Bench(atoms, axis, chains, inner).measured(float(lmp.extract_global("dt")))
+    return replace(measured, first_step=first_step)
 
 
 def _bonds(lmp: Any, ids: Integers) -> Integers:
@@ -154,6 +186,7 @@ class _Bench:
         self.small = SMALL * float(np.min(atoms.radius[chains]))
         place, radius = atoms.place[chains, axis], atoms.radius[chains]
         self.overlap = radius[:, :-1] + radius[:, 1:] - np.diff(place, axis=1)
+        self.touching = 8.0 * float(np.finfo(float).eps * np.max(np.abs(atoms.place)))
         self.speed = float(np.max(np.abs(atoms.velocity)))
 
     def measured(self, timestep: float) -> Measured:
@@ -167,15 +200,15 @@ class _Bench:
                 "set",
                 "read_data",
             )
-        if self.speed == 0.0:
-            raise NotMeasuredError(
-                "no bead moves at the start; supported: velocities by `velocity` or `set` before the run", "run"
-            )
         self._refuse_time()
         self.rest = atoms.forces(axis)
         self._measure_foundation()
         strength, exponent = self._measure_contacts()
+        if self.speed == 0.0:
+            self._refuse_rest(strength, exponent)
         self._refuse_motion_at_rest(strength, exponent)
+        drag = self._measure_drag()
+        walls, wall_dashpots, other_walls = self._measure_walls(exponent)
         result = Measured(
             axis=axis,
             ids=atoms.ids[chains],
@@ -191,16 +224,37 @@ class _Bench:
             dashpot_overlap=np.ones((2, *strength.shape)),
             cut=False,
             foundation=np.stack([self.linear[chains], self.cubic[chains]]),
-            drag=self._measure_drag(),
+            drag=drag,
             coupling=self._measure_coupling(),
-            walls=self._measure_walls(exponent),
+            walls=walls,
+            wall_dashpot=wall_dashpots,
+            other_walls=other_walls,
             inner=self.inner,
             timestep=timestep,
         )
         self._measure_inner()
         self._measure_dashpots(result)
         result.held = self._held(strength)
+        result.probes = list(self._probes(result.held))
         return result
+
+    def _probes(self, held: NDArray[np.bool_]) -> Iterator[ForceProbe]:
+        """Forces in all patterns, at rest, closing and opening, by which a scene is compared with the deck."""
+        free = np.ones(len(self.rows))
+        free[self.chains[held]] = 0.0
+        gap = max(0.0, -float(np.min(self.overlap)))
+        patterns = [
+            ("pairs", self._pattern(parity, self._base + level * self.small))
+            for parity in (0, 1)
+            for level in (LEVELS[0], LEVELS[2])
+        ]
+        patterns += [("walls", np.full(len(self.rows), sign * (gap + self.small))) for sign in (-1.0, 1.0)]
+        patterns += [("chain", self.small * (self.chain_of == chain)) for chain in range(len(self.chains))]
+        for name, displacement in patterns:
+            for rate in (0.0, self.speed, -self.speed):
+                x, v = displacement * free, rate * np.sign(displacement) * free
+                force = self._moved(x, v) - self.rest
+                yield ForceProbe(name, x[self.chains], v[self.chains], force[self.chains])
 
     # --- springs to the ground ----------------------------------------------------------------------------------------
 
@@ -309,10 +363,9 @@ class _Bench:
 
     def _noise(self, strength: float, exponent: float) -> float:
         """Force that rounded positions make in contacts as they are at the start."""
-        rounding = 8.0 * float(np.finfo(float).eps * np.max(np.abs(self.atoms.place)))
         pressed = max(0.0, float(np.max(self.overlap)))
-        touching = strength * rounding**exponent
-        return 100.0 * float(touching + exponent * strength * pressed ** (exponent - 1.0) * rounding)
+        touching = strength * self.touching**exponent
+        return 100.0 * float(touching + exponent * strength * pressed ** (exponent - 1.0) * self.touching)
 
     def _refuse_at_a_distance(
         self, strength: Floats, exponent: float, forces: tuple[Floats, Floats], overlap: Floats
@@ -327,17 +380,38 @@ class _Bench:
 
     def _refuse_motion_at_rest(self, strength: Floats, exponent: float) -> None:
         """Refuse a start that is no equilibrium but for the velocities."""
-        load = float(np.max(strength * np.maximum(self.overlap, 0.0) ** exponent))
         energy = float(np.median(self.atoms.mass)) * self.speed**2
         impact = energy ** (exponent / (exponent + 1.0)) * float(np.max(strength)) ** (1.0 / (exponent + 1.0))
-        if np.max(np.abs(self.rest)) > self.noise + UNBALANCED * max(load, impact):
-            atom = int(np.argmax(np.abs(self.rest)))
-            raise NotMeasuredError(
-                f"beads are not in equilibrium at the start (force {self.rest[atom]:.6g} on atom "
-                f"{self.atoms.ids[atom]}); supported: chains at rest under no load, `precompression` or `gravity`",
-                *PLACES,
-                *_FORCES,
-            )
+        if self._unbalanced(strength, exponent, impact):
+            raise NotMeasuredError(f"beads are not in equilibrium at the start ({self._why})", *PLACES, *_FORCES)
+
+    def _refuse_rest(self, strength: Floats, exponent: float) -> None:
+        """Refuse a start without any velocity."""
+        if self._unbalanced(strength, exponent, 0.0):
+            raise NotMeasuredError(f"beads fall from rest ({self._why})", *PLACES, *_FORCES)
+        raise NotMeasuredError(
+            "no bead moves at the start; supported: velocities by `velocity` or `set` before the run (key `kick`)",
+            "run",
+        )
+
+    def _unbalanced(self, strength: Floats, exponent: float, impact: float) -> bool:
+        """Whether a force on a bead at rest is more than rounding, beside loads and the force of an impact."""
+        load = float(np.max(strength * np.maximum(self.overlap, 0.0) ** exponent))
+        return bool(np.max(np.abs(self.rest)) > self.noise + UNBALANCED * max(load, impact))
+
+    @property
+    def _why(self) -> str:
+        """Largest force on a bead at rest, and what a scene has for it."""
+        place = int(np.argmax(np.abs(self.rest)))
+        pressed = float(np.max(self.overlap)) > self.touching
+        start = (
+            "beads that overlap are held by `precompression: {force: ...}`, or by walls at the ends, or lie on a wall "
+            "under `gravity`"
+            if pressed
+            else "a column that has settled on a wall is `gravity: ...` with `walls`, what then moves it `kick`; free "
+            "fall before the first contact is no part of a scene"
+        )
+        return f"force {self.rest[place]:.6g} on atom {self.atoms.ids[place]}; a scene starts in equilibrium: {start}"
 
     # --- dashpots -----------------------------------------------------------------------------------------------------
 
@@ -432,22 +506,51 @@ class _Bench:
 
     # --- walls --------------------------------------------------------------------------------------------------------
 
-    def _measure_walls(self, exponent: float) -> dict[str, Floats]:
-        """Constants of the walls, [chain], from a displacement of all beads towards each."""
-        walls = {}
-        for side, bead, sign in (("left", 0, -1.0), ("right", -1, 1.0)):
-            atoms = self.chains[:, bead]
-            gap = max(0.0, -float(np.min(self.overlap)))
-            steps = [gap + level * self.small for level in LEVELS]
-            each = []
-            for step in (0.0, *steps):
-                displacement = np.full(len(self.rows), sign * step)
-                each.append(-sign * (self._moved(displacement) - self._ground(displacement) - self.rest)[atoms])
-            ground = float(np.max(np.abs(self._ground(displacement))))
-            if np.max(np.abs(each[-1])) <= self.noise + 100.0 * ROUNDED * ground:
-                continue
-            walls[side] = np.array([_wall(list(forces), steps, gap, exponent) for forces in np.transpose(each)[:, 1:]])
-        return walls
+    def _measure_walls(self, exponent: float) -> tuple[dict[str, Floats], dict[str, Floats], list[WallLaw]]:
+        """Constants of the walls, [chain], their dashpots, [2, chain], and walls of other laws or other distances."""
+        walls, dashpots, others = {}, {}, []
+        gap, pressed = max(0.0, -float(np.min(self.overlap))), float(np.max(self.overlap)) > self.touching
+        steps = [gap + level * self.small for level in LEVELS]
+        for side in ("left", "right"):
+
+            def push(distance: float, speed: float, side: str = side) -> Floats:
+                return self._push_of_wall(side, distance, speed)
+
+            forces = np.array([push(step, 0.0) for step in steps])
+            try:
+                if np.max(forces) > self._noise_at(steps[-1]):
+                    constants = np.array([_wall(values, steps, gap, exponent) for values in forces.T.tolist()])
+                    # increases of a linear force do not show where it begins
+                    if pressed or np.allclose(forces[0], constants * self.small**exponent, rtol=100.0 * AGREE):
+                        walls[side] = constants
+                        dashpots[side] = wall_dashpot(push, np.array([steps[0], steps[2]]), self.speed)
+                        continue
+            except NotMeasuredError:
+                if pressed:
+                    raise
+            if not pressed:
+                reach = Reach(self.small, float(np.min(self.atoms.radius[self.chains])), self._way_to_face(side))
+                other = wall_law(side, push, reach, self._noise_at, exponent, self.speed)
+                others += [] if other is None else [other]
+        return walls, dashpots, others
+
+    def _push_of_wall(self, side: str, distance: float, speed: float) -> Floats:
+        """Force on the beads at an end, [chain], away from it, all beads moved towards it, less that at the start."""
+        sign, bead = (-1.0, 0) if side == "left" else (1.0, -1)
+        displacement = np.full(len(self.rows), sign * distance)
+        force = self._moved(displacement, sign * speed) - self._ground(displacement) - self.rest
+        return -sign * (force + self._drag * sign * speed)[self.chains[:, bead]]
+
+    def _noise_at(self, distance: float) -> float:
+        """Force of the size of rounding on beads that are all moved by a distance."""
+        return self.noise + 100.0 * ROUNDED * float(np.max(np.abs(self._ground(np.full(len(self.rows), distance)))))
+
+    def _way_to_face(self, side: str) -> float:
+        """Distance by which all atoms can be moved towards an end without one leaving the box."""
+        low, high = self.atoms.box(self.axis)
+        place = self.atoms.place[:, self.axis]
+        way = float(np.min(place) - low) if side == "left" else float(high - np.max(place))
+        return way * (1.0 - 1e-9)
 
     # --- what moves, and when -----------------------------------------------------------------------------------------
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from lammps_inputs.deck_atoms import text_of
 from lammps_inputs.ingredients.walls import STRENGTHS
 from lammps_inputs.laws.dashpot import alpha
 from lammps_inputs.units import make_scale, sphere_mass
@@ -48,9 +49,14 @@ def single_value(values: Any, message: str, *commands: str) -> float:
         NotMeasuredError: they differ.
     """
     array = np.asarray(values, dtype=np.float64)
-    if np.ptp(array) > SAME * np.max(np.abs(array)):
+    if not _alike(array):
         raise NotMeasuredError(message, *commands)
     return tidy(float(np.mean(array)))
+
+
+def _alike(values: Floats) -> bool:
+    """Whether all values are one number."""
+    return bool(np.ptp(values) <= SAME * np.max(np.abs(values)))
 
 
 class SceneKeys:
@@ -63,19 +69,41 @@ class SceneKeys:
     """
 
     def __init__(self, measured: Measured, *, si: bool, poisson_ratio: float = 0.0) -> None:
-        load = measured.load
-        downwards = float(np.sum(load[:, -1] - load[:, 0])) >= -SAME * float(np.sum(load))
-        self.measured = (measured if downwards else measured.reversed()).without_held()
         self.si, self.poisson_ratio = si, poisson_ratio
         self.notes: list[str] = []
+        self._take(measured.without_held())
+        if self._pressed_backwards:
+            self._take(self.measured.reversed())
+
+    def _take(self, measured: Measured) -> None:
+        """Take chains in one order of their beads, and determine what units follow from."""
+        self.measured = measured
         masses, radii = (map(tidy, np.ravel(values)) for values in (self.measured.mass, self.measured.radius))
         kinds = Counter(zip(masses, radii, strict=True))
         (self.mass, self.radius), _ = kinds.most_common(1)[0]
         self._kinds = list(kinds)
-        self.unit = 1.0 if si else self.mass
+        self.unit = 1.0 if self.si else self.mass
         self.reference = self._reference_strength()
         speed = float(np.max(np.abs(self.measured.velocity)))
-        self.scale = make_scale(self.mass, self.reference, speed, si=si, exponent=measured.exponent)
+        self.scale = make_scale(self.mass, self.reference, speed, si=self.si, exponent=measured.exponent)
+
+    @property
+    def _forces_at_rest(self) -> Floats:
+        """Static loads of the contacts, [chain, contact], without those of the size of rounding."""
+        load = self.measured.load
+        return load if np.max(load) > NEGLIGIBLE * self.scale.force else np.zeros_like(load)
+
+    @property
+    def _even_load(self) -> float:
+        """Largest difference of loads that is rounding."""
+        measured = self.measured
+        slope = measured.exponent * measured.strength * np.maximum(measured.overlap, 0.0) ** (measured.exponent - 1.0)
+        return max(1e-7 * float(np.max(self._forces_at_rest)), 2.0 * float(np.max(slope)) * measured.rounding)
+
+    @property
+    def _pressed_backwards(self) -> bool:
+        """Whether gravity acts towards the first beads, where scenes have it towards the last."""
+        return float(np.min(self._forces_at_rest[:, -1] - self._forces_at_rest[:, 0])) < -self._even_load
 
     def _reference_strength(self) -> float:
         """Contact constant of two reference beads, in the deck's units."""
@@ -94,11 +122,12 @@ class SceneKeys:
         )
         return np.ravel(measured.strength / np.sqrt(size / self.radius))
 
-    def keys(self, name: str, every: int | None, steps: int) -> dict[str, Any]:
+    def keys(self, name: str, deck: str, every: int | None, steps: int) -> dict[str, Any]:
         """All keys, as plain data of a scene.
 
         Args:
             name: name of the scene.
+            deck: name of the deck.
             every: steps between frames; some tenth of T if None.
             steps: steps of the run.
         """
@@ -122,7 +151,18 @@ class SceneKeys:
             every = max(1, math.floor(FRAMES * self.scale.time / step))
         every = min(every, steps)
         keys |= {"duration": tidy(steps * step), "timestep": step, "output": {"every": tidy(every * step)}}
-        return keys
+        return keys | self._adopted(deck)
+
+    def _adopted(self, deck: str) -> dict[str, Any]:
+        """Key `adopted`: which atom of the deck is which bead, and what its walls are."""
+        measured = self.measured
+        axis = "-" * (measured.direction < 0.0) + "xyz"[measured.axis]
+        keys: dict[str, Any] = {"deck": deck, "axis": axis, "atoms": [text_of(ids) for ids in measured.ids]}
+        keys |= {"timestep": measured.timestep} | ({"first_step": measured.first_step} if measured.first_step else {})
+        for side in measured.walls:
+            held = measured.wall_atoms.get(side)
+            keys[f"{side}_wall"] = "fix wall/gran" if held is None else f"held atom {', '.join(map(str, held))}"[:200]
+        return {"adopted": keys}
 
     # --- chains -------------------------------------------------------------------------------------------------------
 
@@ -311,6 +351,10 @@ class SceneKeys:
             keys["coupling"] = single_value(np.array(between) / self.unit, message, "pair_coeff")
         return {"damping": keys} if keys else {}
 
+    def _restores(self, power: float) -> bool:
+        """Whether dashpots that grow with a power of the overlap are those of a restitution."""
+        return abs(power - (self.measured.exponent - 1.0) / 2.0) < 1e-5
+
     def _dashpots_of_contacts(self) -> dict[str, Any]:
         measured = self.measured
         (low, high), (near, far) = measured.dashpot, measured.dashpot_overlap
@@ -318,15 +362,17 @@ class SceneKeys:
         message = "the dashpots of contacts differ; supported: one law and coefficient of all contacts"
         commands = ("pair_coeff", "pair_style")
         tension = {"tension": "cut"} if measured.cut else {}
-        if abs(power) < 1e-5:
-            return {"contact": single_value(low / self.unit, message, *commands)} | tension
-        if abs(power - 0.5) < 1e-5:
-            coefficient = low / np.sqrt(near) / self.unit
-            return {"contact": single_value(coefficient, message, *commands), "law": "viscoelastic"} | tension
-        if abs(power - (measured.exponent - 1.0) / 2.0) < 1e-5:
-            pair = measured.mass[:, :-1] * measured.mass[:, 1:] / (measured.mass[:, :-1] + measured.mass[:, 1:])
-            ratio = single_value(low / near**power / np.sqrt(pair * measured.strength), message, *commands)
-            share = brentq(lambda e: alpha(e, measured.exponent) - ratio, 1e-6, 1.0, xtol=1e-15)
+        linear, viscoelastic = low / self.unit, low / np.sqrt(near) / self.unit
+        pair = measured.mass[:, :-1] * measured.mass[:, 1:] / (measured.mass[:, :-1] + measured.mass[:, 1:])
+        ratio = low / near**power / np.sqrt(pair * measured.strength)
+        # laws of one power of the overlap differ in what is the same in all contacts
+        if abs(power) < 1e-5 and (not self._restores(power) or _alike(linear)):
+            return {"contact": single_value(linear, message, *commands)} | tension
+        if abs(power - 0.5) < 1e-5 and (not self._restores(power) or _alike(viscoelastic)):
+            return {"contact": single_value(viscoelastic, message, *commands), "law": "viscoelastic"} | tension
+        if self._restores(power):
+            value = single_value(ratio, message, *commands)
+            share = brentq(lambda e: alpha(e, measured.exponent) - value, 1e-6, 1.0, xtol=1e-15)
             return {"contact": tidy(float(share)), "law": "restitution"}
         raise NotMeasuredError(
             f"the dashpots of contacts grow as overlap^{power:.4g}; supported: powers 0 (`damping velocity`), 0.5 "
@@ -336,11 +382,11 @@ class SceneKeys:
 
     def _load(self) -> dict[str, Any]:
         """Static loads: forces of the contacts at rest are F0 + g (m_1 + ... + m_n)."""
-        measured, load = self.measured, self.measured.load
-        if np.max(load) <= NEGLIGIBLE * self.scale.force:
+        measured, load = self.measured, self._forces_at_rest
+        if not np.any(load):
             return {}
         weight = np.cumsum(measured.mass, axis=1)[:, :-1]
-        if np.ptp(load) <= 1e-7 * np.max(load):
+        if np.ptp(load) <= self._even_load:
             acceleration, force = 0.0, float(np.mean(load))
         else:
             matrix = np.stack([np.ravel(weight), np.ones(load.size)], axis=1)

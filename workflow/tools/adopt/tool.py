@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 from lammps_inputs import InputError, Scene, strict_yaml
@@ -53,6 +54,25 @@ def write_scene(file: Path, deck: Path, scene: Scene) -> None:
     write_text(file, head + strict_yaml.dump(scene.plain()))
 
 
+MOST_CHAINS = 3
+"""Chains whose atoms are printed."""
+
+
+def _atoms(scene: Scene) -> Iterator[str]:
+    """Lines that say which atom of the deck is which bead."""
+    deck = scene.adopted
+    assert deck is not None
+    yield f"chains along {deck.axis[-1]}: {scene.chains} of {scene.beads} beads"
+    against = f", against {deck.axis[-1]} (velocities have the other sign)" if deck.sign < 0.0 else ""
+    for number, atoms in enumerate(deck.atoms[:MOST_CHAINS], 1):
+        yield f"beads 1 to {scene.beads} of chain {number} are the atoms {atoms}{against}"
+    if len(deck.atoms) > MOST_CHAINS:
+        yield f"atoms of chains {MOST_CHAINS + 1} to {len(deck.atoms)}: key `adopted` of the scene"
+    for side, wall in (("left", deck.left_wall), ("right", deck.right_wall)):
+        if wall is not None:
+            yield f"{side} wall: {wall}"
+
+
 def execute(arguments: argparse.Namespace) -> int:
     """Write the scene, or print every line that no scene can have."""
     file = arguments.output
@@ -65,7 +85,8 @@ def execute(arguments: argparse.Namespace) -> int:
         return 2
     scene = adopted.scene
     print_heading(scene.name, scene.units)
-    print(f"chains along {adopted.axis}: {scene.chains} of {scene.beads} beads")
+    for line in _atoms(scene):
+        print(line)
     for note in adopted.notes:
         print(f"note: {note}")
     part = "" if adopted.steps == adopted.of else f" of {adopted.of}"

@@ -53,7 +53,12 @@ class SceneNumber:
 
 def numbers_of(scene: dict[str, Any]) -> list[SceneNumber]:
     """Numbers of a scene's plain data in their order, lists of numbers as one."""
-    return [SceneNumber(path, fields.label(path, scene).plain, value) for path, value in _leaves(scene, ())]
+    return [SceneNumber(path, fields.label(path, scene).plain, value) for path, value in _leaves(_free(scene), ())]
+
+
+def _free(scene: dict[str, Any]) -> dict[str, Any]:
+    """Plain data of a scene without what describes the deck that it was adopted from."""
+    return {key: value for key, value in scene.items() if key != "adopted"}
 
 
 def _leaves(value: Any, path: fields.Path) -> Iterator[tuple[fields.Path, Any]]:

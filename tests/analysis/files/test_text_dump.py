@@ -1,0 +1,96 @@
+"""Text dumps of an adopted deck: atoms in any order, along any axis, scaled, or beginning late."""
+
+import numpy as np
+import pytest
+
+from analysis.files.text_dump import load_dump
+from lammps_inputs import InputError
+from lammps_inputs.deck_atoms import DeckAtoms, text_of
+
+HEAD = "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS ff ff ff\n-1 1\n-2 2\n{low} {high}\n"
+
+
+def dump(tmp_path, columns, frames, low=0.0, high=8.0):
+    """A dump of frames: step -> rows of text."""
+    path = tmp_path / "mine.dump"
+    parts = []
+    for step, rows in frames.items():
+        parts.append(HEAD.format(step=step, count=len(rows), low=low, high=high) + f"ITEM: ATOMS {columns}\n")
+        parts += [f"{row}\n" for row in rows]
+    path.write_text("".join(parts))
+    return path
+
+
+def deck(**keys):
+    return DeckAtoms(**{"deck": "in.mine", "axis": "z", "atoms": ("7,2,5",), "timestep": 0.5, **keys})
+
+
+FRAMES = {0: ["5 x 4 0", "2 y 3 0.25", "9 w 7 0", "7 x 1 2"], 20: ["9 w 7 0", "7 y 2 1", "5 x 4 0", "2 x 3.5 1"]}
+
+
+def test_beads_are_those_of_the_map_and_other_columns_may_be_text(tmp_path):
+    found = load_dump(dump(tmp_path, "id element z vz", FRAMES), beads=3, timestep=0.5, deck=deck())
+    assert found.time.tolist() == [0.0, 10.0]
+    assert found.displacement[1].tolist() == [[1.0, 0.5, 0.0]]
+    assert found.velocity[:, 0].tolist() == [[2.0, 0.25, 0.0], [1.0, 1.0, 0.0]]
+
+
+def test_against_the_axis_displacements_and_velocities_change_their_sign(tmp_path):
+    path = dump(tmp_path, "id element z vz", FRAMES)
+    along, against = (
+        load_dump(path, beads=3, timestep=0.5, deck=deck(axis=axis, atoms=(atoms,)))
+        for axis, atoms in (("z", "7,2,5"), ("-z", "5,2,7"))
+    )
+    assert np.array_equal(against.displacement[..., ::-1], -along.displacement)
+    assert np.array_equal(against.velocity[..., ::-1], -along.velocity)
+
+
+def test_scaled_positions_are_those_in_the_box_of_their_frame(tmp_path):
+    rows = {0: ["7 0.25", "2 0.5", "5 0.75"], 4: ["7 0.375", "2 0.5", "5 0.75"]}
+    found = load_dump(dump(tmp_path, "id zs", rows, low=-4.0, high=4.0), beads=3, timestep=0.5, deck=deck())
+    assert (found.position[0].tolist(), found.position_unit) == ([[0.25, 0.5, 0.75]], 8.0)
+    assert found.displacement[1].tolist() == [[1.0, 0.0, 0.0]]
+    assert found.velocity is None
+
+
+def test_a_bead_that_the_dump_lacks_is_unknown(tmp_path):
+    rows = {0: ["7 1 2", "2 3 0"], 1: ["7 2 1", "2 3 1"]}
+    found = load_dump(dump(tmp_path, "id z vz", rows), beads=3, timestep=0.5, deck=deck())
+    assert np.isnan(found.velocity[:, 0, 2]).all()
+    assert found.velocity[:, 0, :2].tolist() == [[2.0, 0.0], [1.0, 1.0]]
+
+
+def test_steps_are_counted_from_the_first_of_the_deck(tmp_path):
+    frames = {step + 300: rows for step, rows in FRAMES.items()}
+    found = load_dump(dump(tmp_path, "id element z vz", frames), 3, 0.5, deck(first_step=300))
+    assert found.time.tolist() == [0.0, 10.0]
+
+
+def test_a_dump_that_begins_late_has_velocities_alone_and_is_refused_without(tmp_path):
+    late = {step + 300: rows for step, rows in FRAMES.items()}
+    found = load_dump(dump(tmp_path, "id element z vz", late), 3, 0.5, deck())
+    assert found.displacement is None
+    assert found.time.tolist() == [150.0, 160.0]
+    with pytest.raises(InputError, match="begins at step 300, after the start"):
+        load_dump(dump(tmp_path, "id element z fz", late), 3, 0.5, deck())
+
+
+@pytest.mark.parametrize(
+    ("columns", "atoms", "says"),
+    [
+        ("id element x vx", "7,2,5", "id, and z or vz, are needed"),
+        ("id element z vz", "70-72", "has none of the atoms of in.mine that are beads"),
+    ],
+)
+def test_a_dump_of_another_axis_or_other_atoms_is_refused(columns, atoms, says, tmp_path):
+    with pytest.raises(InputError, match=says):
+        load_dump(dump(tmp_path, columns, FRAMES), 3, 0.5, deck(atoms=(atoms,)))
+
+
+@pytest.mark.parametrize(
+    "atoms", [[1, 2, 3], [30, 29, 28, 2], [1, 3, 5, 7], [5, 1, 2, 3, 9], [8, 1], [58, 55, 52, 1], [4, 11, 2, 1]]
+)
+def test_atoms_are_those_of_their_text(atoms):
+    text = text_of(np.array(atoms))
+    assert deck(atoms=(text,)).numbers.tolist() == [atoms]
+    assert len(text) <= len(",".join(map(str, atoms)))
