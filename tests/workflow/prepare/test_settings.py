@@ -394,11 +394,11 @@ def test_with_force_it_runs_until_its_energy_is_wrong_and_is_analysed(tmp_path):
 
 
 def test_a_deck_is_written_with_force(tmp_path, capsys):
-    path = written(tmp_path, beyond(3.0))
+    path = written(tmp_path, beyond(2.0))
     assert main(["deck", str(path), "-o", str(tmp_path / "deck"), "--force"]) == 0
     assert "in.chains" in capsys.readouterr().out
 
 
 def test_the_reference_which_takes_steps_of_its_own_is_not_refused(tmp_path):
-    run(beyond(3.0), tmp_path / "run", engine="reference")
+    run(beyond(2.0), tmp_path / "run", engine="reference")
     assert RunDirectory(tmp_path / "run").job.outcome == "done"
