@@ -372,7 +372,7 @@ def analyze(
         0.4692
     """
     chosen, directory = None if beads is None else tuple(beads), directory_of(run)
-    derivatives = of_run(directory, gradient, by) if gradient else ()
+    derivatives = of_run(directory, gradient, by)
     analysis = analysing.analyse(directory, beads=chosen, figures=figures, arrival=arrival)
     return with_derivatives(analysis, directory, derivatives)
 
