@@ -9,17 +9,18 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, ValidationError, create_model, field_validator, model_validator
 
 from lammps_inputs import html, laws, physics, strict_yaml
 from lammps_inputs import scheme as schemes
+from lammps_inputs.complaints import describe
 from lammps_inputs.deck_atoms import DeckAtoms
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import contacts, plastic
 from lammps_inputs.ingredients.base import Count, FurtherAtoms, Ingredient, Positive, ScenePart, refuse_outside
 from lammps_inputs.ingredients.material import Material
-from lammps_inputs.ingredients.registry import INGREDIENTS, OWN_INGREDIENTS
+from lammps_inputs.ingredients.registry import INGREDIENTS, OWN_INGREDIENTS, SEVERAL
 from lammps_inputs.ingredients.unequal import (
     Disorder,
     Kinds,
@@ -84,9 +85,6 @@ _EXCITATIONS = {
     "drive": "velocity amplitude of the drive",
 }
 
-SEVERAL = {"kick", "replace", *(key for key, ingredient in INGREDIENTS.items() if ingredient.several)}
-"""Keys that may hold a list of parts."""
-
 
 class Kick(ScenePart):
     """An initial velocity of one bead, towards higher bead numbers when positive."""
@@ -108,7 +106,24 @@ class Kick(ScenePart):
         return value
 
 
-class BaseScene(ScenePart):
+class SceneType(type(BaseModel)):  # type: ignore[misc]
+    """Type of scenes, which states in one line why keys and values that Python passes make none."""
+
+    def __call__(cls, *values: Any, **parts: Any) -> Any:
+        """A scene.
+
+        Raises:
+            InputError: a value without a key, an unknown key, or a value that is not valid; it names the key.
+        """
+        if values:
+            raise InputError("Scene takes its keys by name, such as beads=20; `granchain.load` takes a mapping")
+        try:
+            return super().__call__(**parts)
+        except ValidationError as error:
+            raise InputError(f"scene: {describe(error, cls, parts)}") from None
+
+
+class BaseScene(ScenePart, metaclass=SceneType):
     """Identical chains of touching or gapped beads on parallel lines, kicked at the start.
 
     Beside the keys here, a scene has one for each ingredient that it names.
@@ -701,7 +716,7 @@ def _annotation(ingredient: type[Ingredient]) -> Any:
 
 if TYPE_CHECKING:
 
-    class Scene(BaseScene):
+    class Scene(BaseScene):  # type: ignore[metaclass]
         """Scene with the ingredients' keys, which are determined when the package is loaded."""
 
         def __init__(self, **parts: Any) -> None: ...

@@ -5,7 +5,8 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 
-from lammps_inputs.scene import SEVERAL, Scene
+from lammps_inputs.ingredients.registry import SEVERAL
+from lammps_inputs.scene import Scene
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 

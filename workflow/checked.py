@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal, ParamSpec, TypeVar, Union, get_args,
 
 import numpy as np
 
-from lammps_inputs import InputError, library
+from lammps_inputs import InputError, complaints
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -131,7 +131,7 @@ def _refuse_names(
     """Refuse a call whose arguments are not those of the function."""
     for name in by_name:
         if name not in known:
-            hint = library.suggestion(name[:SHOWN], known) or f"; arguments are {', '.join(known)}"
+            hint = complaints.suggestion(name[:SHOWN], known) or f"; arguments are {', '.join(known)}"
             raise InputError(f"{name[:SHOWN]}: is no argument of {function}{hint}")
     free = [
         name
@@ -256,7 +256,7 @@ def path(value: Any) -> Path:
 
 def _word(value: Any, words: Sequence[str]) -> str:
     if not isinstance(value, str) or value not in words:
-        hint = library.suggestion(value[:SHOWN], words) if isinstance(value, str) else ""
+        hint = complaints.suggestion(value[:SHOWN], words) if isinstance(value, str) else ""
         raise ValueError(f"{' or '.join(map(repr, words))}{hint}")
     return str(value)
 

@@ -180,9 +180,9 @@ def parser(names: Sequence[str]) -> argparse.ArgumentParser:
     subparsers = top_level.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name in names:
         if name not in COMMANDS and not name.startswith("-"):
-            from lammps_inputs import library  # what a scene may be takes a while to load
+            from lammps_inputs import complaints  # what a scene may be takes a while to load
 
-            hint = library.suggestion(name[:200], COMMANDS)
+            hint = complaints.suggestion(name[:200], COMMANDS)
             raise InputError(f"{name[:60]!r} is no command{hint}; `granchain --help` lists all")
     for name in commands or COMMANDS:
         summary = summary_of(name)

@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 from pydantic import BaseModel
 
 from lammps_inputs import Scene, installed_scenes, plugins
-from lammps_inputs.library import model_in
+from lammps_inputs.complaints import model_in
 from lammps_inputs.materials import CATALOGUE
 from workflow import cli
 from workflow.study_kit.options import example_file

@@ -170,7 +170,7 @@ def residual_figure(
     axes[-1].set_xlabel(time.label(FrameContent, "time"))
     axes[0].legend(loc="upper right")
     more = f"; {len(measured.channels) - count} more channels" if len(measured.channels) > count else ""
-    head(figure, f"{problem.name}: data and run{more}{mark}")
+    head(figure, f"{title(problem)}\ndata and run{more}{mark}")
     return figure
 
 

@@ -176,46 +176,69 @@ class Sharing:
         """[place, chain] energy of the exact wave of this amplitude, over the energy input; 0 where no wave counts."""
         return np.nan_to_num(self.exact.energy_at(self.amplitude)) / self.energy
 
-    @cached_property
+    @property
     def beats(self) -> Floats:
-        """Beads, [beat] in fractions, at which the amplitude of the kicked chain crosses the chains' mean.
+        """Beads, [beat] in fractions, at which the amplitude of the kicked chain crosses the chains' mean."""
+        return self._crossings[0]
+
+    @cached_property
+    def _crossings(self) -> tuple[Floats, Floats]:
+        """Beads of the beats, and how far the errors of the amplitudes move them, each [beat].
 
         Changes of sign after which the deviation stays below `SMALLEST_BEAT` are left out, and
         so are two that are less than the distance of two places apart.
         """
+        none = np.zeros(0), np.zeros(0)
         if len(self) < 2:
-            return np.zeros(0)
+            return none
         mean = self._mean
         deviation = self.amplitude[:, self.kicked] / mean - 1.0
         large = np.flatnonzero(np.abs(deviation) > SMALLEST_BEAT)
         if len(large) < 2:
-            return np.zeros(0)
-        bead, deviation = self.bead[large], deviation[large]
+            return none
+        bead, deviation, error = self.bead[large], deviation[large], 2.0 * (self.largest_error / mean)[large]
         change = np.flatnonzero(np.sign(deviation[1:]) != np.sign(deviation[:-1]))
         before, after = deviation[change], deviation[change + 1]
-        crossings = bead[change] + (bead[change + 1] - bead[change]) * before / (before - after)
+        apart = (bead[change + 1] - bead[change]) / np.abs(before - after)
+        crossings = bead[change] + apart * np.abs(before)
+        errors = apart * np.maximum(error[change], error[change + 1])
         while len(crossings) > 1 and np.min(np.diff(crossings)) < np.min(np.diff(self.bead)):
             nearest = int(np.argmin(np.diff(crossings)))
-            crossings = np.delete(crossings, [nearest, nearest + 1])
-        return np.asarray(crossings)
+            crossings, errors = (np.delete(array, [nearest, nearest + 1]) for array in (crossings, errors))
+        return np.asarray(crossings), np.asarray(errors)
+
+    @property
+    def largest_error(self) -> Floats:
+        """[place] largest error of an amplitude, in units of V; errors that are not known count as 0."""
+        if self.amplitude_error is None or len(self) == 0:
+            return np.zeros(len(self))
+        return np.asarray(np.max(np.nan_to_num(self.of_tied(self.amplitude_error)), axis=1))
 
     @cached_property
     def beat_length(self) -> Estimate | None:
         """Beads from one excess of a chain to its next; None before half a beat was seen.
 
-        Mean over the half beats seen, with the standard deviation from one to another (one alone: half of it).
+        Mean over the half beats seen, with the standard deviation from one to another (one alone: half of it), and
+        with what the errors of the amplitudes change: by at most half a half beat at either end.
         """
         half = np.diff(self.beats)
         if len(half) == 0:
             return None
-        scatter = float(np.std(half, ddof=1)) if len(half) > 1 else 0.5 * float(half[0])
-        return Estimate(2.0 * float(np.mean(half)), 2.0 * scatter)
+        mean = float(np.mean(half))
+        errors = np.minimum(self._crossings[1][[0, -1]], 0.5 * mean)
+        return Estimate(2.0 * mean, 2.0 * (self._scatter + float(np.sum(errors)) / len(half)))
+
+    @property
+    def _scatter(self) -> float:
+        """Standard deviation of the half beats, in beads; half of one alone."""
+        half = np.diff(self.beats)
+        return float(np.std(half, ddof=1)) if len(half) > 1 else 0.5 * float(half[0])
 
     @property
     def regular_beat(self) -> Estimate | None:
         """The beat length where half beats are alike; None before half a beat was seen."""
         beat = self.beat_length
-        return beat if beat is not None and beat.uncertainty <= REGULAR * beat.value else None
+        return beat if beat is not None and 2.0 * self._scatter <= REGULAR * beat.value else None
 
     @cached_property
     def half_beat(self) -> float | None:
@@ -288,7 +311,8 @@ class Sharing:
 
         The uncertainty is the difference to what the last two half beats alone say, or, if only two were seen, half the
         distance still to go; at least half a beat and 5% of that distance, and what follows from a top that lies up to
-        half a bead beside a recorded one. None without two whole half beats, or if the beats do not decay.
+        half a bead beside a recorded one; beside that, what the errors of the amplitudes change. None without two whole
+        half beats, or if the beats do not decay.
         """
         tops = self._tops()
         if len(tops) < 2:
@@ -303,7 +327,9 @@ class Sharing:
         missed = 1.0 - math.cos(0.5 * math.pi / max(1.0, half))
         decay = span / max(math.log(tops[-3:, 1].max() / tops[-1, 1]), 1e-9)
         beside = missed * min(decay, value) * (1.0 + ahead / span)
-        return Estimate(value, max(other, 0.05 * ahead + half + beside))
+        errors = np.interp(tops[-3:, 0], self.bead, self.largest_error / self._mean) * (2.0 / tops[-3:, 1] + 1.0)
+        of_run = error_of_crossing(tops[-3:, 0], np.log(tops[-3:, 1]), math.log(tolerance), errors)
+        return Estimate(value, max(other, 0.05 * ahead + half + beside) + of_run)
 
     def _tops(self) -> Floats:
         """[half beat, (bead, mismatch)] where the mismatch is largest between two changes of sign."""
@@ -445,3 +471,19 @@ def _extrapolated(tops: Floats, tolerance: float) -> float | None:
     """Bead at which an exponential through (bead, mismatch) rows reaches a tolerance; None if it does not fall."""
     slope, intercept = np.polyfit(tops[:, 0], np.log(tops[:, 1]), 1)
     return float((np.log(tolerance) - intercept) / slope) if slope < 0.0 else None
+
+
+def error_of_crossing(places: Floats, values: Floats, level: float, errors: Floats) -> float:
+    """Bound on the error of where the line fitted to values crosses a level, by errors of the values.
+
+    Args:
+        places: where the values are, [value].
+        values: what the line is fitted to, [value].
+        level: value of the line that is asked for.
+        errors: bounds on the errors of the values, small against their range, [value].
+    """
+    slope, intercept = np.polyfit(places, values, 1)
+    offset = places - np.mean(places)
+    lever = (level - intercept) / slope - np.mean(places)
+    weights = 1.0 / len(places) + lever * offset / np.sum(offset**2)
+    return float(np.sum(np.abs(weights) * errors) / abs(slope))

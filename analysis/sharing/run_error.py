@@ -23,7 +23,7 @@ from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey, numbered
-from analysis.sharing.verdict import verdict_on
+from analysis.sharing.verdict import fit_decay, verdict_on
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats, mirrored_problem
@@ -84,6 +84,7 @@ def with_run_error(survey: Survey, error: RunError) -> Survey:
     problem = survey.problem
     shared, pulses = _of_shared(survey.shared, error), tuple(_of_pulse(pulse, survey, error) for pulse in survey.pulses)
     along = problem if survey.direction > 0 else mirrored_problem(problem)
+    decay = fit_decay(shared.followed, along)
     return replace(
         survey,
         waves=_of_waves(survey, error),
@@ -91,7 +92,8 @@ def with_run_error(survey: Survey, error: RunError) -> Survey:
         characters=tuple(_of_character(*each, error) for each in zip(survey.characters, pulses, strict=True)),
         shared=shared,
         energies=_of_energies(survey.energies, shared, error),
-        verdict=numbered(verdict_on(shared.followed, along, survey.decay), survey.direction),
+        decay=decay,
+        verdict=numbered(verdict_on(shared.followed, along, decay), survey.direction),
     )
 
 

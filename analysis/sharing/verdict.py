@@ -21,6 +21,7 @@ from analysis.sharing.equipartition import (
     AGREEMENT,
     Estimate,
     Sharing,
+    error_of_crossing,
     last_springs,
     resolved,
     unlike,
@@ -52,7 +53,11 @@ class DecayFit:
     last: int = declare("last bead of the fit")
     v0: float = declare(f"amplitude at the kick; {SINGLE_CHAIN} expected", "V", symbol="v_0")
     n_star: float = declare("beads from the kicked one at which the pulse would end", "beads", symbol="n^*")
-    n_star_error: float = declare("standard error of ``n_star``", "beads")
+    n_star_error: float = declare(
+        "standard error of ``n_star``, and what the errors of the amplitudes change, by the time between frames and by "
+        "the run (``run_error``)",
+        "beads",
+    )
     n_star_expected: float = declare(
         "``n_star`` of theory, for a kick of the first bead", "beads", "another bead was kicked"
     )
@@ -116,12 +121,14 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
     law = (intercept + slope * distance) ** 2.5
     relative = covariance[0, 0] / slope**2 + covariance[1, 1] / intercept**2
     relative -= 2.0 * covariance[0, 1] / (slope * intercept)
+    errors = 0.4 * shared.largest_error[used] / amplitude**0.6
     return DecayFit(
         first=int(shared.bead[used[0]]),
         last=int(shared.bead[used[-1]]),
         v0=float(intercept**2.5),
         n_star=n_star,
-        n_star_error=n_star * float(np.sqrt(max(relative, 0.0))),
+        n_star_error=n_star * float(np.sqrt(max(relative, 0.0)))
+        + error_of_crossing(distance, amplitude**0.4, 0.0, errors),
         n_star_expected=expected_n_star(springs) if kicked_bead == 1 else float("nan"),
         deviation=float(np.max(np.abs(law / amplitude - 1.0))),
     )

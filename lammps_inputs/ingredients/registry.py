@@ -72,6 +72,9 @@ for _module in filter(None, (name.strip() for name in os.environ.get(OWN_INGREDI
     INGREDIENTS |= _own
     NEEDS |= dict.fromkeys(_own, f"{OWN_INGREDIENTS}={_module}")
 
+SEVERAL = {"kick", "replace", *(key for key, ingredient in INGREDIENTS.items() if ingredient.several)}
+"""Keys that may hold a list of parts."""
+
 
 def environment_of_children() -> dict[str, str]:
     """Environment variables by which a process of Python finds the same modules in any working directory."""

@@ -14,9 +14,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from lammps_inputs import schema, strict_yaml
+from lammps_inputs.complaints import describe
 from lammps_inputs.errors import InputError
 from lammps_inputs.jobs.schedulers import SCHEDULERS, Scheduler
-from lammps_inputs.library import describe
 from lammps_inputs.output import Limits
 
 VARIABLE = "GRANCHAIN_SITE"

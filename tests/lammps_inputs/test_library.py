@@ -11,6 +11,7 @@ from strategies import VALUES, YAML_LIKE
 from lammps_inputs import (
     InputError,
     Scene,
+    complaints,
     find,
     installed_scenes,
     library,
@@ -46,7 +47,7 @@ def test_the_scene_that_the_mistakes_are_made_in_is_good():
 
 def parts(model):
     """A model of a scene and all that it holds."""
-    inner = (library.model_in(field.annotation) for field in model.model_fields.values())
+    inner = (complaints.model_in(field.annotation) for field in model.model_fields.values())
     return {model, *(found for part in inner if part is not None for found in parts(part))}
 
 

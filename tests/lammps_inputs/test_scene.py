@@ -56,7 +56,7 @@ def test_a_scene_is_a_problem_of_finite_numbers_whose_fastest_kick_is_1(scene):
 def test_a_name_is_letters_digits_dot_underscore_and_hyphen_or_refused(name, extra):
     try:
         accepted = scene(name=name + extra).name
-    except ValidationError:
+    except InputError:
         assert not ALLOWED.fullmatch(name + extra)
     else:
         assert ALLOWED.fullmatch(accepted)
@@ -68,7 +68,7 @@ def test_a_name_is_letters_digits_dot_underscore_and_hyphen_or_refused(name, ext
 def test_a_description_is_one_line_or_refused(description):
     try:
         accepted = scene(description=description).description
-    except ValidationError:
+    except InputError:
         assert len(description) > 200 or re.search(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]", description)
     else:
         assert len(f"{accepted}.".splitlines()) == 1
@@ -118,7 +118,7 @@ def test_a_time_step_that_divides_a_frame_is_taken_as_it_is(steps):
 
 
 def test_the_suggested_time_step_is_accepted():
-    with pytest.raises(ValidationError) as caught:
+    with pytest.raises(InputError) as caught:
         scene(timestep=0.0123, output=Output(every=0.1))
     suggested = float(re.search(r"try (\S+)", str(caught.value)).group(1))
     assert scene(timestep=suggested, output=Output(every=0.1)).timestep == suggested
@@ -160,3 +160,29 @@ def test_every_number_of_a_scene_says_its_unit_beside_it():
     found = dict(numbers(Scene))
     assert {"kick.velocity", "coupling.stiffness.from", "gravity.acceleration", "kinds.mass"} <= found.keys()
     assert [name for name, parts in found.items() if not any(isinstance(part, Unit) for part in parts)] == []
+
+
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        ({"beads": "x"}, "scene: beads: should be a whole number, 'x' given"),
+        ({"beads": 5.5}, "scene: beads: should be a whole number, 5.5 given"),
+        ({"kick": 3}, "scene: kick[1]: should hold `key: value` pairs, such as `kick: {velocity: 1}`, 3 given"),
+        ({"coupling": [1]}, "scene: coupling: should hold `key: value` pairs"),
+        ({"output": {"every": "x"}}, "scene: output.every: should be a number, 'x' given"),
+        ({"copling": 1}, "scene: copling: unknown key (did you mean `coupling`?)"),
+        ({"kick": Kick(bead=99, velocity=1.0)}, "scene: kick.bead: 99 is outside the array (beads 1 to 9)"),
+        ({"duration": None}, "scene: duration: give either duration or until_bead"),
+    ],
+    ids=str,
+)
+def test_a_scene_of_wrong_keys_or_values_in_python_is_refused_in_one_line(parts, message):
+    with pytest.raises(InputError) as refused:
+        scene(**parts)
+    assert str(refused.value).startswith(message)
+    assert "\n" not in str(refused.value)
+
+
+def test_values_without_keys_are_no_scene():
+    with pytest.raises(InputError, match="keys by name"):
+        Scene({"name": "a", "beads": 9})

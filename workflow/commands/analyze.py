@@ -45,11 +45,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print a short table; write waves.csv, analysis.json and figures, and with ``--gradient`` gradient.csv."""
-    if arguments.by is not None and arguments.gradient is None:
-        raise InputError("--by: names fields for --gradient, which is missing")
     directory = RunDirectory(arguments.directory)
     by = None if arguments.by is None else arguments.by.split(",")
-    derivatives = () if arguments.gradient is None else of_run(directory, arguments.gradient.split(","), by)
+    derivatives = of_run(directory, () if arguments.gradient is None else arguments.gradient.split(","), by)
     analysis = analyse(
         directory,
         beads=_beads(arguments.beads),

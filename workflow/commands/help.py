@@ -4,7 +4,7 @@ import argparse
 import textwrap
 from collections.abc import Iterator
 
-from lammps_inputs import InputError, Scene, handbook, library
+from lammps_inputs import InputError, Scene, complaints, handbook
 from workflow import cli, vocabulary
 
 MOST_SHOWN = 6
@@ -112,4 +112,4 @@ def _suggestion(phrase: str) -> str:
     names |= {place.path[-1] for place in places() if place.path}
     names |= {name.rpartition(".")[2] for name in names}
     spelt = dict.fromkeys([phrase[:200], phrase[:200].lower(), phrase[:200].replace(" ", "_")])
-    return next(filter(None, (library.suggestion(word, sorted(names)) for word in spelt)), "")
+    return next(filter(None, (complaints.suggestion(word, sorted(names)) for word in spelt)), "")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from analysis.compare.common_times import on_common_rows, velocity_error
-from lammps_inputs import InputError, Problem, Scene, library, physics, scheme
+from lammps_inputs import InputError, Problem, Scene, complaints, physics, scheme
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
 from lammps_inputs.scene import DEFAULT_ACCURACY
@@ -513,7 +513,7 @@ def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, ChosenStep]:
     try:
         settled = Scene.model_validate({**fields, "accuracy": None, "timestep": every / steps})
     except ValidationError as error:
-        wrong = library.describe(error, Scene)
+        wrong = complaints.describe(error, Scene)
         raise InputError(f"{where}: {accuracy:g} needs a time step of {every / steps:.3g}; {wrong}") from None
     return settled, replace(
         choice,

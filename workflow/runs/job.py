@@ -197,7 +197,7 @@ def load(path: Path) -> Job:
     try:
         return Job.model_validate(from_json(raw, allow_inf_nan=False))
     except ValidationError as error:
-        from lammps_inputs.library import describe  # loads all that a scene may be
+        from lammps_inputs.complaints import describe  # loads all that a scene may be
 
         raise InputError(f"{path}: cannot be read ({describe(error, Job)})") from None
     except ValueError as error:

@@ -72,7 +72,7 @@ def gradient(
             both sides of its own.
     """
     for name in quantities:
-        scene_quantities.refuse_unknown(name, source, "quantity")
+        scene_quantities.refuse_unknown(name, f"{source}: --gradient", "quantity")
         if reason := why_no_derivative(name):
             raise InputError(f"{source}: --gradient: {reason}")
     varied = VariedScene.of(plain, tuple(dict.fromkeys(quantities)), by, source)
@@ -198,12 +198,16 @@ def of_run(directory: RunDirectory, quantities: Sequence[str], by: Sequence[str]
 
     Args:
         directory: the run's directory.
-        quantities: names of quantities.
+        quantities: names of quantities; none for no derivatives.
         by: dotted paths of fields; None for all numbers of the scene.
 
     Raises:
-        InputError: see `gradient`; or the beads of the run do not deform.
+        InputError: see `gradient`; or the beads of the run do not deform, or there are fields without quantities.
     """
+    if not quantities:
+        if by is not None:
+            raise InputError("--by: names fields for --gradient, which is missing")
+        return ()
     if not ENGINES[directory.engine].deforms:
         raise InputError(f"--gradient: {directory.path} is a run of rigid beads, which has no derivatives")
     return tuple(gradient(directory.scene.plain(), quantities, by, str(directory.path)))

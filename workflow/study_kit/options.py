@@ -10,7 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from lammps_inputs import InputError, file_names, library, strict_yaml
+from lammps_inputs import InputError, complaints, file_names, strict_yaml
 from lammps_inputs.jobs.job import render_command
 from lammps_inputs.jobs.site import JobOptions
 from lammps_inputs.units import Label
@@ -50,7 +50,7 @@ def refuse_unknown_parts(command: str, parts: Iterable[str], names: Collection[s
     """
     for name in parts:
         if name not in names:
-            hint = library.suggestion(name[:60], names)
+            hint = complaints.suggestion(name[:60], names)
             raise InputError(f"{command}: {name[:60]!r} given{hint}; of {', '.join(names)}")
 
 

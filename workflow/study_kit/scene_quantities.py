@@ -18,7 +18,7 @@ from analysis.sharing.survey import survey
 from analysis.tracking.leading_waves import Waves, leading_waves, opposed
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Trajectory, blocks, direction_of
-from lammps_inputs import InputError, Problem, Scene, library, physics
+from lammps_inputs import InputError, Problem, Scene, complaints, library, physics
 from lammps_inputs.units import REDUCED, SI, Label
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
@@ -77,7 +77,7 @@ def refuse_unknown(name: str, where: str, kind: str) -> None:
     if base in AT_BEAD and not bead:
         raise InputError(f"{where}: {name[:60]!r} should end in the number of a bead, such as {base}@100")
     if not base and name not in KNOWN:
-        hint = library.suggestion(name, KNOWN) or f"; known are {', '.join(KNOWN)}"
+        hint = complaints.suggestion(name, KNOWN) or f"; known are {', '.join(KNOWN)}"
         raise InputError(f"{where}: {name[:60]!r} is no {kind}{hint}")
 
 

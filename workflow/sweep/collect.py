@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analysis.quantity import data_frame, structured, to_csv
 from analysis.sharing.verdict import EquipartitionState
 from analysis.trajectory import Flags, Floats
-from lammps_inputs import InputError, file_names, html, library, strict_yaml
+from lammps_inputs import InputError, complaints, file_names, html, strict_yaml
 from lammps_inputs.numbers import text
 from lammps_inputs.units import REDUCED, Label
 from workflow.runs.files import RECORD, write_figure
@@ -197,7 +197,7 @@ class SweepTable:
         """
         if name not in self.columns:
             names = [each for each in self.columns if each not in ("case", "outcome", "reason")]
-            hint = library.suggestion(str(name)[:60], names) or f"; columns are {', '.join(names)}"
+            hint = complaints.suggestion(str(name)[:60], names) or f"; columns are {', '.join(names)}"
             raise InputError(f"name: {str(name)[:60]!r} is no column{hint}")
         values = (row[name] for row in self.rows)
         return np.array(
@@ -512,7 +512,7 @@ def refuse_unless_numeric(option: str, name: str) -> None:
     column = column_called(name)
     if column is None or not column.label:
         numeric = [name for name, quantity in QUANTITIES.items() if quantity.label]
-        hint = library.suggestion(name[:60], numeric)
+        hint = complaints.suggestion(name[:60], numeric)
         raise InputError(
             f"{option}: {name[:60]!r} given{hint}; should be one of {', '.join(numeric)}, or of the leading wave at a "
             f"bead: {', '.join(f'{base}@100' for base in AT_BEAD)}"

@@ -15,11 +15,10 @@ from annotated_types import Ge, Gt, Le
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from lammps_inputs import InputError, Scene, library
+from lammps_inputs import InputError, Scene, complaints
 from lammps_inputs.ingredients.base import ScenePart
 from lammps_inputs.ingredients.by_formula import ByFormula
-from lammps_inputs.ingredients.registry import INGREDIENTS
-from lammps_inputs.scene import SEVERAL
+from lammps_inputs.ingredients.registry import INGREDIENTS, SEVERAL
 from lammps_inputs.units import Label, Unit
 
 _STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(?:\[([1-9][0-9]{0,5})\])?")
@@ -107,7 +106,7 @@ def all_fields(model: type[BaseModel], above: str = "") -> tuple[str, ...]:
     paths: list[str] = []
     for name, field in model.model_fields.items():
         paths.append(f"{above}{name}")
-        part = library.model_in(field.annotation)
+        part = complaints.model_in(field.annotation)
         if part is not None:
             paths += all_fields(part, f"{above}{name}.")
     return tuple(paths)
@@ -246,7 +245,7 @@ def _field(path: Path) -> FieldInfo | None:
         by_key = {} if model is None else {field.alias or name: field for name, field in model.model_fields.items()}
         if key in by_key:  # else a name of the user's
             last = by_key[key]
-            model = library.model_in(last.annotation)
+            model = complaints.model_in(last.annotation)
     alone = model.alone if model is not None and issubclass(model, ScenePart) else None
     return last if model is None or alone is None else model.model_fields[alone]
 

@@ -25,7 +25,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, ValidationError, model_validator
 
-from lammps_inputs import InputError, Scene, installed_scenes, library, schema, strict_yaml
+from lammps_inputs import InputError, Scene, complaints, installed_scenes, library, schema, strict_yaml
 from lammps_inputs.numbers import text
 from workflow.sweep import fields
 
@@ -72,7 +72,7 @@ def validated(kind: type[Kind], data: Any, where: str, wanted: str = "") -> Kind
         return kind.model_validate(data)
     except ValidationError as error:
         mistaken = library.mistaken(data, wanted) if wanted else ""
-        raise InputError(f"{where}{mistaken or library.describe(error, kind)}") from None
+        raise InputError(f"{where}{mistaken or complaints.describe(error, kind)}") from None
 
 
 class SpacedValues(SweepPart):
@@ -259,7 +259,7 @@ def scene_in(entry: Any, path: Path, key: str = "scene") -> dict[str, Any]:
             return library.load_plain(place)
     except (OSError, ValueError):
         pass
-    hint = library.suggestion(entry[:200], installed)
+    hint = complaints.suggestion(entry[:200], installed)
     raise InputError(f"{path}: {key}: {entry[:60]!r} is neither a file nor an installed scene{hint}")
 
 

@@ -399,7 +399,8 @@ class Equipartition:
     )
     energy_share: EnergyShare = declare("energy in the leading waves at the last clear bead")
     beat_length: Estimate | None = declare(
-        "beat length: twice the mean of the half beats seen, and twice their standard deviation",
+        "beat length: twice the mean of the half beats seen, and twice their standard deviation, with what the errors "
+        "of the amplitudes change, by the time between frames and by the run (``run_error``)",
         "beads",
         f"no half beat is seen, or they scatter by over half of their mean; {UNRESOLVED}",
         columns=(

@@ -169,7 +169,9 @@ def test_what_is_left_of_a_trace_is_data_minus_run_in_units_of_the_noise(problem
     unit = np.array([scale.force, scale.velocity])
     given = Traces(time * scale.time, channels, np.array([[2.0, 20.0], [4.0, 50.0]]) * unit, scale.si)
     found = np.array([[1.0, 20.0], [7.0, 10.0]]) * unit
-    traces, left, *others = residual_figure(problem, given, found, np.array([2.0, 10.0]) * unit).axes
+    figure = residual_figure(problem, given, found, np.array([2.0, 10.0]) * unit)
+    assert figure.get_suptitle().replace("\n", " ").startswith(title(problem).replace("\n", " "))
+    traces, left, *others = figure.axes
     assert traces.get_ylabel().startswith("force contact 2 chain 3\n")
     data, run = (
         next(line for line in traces.get_lines() if line.get_label() == name).get_ydata() for name in ("data", "run")

@@ -1,6 +1,7 @@
 """Known beads of agreement, and synthetic sharings of known mismatch, beat and decay."""
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic_waves import of_keys, problem, reference, surveyed
 
-from analysis.sharing.equipartition import Sharing, runs_exact_waves
+from analysis.sharing.equipartition import Sharing, error_of_crossing, runs_exact_waves
 from analysis.sharing.impulses import measure
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState, expected_n_star, fit_decay, verdict_on
@@ -369,3 +370,44 @@ def test_where_amplitudes_have_no_limit_the_reason_is_stated(why, keys):
 def test_exact_waves_run_in_touching_equal_elastic_beads_without_a_load(keys, exact):
     plain = {"chains": 1, "beads": 20, "kick": {"velocity": 1.0}, "duration": 5.0}
     assert runs_exact_waves(of_keys(**{**plain, **keys}).system) == exact
+
+
+def with_error(shared: Sharing, error: float, seed: int = 0) -> tuple[Sharing, Sharing]:
+    """Amplitudes with a bound on their errors, and amplitudes that differ by as much."""
+    signs = np.random.default_rng(seed).choice([-1.0, 1.0], shared.amplitude.shape)
+    bounds = np.full(shared.amplitude.shape, error)
+    moved = shared.amplitude + error * signs
+    return (replace(shared, amplitude_error=bounds), replace(shared, amplitude=moved, amplitude_error=bounds))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_beat_length_moves_within_its_uncertainty_when_amplitudes_err(seed):
+    bounded, moved = with_error(beating(0.36, 30.0, 80.0, 100), 1e-3, seed)
+    assert bounded.beat_length.uncertainty > 5.0 * beating(0.36, 30.0, 80.0, 100).beat_length.uncertainty
+    assert abs(moved.beat_length.value - bounded.beat_length.value) <= bounded.beat_length.uncertainty
+
+
+def test_half_a_beat_is_seen_however_large_the_errors_of_amplitudes_are():
+    shared = beating(0.36, 30.0, 80.0, 30)
+    assert len(shared.beats) == 2
+    bounded = replace(shared, amplitude_error=np.full(shared.amplitude.shape, 0.1))
+    assert bounded.regular_beat.value == shared.regular_beat.value
+    assert bounded.regular_beat.uncertainty > shared.regular_beat.uncertainty
+
+
+@settings(max_examples=50)
+@given(st.integers(3, 40), st.floats(1e-6, 1e-4), st.integers(0, 10**6))
+def test_a_crossing_of_a_fitted_line_moves_by_at_most_its_error_and_by_as_much_in_the_worst_case(count, size, seed):
+    places, level = np.arange(10.0, 10.0 + count), 0.2
+    values = 1.0 - 0.01 * places
+    bound = error_of_crossing(places, values, level, np.full(count, size))
+
+    def crossing(signs: np.ndarray) -> float:
+        slope, intercept = np.polyfit(places, values + size * signs, 1)
+        return float((level - intercept) / slope)
+
+    exact = crossing(np.zeros(count))
+    drawn = np.random.default_rng(seed).choice([-1.0, 1.0], count)
+    assert abs(crossing(drawn) - exact) <= 1.1 * bound  # slopes change by 3 % at most
+    each = [abs(crossing(unit) - exact) for unit in np.eye(count)]
+    assert sum(each) == pytest.approx(bound, rel=0.05)

@@ -80,3 +80,13 @@ def test_forces_impulses_and_dwells_cover_the_error_of_the_run(run):
         added = getattr(total, f"{name}_error") - getattr(of_frames, f"{name}_error")
         assert np.all(added >= 0.5 * ERROR.velocity)
     assert of_frames.with_error(UNMEASURED, run.problem) is of_frames
+
+
+def test_the_decay_of_a_pulse_has_the_error_of_the_run_in_its_uncertainty():
+    keys = {"chains": 2, "beads": 50, "coupling": {"stiffness": 0.005}, "kick": {"velocity": 1.0}, "duration": 55.0}
+    of_frames = surveyed(engine.run(of_keys(**keys)))
+    total = with_run_error(of_frames, ERROR)
+    assert total.decay.n_star == of_frames.decay.n_star
+    # far ahead of the fitted beads, n* moves by at least what a common error of all amplitudes makes of it
+    moved = 0.4 * ERROR.amplitude / of_frames.decay.v0 * of_frames.decay.n_star
+    assert total.decay.n_star_error - of_frames.decay.n_star_error > moved

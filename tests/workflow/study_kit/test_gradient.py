@@ -220,6 +220,10 @@ def test_analyze_prints_and_writes_derivatives(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out)["gradient"][0]["derivative"] == float(row["derivative"])
     assert main([*words[:-2], "--by", "beads"]) == 2
     assert main(["analyze", directory, "--by", "gap"]) == 2
+    with pytest.raises(InputError, match=r"^by: names fields for gradient, which is missing"):
+        granchain.analyze(directory, by=["gap"])
+    with pytest.raises(InputError, match=r"gradient: 'peek' is no quantity"):
+        granchain.analyze(directory, gradient="peek")
 
 
 @pytest.mark.slow

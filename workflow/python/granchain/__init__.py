@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from analysis.tracking.leading_waves import Arrival
 from lammps_inputs import InputError, Scene, file_names, plugins
-from lammps_inputs.library import suggestion
+from lammps_inputs.complaints import suggestion
 from lammps_inputs.materials import CATALOGUE as materials  # noqa: N811  no constant to those who read it
 from lammps_inputs.materials import Solid
 from lammps_inputs.numbers import plain_values
@@ -372,7 +372,7 @@ def analyze(
         0.4692
     """
     chosen, directory = None if beads is None else tuple(beads), directory_of(run)
-    derivatives = of_run(directory, gradient, by) if gradient else ()
+    derivatives = of_run(directory, gradient, by)
     analysis = analysing.analyse(directory, beads=chosen, figures=figures, arrival=arrival)
     return with_derivatives(analysis, directory, derivatives)
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lammps_inputs import InputError, html
-from lammps_inputs.library import suggestion
+from lammps_inputs.complaints import suggestion
 from workflow.checked import checked
 from workflow.screen import CommandResult, count_bar, one_line, print_files, print_table
 from workflow.studies.gallery.criteria import RULE

@@ -376,7 +376,7 @@ def _print(result: ThresholdResult, output: Path) -> None:
     for over, thresholds in result.by_over().items():
         if not thresholds:
             print(one_line(result.missing(over)))
-    print(f"{len(result.points)} scenes were computed")
+    print(f"{len(result.points)} scenes were computed; the error of the reference is not in the uncertainty")
     print_files(output, (TABLE, POINTS, *figure_files(FIGURE)))
 
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from lammps_inputs import InputError, strict_yaml
-from lammps_inputs.ingredients.registry import INGREDIENTS
+from lammps_inputs.ingredients.registry import INGREDIENTS, SEVERAL
 from lammps_inputs.numbers import text
-from lammps_inputs.scene import SEVERAL
 from workflow.sweep import fields
 
 SWITCHED = (*INGREDIENTS, "pattern", "replace", "taper", "disorder", "striker")

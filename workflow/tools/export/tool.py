@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, TypedDict, Unpack
 
-from lammps_inputs import InputError, file_names, library
+from lammps_inputs import InputError, complaints, file_names
 from workflow.arguments import AnyRun, directory_of
 from workflow.checked import Between, checked
 from workflow.formats import width_from_words, written_as
@@ -205,7 +205,7 @@ def _formats(names: Sequence[str]) -> list[str]:
     chosen = list(dict.fromkeys(name.strip().lower() for name in names))
     for name in chosen:
         if name not in FORMATS:
-            hint = library.suggestion(name[:60], FORMATS)
+            hint = complaints.suggestion(name[:60], FORMATS)
             raise InputError(f"--to: {name[:60]!r} is no format{hint}; {', '.join(FORMATS)}, with commas between")
     return chosen
 
