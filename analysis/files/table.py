@@ -64,7 +64,9 @@ def load(path: Path) -> TrajectoryTable:
         if path.stat().st_size > MAX_BYTES:
             raise InputError(f"{path}: larger than 4 GiB; write fewer frames or beads")
         with path.open("rb") as file:
-            start = file.read(4)
+            start = file.read(12)
+        if start[8:] == b"DUMP":
+            raise InputError(f"{path}: is a binary dump of LAMMPS; write it as text, into a file without .bin")
         columns = _from_npz(path) if start[:2] == b"PK" else _from_text(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None

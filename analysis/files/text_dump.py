@@ -2,13 +2,17 @@
 
 Without a map of atoms these are numbered chain after chain and move along x. Displacements are from the first frame,
 which is the start; so it does not matter where the deck has its beads, and there are none where a dump begins later.
-Positions may be scaled (``dump ... atom``). Numbers are as exact as ``dump_modify format`` made them.
+Positions may be scaled (``dump ... atom``), files compressed (``dump ... custom/gz``). Numbers are as exact as
+``dump_modify format`` made them.
 """
 
+import gzip
+import io
 import math
+import zlib
 from itertools import islice
 from pathlib import Path
-from typing import NamedTuple, TextIO
+from typing import BinaryIO, NamedTuple, TextIO, cast
 
 import numpy as np
 
@@ -44,11 +48,18 @@ class DumpFrame(NamedTuple):
 def is_text_dump(path: Path) -> bool:
     """Whether a file begins as a text dump of LAMMPS does."""
     try:
-        with path.open("rb") as file:
+        with _opened(path) as file:
             start = file.read(64)
-    except OSError:
+    except (OSError, EOFError, zlib.error):
         return False
     return start.lstrip().startswith((b"ITEM: TIMESTEP", b"ITEM: UNITS", b"ITEM: TIME"))
+
+
+def _opened(path: Path) -> BinaryIO:
+    """A file for reading, decompressed if it is one of gzip, as those of ``dump custom/gz`` are."""
+    with path.open("rb") as file:
+        compressed = file.read(2) == b"\x1f\x8b"
+    return cast(BinaryIO, gzip.open(path, "rb")) if compressed else path.open("rb")
 
 
 def load_dump(path: Path, beads: int, timestep: float, deck: DeckAtoms | None = None) -> TrajectoryTable:
@@ -110,11 +121,13 @@ def _frames(path: Path, axis: str) -> list[DumpFrame]:
     """All complete frames, their atoms in ascending order of their numbers."""
     frames: list[DumpFrame] = []
     try:
-        with path.open(encoding="utf-8") as file:
+        with io.TextIOWrapper(_opened(path), encoding="utf-8") as file:
             while (frame := _frame(file, path, axis)) is not None:
                 frames.append(frame._replace(rows=frame.rows[np.argsort(frame.rows[:, 0])]))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except (EOFError, zlib.error) as error:
+        raise InputError(f"{path}: the compressed file is cut or damaged ({error})") from None
     except (UnicodeDecodeError, ValueError) as error:
         raise InputError(f"{path}: is no text dump of LAMMPS ({error})") from None
     return frames

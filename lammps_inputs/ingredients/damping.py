@@ -22,6 +22,7 @@ from lammps_inputs.laws.dashpot import (
     ContactDashpot,
     ContactLoss,
     Dashpot,
+    LinearRestitution,
     Restitution,
     Viscoelastic,
     WallDashpot,
@@ -36,7 +37,9 @@ MOST = 1e3
 
 
 RESTITUTIONS: dict[float, Callable[[Parameter, float], ContactLoss]] = {
-    1.0: lambda coefficient, _: ContactDashpot(coefficient),
+    1.0: lambda coefficient, share: (
+        LinearRestitution(coefficient, share) if np.ndim(coefficient) else ContactDashpot(coefficient)
+    ),
     HERTZ: Restitution,
     2.0: lambda coefficient, _: Viscoelastic(coefficient),
 }
@@ -118,7 +121,7 @@ class Damping(Ingredient):
                     "damping.law: LAMMPS's viscoelastic dashpots grow with the beads' masses, and these differ; "
                     "take linear or restitution"
                 )
-            if self.law == "restitution" and physics.exponent(system) != HERTZ:
+            if self.law == "restitution" and physics.exponent(system) not in (1.0, HERTZ):
                 raise ValueError(
                     "damping.law: of contacts of this exponent LAMMPS has one dashpot for all, and restitution needs "
                     "others where masses differ; take linear"

@@ -11,6 +11,7 @@ import numpy as np
 from lammps_inputs import engine_limits, laws
 from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines, WallLinks, types_by_contact
 from lammps_inputs.laws import Parameter, Pure, formula
+from lammps_inputs.laws.dashpot import LinearRestitution
 from lammps_inputs.numbers import text
 
 LEAST_OVERLAP = 1e-300
@@ -165,6 +166,8 @@ class Power(NamedTuple):
         if np.ndim(self.strength) > 0:
             if p != 1.0:
                 raise engine_limits.STRENGTHS.error(name, p)
+            return _granular("hooke", 1.0, self.strength, "overlap", layout)
+        if p == 1.0 and isinstance(layout.contact_loss, LinearRestitution):
             return _granular("hooke", 1.0, self.strength, "overlap", layout)
         if p == 1.0:
             return DeckLines(

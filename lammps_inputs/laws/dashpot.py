@@ -209,7 +209,36 @@ class Restitution(NamedTuple):
         return self.share, "damping coeff_restitution"
 
 
-ContactLoss = ContactDashpot | Viscoelastic | Restitution
+class LinearRestitution(NamedTuple):
+    """``g s'`` while beads touch that repel linearly and differ: each pair parts with the same share of any speed."""
+
+    coefficient: Parameter
+    """g = alpha * sqrt(reduced mass * strength), in units of m / T."""
+    share: float
+    """e, which sets alpha = -2 ln e / sqrt(pi**2 + ln(e)**2)."""
+    rest: Parameter = 0.0
+
+    @staticmethod
+    def damping(s: Any, rate: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
+        """Force of the dashpot, which jumps where the beads meet and part."""
+        return (s + rest > 0.0) * (coefficient * rate)
+
+    @staticmethod
+    def growth(s: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
+        """Slope of the resistance, 0: it does not depend on the strain."""
+        return 0.0 * coefficient * s
+
+    @staticmethod
+    def impulse(s: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
+        """``g ((d0 + s)+ - d0)``."""
+        return coefficient * np.maximum(s, -rest)
+
+    def granular(self, layout: BeadLayout) -> tuple[float, str]:  # noqa: ARG002
+        """Restitution and model in LAMMPS, which computes the coefficient from masses and strengths."""
+        return self.share, "damping coeff_restitution"
+
+
+ContactLoss = ContactDashpot | Viscoelastic | Restitution | LinearRestitution
 
 
 def alpha(share: float, exponent: float = 1.5) -> float:
@@ -358,12 +387,14 @@ class WallDashpot(NamedTuple):
         """LAMMPS's coefficient for the wall of every chain, and the model, which is that of the contacts.
 
         Viscoelastic ones it multiplies by the bead's mass and the contact's radius, sqrt(diameter / 2 * overlap).
-        Restitution it makes of strengths and masses itself.
+        Restitution it makes of strengths and masses itself, for walls of spheres.
         """
         assert layout.contact_loss is not None
         share, model = layout.contact_loss.granular(layout)
         of_chain = np.max(np.broadcast_to(self.coefficient, (layout.chains, layout.beads)), axis=1)
-        if "restitution" in model:
+        if isinstance(layout.contact_loss, LinearRestitution):
+            model = "damping velocity"  # beside a stiffness of 0 there is no other
+        elif "restitution" in model:
             of_chain = np.full(layout.chains, share)
         elif "viscoelastic" in model:
             of_chain = of_chain / (np.max(layout.system.mass) * np.sqrt(layout.diameter / 2.0))

@@ -1,9 +1,13 @@
 """Text dumps of an adopted deck: atoms in any order, along any axis, scaled, or beginning late."""
 
+import gzip
+
 import numpy as np
 import pytest
 
-from analysis.files.text_dump import load_dump
+from analysis.files import table
+from analysis.files.dump_layout import MAGIC
+from analysis.files.text_dump import is_text_dump, load_dump
 from lammps_inputs import InputError
 from lammps_inputs.deck_atoms import DeckAtoms, text_of
 
@@ -73,6 +77,27 @@ def test_a_dump_that_begins_late_has_velocities_alone_and_is_refused_without(tmp
     assert found.time.tolist() == [150.0, 160.0]
     with pytest.raises(InputError, match="begins at step 300, after the start"):
         load_dump(dump(tmp_path, "id element z fz", late), 3, 0.5, deck())
+
+
+def test_a_compressed_dump_is_read_as_its_text_and_refused_where_it_is_cut(tmp_path):
+    path = dump(tmp_path, "id element z vz", FRAMES)
+    packed = gzip.compress(path.read_bytes())
+    compressed = tmp_path / "mine.dump.gz"
+    compressed.write_bytes(packed)
+    assert is_text_dump(compressed)
+    text, read = (load_dump(file, beads=3, timestep=0.5, deck=deck()) for file in (path, compressed))
+    np.testing.assert_array_equal(read.displacement, text.displacement)
+    np.testing.assert_array_equal(read.velocity, text.velocity)
+    compressed.write_bytes(packed[:-12])
+    with pytest.raises(InputError, match="cut or damaged"):
+        load_dump(compressed, beads=3, timestep=0.5, deck=deck())
+
+
+def test_a_binary_dump_is_no_table_and_is_named(tmp_path):
+    (tmp_path / "dump.bin").write_bytes(MAGIC + bytes(100))
+    assert not is_text_dump(tmp_path / "dump.bin")
+    with pytest.raises(InputError, match=r"is a binary dump of LAMMPS; write it as text"):
+        table.load(tmp_path / "dump.bin")
 
 
 @pytest.mark.parametrize(

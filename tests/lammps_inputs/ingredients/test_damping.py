@@ -57,6 +57,28 @@ def test_two_beads_part_with_their_restitution(share: float, exponent: float, tm
     assert second - first == pytest.approx(share, abs=5e-5)
 
 
+UNEQUAL: dict[str, dict[str, Any]] = {
+    "masses": {"kinds": {"light": BeadKind(mass=0.3), "plain": BeadKind(mass=1.0)}, "pattern": ("light", "plain")},
+    "strengths": {"contact": Contact(exponent=1.0, strength=(2.0, 1.0)), "beads": 3},
+}
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW) for name in UNEQUAL])
+def test_each_of_linear_contacts_that_differ_has_the_restitution(name: str, tmp_path: Path) -> None:
+    keys: dict[str, Any] = {"contact": Contact(exponent=1.0), "beads": 2, **UNEQUAL[name]}
+    asked = scene(
+        **keys,
+        gap=0.97,
+        damping=Damping(contact=0.7, law="restitution"),
+        duration=2.7,  # after the first collision, before the next
+        every=2.7,
+        timestep=0.0001,
+    )
+    motion = run(asked, tmp_path / "run").velocity[-1, 0]
+    assert motion[1] - motion[0] == pytest.approx(0.7, abs=5e-5)
+    assert not np.any(motion[2:])
+
+
 WALLS: dict[str, dict[str, Any]] = {
     "flat": {"walls": Walls(right="flat")},
     "left, hard": {"walls": Walls(left=Face(stiffness=20.0))},

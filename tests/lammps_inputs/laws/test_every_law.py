@@ -14,7 +14,14 @@ from small_problems import system
 from lammps_inputs import laws
 from lammps_inputs.laws import dashpot
 from lammps_inputs.laws.contact import Hertz, Power
-from lammps_inputs.laws.dashpot import NO_LIMIT, ContactDashpot, Restitution, Viscoelastic, WallDashpot
+from lammps_inputs.laws.dashpot import (
+    NO_LIMIT,
+    ContactDashpot,
+    LinearRestitution,
+    Restitution,
+    Viscoelastic,
+    WallDashpot,
+)
 from lammps_inputs.laws.preloaded import pressed, under
 from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.layout import Layout
@@ -144,6 +151,7 @@ CONTACTS = {
     "viscoelastic": Viscoelastic(0.3),
     "viscoelastic, cut": Viscoelastic(0.3, 1.0),
     "restitution": Restitution(0.3, 0.7),
+    "linear restitution": LinearRestitution(0.3, 0.7),
 }
 DASHPOTS = [*CONTACTS.values(), *WALLS.values()]
 

@@ -237,7 +237,8 @@ def _notes(executed: Executed) -> list[str]:
     for command in executed.commands:
         if command.style in ("dump", "shell", "write_data", "write_restart", "restart"):
             skipped.setdefault(command.place)
-    return [f"{place}: not executed" + ("; its interval is `output.every`" * (" dump" in place)) for place in skipped]
+    frames = "; frames are those of `output.every`"
+    return [f"{place}: not executed" + frames * (" dump" in place) for place in skipped]
 
 
 # --- the scene's deck beside the user's -------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from analysis.files.recording import too_far_apart
 from lammps_inputs.deck_atoms import text_of
 from lammps_inputs.ingredients.walls import STRENGTHS
 from lammps_inputs.laws.dashpot import alpha
@@ -149,9 +150,19 @@ class SceneKeys:
         step = measured.timestep
         if every is None:
             every = max(1, math.floor(FRAMES * self.scale.time / step))
-        every = min(every, steps)
+        every = self._near_enough(min(every, steps), step)
         keys |= {"duration": tidy(steps * step), "timestep": step, "output": {"every": tidy(every * step)}}
         return keys | self._adopted(deck)
+
+    def _near_enough(self, every: int, step: float) -> int:
+        """Steps between frames: those of the deck, or a divisor of them where waves would be lost in between."""
+        reason = too_far_apart(every * step / self.scale.time, self.scale)
+        if not reason:
+            return every
+        most = max(1, math.floor(FRAMES * self.scale.time / step))
+        divisor = next(number for number in range(min(most, every), 0, -1) if every % number == 0)
+        self.notes.append(f"{reason}: `output.every` is {divisor} of the {every} steps between them")
+        return divisor
 
     def _adopted(self, deck: str) -> dict[str, Any]:
         """Key `adopted`: which atom of the deck is which bead, and what its walls are."""

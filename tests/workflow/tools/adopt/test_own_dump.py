@@ -156,6 +156,15 @@ def test_contacts_that_overlap_by_rounding_have_no_load_and_keep_their_order(shi
 
 
 @pytest.mark.usefixtures("here")
+def test_a_scene_has_frames_in_which_waves_are_seen_however_seldom_the_deck_writes_them(tmp_path: Path) -> None:
+    read = adopted(deck(tmp_path / "in.mine", TOUCHING[:4], dump="custom 10000 mine.dump id x vx"))
+    # the run of 600 steps is 4 T long, and 12 is the largest divisor of that within 0.1 T
+    assert read.scene.plain()["output"]["every"] == pytest.approx(12 * 5e-7)
+    assert any("`output.every` is 12 of the 600 steps" in note for note in read.notes)
+    assert read.scene.problem().frames == 50
+
+
+@pytest.mark.usefixtures("here")
 def test_the_command_prints_and_stores_the_atom_of_each_bead(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
