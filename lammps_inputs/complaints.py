@@ -85,9 +85,10 @@ def _line(detail: ErrorDetails, model: type[BaseModel], lists: set[str]) -> str:
     context = detail.get("ctx", {})
     if kind == "extra_forbidden":
         keys = _known_beside(model, path)
-        meant = suggestion(str(path[-1]), keys) or _elsewhere(path, model)
-        own = f"; one of your own needs {OWN_INGREDIENTS}=MODULE" if len(path) == 1 and "kick" in keys else ""
-        return f"{key}: unknown key{meant or f'; known here: {_listed(keys)}{own}'}"
+        module = f"; one of your own needs {OWN_INGREDIENTS}=MODULE" if len(path) == 1 and "kick" in keys else ""
+        near = suggestion(str(path[-1]), keys)
+        meant = near + module if near else _elsewhere(path, model)
+        return f"{key}: unknown key{meant or f'; known here: {_listed(keys, _ROOM - len(module))}{module}'}"
     if kind == "missing":
         return f"{key}: is missing"
     if key == "window":
@@ -167,10 +168,10 @@ def _key(path: list[int | str], lists: set[str]) -> str:
     return key
 
 
-def _listed(keys: list[str]) -> str:
-    """Keys on one line, as many as fit."""
+def _listed(keys: list[str], room: int) -> str:
+    """Keys on one line, as many as fit into so many characters."""
     text = ", ".join(keys)
-    return text if len(text) <= _ROOM else f"{text[:_ROOM].rpartition(',')[0]}, ..."
+    return text if len(text) <= room else f"{text[:room].rpartition(',')[0]}, ..."
 
 
 _ROOM = 120

@@ -339,7 +339,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
             )
         if self.in_units_of_time:
             warnings.append(f"duration in s? {self.in_units_of_time}")
-        warnings += [*self._times_in_seconds(), *filter(None, [self._uncoupled()])]
+        warnings += [*self._times_in_seconds(), *filter(None, [self.uncoupled()])]
         return warnings
 
     def _times_in_seconds(self) -> Iterator[str]:
@@ -356,7 +356,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
                     "units; a scene in SI units needs a `material`, such as {name: steel, radius: 4.76e-3}"
                 )
 
-    def _uncoupled(self) -> str:
+    def uncoupled(self) -> str:
         """Why the springs between chains have practically no effect; empty where they have, or are no linear ones."""
         system = self.system
         if not (physics.coupled(system) and physics.simply_coupled(system)):

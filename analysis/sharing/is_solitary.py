@@ -54,8 +54,8 @@ class Character:
         "rest four beads from its peak",
     )
     momentum_error: float = declare(
-        "uncertainty of the momentum, by the time between frames, by that of arrivals, from which the speed follows, "
-        "by where the pulse ends (the momentum of one bead of travel at either end) and by the run (``run_error``)",
+        "uncertainty of the momentum by the time between frames, by that of the speed, by where the pulse ends (the "
+        "momentum of one bead of travel at either end) and by the run (``run_error``)",
         "momentum",
         "as ``momentum``",
     )

@@ -104,8 +104,11 @@ class Push(OnBead):
         for (before, _), (after, _) in itertools.pairwise(value):
             if not after > before:
                 raise ValueError(f"times must increase; {after:g} follows {before:g}")
-        if value[-1][1] != 0.0 or (value[0][1] != 0.0 and value[0][0] > 0.0):
-            raise ValueError("must begin (unless at time 0) and end with a force of 0, or the force would jump")
+        jumps = [point for point in (value[0], value[-1]) if point[1] != 0.0 and (point is value[-1] or point[0] > 0.0)]
+        if jumps:
+            time, force = jumps[0]
+            rule = "must begin (unless at time 0) and end with a force of 0"
+            raise ValueError(f"{rule}, or the force would jump, here by {force:g} at time {time:g}")
         if not any(force for _, force in value):
             raise ValueError("has no force")
         return value

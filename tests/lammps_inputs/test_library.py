@@ -181,6 +181,12 @@ def test_one_kick_and_a_list_of_one_kick_are_the_same():
     assert one == several
 
 
+@pytest.mark.parametrize("key", ["hysteresis", "dampings", "tapper"])
+def test_an_unknown_key_of_a_scene_may_be_that_of_a_module_also_where_it_resembles_another(key):
+    with pytest.raises(InputError, match=f"{key}: unknown key.*; one of your own needs GRANCHAIN_INGREDIENTS=MODULE"):
+        library.from_plain({"name": "a", "beads": 5, "kick": {"velocity": 1.0}, "duration": 9.0, key: {"a": 1}}, "a")
+
+
 @pytest.mark.parametrize(
     ("source", "says"),
     [

@@ -135,7 +135,8 @@ def _with_duration(scene: Scene, wall: bool) -> Scene:
 def _not_ended(scene: Scene, limit: float, wall: str | None) -> InputError:
     """Says that a bead is not passed in time, or that the pulse at a wall has not ended."""
     until = f"in every chain by t = {scene.scale.written(limit / scene.scale.time, 'time', '.4g')}"
-    message = f"bead {scene.until_bead} is not passed {until} (weakly coupled pulses decay)"
+    cause = scene.uncoupled() or "weakly coupled pulses decay"
+    message = f"bead {scene.until_bead} is not passed {until} ({cause})"
     if wall is not None:
         message = f"the pulse at the {wall}, whose force is read, has not ended {until}"
     return InputError(f"until_bead: {message}; give a duration")
