@@ -135,9 +135,9 @@ def _declared(kind: Any) -> dict[str, tuple[Quantity, Any]]:
         columns = quantity.columns
         if quantity.column is not None:
             columns = (QuantityColumn(name, quantity.column, symbol=quantity.symbol),)
-        floats, whole = (_holds(kind_of_value, kinds) for kinds in ((float, np.float64), (int, bool, np.int64)))
+        floats, integers = (_holds(kind_of_value, kinds) for kinds in ((float, np.float64), (int, bool, np.int64)))
         quantities[name] = (
-            replace(quantity, columns=columns, pure=floats and not quantity.unit, counts=whole and not floats),
+            replace(quantity, columns=columns, pure=floats and not quantity.unit, counts=integers and not floats),
             kind_of_value,
         )
     return quantities

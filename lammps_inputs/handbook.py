@@ -49,8 +49,10 @@ def of_word(word: str) -> str | None:
     matches = having(r"^\| `[^|]*") or having(r"`([^`\n]*)`")
     if len(matches) == 1:
         return _plain(matches[0][1])
-    said = [f"  in {names[0]}:\n{textwrap.indent(_blocks_with(section, pattern), '  ')}" for names, section in matches]
-    return "\n".join([word, *said]) if said else None
+    entries = [
+        f"  in {names[0]}:\n{textwrap.indent(_blocks_with(section, pattern), '  ')}" for names, section in matches
+    ]
+    return "\n".join([word, *entries]) if entries else None
 
 
 def _blocks_with(section: str, pattern: re.Pattern[str]) -> str:

@@ -7,7 +7,19 @@ from pydantic import Field, field_validator
 
 from lammps_inputs import physics, strict_yaml
 from lammps_inputs.ingredients.base import Count, Positive, SceneContext, ScenePart
-from lammps_inputs.units import Label, Unit
+from lammps_inputs.units import Label, Scale, Unit
+
+FARTHEST = 2.0
+"""Time between frames from which on a wave, which passes a bead in 2 T, is missed; until then peaks state their
+uncertainty."""
+
+
+def too_far_apart(every: float, scale: Scale) -> str:
+    """Why no wave is found between frames so far apart, a time in units of T; empty where they are near enough."""
+    if every <= FARTHEST * (1.0 + 1e-9):
+        return ""
+    apart, limit = (scale.written(time, "time", ".4g") for time in (every, FARTHEST))
+    return f"frames are {apart} apart, too far to find waves between them; at most {limit}"
 
 
 def each_once(beads: Any, otherwise: str = "") -> Any:

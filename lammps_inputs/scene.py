@@ -37,7 +37,7 @@ from lammps_inputs.limits.rates import timestep_for
 from lammps_inputs.limits.solids import FLATTENED, LARGEST_OVERLAP, overlap_bounds, sound_speed
 from lammps_inputs.links import Across
 from lammps_inputs.numbers import plain_values
-from lammps_inputs.output import Limits, Output
+from lammps_inputs.output import Limits, Output, too_far_apart
 from lammps_inputs.problem import Problem
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.static_load import LoadError, under_load
@@ -408,6 +408,8 @@ class BaseScene(ScenePart, metaclass=SceneType):
                 "record more often or take longer steps"
             )
         if self.timestep is not None and abs(steps * self.timestep / every - 1.0) > 1e-9:
+            if why := too_far_apart(every / self.scale.time, self.scale):
+                raise ValueError(f"output.every: {why}")  # first: a step that divides it would be no answer
             raise ValueError(
                 f"timestep: {self.timestep:g} does not divide output.every = {every:g} evenly; "
                 f"leave it out for an accuracy of {DEFAULT_ACCURACY:g} V, or try {every / steps:.12g}"

@@ -216,9 +216,9 @@ def _flag(value: Any) -> bool:
 
 def _number(value: Any, kind: type[int] | type[float], bounds: Between | None = None) -> float:
     """An int or a float."""
-    whole = kind is int
-    words = "a whole number" if whole else "a number"
-    fits = isinstance(value, numbers.Integral if whole else numbers.Real) and not isinstance(value, bool)
+    integral = kind is int
+    words = "a whole number" if integral else "a number"
+    fits = isinstance(value, numbers.Integral if integral else numbers.Real) and not isinstance(value, bool)
     try:
         fits = fits and math.isfinite(value)
     except OverflowError:  # an integer that no float can be

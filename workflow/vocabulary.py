@@ -22,7 +22,7 @@ from workflow.study_kit.options import example_file
 WIDTH = 100
 
 
-class Explanation(NamedTuple):
+class WordMeaning(NamedTuple):
     """What a word means: where it belongs to, and a sentence."""
 
     where: str
@@ -66,21 +66,21 @@ def _words_in(kind: Any) -> Iterator[str]:
 
 
 @functools.cache
-def explanations() -> Mapping[str, list[Explanation]]:
+def explanations() -> Mapping[str, list[WordMeaning]]:
     """Word -> its explanations; options stand without their hyphens."""
-    found: dict[str, list[Explanation]] = {}
+    meanings: dict[str, list[WordMeaning]] = {}
     for word, explanation in (*_of_commands(), *_of_scenes(), *_of_materials()):
-        entries = found.setdefault(word, [])
+        entries = meanings.setdefault(word, [])
         same = next((k for k, entry in enumerate(entries) if entry.meaning == explanation.meaning), None)
         if same is None:
             entries.append(explanation)
         else:  # several commands have the option
             shared = f"{entries[same].where}, {explanation.where.removeprefix('granchain ')}"
-            entries[same] = Explanation(shared, explanation.meaning)
-    return found
+            entries[same] = WordMeaning(shared, explanation.meaning)
+    return meanings
 
 
-def _of_commands() -> Iterator[tuple[str, Explanation]]:
+def _of_commands() -> Iterator[tuple[str, WordMeaning]]:
     """Options of all commands, the words that options and arguments take, and formats of files."""
     for name in cli.COMMANDS:
         parser = argparse.ArgumentParser(f"granchain {name}")
@@ -88,7 +88,7 @@ def _of_commands() -> Iterator[tuple[str, Explanation]]:
         for action in parser._actions:
             usage = " ".join(filter(None, [action.option_strings[-1] if action.option_strings else "", _taken(action)]))
             meaning = parser._get_formatter()._expand_help(action) if action.help else ""
-            explanation = Explanation(f"granchain {name} {usage}", meaning)
+            explanation = WordMeaning(f"granchain {name} {usage}", meaning)
             for option in action.option_strings:
                 yield option.lstrip("-"), explanation
             for word in action.choices or _listed(meaning):
@@ -107,18 +107,18 @@ def _listed(meaning: str) -> list[str]:
     return [*(match[1].split(", ") if match else ()), *re.findall(r"(?:^|; )([a-z][a-z0-9]+): ", meaning)]
 
 
-def _of_scenes() -> Iterator[tuple[str, Explanation]]:
+def _of_scenes() -> Iterator[tuple[str, WordMeaning]]:
     for name, description in installed_scenes.descriptions().items():
-        yield name, Explanation(f"installed scene, `granchain show {name}`", description)
+        yield name, WordMeaning(f"installed scene, `granchain show {name}`", description)
 
 
-def _of_materials() -> Iterator[tuple[str, Explanation]]:
+def _of_materials() -> Iterator[tuple[str, WordMeaning]]:
     for name, solid in CATALOGUE.items():
         constants = (
             f"{solid.meaning}; Young's modulus {solid.youngs_modulus:g} Pa, Poisson's ratio {solid.poisson_ratio:g}, "
             f"density {solid.density:g} kg/m^3"
         )
-        yield name, Explanation("material", constants)
+        yield name, WordMeaning("material", constants)
 
 
 # --- files ------------------------------------------------------------------------------------------------------------

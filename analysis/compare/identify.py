@@ -391,6 +391,7 @@ def _of_exponent(
 
     def of(change: float) -> ForceOfState:
         def changed(t: Floats, x: Floats, v: Floats) -> Floats:
+            """Force of each link, [..., link], of the changed exponent."""
             return np.asarray(force(t, x, v) * np.maximum(np.abs(link.strain(x[:, lines])), _DISTINCT) ** change)
 
         return changed

@@ -15,19 +15,6 @@ from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError,
 from analysis.files.dump_layout import header
 from analysis.trajectory import Floats, Integers, Trajectory, frames_per_block, of_atoms
 from lammps_inputs import InputError, Problem, physics
-from lammps_inputs.units import Scale
-
-FARTHEST = 2.0
-"""Time between frames from which on a wave, which passes a bead in 2 T, is missed; until then peaks state their
-uncertainty."""
-
-
-def too_far_apart(every: float, scale: Scale) -> str:
-    """Why no wave is found between frames so far apart, a time in units of T; empty where they are near enough."""
-    if every <= FARTHEST * (1.0 + 1e-9):
-        return ""
-    apart, limit = (scale.written(time, "time", ".4g") for time in (every, FARTHEST))
-    return f"frames are {apart} apart, too far to find waves between them; at most {limit}"
 
 
 class OtherTimesError(InputError):

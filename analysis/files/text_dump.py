@@ -188,8 +188,8 @@ def _frame(file: TextIO, path: Path, axis: str) -> DumpFrame | None:
             low, high = 0.0, 1.0
             if chosen.get("position", axis).removeprefix(axis) in _SCALED:
                 low, high = map(float, box["xyz".index(axis)].split()[:2])
-            known = None if time is None or not math.isfinite(time) else time
-            return DumpFrame(step, known, list(chosen), rows, low, high - low)
+            finite = None if time is None or not math.isfinite(time) else time
+            return DumpFrame(step, finite, list(chosen), rows, low, high - low)
     return None
 
 

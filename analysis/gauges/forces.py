@@ -31,7 +31,7 @@ from analysis.gauges.gauge import (
 )
 from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
-from analysis.sharing.run_error import RunError
+from analysis.sharing.run_error import MeasuredError
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
 from lammps_inputs import Problem
 from lammps_inputs.limits import rates
@@ -195,7 +195,7 @@ class Readings:
         }
         return ForceTable(self.time, force)
 
-    def with_error(self, error: RunError, problem: Problem) -> "Readings":
+    def with_error(self, error: MeasuredError, problem: Problem) -> "Readings":
         """Readings whose uncertainties cover the error of the run (`analysis.sharing.run_error`)."""
         if not error.measured:
             return self

@@ -85,7 +85,7 @@ def of_deck(data: str, commands: str) -> Topology:
     ends = np.searchsorted(number, bonds[:, 2:])
     ends = ends[recorded[ends].all(axis=1)]
     place = np.cumsum(recorded) - 1
-    atoms = Atoms(
+    atoms = TopologyAtoms(
         number=number[recorded],
         kind=kind[recorded],
         mass=mass[recorded],
@@ -97,7 +97,7 @@ def of_deck(data: str, commands: str) -> Topology:
 
 
 @dataclass(frozen=True)
-class Atoms:
+class TopologyAtoms:
     """Atoms of a topology, each array [atom].
 
     Attributes:
@@ -121,7 +121,7 @@ def segment_names(chains: int, further: int) -> list[str]:
     return [*(f"C{n}" for n in range(1, chains + 1)), *(f"R{n}" for n in range(1, further + 1))]
 
 
-def topology(atoms: Atoms, names: Sequence[str], bonds: Integers) -> Topology:
+def topology(atoms: TopologyAtoms, names: Sequence[str], bonds: Integers) -> Topology:
     """The topology of atoms in segments of these names, with bonds [bond, 2] between atoms counted from 0."""
     count = len(atoms.number)
     return Topology(

@@ -8,7 +8,7 @@ import numpy as np
 from MDAnalysis.core.topology import Topology
 
 from analysis.files.recording import all_ids, rest_of_atoms
-from analysis.mda.formats import Atoms, BinaryDumpReader, segment_names, topology
+from analysis.mda.formats import BinaryDumpReader, TopologyAtoms, segment_names, topology
 from analysis.trajectory import Integers
 from lammps_inputs import Problem, physics
 
@@ -49,7 +49,7 @@ def topology_of(problem: Problem) -> Topology:
     line, bead = (number - 1) // rows, (number - 1) % rows + 1
     masses = np.broadcast_to(physics.masses(problem.system), (physics.lines(problem.system), problem.beads))
     layout = problem.layout
-    atoms = Atoms(
+    atoms = TopologyAtoms(
         number=number,
         kind=np.where(line < problem.chains, BEAD, FURTHER),
         mass=masses[line, bead - 1],

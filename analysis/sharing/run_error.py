@@ -33,7 +33,7 @@ STEEPEST = 1.2
 
 
 @dataclass(frozen=True)
-class RunError:
+class MeasuredError:
     """Bounds on the errors of a run, dimensionless; all 0 where none was measured.
 
     Attributes:
@@ -51,7 +51,7 @@ class RunError:
     @classmethod
     def of(
         cls, velocity: float, amplitude: float, arrival: float, of_reference: float, arrival_of_reference: float
-    ) -> "RunError":
+    ) -> "MeasuredError":
         """Errors against a reference, with those of the reference itself.
 
         Args:
@@ -73,11 +73,11 @@ class RunError:
         return np.maximum(self.arrival, self.velocity / np.maximum(peak_velocity, 1e-12) ** STEEPEST)
 
 
-UNMEASURED = RunError()
+UNMEASURED = MeasuredError()
 """That of a run without a check: uncertainties then cover the time between frames alone."""
 
 
-def with_run_error(survey: Survey, error: RunError) -> Survey:
+def with_run_error(survey: Survey, error: MeasuredError) -> Survey:
     """A survey whose uncertainties, and the verdict that depends on them, cover the error of the run."""
     if not error.measured:
         return survey
@@ -97,7 +97,7 @@ def with_run_error(survey: Survey, error: RunError) -> Survey:
     )
 
 
-def _of_waves(survey: Survey, error: RunError) -> Waves:
+def _of_waves(survey: Survey, error: MeasuredError) -> Waves:
     """Leading waves; a maximum at the start is exact, and last beads, which fly off, have errors of other pulses."""
     waves = survey.waves
     exact, last = waves.peak_velocity_error == 0.0, waves.bead == (survey.problem.beads if survey.direction > 0 else 1)
@@ -110,7 +110,7 @@ def _of_waves(survey: Survey, error: RunError) -> Waves:
     )
 
 
-def _of_pulse(pulse: Pulse, survey: Survey, error: RunError) -> Pulse:
+def _of_pulse(pulse: Pulse, survey: Survey, error: MeasuredError) -> Pulse:
     """A pulse with errors of leading ones where it leads, and of all others elsewhere."""
     waves = survey.waves.of_chain(pulse.chain)
     leads = np.isin(pulse.arrival, waves.time) & (pulse.direction == survey.direction)
@@ -124,7 +124,7 @@ def _of_pulse(pulse: Pulse, survey: Survey, error: RunError) -> Pulse:
     )
 
 
-def _of_character(character: Character, pulse: Pulse, error: RunError) -> Character:
+def _of_character(character: Character, pulse: Pulse, error: MeasuredError) -> Character:
     """A character with the errors of its pulse at its bead.
 
     A momentum is the velocity of a bead over the time of travel past `REACH` beads on either side, times the speed.
@@ -142,7 +142,7 @@ def _of_character(character: Character, pulse: Pulse, error: RunError) -> Charac
     )
 
 
-def _of_shared(shared: Sharing, error: RunError) -> Sharing:
+def _of_shared(shared: Sharing, error: MeasuredError) -> Sharing:
     """Leading waves side by side; arrivals are compared at one bead, and a time step delays those of all chains alike.
 
     An impulse is the velocity that it gives a bead, over the mass.
@@ -153,7 +153,7 @@ def _of_shared(shared: Sharing, error: RunError) -> Sharing:
     return replace(shared, amplitude_error=np.nan_to_num(shared.amplitude_error) + added)
 
 
-def _of_energies(energies: EnergyShares, shared: Sharing, error: RunError) -> EnergyShares:
+def _of_energies(energies: EnergyShares, shared: Sharing, error: MeasuredError) -> EnergyShares:
     """Energies of chains and of their waves with the uncertainties of squares of velocities."""
     peak = shared.amplitude[energies.place]
     relative = 2.0 * np.divide(error.amplitude, peak, out=np.zeros_like(peak), where=peak > 0.0)

@@ -85,7 +85,7 @@ def _beside_bead(
     x = block.displacement[at, chain, bead]
 
     def link(exists: Flags, law: Any, loss: Any, index: Any, strain: Floats) -> tuple[Floats, Floats]:
-        """Largest resistance and stiffness at both frames, where a link exists; ``index`` is that of its dashpot."""
+        """Largest resistance and stiffness at both frames, [passage], 0 without a link; ``index`` is of its dashpot."""
         both = dashpot.resistance(laws.at(loss, *index), strain), laws.stiffness(law, strain)
         first, second = (np.where(exists, np.abs(values).max(axis=0), 0.0) for values in both)
         return first, second

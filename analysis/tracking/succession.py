@@ -86,11 +86,11 @@ def _begun_ahead(first: Peaks, problem: Problem) -> Iterator[tuple[int, int]]:
     """Chain and bead of every excitation that makes a pulse before the one behind it comes there."""
     along = first.direction * first.bead
     for chain, bead, impulse in physics.excitations(problem.system):
-        there = np.flatnonzero((first.chain == chain) & (first.bead == bead))
+        at_bead = np.flatnonzero((first.chain == chain) & (first.bead == bead))
         behind = np.flatnonzero((first.chain == chain) & (along < first.direction * bead))
-        if impulse * first.direction > 0.0 and len(there) and len(behind):
+        if impulse * first.direction > 0.0 and len(at_bead) and len(behind):
             before = behind[np.argmax(along[behind])]
-            if first.time[there[0]] <= first.time[before]:
+            if first.time[at_bead[0]] <= first.time[before]:
                 yield chain, bead
 
 

@@ -64,8 +64,8 @@ def _as_it_is(scene: Scene, source: str, refused: str) -> CommandResult:
     size = size_beforehand(scene, problem, REFERENCE if refused else LAMMPS)
     above = too_large(scene, replace(size, seconds=None) if size.rough else size)
     shown = scene.model_copy(update={"output": scene.resolved().output})
-    found = {"duration": scene.until_bead is not None, "window": scene.window == "auto", "time step": size.rough}
-    names = [name for name, is_open in found.items() if is_open]
+    left_open = {"duration": scene.until_bead is not None, "window": scene.window == "auto", "time step": size.rough}
+    names = [name for name, is_open in left_open.items() if is_open]
     step = f"; a rule gives a step of about {scene.scale.written(problem.timestep, 'time', '.3g')}" * size.rough
     trials = f"`run`, `deck` and `show --pilot` find by trials: {', '.join(names)}{step}" if names else ""
     _print(shown, problem, _in_words(size, refused), _warnings(scene, refused, above), trials)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from analysis import quantity
-from analysis.sharing.run_error import UNMEASURED, RunError
+from analysis.sharing.run_error import UNMEASURED, MeasuredError
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, Scene
 from workflow.runs.job import RoundingRecord
@@ -33,7 +33,7 @@ class Recorded:
     scene: Scene
     problem: Problem
     deforms: bool = True
-    error: RunError = UNMEASURED
+    error: MeasuredError = UNMEASURED
     rounding: RoundingRecord | None = None
 
 

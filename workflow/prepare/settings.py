@@ -1,9 +1,9 @@
 """The duration and the time step of a scene, determined and checked before anything is written or run."""
 
-from analysis.files.recording import too_far_apart
 from lammps_inputs import InputError, Scene
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import machine_memory
+from lammps_inputs.output import too_far_apart
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.prepare.step_choice import ChosenStep
 from workflow.processor_time import limited

@@ -129,9 +129,9 @@ class _Estimate:
         for place, quantity in enumerate(varied.quantities):
             value = known(float(self.values[place]))
             for number, (name, at) in enumerate(varied.values.items()):
-                here = place, number
-                slope, unit = float(slopes[here]), _unit(varied, quantity, name)
-                difference, change, size = (float(array[here]) for array in (differences, self.change, self.sizes))
+                entry = place, number
+                slope, unit = float(slopes[entry]), _unit(varied, quantity, name)
+                difference, change, size = (float(array[entry]) for array in (differences, self.change, self.sizes))
                 if value is None or not difference <= JUMP * abs(slope) + change + _NOISE * size:  # NaN, too
                     yield Derivative(quantity, name, value, None, None, unit, None)
                     continue

@@ -13,18 +13,18 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.events import from_csv
-from analysis.files.recording import too_far_apart
 from analysis.quantity import csv_of, plain
 from analysis.sharing.equipartition import runs_exact_waves
 from analysis.sharing.impulses import Impulses, from_events
 from analysis.sharing.is_solitary import Tolerances
-from analysis.sharing.run_error import UNMEASURED, RunError, with_run_error
+from analysis.sharing.run_error import UNMEASURED, MeasuredError, with_run_error
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Trajectory, along_the_way, direction_of
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
+from lammps_inputs.output import too_far_apart
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.formats import figure_files, in_any_format
 from workflow.measures import MEASUREMENTS, energy
@@ -78,7 +78,7 @@ class Analysis:
     altered: bool
     measurements: dict[str, Measurement]
     derivatives: tuple[Derivative, ...] = ()
-    error: RunError = UNMEASURED
+    error: MeasuredError = UNMEASURED
 
     @cached_property
     def waves(self) -> WavesTable:
@@ -154,7 +154,7 @@ class MeasuredFrames:
     """
 
     survey: Survey
-    error: RunError
+    error: MeasuredError
     conservation: Conservation
     measurements: dict[str, Measurement]
     tolerances: Tolerances
@@ -213,8 +213,7 @@ def measure(
     shown = default_beads(problem) if beads is None else beads
     _refuse_frames(directory, shown)
     by_snapshots = problem.frames_per_snapshot is not None
-    run = recorded(directory)
-    exchange = accountant(directory, problem)
+    run, exchange = recorded(directory), accountant(directory, problem)
     conservation, fingerprint = Conservation(), Fingerprint()
     meters = _meters(run)
     spacetime, history = _pictures(problem, shown) if figures else (None, None)
@@ -234,8 +233,7 @@ def measure(
         of_all_beads, exchange = _read_snapshots(directory, fingerprint, spacetime)
         spacetime = spacetime if of_all_beads.frames > 1 else None
     _take_over(conservation, of_all_beads)
-    closed = energy.closed(directory, conservation, exchange)
-    measured = (*(meter.finish(results) for meter in meters), closed)
+    measured = (*(meter.finish(results) for meter in meters), energy.closed(directory, conservation, exchange))
     measurements = {measurement.key: measurement for measurement in measured if measurement is not None}
     return MeasuredFrames(
         survey=results,
@@ -310,7 +308,7 @@ def recorded(directory: RunDirectory) -> Recorded:
     )
 
 
-def run_error(directory: RunDirectory) -> RunError:
+def run_error(directory: RunDirectory) -> MeasuredError:
     """Error of a run by its check, or of the reference's by step halving; of all others none is known."""
     account = directory.account
     if account.check is not None:
@@ -322,7 +320,7 @@ def run_error(directory: RunDirectory) -> RunError:
         return UNMEASURED
     velocity, amplitude, arrival = (math.nan if value is None else value for value in measured)
     of_reference = (math.nan if value is None else value for value in (reference.velocity, reference.arrival))
-    return RunError.of(velocity, amplitude, arrival, *of_reference)
+    return MeasuredError.of(velocity, amplitude, arrival, *of_reference)
 
 
 def _of_collisions(directory: RunDirectory, problem: Problem) -> Impulses | None:

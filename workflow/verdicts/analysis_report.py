@@ -12,7 +12,7 @@ from analysis.quantity import QuantityColumn, data_frame, declare, declared, der
 from analysis.shape.exact_wave import wave_of
 from analysis.sharing.equipartition import AGREEMENTS, Estimate, resolved, runs_exact_waves
 from analysis.sharing.is_solitary import Character, Tolerances
-from analysis.sharing.run_error import UNMEASURED, RunError
+from analysis.sharing.run_error import UNMEASURED, MeasuredError
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import DecayFit
 from analysis.tracking.leading_waves import Waves
@@ -493,7 +493,9 @@ class Report:
     pulses: list[PulseEntry] = declare("every pulse, the strongest first")
 
 
-def report(survey: Survey, conservation: Conservation, tolerances: Tolerances, error: RunError = UNMEASURED) -> Report:
+def report(
+    survey: Survey, conservation: Conservation, tolerances: Tolerances, error: MeasuredError = UNMEASURED
+) -> Report:
     """What is known of every run, dimensionless."""
     problem, scale = survey.problem, survey.problem.scale
     entries = [pulse_entry(survey, *pair) for pair in zip(survey.pulses, survey.characters, strict=True)]

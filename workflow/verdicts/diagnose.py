@@ -231,8 +231,8 @@ def _sentence(departure: Departure, scale: Scale) -> str:
         return f"the exponent of {name} is {more} by {abs(factor):.3g} (± {uncertainty:.1g}) than the scene says"
     if quantity == "gap":
         more = "larger" if factor > 0.0 else "smaller"
-        size, known = scale.written(abs(factor), "length", ".4g"), scale.written(uncertainty, "length", ".1g")
-        return f"the gap of {name} is {more} by {size} (± {known}) than the scene says"
+        size, error = scale.written(abs(factor), "length", ".4g"), scale.written(uncertainty, "length", ".1g")
+        return f"the gap of {name} is {more} by {size} (± {error}) than the scene says"
     if quantity == "phase":
         angle, bound, scene = (math.degrees(number) for number in (factor, uncertainty, departure.scene))
         return f"{name} has a phase of {angle:.4g} (± {bound:.1g}) instead of {scene:.4g} degrees"

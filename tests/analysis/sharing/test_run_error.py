@@ -8,12 +8,12 @@ from synthetic_waves import of_keys, surveyed
 
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
-from analysis.sharing.run_error import UNMEASURED, RunError, with_run_error
+from analysis.sharing.run_error import UNMEASURED, MeasuredError, with_run_error
 from analysis.trajectory import watch
 from workflow.engines.reference import engine
 from workflow.verdicts.analysis_report import Final, equipartition, train
 
-ERROR = RunError(velocity=3e-3, amplitude=1e-3, arrival=2e-2, measured=True)
+ERROR = MeasuredError(velocity=3e-3, amplitude=1e-3, arrival=2e-2, measured=True)
 
 
 @pytest.fixture(scope="module")
@@ -28,14 +28,14 @@ def of_frames(run):
 
 
 def test_the_reference_adds_its_uncertainty_to_the_error_that_it_measures():
-    error = RunError.of(1e-3, 1e-4, 2e-3, 1e-4, 3e-4)
+    error = MeasuredError.of(1e-3, 1e-4, 2e-3, 1e-4, 3e-4)
     assert (error.velocity, error.arrival) == pytest.approx((1.1e-3, 2.3e-3))
     assert error.amplitude == pytest.approx(1.1e-4)  # the reference's in peaks is as much smaller as the run's
 
 
 def test_errors_of_peaks_that_are_not_known_are_those_of_velocities():
-    assert RunError.of(0.0, math.nan, math.nan, 1e-5, math.nan) == RunError(1e-5, 1e-5, 1e-5, measured=True)
-    assert not RunError.of(math.nan, 1.0, 1.0, 1.0, 1.0).measured
+    assert MeasuredError.of(0.0, math.nan, math.nan, 1e-5, math.nan) == MeasuredError(1e-5, 1e-5, 1e-5, measured=True)
+    assert not MeasuredError.of(math.nan, 1.0, 1.0, 1.0, 1.0).measured
 
 
 def test_without_a_measured_error_nothing_is_added(of_frames):

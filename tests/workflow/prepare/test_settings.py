@@ -190,7 +190,7 @@ def test_a_check_with_the_reference_of_the_pilot_run_finds_what_a_new_one_does(t
 
 
 @pytest.mark.parametrize(
-    ("step", "every", "nearest"), [(5.0, 0.1, 0.1), (0.07, 0.1, 0.05), (0.0083, 5.0, 5.0 / 603), (0.003, 0.1, 0.1 / 34)]
+    ("step", "every", "nearest"), [(5.0, 0.1, 0.1), (0.07, 0.1, 0.05), (0.0083, 2.0, 2.0 / 241), (0.003, 0.1, 0.1 / 34)]
 )
 def test_for_a_step_that_does_not_divide_the_cadence_the_next_shorter_one_that_does_is_named(step, every, nearest):
     with pytest.raises(InputError, match="does not divide") as refused:
@@ -198,6 +198,11 @@ def test_for_a_step_that_does_not_divide_the_cadence_the_next_shorter_one_that_d
     suggested = float(re.search(r"or try ([\d.]+)", str(refused.value))[1])
     assert suggested == pytest.approx(nearest, rel=1e-11)
     assert scene(timestep=suggested, output=Output(every=every)).problem().timestep == pytest.approx(nearest, rel=1e-9)
+
+
+def test_where_frames_are_too_far_apart_no_step_is_named_that_divides_their_distance():
+    with pytest.raises(InputError, match=r"output\.every: frames are 5 apart, .*; at most 2$"):
+        scene(timestep=0.0083, output=Output(every=5.0))
 
 
 @pytest.mark.parametrize("scheme", ["verlet", "suzuki4"])

@@ -316,7 +316,16 @@ def blocks(run: CollisionRun) -> Iterator[Trajectory]:
 
 
 def played_back(run: CollisionRun, times: Floats, size: int) -> Iterator[Trajectory]:
-    """Frames at ascending times, in blocks of so many: collisions are played back once, and nothing is searched."""
+    """Frames at ascending times, by playing back the collisions once; nothing is searched.
+
+    Args:
+        run: the collisions.
+        times: [frame] in units of T.
+        size: frames of a block.
+
+    Returns:
+        Blocks of frames, displacement and velocity [frame, chain, recorded bead] each.
+    """
     problem, recorded = run.problem, run.problem.recorded_beads
     rows, modes = _start(problem)
     events, event = (run.time, run.chain - 1, run.row - 1), 0

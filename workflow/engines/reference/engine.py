@@ -220,16 +220,16 @@ class IntegratorState:
             LimitReachedError: a limit on processor time is reached.
         """
         stepping = make_steps(scheme, h)
-        most = self.steps_a_call(scheme)
-        together, count = max(1, most // steps), len(frames.x)
+        limit = self.steps_a_call(scheme)
+        together, count = max(1, limit // steps), len(frames.x)
         for frame in range(0, count, together):
             filled = FrameArrays(*(array[frame : frame + together] for array in frames))
             begin, size = first_step + frame * steps, steps
-            if steps > most:  # the frame is overwritten until its last step
-                for done in range(0, steps - most, most):
-                    self.program.advance(self.compiled, self.parameters, stepping, begin, most, recorded, filled)
+            if steps > limit:  # the frame is overwritten until its last step
+                for done in range(0, steps - limit, limit):
+                    self.program.advance(self.compiled, self.parameters, stepping, begin, limit, recorded, filled)
                     check()
-                    begin, size = begin + most, steps - done - most
+                    begin, size = begin + limit, steps - done - limit
             self.program.advance(self.compiled, self.parameters, stepping, begin, size, recorded, filled)
             check()
 

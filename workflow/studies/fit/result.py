@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from analysis.quantity import cell
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats
 from lammps_inputs import html
 from lammps_inputs.numbers import known
 from workflow.studies.fit.estimate import FitResult
@@ -205,16 +205,8 @@ def judged(model: Model, estimated: FitResult, size: Floats) -> Fit:
     clips = _clips(channels, measured.values, traces)
     fits = None if below.any() or not math.isfinite(test.joint) else test.joint >= LEVEL and not clips
     free = _free(model, estimated, intervals=fits is True)
-    if below.any():
-        k = int(np.argmax(below))
-        name, residuals = list(channels.items())[k]
-        verdict = (
-            "no test of fit and no confidence intervals, since the data show no noise: residuals of "
-            f"{name} ({residuals.noise:.2g} {residuals.unit} rms) are below {NUMERICAL:g} times the numerical "
-            f"error of a run ({numerical[k]:.2g} {residuals.unit} rms) or the resolution of the data"
-        )
-    else:
-        verdict = _verdict(test, fits, clipping=bool(clips))
+    without = _without_noise(channels, numerical, below) if below.any() else ""
+    verdict = without or _verdict(test, fits, clipping=bool(clips))
     warnings = clips or (
         _of_misfit(model, estimated, size, test, fixed) if fits is False else _weak(list(free), estimated)
     )
@@ -232,6 +224,17 @@ def judged(model: Model, estimated: FitResult, size: Floats) -> Fit:
         left_out=int(np.sum(estimated.jumps & np.isfinite(measured.values))),
         converged=estimated.converged,
         warnings=tuple(warnings),
+    )
+
+
+def _without_noise(channels: dict[str, Residuals], numerical: Floats, below: Flags) -> str:
+    """Why no fit is tested where residuals, [channel], are below what a run or the data resolve."""
+    k = int(np.argmax(below))
+    name, residuals = list(channels.items())[k]
+    return (
+        "no test of fit and no confidence intervals, since the data show no noise: residuals of "
+        f"{name} ({residuals.noise:.2g} {residuals.unit} rms) are below {NUMERICAL:g} times the numerical "
+        f"error of a run ({numerical[k]:.2g} {residuals.unit} rms) or the resolution of the data"
     )
 
 

@@ -514,6 +514,7 @@ class _Bench:
         for side in ("left", "right"):
 
             def push(distance: float, speed: float, side: str = side) -> Floats:
+                """Force of the wall on the bead before it, [chain]."""
                 return self._push_of_wall(side, distance, speed)
 
             forces = np.array([push(step, 0.0) for step in steps])
@@ -549,8 +550,8 @@ class _Bench:
         """Distance by which all atoms can be moved towards an end without one leaving the box."""
         low, high = self.atoms.box(self.axis)
         place = self.atoms.place[:, self.axis]
-        way = float(np.min(place) - low) if side == "left" else float(high - np.max(place))
-        return way * (1.0 - 1e-9)
+        distance = float(np.min(place) - low) if side == "left" else float(high - np.max(place))
+        return distance * (1.0 - 1e-9)
 
     # --- what moves, and when -----------------------------------------------------------------------------------------
 

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from analysis.files.recording import too_far_apart
 from lammps_inputs.deck_atoms import text_of
 from lammps_inputs.ingredients.walls import STRENGTHS
 from lammps_inputs.laws.dashpot import alpha
+from lammps_inputs.output import too_far_apart
 from lammps_inputs.units import make_scale, sphere_mass
 from workflow.tools.adopt.chains import Inner, Measured, NotMeasuredError
 
