@@ -59,6 +59,8 @@ def scale_factor(trajectory: Trajectory, reference: Trajectory) -> ScaleFactor |
         return None
     factor, uncertainty = _displaced_over_moved(trajectory)
     right, _ = _displaced_over_moved(reference)
+    if right == 0.0:  # a reference whose beads are not displaced as they move says nothing of scales
+        return None
     factor, uncertainty = factor / right, uncertainty / abs(factor) + abs(right - 1.0) * LEFT if factor else 1.0
     differs = abs(factor - 1.0) > max(LEAST, _STEADY * uncertainty * abs(factor))
     candidates = list(_of_one(trajectory, factor) if differs else _of_two(trajectory))
@@ -84,11 +86,11 @@ def _displaced_over_moved(trajectory: Trajectory) -> tuple[float, float]:
     moved = np.asarray(moved).reshape(count, -1)
     product, power = np.sum(displaced * moved, axis=1), np.sum(moved * moved, axis=1)
     half = 1 + int(np.searchsorted(np.cumsum(power), 0.5 * np.sum(power)))
-    whole, *halves = (
+    overall, *halves = (
         float(np.sum(product[part]) / max(float(np.sum(power[part])), np.finfo(float).tiny))
         for part in (slice(None), slice(half), slice(min(half, count - 1), None))
     )
-    return whole, max(abs(part - whole) for part in halves)
+    return overall, max(abs(part - overall) for part in halves)
 
 
 Candidate = tuple[str, float, Trajectory]
