@@ -113,6 +113,7 @@ def test_exponents_of_the_size_of_their_uncertainty_or_of_regular_motion_are_bou
     assert exponent.bound >= max(10.0 / 1000.0, abs(rate))
 
 
+@pytest.mark.slow
 def test_table_text_figure_and_data_say_that_regular_motion_has_no_exponent(tmp_path, capsys, monkeypatch):
     scene, out, drawn = tmp_path / "scene.yaml", str(tmp_path / "out"), []
     scene.write_text(json.dumps(CHAOTIC | {"kick": {"bead": 4, "velocity": 1e-4}}))

@@ -361,6 +361,7 @@ def test_linear_modes_alone_are_those_of_touching_chains_across(tmp_path, capsys
     assert frequencies == pytest.approx([0.0, 0.0, math.sqrt(0.1), math.sqrt(0.1)])
 
 
+@pytest.mark.slow
 def test_linear_modes_alone_write_no_empty_table_and_leave_none_of_an_earlier_start(tmp_path, capsys):
     path, out = tmp_path / "scene.yaml", tmp_path / "out"
     path.write_text(json.dumps(FOUR))

@@ -155,6 +155,7 @@ def test_contacts_that_overlap_by_rounding_have_no_load_and_keep_their_order(shi
     assert not {"gravity", "precompression", "gap"} & read.scene.plain().keys()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 def test_a_scene_has_frames_in_which_waves_are_seen_however_seldom_the_deck_writes_them(tmp_path: Path) -> None:
     read = adopted(deck(tmp_path / "in.mine", TOUCHING[:4], dump="custom 10000 mine.dump id x vx"))
@@ -231,6 +232,7 @@ def test_the_wall_and_the_law_that_differ_are_named(changes: dict[str, Any], say
         assert any(text in line and "fix w all wall/gran" in line for line in caught.value.lines), caught.value.lines
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(("width", "steps", "walls"), [(3.5, 3000, {"left", "right"}), (30.0, 800, {"left"})])
 def test_walls_as_far_as_the_next_bead_are_read_and_those_that_are_not_reached_are_noted(
@@ -261,6 +263,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("name", REFUSED)
 def test_a_refusal_names_what_a_scene_has_instead(name: str, tmp_path: Path) -> None:
@@ -279,6 +282,7 @@ def test_a_refusal_names_what_a_scene_has_instead(name: str, tmp_path: Path) -> 
     assert says in caught.value.lines[0]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 def test_commands_after_the_last_run_move_nothing(tmp_path: Path) -> None:
     (tmp_path / "in.chain").write_text(WALLED.format(**LAWS) + "clear\nprint done\n")
