@@ -21,7 +21,7 @@ from workflow.runs.status import cluster_queue, status, statuses
 pytest_plugins = ("gridengine",)
 
 SHORT = scene(chains=3, beads=31, kappa=0.1, duration=60.0, every=0.5)
-ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
+ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=2.0)
 
 
 @pytest.fixture

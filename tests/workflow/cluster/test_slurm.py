@@ -30,7 +30,7 @@ DIVERSE = {
     "beads": 20,
     "duration": 1000.0,
     "timestep": 0.005,
-    "output": {"every": 10.0},
+    "output": {"every": 2.0},
     "kinds": {"heavy": {"mass": 1}, "light": {"mass": 0.5, "stiffness": 2.0}},  # LAMMPS's style `granular`
     "pattern": ["heavy", "light"],
     "coupling": {"stiffness": 0.1, "cubic": 0.02, "topology": "ring"},
@@ -39,7 +39,7 @@ DIVERSE = {
 }
 
 
-ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
+ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=2.0)
 
 
 @pytest.fixture

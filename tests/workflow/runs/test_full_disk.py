@@ -28,8 +28,8 @@ RANKS = [1, pytest.param(2, marks=pytest.mark.skipif(mpi.cores() < 2, reason="ne
 DENSE = scene(chains=2, beads=30, kappa=0.1, duration=250.0, every=0.1)
 """3.9 MB of frames."""
 
-SPARSE = scene(chains=3, beads=40, kappa=0.1, duration=2000.0, every=2000.0)
-"""Two frames; a restart takes 25 kB, and the run some seconds."""
+SPARSE = scene(chains=3, beads=40, kappa=0.1, duration=2000.0, every=2.0, recorded=(1,))
+"""Frames of 0.3 kB; a restart takes 25 kB, and the run some seconds."""
 
 
 class Disk:
