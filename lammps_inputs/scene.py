@@ -110,7 +110,14 @@ class SceneType(type(BaseModel)):  # type: ignore[misc]
     """Type of scenes, which states in one line why keys and values that Python passes make none."""
 
     def __call__(cls, *values: Any, **parts: Any) -> Any:
-        """A scene.
+        """Make a scene.
+
+        Args:
+            *values: none; keys have names.
+            **parts: values by key.
+
+        Returns:
+            The scene.
 
         Raises:
             InputError: a value without a key, an unknown key, or a value that is not valid; it names the key.

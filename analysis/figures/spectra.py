@@ -39,6 +39,7 @@ def spectra_figure(problem: Problem, spectra: VelocitySpectra) -> Figure:
     top = float(np.max(spectra.amplitude, initial=1e-30)) * velocity.worth
     figure = new_figure(max(2.8, 1.0 + 1.6 * count))
     axes = np.atleast_1d(figure.subplots(count, 1, sharex=True, sharey=True))
+    axes[0].set_ylim(DEEPEST * top, 2.0 * top)  # before the scale is logarithmic: a bead may be at rest
     for place, axis in enumerate(axes):
         height = spectra.amplitude[:, chains, place] * velocity.worth
         draw_chains(axis, chains, spectra.frequency * frequency.worth, height)
@@ -48,7 +49,6 @@ def spectra_figure(problem: Problem, spectra: VelocitySpectra) -> Figure:
             axis.axvline(drive * frequency.worth, color="0.4", linewidth=0.9, linestyle=":", label=label)
         axis.set_title(f"bead {spectra.beads[place]}", loc="left")
     figure.supylabel(velocity.label(SpectrumTable, "amplitude", "amplitude of the velocity"), fontsize="medium")
-    axes[0].set_ylim(DEEPEST * top, 2.0 * top)
     axes[-1].set_xlabel(frequency.label(SpectrumTable, "frequency"))
     finish(figure, problem, axes)
     return figure

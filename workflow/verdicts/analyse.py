@@ -170,6 +170,9 @@ def results_of(directory: RunDirectory, frames: MeasuredFrames, drawn: tuple[Pat
         directory: the run directory.
         frames: what was measured in its frames.
         drawn: files of the figures.
+
+    Returns:
+        The analysis.
     """
     conservation = frames.conservation
     return Analysis(

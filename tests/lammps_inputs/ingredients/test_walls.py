@@ -117,7 +117,8 @@ def test_the_installed_scene_shows_the_known_numbers_through_lammps(tmp_path, dr
     assert contact["largest"] == pytest.approx(0.63955, abs=error + 5e-6)
     reflected = wall["reflected"]
     assert reflected["ratio"] == pytest.approx(0.99977, abs=reflected["uncertainty"] + 1e-5)
-    assert reflected["uncertainty"] < 10.0 * error
+    # of two peaks of 0.68 V: the reflected one does not lead, so that it has the error of all velocities
+    assert reflected["uncertainty"] < (error + 2.0 * found.check.velocity) / 0.68
     assert (wall["kind"], contact["kind"], sensor["kind"]) == ("wall", "contact", "sensor")
     assert contact["reflected"] is None
 

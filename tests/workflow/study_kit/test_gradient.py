@@ -181,6 +181,9 @@ def test_uncertainties_hold_in_95_of_100_derivatives_of_scenes_of_all_ingredient
         for place, field in enumerate(scene.by):
             right, doubt = derivative_scenes.differences(name, field)
             for line, value, error in zip(lines[place :: len(scene.by)], right, doubt, strict=True):
+                if line.value is None:  # undefined numbers, as a speed where beads are not passed in order
+                    assert line.derivative is None
+                    continue
                 assert line.derivative is not None
                 decisive.append(error < 0.5 * line.uncertainty)
                 held.append(abs(line.derivative - value) <= line.uncertainty + error)

@@ -50,7 +50,7 @@ def failure_of(old, new, directory, ranks=1):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("step", [1.2, 1e20])
+@pytest.mark.parametrize("step", [1.2, 2.0])
 def test_an_unstable_time_step_fails_in_the_first_segment_with_step_bound_and_remedy(step, tmp_path):
     unstable = scene(beads=20, timestep=step, every=step, duration=2000 * step)
     with pytest.raises(RunError, match=rf"^by step 200, .* smaller timestep \(it is {_text(step)}, .* 0\.798\)$"):

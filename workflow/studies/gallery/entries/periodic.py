@@ -36,7 +36,7 @@ SPEEDS = {"weak": 0.1, "strong": 0.75, "trapped": 0.95}
 
 def _kicked(speed: float) -> dict[str, Any]:
     kicks = [{"bead": 1, "velocity": speed}, {"bead": 2, "velocity": -speed}]
-    return chain(2, 2500.0, timestep=0.01, every=5.0, kick=kicks, **PAIR)
+    return chain(2, 2500.0, timestep=0.01, every=2.0, kick=kicks, **PAIR)
 
 
 @functools.cache
