@@ -230,7 +230,7 @@ def measure(
         counted=exchange.of,
         impulses=_of_collisions(directory, problem),
     )
-    results = _without_errors_by_rounding(with_run_error(of_frames_alone, run.error), directory.account.rounding)
+    results = _without_errors_by_rounding(with_run_error(of_frames_alone, run.error), run.rounding)
     of_all_beads = conservation
     if by_snapshots:
         of_all_beads, exchange = _read_snapshots(directory, fingerprint, spacetime)
