@@ -36,6 +36,7 @@ from lammps_inputs.numbers import plain_values
 from workflow.arguments import AnyDefinition, AnyRun, AnyScene, Processes, directory_of, load, source_of
 from workflow.checked import Between, checked
 from workflow.errors import RunError
+from workflow.plugins.pages import need_bokeh
 from workflow.runs import check as checking
 from workflow.runs import resume as resuming
 from workflow.runs import run as running
@@ -54,22 +55,21 @@ from workflow.verdicts.analyse import Analysis
 from workflow.verdicts.analysis_report import WavesTable
 from workflow.verdicts.validate import Validation
 from workflow.verdicts.validate_against import run_or_file, validate_against
-from workflow.view import need_bokeh
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from workflow.studies.design.study import design as design
-    from workflow.studies.extremes.function import extremes as extremes
-    from workflow.studies.fit.study import fit as fit
-    from workflow.studies.gallery.study import gallery as gallery
-    from workflow.studies.lyapunov.function import lyapunov as lyapunov
-    from workflow.studies.modes.function import modes as modes
-    from workflow.studies.threshold.function import threshold as threshold
-    from workflow.studies.trade.function import trade as trade
-    from workflow.tools.adopt.function import adopt as adopt
-    from workflow.tools.explore.notebook import explore as explore
-    from workflow.tools.export.tool import export as export
+    from workflow.plugins.adopt.function import adopt as adopt
+    from workflow.plugins.design.study import design as design
+    from workflow.plugins.explore.notebook import explore as explore
+    from workflow.plugins.export.tool import export as export
+    from workflow.plugins.extremes.function import extremes as extremes
+    from workflow.plugins.fit.study import fit as fit
+    from workflow.plugins.gallery.study import gallery as gallery
+    from workflow.plugins.lyapunov.function import lyapunov as lyapunov
+    from workflow.plugins.modes.function import modes as modes
+    from workflow.plugins.threshold.function import threshold as threshold
+    from workflow.plugins.trade.function import trade as trade
 
     __version__: str
 
@@ -573,7 +573,7 @@ def view(run_or_sweep: AnyRun, against: AnyRun | None = None) -> Page:
         <page out/view.html>
     """
     need_bokeh()
-    from workflow.view import write
+    from workflow.plugins.pages import write
 
     if against is not None:
         return Page(write.write_comparison(directory_of(run_or_sweep), directory_of(against)))
