@@ -27,7 +27,7 @@ from lammps_here import run
 from processes import HANGS
 
 from workflow.engines.lammps import engine
-from workflow.runs.files import write_figure
+from workflow.runs.figures import write_figure
 
 # a busy machine is no failure
 settings.register_profile(

@@ -17,15 +17,10 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lammps_inputs import InputError, file_names
-from workflow.errors import EndedError, RunError
-from workflow.formats import figure_files
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure  # takes a while to import
-
+from workflow.errors import EndedError
 
 EVENTS = "events.csv"
 RECORD = "run.json"
@@ -224,24 +219,6 @@ def write_bytes(path: Path, content: bytes) -> None:
     """
     with complete(path) as temporary:
         temporary.write_bytes(content)
-
-
-def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ...]:
-    """Write a figure in the formats of `workflow.formats`; returns the files.
-
-    Raises:
-        RunError: it holds numbers that cannot be drawn.
-    """
-    from analysis.figures.style import picture
-
-    paths = tuple(directory / file for file in figure_files(name))
-    for path in paths:
-        try:
-            content = picture(figure, path.suffix[1:])
-        except OverflowError:
-            raise RunError(f"{path}: numbers near 1e308 cannot be drawn; are the frames damaged?") from None
-        write_bytes(path, content)
-    return paths
 
 
 def write_text(path: Path, text: str) -> None:

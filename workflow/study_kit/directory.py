@@ -38,7 +38,8 @@ from lammps_inputs.units import DIMENSIONLESS, Scale
 from workflow.formats import figure_files
 from workflow.runs import job
 from workflow.runs.engines import ENGINES
-from workflow.runs.files import alone, write_figure, write_text
+from workflow.runs.figures import write_figure
+from workflow.runs.files import alone, write_text
 from workflow.runs.output_directory import claim, make_directory
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory

@@ -31,7 +31,8 @@ from workflow.measures import MEASUREMENTS, energy
 from workflow.measures.base import Measurement, Recorded
 from workflow.runs.check import accountant
 from workflow.runs.engines import ENGINES
-from workflow.runs.files import EVENTS, write_figure, write_json, write_text
+from workflow.runs.figures import write_figure
+from workflow.runs.files import EVENTS, write_json, write_text
 from workflow.runs.job import RoundingRecord
 from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory

@@ -17,7 +17,8 @@ from lammps_inputs.facts import Fact
 from workflow.engines.reference.step_halving import StepHalving, Uncertainty
 from workflow.formats import figure_files
 from workflow.runs.check import accountant
-from workflow.runs.files import write_figure, write_json
+from workflow.runs.figures import write_figure
+from workflow.runs.files import write_json
 from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.diagnose import Diagnosis, diagnose, rounded
