@@ -173,7 +173,7 @@ def discard(path: Path) -> None:
 
 
 @contextmanager
-def complete(path: Path, *, directory: bool = False) -> Iterator[Path]:
+def complete(path: Path, *, directory: bool = False, named: Path | None = None) -> Iterator[Path]:
     """Write a file, or a directory, under another name beside it, which becomes its name at the end of a block.
 
     What killed processes were writing there is removed.
@@ -181,6 +181,7 @@ def complete(path: Path, *, directory: bool = False) -> Iterator[Path]:
     Args:
         path: the file; what was there before is replaced at the end, or is left as it was where something fails.
         directory: whether it is a directory.
+        named: what an error names; by default the file.
 
     Yields:
         Path of an empty file or directory to write to.
@@ -208,7 +209,7 @@ def complete(path: Path, *, directory: bool = False) -> Iterator[Path]:
             os.close(lock)
     except OSError as error:
         reason = error.strerror or error
-        raise EndedError(f"{path}: cannot be written ({reason}); what was there is left as it was") from None
+        raise EndedError(f"{named or path}: cannot be written ({reason}); what was there is left as it was") from None
 
 
 def write_bytes(path: Path, content: bytes) -> None:

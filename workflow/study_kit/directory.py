@@ -40,7 +40,7 @@ from workflow.runs import job
 from workflow.runs.engines import ENGINES
 from workflow.runs.figures import write_figure
 from workflow.runs.files import alone, write_text
-from workflow.runs.output_directory import claim, make_directory
+from workflow.runs.output_directory import make_directory, record_files
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar, print_table
@@ -95,7 +95,7 @@ class Study:
             return
         make_directory(directory)
         with alone(directory):
-            claim(directory, self.files)
+            record_files(directory, self.files)
             self.mark(directory, done=False)
             with StoredResults(directory / self.cache if self.cache else None) as cache:
                 yield cache

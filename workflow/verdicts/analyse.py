@@ -34,7 +34,7 @@ from workflow.runs.engines import ENGINES
 from workflow.runs.figures import write_figure
 from workflow.runs.files import EVENTS, write_json, write_text
 from workflow.runs.job import RoundingRecord
-from workflow.runs.output_directory import claim, retire
+from workflow.runs.output_directory import record_files
 from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, WavesTable, report, waves_table
 from workflow.verdicts.derivative import Derivative
@@ -356,9 +356,8 @@ def _tables(results: Survey, measurements: dict[str, Measurement]) -> dict[str, 
 def _write(directory: RunDirectory, frames: MeasuredFrames) -> tuple[Path, ...]:
     """Write tables, the report, and figures; returns the files of the figures."""
     files = figure_files(*frames.figures)
-    claim(directory.path, (*frames.tables, REPORT, *files))
-    if frames.figures:
-        retire(directory.path, set(in_any_format(*FIGURES)).difference(files))
+    outdated = in_any_format(*FIGURES) if frames.figures else ()
+    record_files(directory.path, (*frames.tables, REPORT, *files), outdated)
     drawn = tuple(path for name, make in frames.figures.items() for path in write_figure(directory.path, name, make()))
     for name, text in frames.tables.items():
         write_text(directory.path / name, text)
