@@ -198,11 +198,11 @@ def complete_replacement(directory: Path) -> None:
 
 
 def _put_in_place(directory: Path) -> None:
-    """Remove the files of an earlier run, and move the new ones to their place; the list of either is the last."""
+    """Remove the files of an earlier run, their list at last, and move the new ones to their place."""
     folder = directory / _NEXT
     if (folder / RECORD).exists() and (directory / RECORD).exists():
         _remove(directory, sorted(_of_run(directory), key=lambda name: name == RECORD))
-    for path in sorted(folder.iterdir(), key=lambda path: path.name == RECORD):
+    for path in folder.iterdir():
         path.replace(directory / path.name)
     folder.rmdir()
 
