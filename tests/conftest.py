@@ -11,6 +11,7 @@ What takes time, in seconds of processor (`cpu_times` in support prints them):
   or `pool_here` for sweeps.
 """
 
+import functools
 import gc
 import os
 import signal
@@ -26,6 +27,7 @@ from hypothesis import HealthCheck, settings
 from lammps_here import run
 from processes import HANGS
 
+from workflow.cli import main
 from workflow.engines.lammps import engine
 from workflow.runs.files import write_figure
 
@@ -131,3 +133,29 @@ def pool_here() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("workflow.workers.pool.Pool.answers", answers)
         yield
+
+
+@pytest.fixture(scope="session")
+def paper(tmp_path_factory):
+    """Name of an installed scene -> directory of its run, made and analysed by the command line."""
+
+    @functools.cache
+    def directory(name):
+        path = tmp_path_factory.mktemp("paper") / name
+        assert main(["run", name, "-o", str(path)]) == 0
+        assert main(["analyze", str(path), "--no-figures"]) == 0
+        return path
+
+    return directory
+
+
+@pytest.fixture(scope="module")
+def browser(executable):
+    """Chromium, driven by playwright."""
+    path = executable("chromium")
+    from playwright.sync_api import sync_playwright  # only for those who need it
+
+    with sync_playwright() as driver:
+        started = driver.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
+        yield started
+        started.close()

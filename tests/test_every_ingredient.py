@@ -18,10 +18,10 @@ from analysis.trajectory import mirrored_problem
 from lammps_inputs import InputError, laws, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
-from lammps_inputs.jobs import job
-from lammps_inputs.jobs.site import JobOptions
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
+from workflow.plugins.jobs import job
+from workflow.plugins.jobs.site import JobOptions
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.validate import validate

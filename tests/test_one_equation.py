@@ -12,11 +12,11 @@ ALLOWED = ("lammps_inputs/laws/", "lammps_inputs/ingredients/")
 EXCEPT = {
     "analysis/shape/exact_wave.py": "its own theory, for any exponent",
     "lammps_inputs/limits/solids.py": "where that one law ends",
-    "workflow/studies/gallery/entries/impacts.py": "the exact impact of two spheres, to compare with",
+    "workflow/plugins/gallery/entries/impacts.py": "the exact impact of two spheres, to compare with",
     "analysis/compare/common_times.py": "how an interpolation errs where a contact opens",
-    "workflow/tools/adopt/deck_text.py": "reads decks of others",
-    "workflow/tools/adopt/measure.py": "measures forces that LAMMPS computes in decks of others",
-    "workflow/tools/adopt/scene_of.py": "names the commands of decks of others",
+    "workflow/plugins/adopt/deck_text.py": "reads decks of others",
+    "workflow/plugins/adopt/measure.py": "measures forces that LAMMPS computes in decks of others",
+    "workflow/plugins/adopt/scene_of.py": "names the commands of decks of others",
 }
 FORCES = re.compile(r"laws ?\. ?hertz|Hertz ?\(|gran/hertz|bond_style|bond_coeff|pair_style|spring/self|\*\* ?1\.5\b")
 

@@ -78,4 +78,4 @@ def test_type_checkers_see_the_types_of_the_installed_module(built, tmp_path):
     words = (sys.executable, "-P", "-m", "mypy", *options, "script.py")
     types = run(*words, cwd=tmp_path, env=environment)
     assert "-> granchain.Run" in types
-    assert "-> workflow.studies.fit.result.Fit" in types
+    assert "-> workflow.plugins.fit.result.Fit" in types

@@ -17,10 +17,10 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, Problem, physics
-from lammps_inputs.jobs import site
-from lammps_inputs.jobs.schedulers import SCHEDULERS
-from lammps_inputs.jobs.step_time import MESSAGES, bead_seconds, frame_seconds, step_seconds
 from lammps_inputs.numbers import size_text, time_text
+from workflow.plugins.jobs import site
+from workflow.plugins.jobs.schedulers import SCHEDULERS
+from workflow.plugins.jobs.step_time import MESSAGES, bead_seconds, frame_seconds, step_seconds
 
 MEMORY = 1000
 """Memory in bytes a bead of a single chain at the start, when it is largest; 600 to 700 for coupled chains."""

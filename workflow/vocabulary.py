@@ -123,7 +123,7 @@ def _of_materials() -> Iterator[tuple[str, WordMeaning]]:
 
 # --- files ------------------------------------------------------------------------------------------------------------
 
-FILES = {"sweep": "workflow.sweep.file", "design": "workflow.studies.design.file"}
+FILES = {"sweep": "workflow.sweep.file", "design": "workflow.plugins.design.file"}
 """Kind of a file that is no scene -> module that has an example in its docstring."""
 
 

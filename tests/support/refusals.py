@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from lammps_inputs.jobs import site
 from workflow import screen
 from workflow.cli import main
+from workflow.plugins.jobs import site
 
 
 def refusal(words: Any, capsys: pytest.CaptureFixture[str], code: int = 2) -> str:

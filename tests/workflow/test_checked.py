@@ -91,8 +91,8 @@ def nothing_runs(monkeypatch):
     def begun(*_, **__):
         raise granchain.RunError("begun")
 
-    monkeypatch.setattr("workflow.tools.explore.notebook.ExplorerPage", begun)
-    monkeypatch.setattr("workflow.studies.trade.function.study", begun)
+    monkeypatch.setattr("workflow.plugins.explore.notebook.ExplorerPage", begun)
+    monkeypatch.setattr("workflow.plugins.trade.function.study", begun)
     monkeypatch.setattr(run, "run_prepared", begun)
     monkeypatch.setattr(run, "settle", begun)
     monkeypatch.setattr(pool.Pool, "__enter__", begun)

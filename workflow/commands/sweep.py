@@ -5,9 +5,9 @@ import textwrap
 from pathlib import Path
 
 from lammps_inputs import InputError
-from lammps_inputs.jobs.site import JobOptions
 from workflow.cost_model import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
+from workflow.plugins.jobs.site import JobOptions
 from workflow.screen import CommandResult, one_line
 from workflow.study_kit.options import add_output, example_file
 from workflow.sweep import file, run_sweep

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError, library
 from workflow.formats import figure_files
+from workflow.plugins.pages import need_bokeh
 from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import CommandResult, one_line, print_files, print_heading, print_table, progress_bar
@@ -13,7 +14,6 @@ from workflow.verdicts import validate as validation
 from workflow.verdicts import validation_tables as tables
 from workflow.verdicts.validate_against import run_or_file, validate_against
 from workflow.verdicts.validate_run import refuse_another_scene
-from workflow.view import need_bokeh
 
 ANSWERS = "what validation.json, or validation-against.json, holds"
 DRAWS = True
@@ -78,7 +78,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     _print(comparison)
     files = (comparison.report, *figure_files(comparison.stem))
     if arguments.page:
-        from workflow.view.write import write_validation  # bokeh takes half a second to import
+        from workflow.plugins.pages.write import write_validation  # bokeh takes half a second to import
 
         write_validation(directory, comparison, against if isinstance(against, RunDirectory) else None)
         files = (*files, comparison.page)

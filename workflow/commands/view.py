@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
+from workflow.plugins.pages import need_bokeh
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import one_line, open_in_browser
-from workflow.view import need_bokeh
 
 EXAMPLES = (
     "view demo                 # writes demo/view.html, and opens it where there is a screen",
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Write the page; open it in a browser if there is a screen."""
     need_bokeh()
-    from workflow.view.write import write, write_comparison  # bokeh takes half a second to import
+    from workflow.plugins.pages.write import write, write_comparison  # bokeh takes half a second to import
 
     if arguments.against is None:
         page = write(arguments.directory)

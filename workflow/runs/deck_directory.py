@@ -5,9 +5,9 @@ from pathlib import Path
 
 from lammps_inputs import InputError, Scene, file_names
 from lammps_inputs.decks import deck
-from lammps_inputs.jobs import job
-from lammps_inputs.jobs.site import JobOptions
 from workflow import cost_model
+from workflow.plugins.jobs import job
+from workflow.plugins.jobs.site import JobOptions
 from workflow.prepare.settings import refuse_unanalysable, settle
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs.files import LAMMPS_FILES, write_text

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, physics
-from lammps_inputs.jobs import site
 from lammps_inputs.limits import rates
 from lammps_inputs.numbers import size_text, time_text
 from lammps_inputs.output import Limits
 from lammps_inputs.window import LEAST_WINDOW
 from workflow import cost_model as model
+from workflow.plugins.jobs import site
 from workflow.runs.engines import LAMMPS, Engine
 
 MOST = Limits(gigabytes=20.0, hours=24.0)

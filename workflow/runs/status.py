@@ -19,8 +19,8 @@ from typing import Any, Literal
 
 from analysis.files.dump_layout import last_step
 from lammps_inputs import InputError, file_names
-from lammps_inputs.jobs.schedulers import SCHEDULERS, SLURM, ListedJob, Scheduler
 from workflow.engines.lammps.files_on_disk import step_of
+from workflow.plugins.jobs.schedulers import SCHEDULERS, SLURM, ListedJob, Scheduler
 from workflow.runs.files import RECORD, held, parts
 from workflow.runs.job import Job, StudyRecord, load, restart_refused
 

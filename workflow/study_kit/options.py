@@ -11,9 +11,9 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from lammps_inputs import InputError, complaints, file_names, strict_yaml
-from lammps_inputs.jobs.job import render_command
-from lammps_inputs.jobs.site import JobOptions
 from lammps_inputs.units import Label
+from workflow.plugins.jobs.job import render_command
+from workflow.plugins.jobs.site import JobOptions
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import claim, make_directory, retire
 from workflow.screen import CommandResult

@@ -6,11 +6,11 @@ from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, file_names, library, load
 from lammps_inputs.decks import deck
-from lammps_inputs.jobs import job
-from lammps_inputs.jobs.schedulers import SCHEDULERS, Scheduler
-from lammps_inputs.jobs.site import JobOptions
 from workflow.cost_model import with_ranks
 from workflow.errors import RunError
+from workflow.plugins.jobs import job
+from workflow.plugins.jobs.schedulers import SCHEDULERS, Scheduler
+from workflow.plugins.jobs.site import JobOptions
 from workflow.prepare.settings import settle
 from workflow.runs.engines import LAMMPS
 from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text

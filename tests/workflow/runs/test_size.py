@@ -5,8 +5,8 @@ from bad_scenes import scene_text
 from refusals import refusal
 
 from lammps_inputs import file_names, library
-from lammps_inputs.jobs import site
 from workflow.cli import main
+from workflow.plugins.jobs import site
 from workflow.runs.run import run
 from workflow.runs.size import size_of
 

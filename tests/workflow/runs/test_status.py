@@ -19,10 +19,10 @@ from stock_lammps import scene
 from analysis.files.recording import Writer
 from lammps_inputs import file_names, physics
 from lammps_inputs.decks import continuation, deck
-from lammps_inputs.jobs import job
-from lammps_inputs.jobs.schedulers import slurm_jobs
-from lammps_inputs.jobs.site import JobOptions
 from workflow.cli import main
+from workflow.plugins.jobs import job
+from workflow.plugins.jobs.schedulers import slurm_jobs
+from workflow.plugins.jobs.site import JobOptions
 from workflow.runs.files import RECORD, write_json
 from workflow.runs.status import MEANING, Queue, Queued, queue_of, status, statuses
 from workflow.study_kit.directory import Study

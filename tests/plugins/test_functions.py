@@ -1,0 +1,61 @@
+"""Functions of studies in the module `granchain`: all are listed there, and none affects the rest of the process."""
+
+import numpy as np
+import pytest
+from global_state import SCENE, assert_state_remains
+
+import granchain
+from lammps_inputs import plugins
+from workflow.plugins.fit import study as fit
+
+DESIGN = {"scene": SCENE, "vary": {"beads": {"from": 6, "to": 8}}, "minimize": "mass", "also": ["peak_velocity"]}
+LOADED = {**SCENE, "beads": 4, "chains": 1, "precompression": {"force": 1.0}}
+LOADED.pop("coupling")
+DESIGN |= {"verify": 1}
+
+
+def table(directory):
+    """A table of the velocities of one bead in a run."""
+    trajectory = granchain.run(SCENE, directory / "run", engine="reference").trajectory
+    path = directory / "table.csv"
+    rows = np.column_stack([trajectory.time, trajectory.velocity[:, 0, 3]])
+    np.savetxt(path, rows, delimiter=",", header="time,velocity_1_4", comments="")
+    return path
+
+
+CALLS = {
+    "fit": lambda path: granchain.fit(
+        {**SCENE, "kick": {"velocity": 1.05}}, table(path), ["kick.velocity"], path / "new", lammps=False, offset=0.0
+    ),
+    "design": lambda path: granchain.design(DESIGN, path / "new", jobs=1),
+    "extremes": lambda path: granchain.extremes(["drives"], path / "new", quick=True),
+    "gallery": lambda path: granchain.gallery(path / "new", ["tapered"]),
+    "lyapunov": lambda path: granchain.lyapunov(LOADED, path / "new", duration=1000.0),
+    "modes": lambda path: granchain.modes(LOADED, path / "new", linear=True),
+    "threshold": lambda path: granchain.threshold(
+        SCENE, {"mass": 15.0}, {"beads": (6, 8)}, path / "new", points=3, jobs=1
+    ),
+    "trade": lambda path: granchain.trade(SCENE, path / "new", budget=1.0),
+}
+
+
+def test_every_function_of_a_study_is_called_here_and_listed_with_the_others():
+    own = {name for name in plugins.declared("functions") if name in plugins.declared("studies")}
+    assert own == CALLS.keys()
+    assert own <= set(dir(granchain))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CALLS)
+def test_the_state_of_the_process_is_as_before(name, tmp_path, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")  # bars of progress have threads
+    for count in ("STARTS", "BEGUN"):  # of a fit, which is no better for it
+        monkeypatch.setattr(fit, count, 1)
+    assert_state_remains(lambda: CALLS[name](tmp_path), tmp_path)
+
+
+def test_functions_of_plug_ins_are_attributes_under_the_names_by_which_they_are_declared():
+    names = [name for name, point in plugins.declared("functions").items() if point.value.startswith("workflow.")]
+    assert len(names) >= len(CALLS)
+    for name in names:
+        assert getattr(granchain, name).__name__ == name

@@ -1,0 +1,256 @@
+"""Where a quantity crosses a value: brackets of known functions, exact cases, resumption, and what has no threshold."""
+
+import csv
+import math
+import shlex
+
+import numpy as np
+import pytest
+
+from lammps_inputs import InputError, strict_yaml
+from workflow.cli import main
+from workflow.plugins.threshold import study
+from workflow.plugins.threshold.crossings import SearchedField, crossings, wanted
+from workflow.study_kit import directory as studying
+from workflow.study_kit import options, scene_quantities
+
+pytestmark = pytest.mark.usefixtures("pool_here")
+
+LINEAR = SearchedField(-1.0, 2.0, tolerance=1e-4)
+
+
+def searched(function, axis, level=0.0):
+    """The crossings of a function, and its computed values; none is asked for twice."""
+    known = {}
+    while values := wanted(known, axis, level):
+        assert not known.keys() & set(values)
+        assert len(known) < 1000
+        known |= {value: function(value) for value in values}
+    return crossings(known, axis, level), known
+
+
+@pytest.mark.parametrize(
+    ("function", "axis", "level", "places"),
+    [
+        (lambda x: x, SearchedField(0.1, 1.0), 0.3, [0.3]),
+        (lambda x: -math.log(x), SearchedField(1e-6, 1e3, log=True), 3.0, [math.exp(-3.0)]),
+        (lambda x: x * x, LINEAR, 0.5, [-math.sqrt(0.5), math.sqrt(0.5)]),
+        (lambda x: float(x >= 0.7), LINEAR, 1.0, [0.7]),
+        (lambda x: x * x - 0.25, SearchedField(1, 100, integer=True), 1000.0, [31.5]),
+    ],
+)
+def test_every_crossing_of_a_function_is_in_a_bracket_as_narrow_as_asked_for(function, axis, level, places):
+    found, _ = searched(function, axis, level)
+    assert len(found) == len(places)
+    for one, place in zip(found, places, strict=True):
+        assert one.low <= place <= one.high
+        assert axis.is_narrow(one.low, one.high)
+        assert one.rises == (function(one.low) < level)
+        assert (one.mixed, one.undefined) == (False, False)
+
+
+def test_the_bracket_of_a_noisy_quantity_includes_all_computed_values_on_the_wrong_side():
+    noise = 0.05
+    (one,), known = searched(lambda x: x - 0.5 + noise * math.sin(1e6 * x), LINEAR)
+    assert one.mixed
+    assert 0.5 - noise <= one.low < one.high <= 0.5 + noise  # beyond, the noise cannot reach the level
+    assert all(value < 0.0 for x, value in known.items() if x <= one.low)
+    assert all(value >= 0.0 for x, value in known.items() if x >= one.high)
+    assert not LINEAR.is_narrow(one.low, one.high)
+
+
+def test_where_a_quantity_is_undefined_in_between_the_bracket_ends_on_either_side_of_that():
+    (one,), known = searched(lambda x: None if 0.4 < x < 0.6 else x - 0.5, LINEAR)
+    assert one.undefined
+    assert not one.mixed
+    assert one.low <= 0.4
+    assert one.high >= 0.6
+    assert None not in (known[one.low], known[one.high])
+
+
+@pytest.mark.parametrize("function", [lambda _: None, lambda _: 1.0, lambda x: None if x < 0.5 else x])
+def test_without_two_sides_there_is_no_bracket_and_no_search_beyond_the_scan(function):
+    found, known = searched(function, LINEAR)
+    assert (found, sorted(known)) == ([], LINEAR.scan())
+
+
+CHAIN = {
+    "name": "chain",
+    "chains": 1,
+    "beads": 24,
+    "kick": {"velocity": 1.0},
+    "until_bead": 20,
+}
+"""One chain: times are in proportion to the kick's velocity to the power -1/5 (contacts of exponent 3/2)."""
+
+
+def asked(tmp_path, *words, scene=CHAIN):
+    """Exit code of the command, and the lines of its table."""
+    path = tmp_path / "chain.yaml"
+    path.write_text(strict_yaml.dump(scene))
+    code = main(["threshold", str(path), *words, "-o", str(tmp_path / "found"), "--jobs", "1"])
+    table = tmp_path / "found" / "threshold.csv"
+    return code, list(csv.DictReader(table.read_text().splitlines())) if table.is_file() else []
+
+
+def numbers(path):
+    """Value of the field -> quantity."""
+    return {float(row["value"]): float(row["quantity"]) for row in csv.DictReader(path.read_text().splitlines())}
+
+
+@pytest.mark.slow
+def test_the_kick_at_which_a_pulse_arrives_at_a_given_time_is_that_of_the_scaling_law(tmp_path):
+    words = ["--where", "arrival=20", "--vary", "kick.velocity=0.5:4", "--log", "--points", "4"]
+    code, (found,) = asked(tmp_path, *words)
+    place = (numbers(tmp_path / "found" / "points.csv")[1.0] / 20.0) ** 5
+    rounding = 1e-9  # of the scaled numbers, which are those of one motion at V = 1
+    assert (code, found["rises"]) == (0, "False")
+    assert float(found["low"]) * (1.0 - rounding) <= place <= float(found["high"]) * (1.0 + rounding)
+    assert abs(float(found["place"]) - place) <= float(found["uncertainty"]) * (1.0 + rounding)
+    assert float(found["uncertainty"]) <= 1e-3 * float(found["high"])
+
+
+STRUCK = {"name": "struck", "chains": 1, "beads": 24, "striker": {"velocity": 1.0, "mass": 1.0}, "duration": 2.0}
+"""Its beads weigh 23 and the mass of the striker."""
+
+BY_MASS = ["--where", "mass=25.5", "--vary", "striker.mass=0.5:3", "--points", "3"]
+
+
+def test_a_mass_is_found_exactly_and_a_second_field_makes_a_curve_with_a_figure(tmp_path, capsys):
+    code, found = asked(tmp_path, *BY_MASS, "--over", "beads=24,25,26,40", scene=STRUCK)
+    assert code == 0
+    assert [one["over"] for one in found] == ["24", "25"]  # 26 beads: 0.5, the end of the range, is not below the level
+    for one, mass in zip(found, (2.5, 1.5), strict=True):
+        assert float(one["low"]) <= mass <= float(one["high"])
+        assert abs(float(one["place"]) - mass) <= float(one["uncertainty"]) <= 1e-3 * mass
+    assert (
+        "no threshold: mass does not cross 25.5: 39.5 to 42 at 3 values of striker.mass from 0.5 to 3"
+        in capsys.readouterr().out
+    )
+    assert (tmp_path / "found" / "threshold.png").is_file()
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Figures of studies, not written."""
+    figures = []
+    monkeypatch.setattr(studying, "write_figure", lambda _directory, _name, figure: figures.append(figure) or ())
+    return figures
+
+
+def test_the_figure_names_the_quantity_and_the_field_and_marks_the_value_and_the_crossing(tmp_path, drawn):
+    asked(tmp_path, *BY_MASS, scene=STRUCK)
+    (axis,) = drawn[0].axes
+    assert (axis.get_xlabel(), axis.get_ylabel()) == ("striker mass (reduced)", "mass of all beads (reduced)")
+    labels = [text.get_text() for text in drawn[0].legends[0].get_texts()]
+    assert labels[0] == "value sought: 25.5"
+    place, error = map(float, labels[1].removeprefix("crossing: ").split(" \u00b1 "))
+    assert abs(place - 2.5) <= error < 0.01
+
+
+def test_the_figure_of_a_curve_names_the_value_and_without_a_crossing_it_shows_what_was_computed(tmp_path, drawn):
+    asked(tmp_path, *BY_MASS, "--over", "beads=24,25", scene=STRUCK)
+    assert drawn[0].axes[0].get_ylabel() == "striker mass where mass of all beads = 25.5\n(reduced)"
+    assert drawn[0].axes[0].get_xlabel() == "number of beads of a chain $n_b$"
+    asked(tmp_path, *BY_MASS, "--over", "beads=40,41", scene=STRUCK)
+    labels = [text.get_text() for text in drawn[1].legends[0].get_texts()]
+    assert labels == ["$n_b$ = 40", "$n_b$ = 41", "value sought: 25.5"]
+
+
+def test_values_of_a_second_field_are_read_as_those_of_a_scene_lists_too(tmp_path):
+    kinds = {**STRUCK, "kinds": {"a": {"mass": 1.0}, "b": {"mass": 2.0}}, "pattern": ["a", "b"]}
+    words = ["--where", "mass=36", "--vary", "striker.mass=0.5:20", "--points", "3"]
+    _, found = asked(tmp_path, *words, "--over", "pattern=[b, a],[a, a, b]", scene=kinds)
+    for one, mass in zip(found, (36.0 - 12.0 - 2.0 * 11.0, 36.0 - 15.0 - 2.0 * 8.0), strict=True):
+        assert float(one["low"]) <= mass <= float(one["high"])
+    _, found = asked(tmp_path, *words, "--over", "kinds.b.mass=2,1e0", scene=kinds)
+    assert [one["over"] for one in found] == ["2", "1.0"]
+
+
+def test_the_reason_for_no_threshold_is_that_of_the_same_value_of_the_second_field(tmp_path, capsys):
+    asked(tmp_path, *BY_MASS, "--where", "agree_1=3", "--over", "beads=24.5,24", scene=STRUCK)
+    refused, undefined = capsys.readouterr().out.splitlines()[:2]
+    assert refused.endswith("chain.yaml: beads: should be a whole number, 24.5 given)")
+    assert undefined.endswith("at beads = 24 (`granchain help agree_1` says when)")
+
+
+@pytest.mark.parametrize(
+    ("where", "says"),
+    [
+        ("mass=100", "no threshold: mass does not cross 100: 23.5 to 26 at 3 values of striker.mass from 0.5 to 3"),
+        (
+            "agree_1=3",
+            "no threshold: agree_1 is undefined at 3 values of striker.mass from 0.5 to 3 "
+            "(`granchain help agree_1` says when)",
+        ),
+    ],
+)
+def test_no_threshold_is_one_line_and_exit_code_1(where, says, tmp_path, capsys):
+    assert asked(tmp_path, *BY_MASS, "--where", where, scene=STRUCK) == (1, [])
+    assert says in capsys.readouterr().out.splitlines()
+
+
+def test_without_a_threshold_the_figure_shows_the_computed_values_for_each_value_of_the_second_field(tmp_path, drawn):
+    assert asked(tmp_path, *BY_MASS, "--where", "mass=100", "--over", "beads=24,25", scene=STRUCK) == (1, [])
+    (axis,) = drawn[0].axes
+    assert (axis.get_xlabel(), axis.get_ylabel()) == ("striker mass (reduced)", "mass of all beads (reduced)")
+    lines = {line.get_label(): list(line.get_ydata()) for line in axis.get_lines()}
+    assert lines.pop("value sought: 100") == [100.0, 100.0]
+    assert lines == {"$n_b$ = 24": [23.5, 24.75, 26.0], "$n_b$ = 25": [24.5, 25.75, 27.0]}
+
+
+def test_without_a_threshold_more_values_of_the_second_field_than_lines_are_a_map(tmp_path, drawn):
+    beads = ",".join(map(str, range(20, 29)))
+    assert asked(tmp_path, *BY_MASS, "--where", "mass=100", "--over", f"beads={beads}", scene=STRUCK) == (1, [])
+    mesh = drawn[0].axes[0].collections[0]
+    assert mesh.get_array().shape == (9, 3)
+    assert mesh.get_array()[4].tolist() == [23.5, 24.75, 26.0]
+
+
+def test_of_a_quantity_that_is_undefined_everywhere_only_the_value_sought_is_drawn(tmp_path, drawn):
+    asked(tmp_path, *BY_MASS, "--where", "agree_1=3", scene=STRUCK)
+    (axis,) = drawn[0].axes
+    lines = {line.get_label(): np.asarray(line.get_ydata(), float) for line in axis.get_lines()}
+    assert [label for label, values in lines.items() if np.isfinite(values).any() and (values > 1.0).all()] == [
+        "value sought: 3"
+    ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("example", study.EXAMPLES)
+def test_the_examples_of_its_help_find_thresholds(example, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(shlex.split(example)) == 0
+    table = tmp_path / shlex.split(example)[-1] / "threshold.csv"
+    found = list(csv.DictReader(table.read_text().splitlines()))
+    assert [one["over"] for one in found] == (["2", "3", "4"] if "--over" in example else [""])
+    assert all(0.02 < float(one["place"]) < 0.5 for one in found)
+
+
+@pytest.mark.parametrize("name", ["in_resonators", "wall_seconds"])
+def test_a_quantity_that_only_the_analysis_of_a_run_directory_finds_is_refused(name):
+    with pytest.raises(InputError, match=f"'{name}' is no quantity; known are mass, wall_force"):
+        scene_quantities.refuse_unknown(name, "--quantity", "quantity")
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("speed@x", "should end in the number of a bead, such as speed@100"),
+        ("speeed", r"is no quantity \(did you mean `speed`\?\)"),
+        ("speed@25", "speed@25: the chains have 24 beads"),
+    ],
+)
+def test_a_quantity_at_a_bead_that_is_none_is_refused(name, says):
+    def refuse():
+        scene_quantities.refuse_unknown(name, "--where", "quantity")
+        scene_quantities.scene_to_run(CHAIN, (name,), "chain")
+
+    with pytest.raises(InputError, match=says):
+        refuse()
+
+
+@pytest.mark.parametrize("text", ["disorder={mass: 1}", "disorder.mass=0.1,1e-1", "beads="])
+def test_values_of_a_second_field_that_are_no_different_ones_are_refused(text):
+    with pytest.raises(InputError, match=r"--over: .*such as chains=2,3,4"):
+        options.second_field(text)

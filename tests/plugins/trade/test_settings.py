@@ -1,0 +1,190 @@
+"""The settings that a scene has, what is run for them, and how errors are told."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from processes import HANGS
+from small_problems import problem, written_down
+
+from analysis import trajectory
+from analysis.files import recording
+from analysis.tracking.peaks import find_peaks
+from lammps_inputs import InputError, file_names, library
+from lammps_inputs.limits.rates import stability_bound
+from workflow.engines.lammps import mpi
+from workflow.engines.reference import engine
+from workflow.plugins.trade import settings as choices
+from workflow.plugins.trade.settings import QUANTITIES, Truth, _interval, intervals, make_truth
+from workflow.runs.engines import write_frames
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+
+def of_method(settings, name):
+    return [setting for setting in settings if setting.method == name]
+
+
+@pytest.mark.parametrize("every", [0.01, 0.1, 0.4, 3.0])
+@pytest.mark.parametrize("kappa", [0.1, 100.0])
+def test_steps_are_stable_and_frames_and_ends_are_the_scenes(every, kappa):
+    own = problem(kappa=kappa, timestep=every / 300, steps_per_frame=300, frames=400)
+    longest = choices.COARSEST * stability_bound(own.system)
+    settings = choices.settings(own)
+    for name in ("LAMMPS verlet", "LAMMPS suzuki4", "reference blanes-moan"):
+        several = of_method(settings, name)
+        assert len(several) >= 3
+        for setting in several:
+            each = setting.problem
+            cycle = 5 if "suzuki" in name else 1
+            assert each.steps_per_frame % cycle == 0
+            assert each.timestep * cycle <= longest * (1.0 + 1e-9)
+            stride = each.every / own.every
+            assert stride == pytest.approx(round(stride))
+            assert each.duration <= own.duration * (1.0 + 1e-9)
+            assert each.duration > own.duration - each.every
+        effort = [setting.effort for setting in several]
+        assert effort == sorted(effort)
+
+
+def test_the_scenes_own_step_is_among_those_of_lammps():
+    own = problem(timestep=0.1 / 7, steps_per_frame=7)
+    assert own.timestep in [setting.value for setting in of_method(choices.settings(own), "LAMMPS verlet")]
+
+
+@pytest.mark.parametrize(
+    ("changes", "there"),
+    [
+        ({"beads": 100}, True),
+        ({"beads": 60}, False),
+        ({"beads": 100, "recorded": (1, 5)}, False),
+        ({"beads": 100, "kicks": ((1, 70, 1.0),)}, False),
+        ({"beads": 100, "kicks": ((1, 2, -1.0),)}, False),
+    ],
+)
+def test_windows_of_lammps_are_measured_where_a_scene_may_have_one(changes, there):
+    assert bool(of_method(choices.settings(problem(**changes)), "LAMMPS window")) is there
+
+
+OTHERS = {
+    "plain": {},
+    "dashpots": {"damping": {"contact": 0.01}},
+    "drag": {"damping": {"beads": 0.01}},
+    "load": {"precompression": {"force": 1.0}},
+    "foundation": {"foundation": {"stiffness": 0.1}},
+    "wall": {"walls": {"right": "flat"}},
+    "push": {"push": {"peak": 1.0, "duration": 1.0, "shape": "half-sine"}},
+    "exponent": {"contact": {"exponent": 1.25}},
+    "masses": {"kinds": {"a": {}, "b": {"mass": 0.5}}, "pattern": ["a", "b"]},
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_schemes_and_windows_are_measured_where_a_scene_may_have_them(name):
+    plain = {"name": "a", "beads": 100, "kick": {"velocity": 1.0}, "duration": 10.0, **OTHERS[name]}
+    settings = choices.settings(library.from_plain(plain, "a").problem())
+    for method, choice in (("LAMMPS suzuki4", {"scheme": "suzuki4"}), ("LAMMPS window", {"window": 64})):
+        try:
+            library.from_plain({**plain, **choice}, "a")
+        except InputError:
+            assert not of_method(settings, method)
+        else:
+            assert of_method(settings, method)
+
+
+def test_what_lammps_cannot_express_is_measured_by_the_reference_alone():
+    contact = {"yield": {"law": "walton-braun", "restitution": 0.8}}
+    plain = {"name": "a", "beads": 9, "contact": contact, "kick": {"velocity": 0.1}, "duration": 1.0}
+    assert {one.method for one in choices.settings(library.from_plain(plain, "a").problem())} == {choices.REFERENCE}
+
+
+def test_more_ranks_than_cores_are_not_tried():
+    ranks = [setting.value for setting in of_method(choices.settings(problem()), "LAMMPS ranks")]
+    assert all(1 <= count <= mpi.cores() for count in ranks)
+
+
+@pytest.mark.slow
+def test_a_window_has_the_errors_of_all_rows_near_the_front(tmp_path):
+    own = problem(beads=100, frames=1000)
+    truth = make_truth(own, tmp_path, seconds=HANGS)
+    found = []
+    for setting in [*of_method(choices.settings(own), "LAMMPS window"), choices.Setting("LAMMPS verlet", 0.0, own)]:
+        choices.run(setting, tmp_path)
+        found.append(truth.errors(recording.blocks([tmp_path / file_names.DUMP], setting.problem)))
+    assert len(found) >= 2
+    # bit for bit at this coupling; the arrivals of beads that had left the window before are not among the first
+    for each in found[:-1]:
+        assert each["amplitude"] == pytest.approx(found[-1]["amplitude"], abs=1e-9)
+        assert each["velocity"] <= found[-1]["velocity"] * (1.0 + 1e-9)
+
+
+def test_the_reference_is_refined_until_its_uncertainty_is_small_or_the_time_is_up(tmp_path):
+    fine = make_truth(problem(), tmp_path, seconds=HANGS).uncertainty
+    assert fine.velocity <= 1e-10
+    coarse = make_truth(problem(), tmp_path, seconds=0.0).uncertainty
+    assert coarse.velocity > fine.velocity
+    assert coarse.steps_per_frame < fine.steps_per_frame
+
+
+# --- errors -----------------------------------------------------------------------------------------------------------
+
+
+def passing(own):
+    """A pulse of a made-up shape that passes each bead at the time of its number."""
+
+    def motion(time):
+        bead = own.recorded_beads[np.newaxis, np.newaxis, :]
+        v = np.exp(-((time - bead) ** 2))
+        return np.cumsum(v, axis=0) * own.every, v
+
+    return written_down(own, motion)
+
+
+def errors(own, run, tmp_path):
+    """Of a run against the passing pulse."""
+    write_frames(tmp_path / "reference.bin", own, [passing(own)])
+    return Truth(own, tmp_path / "reference.bin", None, 0.0).errors([run])
+
+
+def test_the_same_frames_have_no_error(tmp_path):
+    own = problem(chains=1, kappa=0.0, frames=120)
+    assert errors(own, passing(own), tmp_path) == pytest.approx(dict.fromkeys(QUANTITIES, 0.0), abs=1e-12)
+
+
+def test_numbers_that_are_none_are_an_infinite_error(tmp_path):
+    own = problem(chains=1, kappa=0.0, frames=120)
+    bad = passing(own)
+    bad.velocity[50:, 0, 3] = np.nan
+    assert errors(own, bad, tmp_path)["velocity"] == math.inf
+
+
+# --- frames -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("every", [0.02, 0.1, 0.7])
+def test_the_longer_the_time_between_frames_the_less_is_read_from_them(every):
+    own = problem(timestep=every, steps_per_frame=1, beads=4, frames=round(40.0 / every))
+    found = intervals(own)
+    assert all(one.every == pytest.approx(2.0 * other.every) for one, other in pairwise(found))
+    assert pytest.approx(own.every) in [one.every for one in found]
+    assert found[0].arrival_error > found[-1].arrival_error
+    # 24 bytes a bead and frame
+    size = 24e-6 * 8 * own.duration
+    assert [one.megabytes * one.every for one in found] == pytest.approx([size] * len(found), rel=0.2)
+
+
+def test_a_passage_that_is_not_there_is_an_infinite_error():
+    own = problem(chains=1, kappa=0.0, frames=120)
+    exact = find_peaks([passing(own)])
+    found = _interval(own, exact.where(exact.bead != 4), exact)
+    assert (found.amplitude_error, found.arrival_error) == (math.inf, math.inf)
+
+
+def test_frames_of_the_reference_are_written_and_read_without_a_change(tmp_path):
+    setting = of_method(choices.settings(problem()), "reference blanes-moan")[2]
+    own = setting.problem
+    assert choices.run(setting, tmp_path) > 0.0
+    again = trajectory.joined(engine.blocks(own, steps_per_frame=own.steps_per_frame))
+    written = trajectory.joined(recording.blocks([tmp_path / file_names.DUMP], own))
+    np.testing.assert_array_equal(written.velocity, again.velocity)

@@ -1,0 +1,156 @@
+"""`granchain trade` on a small scene, from the command to its files."""
+
+import contextlib
+import csv
+import io
+import json
+import os
+import signal
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from processes import HANGS, started, wait_until
+
+from lammps_inputs import Scene, strict_yaml
+from workflow.cli import main
+from workflow.engines.lammps import mpi
+from workflow.engines.reference import engine
+from workflow.plugins.trade import settings, study
+from workflow.plugins.trade.study import plain_problem
+from workflow.runs.run import run
+
+SCENE = {
+    "name": "small",
+    "chains": 2,
+    "beads": 10,
+    "coupling": {"stiffness": 0.1},
+    "kick": {"velocity": 1.0},
+    "duration": 12.0,
+    "timestep": 0.01,
+    "output": {"every": 0.1},
+}
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+ERRORS = ("velocity_error", "amplitude_error", "arrival_error")
+
+
+def written(directory, **changes):
+    path = directory / "scene.yaml"
+    path.write_text(strict_yaml.dump({**SCENE, **changes}))
+    return str(path)
+
+
+@pytest.fixture(scope="module", params=[pytest.param("", marks=pytest.mark.slow)])
+def found(tmp_path_factory):
+    """What the command says, its table, its report and its directory."""
+    directory = tmp_path_factory.mktemp("trade")
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(io.StringIO()) as out:
+        patch.setattr(settings, "FINEST", {"verlet": 32, "suzuki4": 4, "blanes-moan": 8})
+        patch.setattr(study, "REPEATS", 1)
+        assert main(["trade", written(directory), "-o", str(directory / "out"), "--budget", "600"]) == 0
+    rows = table(directory / "out" / "trade.csv")
+    report = json.loads((directory / "out" / "trade.json").read_text())
+    return out.getvalue(), rows, report, directory / "out"
+
+
+def table(path):
+    return list(csv.DictReader(io.StringIO(path.read_text())))
+
+
+def of(rows, method):
+    return [row for row in rows if row["method"] == method]
+
+
+def velocity(row):
+    return float(row["velocity_error"])
+
+
+@pytest.mark.slow
+def test_every_choice_is_measured(found):
+    methods = {row["method"] for row in found[1]}
+    always = {"LAMMPS verlet", "LAMMPS suzuki4", "reference blanes-moan"}
+    assert methods == (always | {"LAMMPS ranks"} if mpi.cores() > 1 else always)
+    assert all(velocity(row) > 0.0 for row in found[1])
+
+
+def test_verlet_has_order_two(found):
+    # orders come in halves, for contacts open and close; a quarter tells 2 from what is next to it
+    (order,) = [one for one in found[2]["orders"] if one["method"] == "LAMMPS verlet"]
+    assert order["points"] >= 4
+    assert order["order"] == pytest.approx(2.0, abs=0.25)
+
+
+def test_the_error_of_lammps_is_its_difference_from_a_much_finer_reference(found, tmp_path):
+    scene = Scene.model_validate(SCENE)
+    exact = engine.run(scene.problem(), steps_per_frame=400)
+    own = run(scene, tmp_path / "run", check=False).trajectory
+    error = float(np.abs(own.velocity - exact.velocity).max())
+    row = next(row for row in of(found[1], "LAMMPS verlet") if float(row["timestep"]) == pytest.approx(0.01))
+    assert velocity(row) == pytest.approx(error, abs=found[2]["reference"]["velocity"])
+
+
+def test_the_uncertainty_of_the_reference_is_below_all_errors_and_printed(found):
+    sure = found[2]["reference"]["velocity"]
+    assert sure <= 1e-10
+    assert min(map(velocity, found[1])) > 10.0 * sure
+    assert f"Uncertainty of the reference: {sure:.1e} V" in found[0]
+
+
+@pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
+def test_ranks_change_no_error(found):
+    (one,) = [row for row in of(found[1], "LAMMPS verlet") if float(row["timestep"]) == 0.01]
+    two = of(found[1], "LAMMPS ranks")[0]
+    assert [one[name] for name in ERRORS] == [two[name] for name in ERRORS]
+
+
+def test_the_table_has_the_range_and_the_first_call_apart(found):
+    for row in found[1]:
+        low, middle, high = (float(row[name]) for name in ("seconds_min", "seconds", "seconds_max"))
+        assert 0.0 < low <= middle <= high
+        assert float(row["first"]) > 0.0
+    assert [row["setting"] for row in found[2]["engines"]] == [row["setting"] for row in found[1]]
+
+
+def test_forces_are_counted(found):
+    for row in found[1]:
+        stages = 6 if row["method"] == "reference blanes-moan" else 1
+        assert float(row["forces"]) == pytest.approx(12.0 / float(row["timestep"]) * stages)
+
+
+def test_the_figure_and_the_tables_are_all_that_is_left(found):
+    assert {path.name for path in found[3].iterdir()} == {
+        "trade.csv", "frames.csv", "trade.json", "trade.png", "run.json"
+    }  # fmt: skip
+    assert (found[3] / "trade.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_an_interruption_leaves_what_was_measured(tmp_path):
+    granchain = str(Path(sys.executable).with_name("granchain"))
+    path = tmp_path / "out" / "trade.csv"
+
+    def under_way():
+        return path.exists() and len(table(path)) >= 3
+
+    with started([granchain, "trade", written(tmp_path), "-o", tmp_path / "out"]) as process:
+        assert wait_until(under_way, process)
+        os.killpg(process.pid, signal.SIGINT)
+        _, err = process.communicate(timeout=HANGS)
+    assert process.returncode == 130
+    assert "interrupted" in err
+    assert "Traceback" not in err
+    assert len(table(path)) >= 3
+    report = json.loads((tmp_path / "out" / "trade.json").read_text())
+    assert not report["whole"]
+    assert not [path for path in (tmp_path / "out").iterdir() if path.name.startswith(".")]
+
+
+def test_a_scene_that_asks_for_an_accuracy_or_a_scheme_is_measured_as_it_would_be_run():
+    asked = {key: value for key, value in SCENE.items() if key != "timestep"}
+    step = plain_problem(Scene.model_validate({**asked, "accuracy": 1e-3})).timestep
+    assert step > plain_problem(Scene.model_validate({**asked, "accuracy": 1e-5})).timestep
+    problem = plain_problem(Scene.model_validate({**asked, "scheme": "suzuki4"}))
+    assert (problem.scheme, problem.timestep) == ("verlet", plain_problem(Scene.model_validate(asked)).timestep)

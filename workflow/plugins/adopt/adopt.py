@@ -1,0 +1,283 @@
+"""From a user's deck to a scene: executed, measured, written down, and run beside the deck."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.files.binary_dump import BinaryDump
+from lammps_inputs import InputError, Scene, file_names, library
+from lammps_inputs.decks import deck as scene_deck
+from workflow.errors import RunError
+from workflow.plugins.adopt import differences, evaluate
+from workflow.plugins.adopt.chains import TIME, Measured, NotMeasuredError
+from workflow.plugins.adopt.deck_text import FIXES_WITHOUT_EFFECT, WITHOUT_EFFECT, Command, Deck, words_of
+from workflow.plugins.adopt.evaluate import Executed, Workplace
+from workflow.plugins.adopt.scene_of import SceneKeys
+
+BEAD_STEPS = 10_000_000
+"""Length of the run beside the deck: some seconds of each."""
+
+FRAMES = 200
+"""Frames that are compared."""
+
+AGREE = 1e-4
+"""Difference of velocities, in V, above which a scene is not that of the deck: half of the default accuracy."""
+
+AFTER_RUN = ("compute", "group", "if", "jump", "label", "next", "quit", "run", "uncompute", "variable")
+"""Commands after the first run that change nothing that moves the beads."""
+
+
+UNIT_NAMES = {"cgs": ("cm", "s", "g"), "micro": ("um", "us", "pg"), "nano": ("nm", "ns", "ag")}
+"""LAMMPS's other units in which forces are masses times lengths over times squared: length, time, mass."""
+
+
+class RefusedDeckError(InputError):
+    """Commands of a deck that no scene can have; `lines` has one message for each."""
+
+    def __init__(self, lines: list[str]) -> None:
+        super().__init__(lines[0])
+        self.lines = lines
+
+
+@dataclass(frozen=True)
+class Adopted:
+    """A scene from a deck, and how far its deck is from the user's.
+
+    Attributes:
+        scene: the scene.
+        axis: axis along which the chains lie in the deck, ``x``, ``y`` or ``z``.
+        notes: what was left out or chosen.
+        steps: steps that were compared.
+        of: steps of the run.
+        difference: largest difference of the beads' velocities, in V.
+    """
+
+    scene: Scene
+    axis: str
+    notes: list[str]
+    steps: int
+    of: int
+    difference: float
+
+
+def adopt(path: Path, data: Path | None, variables: list[tuple[str, str]], seconds: float) -> Adopted:
+    """Read a deck into a scene.
+
+    Args:
+        path: the deck.
+        data: data file that replaces the one of the same name beside the deck; None for that one.
+        variables: names and values of LAMMPS variables, as by ``lmp -var``.
+        seconds: wall time after which LAMMPS is ended.
+
+    Raises:
+        RefusedDeckError: commands that no scene can have.
+        InputError: LAMMPS does not execute the deck, or it has no run.
+        RunError: the scene's deck moves otherwise than the user's.
+    """
+    if data is not None and not data.is_file():
+        raise InputError(f"{data}: no such file")
+    deck = Deck(path)
+    with Workplace(deck, data, variables, seconds).opened() as workplace:
+        executed = workplace.execute("through", "run 0 post no\n")
+        refuse(executed, path)
+        steps = _steps(executed, path)
+        evaluate.refuse_error(workplace.execute("measure", f"{evaluate.STOP}\n"), path)
+        try:
+            scene, keys = _scene_of(evaluate.measured(workplace, "measure"), executed, path, steps)
+        except NotMeasuredError as error:
+            raise RefusedDeckError(_at_lines(error, executed, path)) from None
+        compared, difference = _beside(workplace, scene, keys.measured, steps)
+    if not difference <= AGREE + drag_error(scene):
+        _refuse_other_motion(keys.measured, scene, executed, path, f"over {compared} steps by {difference:.2g} V")
+    notes = [*keys.notes, *differences.unreached(keys.measured), *_notes(executed)]
+    return Adopted(scene, "xyz"[keys.measured.axis], notes, compared, steps, difference)
+
+
+def _refuse_other_motion(measured: Measured, scene: Scene, executed: Executed, path: Path, apart: str) -> NoReturn:
+    """Refuse a deck whose motion is not that of the scene that was read; names the laws that differ.
+
+    Raises:
+        RefusedDeckError: walls are elsewhere, or have other laws.
+        RunError: other forces differ, or none do at the displacements at which they were measured.
+    """
+    walls = differences.of_walls(measured, scene)
+    if walls:
+        errors = [NotMeasuredError(text, "fix wall/gran", "fix freeze") for text in walls]
+        raise RefusedDeckError([line for error in errors for line in _at_lines(error, executed, path)])
+    forces = differences.of_forces(measured, scene)
+    where = "; ".join(forces) or (
+        "forces agree where they were measured, at small overlaps; either a force differs elsewhere, or a contact with "
+        "a dashpot closes within rounding of a time step (try a kick that is 3 % smaller)"
+    )
+    raise RunError(f"{path}: the scene that was read moves otherwise (velocities differ {apart}): {where}")
+
+
+def refuse(executed: Executed, path: Path) -> None:
+    """Refuse what LAMMPS did not execute, and motions that are changed after the first run.
+
+    Raises:
+        RefusedDeckError: some commands are none of a scene.
+        InputError: LAMMPS ended with an error.
+    """
+    refused = [f"{command.place}: {command.refusal}" for command in executed.commands if command.refusal]
+    if refused:
+        # commands that were left out are often the reason why LAMMPS stopped
+        unread = executed.unread if executed.error else []
+        refused += [f"{command.place}: {command.refusal}" for command in unread if command.refusal]
+        raise RefusedDeckError(list(dict.fromkeys(refused)))
+    evaluate.refuse_error(executed, path)
+    if executed.runs:
+        (first, _), (last, _) = executed.runs[0], executed.runs[-1]
+        later = [command for command in executed.commands[first + 1 : last] if _moves(command)]
+        if later:
+            why = (
+                "comes after the first run, and a scene has one motion, from equilibrium on: for a chain that relaxes "
+                "and is then kicked, write `gravity` or `precompression`, and `kick`, into a scene of your own; "
+                "supported: further `run`"
+            )
+            raise RefusedDeckError(list(dict.fromkeys(f"{command.place}: {why}" for command in later)))
+
+
+def _moves(command: Command) -> bool:
+    name = words_of(command.text)[0]
+    return not (
+        name in AFTER_RUN or name in WITHOUT_EFFECT or command.style.removeprefix("fix ") in FIXES_WITHOUT_EFFECT
+    )
+
+
+def _steps(executed: Executed, path: Path) -> int:
+    steps = sum(count for _, count in executed.runs)
+    if steps < 1:
+        raise InputError(f"{path}: has no `run` of at least one step")
+    return steps
+
+
+def _scene_of(measured: Any, executed: Executed, path: Path, steps: int) -> tuple[Scene, SceneKeys]:
+    """Scene in the deck's units, or in reduced ones if its beads are of no solid."""
+    if isinstance(measured, NotMeasuredError):
+        raise measured
+    name = re.sub(r"[^A-Za-z0-9._-]", "-", path.name.removeprefix("in.")).strip(".-_")[:64] or "adopted"
+    every = min(executed.every) if executed.every else None
+    units = [words_of(command.text)[1] for command in executed.commands if command.style == "units"]
+    others = UNIT_NAMES.get(units[-1] if units else "")
+    source = f"{path}: the scene that was read"
+    if units[-1:] == ["si"] and measured.exponent == 1.5:
+        keys = SceneKeys(measured, si=True, poisson_ratio=_poisson_ratio(executed))
+        try:
+            return library.from_plain(keys.keys(name, path.name, every, steps), source), keys
+        except InputError as error:
+            reason = str(error).removeprefix(f"{source}: ")
+        reduced = SceneKeys(measured, si=False)
+        reduced.notes.append(
+            f"in SI units the scene is refused ({reason}), so that it is in reduced units: lengths in m, times in s, "
+            f"masses in units of {reduced.mass:.6g} kg"
+        )
+        return library.from_plain(reduced.keys(name, path.name, every, steps), source), reduced
+    keys = SceneKeys(measured, si=False)
+    if others is not None:
+        keys.notes.append(
+            f"the scene is in reduced units: lengths in {others[0]}, times in {others[1]}, masses in units of "
+            f"{keys.mass:.6g} {others[2]}"
+        )
+    elif keys.mass != 1.0:
+        keys.notes.append(f"the scene's unit of mass is {keys.mass:.6g} of the deck; lengths and times are the deck's")
+    return library.from_plain(keys.keys(name, path.name, every, steps), source), keys
+
+
+def _poisson_ratio(executed: Executed) -> float:
+    """Poisson's ratio of `hertz/material`, if the deck states one number; 0 else."""
+    ratios = set()
+    for command in executed.commands:
+        words = words_of(command.text)
+        if command.style == "pair_coeff" and "hertz/material" in words:
+            ratios.add(words[words.index("hertz/material") + 3 :][:1][0])
+    try:
+        ratio = float(ratios.pop()) if len(ratios) == 1 else 0.0
+    except ValueError:  # a variable
+        return 0.0
+    return ratio if -1.0 < ratio <= 0.5 else 0.0
+
+
+def _at_lines(error: NotMeasuredError, executed: Executed, path: Path) -> list[str]:
+    """Message at the lines that determine what could not be read; at the deck if none does."""
+    causes = [command for command in executed.commands if command.style in error.commands]
+    if TIME in error.commands:
+        variables = (command for command in executed.commands if command.style == "variable")
+        causes = [command for command in variables if _OF_TIME.search(command.text)]
+    places = list(dict.fromkeys(command.place for command in causes))
+    return [f"{place}: {error.message}" for place in places[-MOST_LINES:]] or [f"{path}: {error.message}"]
+
+
+_OF_TIME = re.compile(r"\b(step|time|elapsed|elaplong|ramp|vdisplace|swiggle|cwiggle)\b")
+"""Words of LAMMPS's formulas that depend on the time."""
+
+
+MOST_LINES = 3
+"""Lines that are named as causes of one message."""
+
+
+def drag_error(scene: Scene) -> float:
+    """Difference of velocities, in V, that drag makes, whose force LAMMPS takes half a step late.
+
+    The deck of a scene balances that by masses that are larger by gamma dt / 2. The times of a motion that decays with
+    the rate gamma / (2 m) differ by at most dt / e, and velocities change by V in no less than T.
+    """
+    damping = scene.part("damping")
+    if damping is None or not damping.beads or scene.timestep is None:
+        return 0.0
+    return scene.timestep / scene.scale.time
+
+
+def _notes(executed: Executed) -> list[str]:
+    skipped: dict[str, None] = {}
+    for command in executed.commands:
+        if command.style in ("dump", "shell", "write_data", "write_restart", "restart"):
+            skipped.setdefault(command.place)
+    frames = "; frames are those of `output.every`"
+    return [f"{place}: not executed" + frames * (" dump" in place) for place in skipped]
+
+
+# --- the scene's deck beside the user's -------------------------------------------------------------------------------
+
+
+def _beside(workplace: Workplace, scene: Scene, measured: Measured, steps: int) -> tuple[int, float]:
+    """Steps of a run of both decks, and the largest difference of velocities in V."""
+    problem = scene.problem()
+    compared = int(min(steps, max(100, BEAD_STEPS // measured.mass.size)))
+    every = max(1, compared // FRAMES)
+    compared -= compared % every
+    axis = "xyz"[measured.axis]
+    frames = workplace.folder / "user.bin"
+    executed = workplace.execute(
+        "beside",
+        "reset_timestep 0\n"  # dumps write at multiples of their interval
+        f"dump granchain_frames all custom {every} {frames} id v{axis}\n"
+        f"dump_modify granchain_frames first yes\nrun {compared} post no\nquit 0\n",
+    )
+    if executed.error:
+        raise InputError(f"{executed.commands[-1].place}: {evaluate.explained(executed.error)}")
+    folder = workplace.folder / "scene"
+    folder.mkdir()
+    scene_deck.write(scene, folder)
+    options = [("steps", str(compared)), ("every", str(every)), ("thermo", str(compared))]
+    error = workplace.lammps(folder / file_names.DECK, folder / file_names.LOG, folder, options)
+    if error:
+        raise RunError(f"the scene's deck: {error}")
+    user, ours = _velocities(frames, f"v{axis}"), _velocities(folder / file_names.DUMP, "vx")
+    index = np.searchsorted(_ids(frames), np.ravel(measured.ids))
+    beads = ours[-(compared // every) - 1 :, : problem.chains * problem.beads]
+    theirs = measured.direction * user[-(compared // every) - 1 :, index] / scene.scale.velocity
+    return compared, float(np.max(np.abs(beads - theirs)))
+
+
+def _velocities(path: Path, column: str) -> NDArray[np.float64]:
+    """Velocities of the atoms in ascending order of their numbers, [frame, atom]."""
+    return BinaryDump(path).read(columns=(column,))[:, 0]
+
+
+def _ids(path: Path) -> NDArray[np.int64]:
+    return BinaryDump(path).ids

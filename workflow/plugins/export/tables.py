@@ -1,0 +1,68 @@
+"""Tables of a run or a sweep: CSV with units in its headings, and Parquet with the columns of that CSV."""
+
+import io
+from pathlib import Path
+
+from analysis.quantity import to_csv
+from workflow.plugins.export.request import ExportRequest, Writers
+
+CAPTIONS = "figures.csv"
+"""Name of the table of what each file of a figure shows."""
+
+SWEEP = "table.csv"
+"""Name of the table of a sweep, as ``granchain collect`` gives it."""
+
+
+def _texts(request: ExportRequest) -> dict[str, str]:
+    """Name -> text of each table as CSV."""
+    return request.findings.tables if request.is_run else {SWEEP: request.sweep.to_csv()}
+
+
+def csv(request: ExportRequest) -> Writers:
+    """Every table and, of a run, the numbers behind every figure, a file for each panel."""
+    files = _of_texts(_texts(request))
+    return {**files, **numbers(request)} if request.is_run else files
+
+
+def numbers(request: ExportRequest) -> Writers:
+    """Numbers behind every figure of a run, a file of CSV for each panel, and a table of their captions."""
+    from workflow.plugins.export.figure_numbers import captions, panels  # matplotlib takes half a second to import
+
+    texts, rows = {}, []
+    for name, figure in request.figures.items():
+        for place, (columns, caption) in enumerate(zip(panels(figure), captions(figure), strict=True), 1):
+            file = f"figure-{name}-{place}.csv"
+            texts[file] = to_csv(columns)
+            rows.append((file, caption))
+    if rows:
+        files, sentences = zip(*rows, strict=True)
+        texts[CAPTIONS] = to_csv({"file": list(files), "caption": list(sentences)})
+    return _of_texts(texts)
+
+
+def _of_texts(texts: dict[str, str]) -> Writers:
+    """Writers of files with these texts."""
+    return {
+        name: lambda path, text=text: path.write_text(text, encoding="utf-8")  # type: ignore[misc]
+        for name, text in texts.items()
+    }
+
+
+def parquet(request: ExportRequest) -> Writers:
+    """Every table; an undefined number is null, and a column without any number one of float64."""
+    return {
+        f"{Path(name).stem}.parquet": lambda path, text=text: _write_parquet(text, path)  # type: ignore[misc]
+        for name, text in _texts(request).items()
+    }
+
+
+def _write_parquet(text: str, path: Path) -> None:
+    import pyarrow
+    import pyarrow.csv
+    import pyarrow.parquet
+
+    table = pyarrow.csv.read_csv(
+        io.BytesIO(text.encode()), parse_options=pyarrow.csv.ParseOptions(newlines_in_values=True)
+    )
+    types = [pyarrow.float64() if pyarrow.types.is_null(field.type) else field.type for field in table.schema]
+    pyarrow.parquet.write_table(table.cast(pyarrow.schema(list(zip(table.column_names, types, strict=True)))), path)

@@ -1,0 +1,114 @@
+"""Driven, damped scenes: which have responses, at which frequency, and their linear response."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from analysis.trajectory import Flags, Floats
+from lammps_inputs import InputError, Problem, System, physics
+from lammps_inputs.laws.in_time import Sine
+from workflow.plugins.modes.linear import damping_matrix, free_atoms, mass_of_atoms, stiffness_matrix
+
+UNDAMPED = 1e-9
+"""Rate of decay, over the largest angular frequency, up to which a linear mode counts as undamped."""
+
+
+def refuse_no_response(problem: Problem, source: str) -> None:
+    """Refuse a scene that has no isolated periodic responses to one sinusoidal drive.
+
+    Args:
+        problem: of the scene.
+        source: name of the scene in messages.
+
+    Raises:
+        InputError: says what is missing, or not allowed.
+    """
+    system = problem.system
+    if any(not isinstance(load.law, Sine) for load in system.loads):
+        raise InputError(f"{source}: push: is not sinusoidal; `--frequencies` needs a `drive` alone")
+    if physics.varying(system):
+        raise InputError(f"{source}: foundation: varies in time; `--frequencies` needs a `drive` alone")
+    frequencies = sorted({action.omega for action in _drives(system)})
+    if not frequencies:
+        raise InputError(f"{source}: drive: is missing; `--frequencies` gives responses to a sinusoidal drive")
+    if len(frequencies) > 1:
+        texts = [f"{problem.scale.measured(omega / (2.0 * math.pi), 'cycles'):.6g}" for omega in frequencies]
+        raise InputError(f"{source}: drive: has the frequencies {', '.join(texts)}; `--frequencies` needs the same one")
+    if not system.dampers:
+        raise InputError(f"{source}: damping: is missing; without it responses depend on the start for ever")
+    slowest_decay(problem, source)
+
+
+def _drives(system: System) -> list[Any]:
+    """Motions, and laws of loads, of sinusoidal drives."""
+    return [*system.motions, *(load.law for load in system.loads)]
+
+
+def at_period(problem: Problem, period: float) -> Problem:
+    """The problem with all drives of another period, in units of T."""
+    omega, system = 2.0 * math.pi / period, problem.system
+    loads = tuple(replace(load, law=load.law._replace(omega=omega)) for load in system.loads)  # type: ignore[attr-defined]
+    motions = tuple(replace(prescribed, omega=omega) for prescribed in system.motions)
+    return replace(problem, system=replace(system, loads=loads, motions=motions))
+
+
+def moving_atoms(system: System) -> Flags:
+    """Atoms whose motion is not given, [line, bead]."""
+    free = free_atoms(system)
+    for prescribed in system.motions:
+        free[prescribed.chain - 1, prescribed.bead - 1] = False
+    return free
+
+
+def slowest_decay(problem: Problem, source: str) -> float:
+    """Rate at which the slowest small deviation from rest decays, in 1 / T.
+
+    Args:
+        problem: of a driven scene.
+        source: name of the scene in messages.
+
+    Raises:
+        InputError: some deviations do not decay.
+    """
+    system = problem.system
+    atoms = np.flatnonzero(moving_atoms(system))
+    mass = mass_of_atoms(system).ravel()[atoms, np.newaxis]
+    stiffness, damping = (matrix(system)[np.ix_(atoms, atoms)] / mass for matrix in (stiffness_matrix, damping_matrix))
+    unit = np.eye(len(atoms))
+    rates = np.linalg.eigvals(np.block([[np.zeros_like(unit), unit], [-stiffness, -damping]]))
+    slowest = -float(np.max(rates.real))
+    if slowest <= UNDAMPED * math.sqrt(float(np.linalg.norm(stiffness, 2)) + 1e-300):
+        raise InputError(
+            f"{source}: small deviations from rest do not all decay: contacts need a load (`precompression`), chains "
+            "something that holds them (`walls`, `foundation`), and every mode a dashpot (`damping: {beads: ...}`)"
+        )
+    return slowest
+
+
+def linear_response(problem: Problem) -> tuple[Floats, Floats]:
+    """Displacements and velocities at phase 0 of the linearised steady response, [line, bead] each.
+
+    Args:
+        problem: with the drive's frequency.
+    """
+    system = problem.system
+    omega = _drives(system)[0].omega
+    mass, moving = mass_of_atoms(system), moving_atoms(system).ravel()
+    force, prescribed_motion = np.zeros((2, *mass.shape), dtype=complex)
+    offset = np.zeros(mass.shape)
+    for load in system.loads:
+        _, _, phase = load.law
+        force[load.chain - 1, load.bead - 1] += load.law.peak * np.exp(1j * phase)  # type: ignore[attr-defined]
+    for prescribed in system.motions:
+        place = prescribed.chain - 1, prescribed.bead - 1
+        prescribed_motion[place] = prescribed.amplitude * np.exp(1j * prescribed.phase)
+        offset[place] = -prescribed.amplitude * math.sin(prescribed.phase)
+    stiffness = stiffness_matrix(system)
+    dynamic = stiffness - omega**2 * np.diag(mass.ravel()) + 1j * omega * damping_matrix(system)
+    complex_amplitude, shift = prescribed_motion.ravel(), offset.ravel()
+    for matrix, right, values in ((dynamic, force.ravel(), complex_amplitude), (stiffness, 0.0, shift)):
+        values[moving] = np.linalg.solve(matrix[np.ix_(moving, moving)], (right - matrix @ values)[moving])
+    x, v = complex_amplitude.imag + shift, omega * complex_amplitude.real
+    return x.reshape(mass.shape), v.reshape(mass.shape)

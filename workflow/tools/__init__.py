@@ -1,1 +1,0 @@
-"""Commands that only their users need, declared as entry points of the group ``granchain.tools``."""
