@@ -66,7 +66,10 @@ CLOCK = {
 }
 """Keys of JSON that say when, where and how long."""
 
-NOISE = ()
+NOISE = (
+    r"/\S*/(?=(lammps_inputs|analysis|workflow)/)",  # root of a tree
+    r"\d[\d.]* s of processor time",
+)
 """Patterns of text that depend on the clock, the machine or the version."""
 
 EXPECTED = {
@@ -75,6 +78,9 @@ EXPECTED = {
     "threshold-rows: *": "beat_length of resonators of some rows is that of analyze",
 }
 """Pattern of ``STORY: FILE.PLACE`` -> why the trees differ there."""
+
+INTERRUPTED = 130
+"""Exit code of a command that Ctrl-C or SIGTERM ended."""
 
 EVERY_TENTH = 10
 
@@ -118,6 +124,8 @@ def compute(tasks: Path, results: Path) -> None:
                 (place / file).write_text(text)
             with contextlib.chdir(place):
                 codes = {step: carried_out(main, step, words, place) for step, words in task["steps"].items()}
+            if INTERRUPTED in codes.values():
+                sys.exit(INTERRUPTED)
             seconds = time.monotonic() - begun
             (place / "codes.json").write_text(
                 json.dumps({"digest": task["digest"], "codes": codes, "seconds": seconds})

@@ -1,10 +1,10 @@
-"""Tests of the tree without some plug-ins: ``python tests/support/core_alone.py [NAME...] [-- ARGUMENT OF PYTEST...]``.
+"""Test the tree without some plug-ins: ``python tests/support/core_alone.py [NAME...] [-- ARGUMENT OF PYTEST...]``.
 
-A plug-in is a folder of ``workflow/plugins``, with its tests in ``tests/plugins``. Without names, or with ``all``, every
-plug-in is deleted. The tests, the fast ones unless arguments say otherwise, run in a copy of the tree that has neither
-the folders of these plug-ins and their tests, nor declares them in ``pyproject.toml``. A plug-in that imports a deleted
-one is deleted, too. ``--list`` prints which plug-ins import which, and files of the core or of other tests that import
-one, which break without it.
+A plug-in is a folder of ``workflow/plugins``, with its tests in ``tests/plugins``. Without names, or with ``all``, all
+plug-ins are deleted. The tests, the fast ones unless arguments say otherwise, run in a copy of the tree that has
+neither the folders of these plug-ins nor their tests, and does not declare them in ``pyproject.toml``. A plug-in that
+imports a deleted one is deleted, too. ``--list`` prints which plug-ins import which, and the files of the core and
+tests of other parts that import one: these break without it.
 """
 
 import ast
