@@ -69,6 +69,11 @@ CLOCK = {
 NOISE = (
     r"/\S*/(?=(lammps_inputs|analysis|workflow)/)",  # root of a tree
     r"\d[\d.]* s of processor time",
+    r"\bin \d[\d.,]* (ms|s|min)\b",
+    r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d[\d:.+Z]*",
+    r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}|\bp\d{4,}\b",  # names of Bokeh's models
+    r"compiling the [^\n]*\n",
+    r"data:image/png;base64,[^\"']*",
 )
 """Patterns of text that depend on the clock, the machine or the version."""
 
@@ -261,7 +266,7 @@ def content(path: Path) -> Any:
     if path.suffix == ".csv":
         return [list(map(_cell, line.split(","))) for line in text.splitlines()]
     for pattern in NOISE:
-        text = re.sub(pattern, "NOISE", text)
+        text = re.sub(pattern, "", text)
     return text.splitlines()
 
 
