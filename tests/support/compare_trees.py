@@ -84,6 +84,9 @@ EXPECTED = {
 }
 """Pattern of ``STORY: FILE.PLACE`` -> why the trees differ there."""
 
+SHOWN = 10
+"""Differing files of a scene or story that are printed at most."""
+
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C or SIGTERM ended."""
 
@@ -366,6 +369,9 @@ def main() -> int:
     if arguments.only != "studies":
         tasks |= tasks_of_scenes(trees[0], arguments.work, arguments.random, arguments.seed)
     tasks = {name: task for name, task in tasks.items() if fnmatch.fnmatch(name, arguments.tasks)}
+    typed = {words[0] for task in tasks.values() for words in task["steps"].values() if words}
+    if arguments.tasks == "*" and not arguments.only:
+        print("not compared:", *(name for name in commands_of(environments[1]) if name not in typed))
     for task in tasks.values():
         task["digest"] = hashlib.sha256(json.dumps(task).encode()).hexdigest()[:16]
     for place, environment in zip(places, environments, strict=True):
@@ -387,12 +393,15 @@ def compared(tasks: dict[str, Any], places: list[Path], expected: list[str]) -> 
     foreseen: Counter[str] = Counter()
     for name in tasks:
         old, new = (files(place / name) for place in places)
+        here = 0
         for file in sorted({*old, *new}):
             for where, both in differences(old.get(file), new.get(file), f"{name}: {file}"):
                 pattern = next((pattern for pattern in expected if fnmatch.fnmatchcase(where, pattern)), None)
                 if pattern is None:
                     kinds[file] += 1
-                    print(f"{where}: {both}")
+                    here += 1
+                    if here <= SHOWN:
+                        print(f"{where}: {both}")
                     break
                 foreseen[pattern] += 1
     for pattern, number in foreseen.items():
