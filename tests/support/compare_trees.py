@@ -54,6 +54,8 @@ PACKAGES = ("lammps_inputs", "analysis", "workflow")
 
 CLOCK = {
     "seconds",
+    "seconds_min",
+    "seconds_max",
     "engine_seconds",
     "date",
     "created",
@@ -81,6 +83,13 @@ EXPECTED = {
     "threshold-beats: *": "beat_length follows the rule of analyze",
     "threshold-resonators: *": "amplitude is that of analyze",
     "threshold-rows: *": "beat_length of resonators of some rows is that of analyze",
+    "trade: out/trade.csv": "what the time allows",
+    "trade: out/trade.csv[[]*[]][[][89][]]": "first run and front of times",
+    "trade: out/trade.json.engines*.first": "time of the first run",
+    "trade: out/trade.json.engines*.front": "front of times",
+    "trade: out/trade.json.advice*": "times",
+    "trade: trade.txt*": "times",
+    "extremes: extremes.txt*": "times",
 }
 """Pattern of ``STORY: FILE.PLACE`` -> why the trees differ there."""
 
@@ -242,7 +251,8 @@ def content(path: Path) -> Any:
     if path.suffix == ".json":
         return plain(json.loads(path.read_text()))
     if path.suffix == ".jsonl":
-        return [plain(json.loads(line)) for line in path.read_text().splitlines()]
+        lines = (plain(json.loads(line)) for line in path.read_text().splitlines())
+        return sorted(lines, key=json.dumps)  # as worker processes ended
     if path.suffix == ".npz":
         with np.load(path) as arrays:
             return {name: arrays[name].tolist() for name in arrays.files}
@@ -267,7 +277,9 @@ def content(path: Path) -> Any:
         lines = (line.partition("#")[0].rstrip() for line in text.splitlines())
         return [line for line in lines if line]
     if path.suffix == ".csv":
-        return [list(map(_cell, line.split(","))) for line in text.splitlines()]
+        heads, *rows = [line.split(",") for line in text.splitlines()] or [[]]
+        timed = [k for k, head in enumerate(heads) if head.startswith("seconds")]
+        return [[_cell(cell) for k, cell in enumerate(row) if k not in timed] for row in (heads, *rows)]
     for pattern in NOISE:
         text = re.sub(pattern, "", text)
     return text.splitlines()

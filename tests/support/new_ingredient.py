@@ -61,6 +61,7 @@ duration: 60
 REMAINS = """remains:
   each FILL in lammps_inputs/SCENES.md, lammps_inputs/GALLERY.md and lammps_inputs/scenes/{name}.yaml
   the exact motion, where its force is new, in tests/support/scene_keys.py; more cases in ingredient_scenes.py there
+  the units of its keys: `in_units` of tests/support/ingredient_scenes.py
   python tests/support/gallery.py gallery/{name}     # draws the picture; its figure is a word of PICTURES there
   granchain schema > lammps_inputs/templates/scene.schema.json
   python -m workflow.plugins.gallery.sources         # its line in MODEL.md
