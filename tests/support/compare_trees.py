@@ -23,6 +23,7 @@ the entry points of its own ``pyproject.toml``; of its modules this script names
 
 import argparse
 import contextlib
+import csv
 import fnmatch
 import hashlib
 import importlib
@@ -53,12 +54,9 @@ HERE = Path(__file__).resolve().parents[2]
 PACKAGES = ("lammps_inputs", "analysis", "workflow")
 
 CLOCK = {
-    "seconds",
-    "seconds_min",
-    "seconds_max",
-    "engine_seconds",
     "date",
     "created",
+    "started",
     "finished",
     "host",
     "machine",
@@ -66,12 +64,14 @@ CLOCK = {
     "version",
     "command",
 }
-"""Keys of JSON that say when, where and how long."""
+"""Keys of JSON that say when and where; those with `seconds` say how long."""
 
 NOISE = (
     r"/\S*/(?=(lammps_inputs|analysis|workflow)/)",  # root of a tree
     r"\d[\d.]* s of processor time",
-    r"\bin \d[\d.,]* (ms|s|min)\b",
+    r"\b(in|took) \d[\d.,]* (ms|s|min)\b",
+    r"/\S*/computed/\w+/",
+    r"granchain \d[\d.]*( \(commit \w+\))?",
     r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d[\d:.+Z]*",
     r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}|\bp\d{4,}\b",  # names of Bokeh's models
     r"compiling the [^\n]*\n",
@@ -83,6 +83,8 @@ EXPECTED = {
     "threshold-beats: *": "beat_length follows the rule of analyze",
     "threshold-resonators: *": "amplitude is that of analyze",
     "threshold-rows: *": "beat_length of resonators of some rows is that of analyze",
+    "sweep-*: collect.txt[[][2-9]]": "times of the engine",
+    "sweep-*: swept/view.html[[]*": "data of the page, with times of the engine",
     "trade: out/trade.csv": "what the time allows",
     "trade: out/trade.csv[[]*[]][[][89][]]": "first run and front of times",
     "trade: out/trade.json.engines*.first": "time of the first run",
@@ -237,7 +239,7 @@ def installed(tree: Path, directory: Path) -> dict[str, str]:
 def plain(value: Any) -> Any:
     """JSON without what depends on the clock or the machine."""
     if isinstance(value, dict):
-        return {key: plain(one) for key, one in value.items() if key not in CLOCK}
+        return {key: plain(one) for key, one in value.items() if key not in CLOCK and "seconds" not in key}
     return [plain(one) for one in value] if isinstance(value, list) else value
 
 
@@ -251,7 +253,9 @@ def content(path: Path) -> Any:
     if path.suffix == ".json":
         return plain(json.loads(path.read_text()))
     if path.suffix == ".jsonl":
-        lines = (plain(json.loads(line)) for line in path.read_text().splitlines())
+        lines = [plain(json.loads(line)) for line in path.read_text().splitlines()]
+        for line in lines:
+            line.pop("key", None)  # has the versions in it
         return sorted(lines, key=json.dumps)  # as worker processes ended
     if path.suffix == ".npz":
         with np.load(path) as arrays:
@@ -268,7 +272,7 @@ def content(path: Path) -> Any:
     if path.suffix == ".parquet":
         import pyarrow.parquet
 
-        return pyarrow.parquet.read_table(path).to_pydict()
+        return plain(pyarrow.parquet.read_table(path).to_pydict())
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError:
@@ -277,9 +281,12 @@ def content(path: Path) -> Any:
         lines = (line.partition("#")[0].rstrip() for line in text.splitlines())
         return [line for line in lines if line]
     if path.suffix == ".csv":
-        heads, *rows = [line.split(",") for line in text.splitlines()] or [[]]
-        timed = [k for k, head in enumerate(heads) if head.startswith("seconds")]
+        heads, *rows = list(csv.reader(text.splitlines())) or [[]]
+        timed = [k for k, head in enumerate(heads) if "second" in head]
         return [[_cell(cell) for k, cell in enumerate(row) if k not in timed] for row in (heads, *rows)]
+    if text.startswith(("{\n", "[\n")):  # of --json
+        with contextlib.suppress(ValueError):
+            return plain(json.loads(text))
     for pattern in NOISE:
         text = re.sub(pattern, "", text)
     return text.splitlines()
