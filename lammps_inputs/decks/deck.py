@@ -25,11 +25,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import engine_limits, file_names, laws, loads, physics, scheme, static_load, strict_yaml, window
-from lammps_inputs.deck_lines import AtomTypes, DeckLines
+from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines
 from lammps_inputs.ingredients.registry import NEEDED, NEEDS
 from lammps_inputs.laws import dashpot, plastic_lines, spring
 from lammps_inputs.laws.contact import wall_lines
-from lammps_inputs.layout import Layout
+from lammps_inputs.layout import across_of, layout_of, wall_of
 from lammps_inputs.links import Across, Along, Link, Wall
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
@@ -119,7 +119,7 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
     elif system.kicks or system.motions:
         sections.append(
             [
-                *loads.start_lines(problem.layout),
+                *loads.start_lines(system.motions, problem.layout),
                 *(
                     f"set atom {problem.layout.atom(chain, bead)} vx ${{kick{number}}}"
                     for number, (chain, bead, _) in enumerate(system.kicks, 1)
@@ -138,7 +138,7 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
 def neighbour_lines(problem: Problem, opening: float = 0.0) -> list[str]:
     """The neighbour list, built once: with the beads at rest, or with neighbours farther apart by an opening.
 
-    Second neighbours may be in it, but exert no force: beads are so large that they never touch (`Layout.diameter`).
+    Second neighbours may be in it, but exert no force: beads are so large that they never touch (`layout.layout_of`).
     """
     return [
         "atom_modify sort 0 0",
@@ -160,7 +160,7 @@ def spelling(problem: Problem) -> list[DeckLines]:
     Raises:
         EngineLimitError: LAMMPS cannot compute one of them.
     """
-    return [*link_lines(problem), *loads.lines(problem.layout)]
+    return [*link_lines(problem), *_load_lines(problem.system, problem.layout)]
 
 
 def _spelled(system: System) -> tuple[Link, ...]:
@@ -179,29 +179,35 @@ def link_lines(problem: Problem) -> tuple[DeckLines, ...]:
     return _lines_of(problem.system, problem.layout)
 
 
-def _lines_of(system: System, layout: Layout) -> tuple[DeckLines, ...]:
-    return tuple(_of_link(link, layout) for link in _spelled(system))
+def _lines_of(system: System, layout: BeadLayout) -> tuple[DeckLines, ...]:
+    return tuple(_of_link(link, system, layout) for link in _spelled(system))
 
 
-def _of_link(link: Link, layout: Layout) -> DeckLines:
+def _load_lines(system: System, layout: BeadLayout) -> list[DeckLines]:
+    return loads.lines(system.loads, system.motions, layout)
+
+
+def _of_link(link: Link, system: System, layout: BeadLayout) -> DeckLines:
     """The law's own lines; contacts whose law spells no dashpots of its own have them beside."""
     if not hasattr(link.law, _kind(link)):
         raise engine_limits.FORCES.error(link.name)
     if isinstance(link, Wall) and _kind(link) != "at_wall":
-        return wall_lines(link, layout)
-    lines: DeckLines = getattr(link.law, _kind(link))(link if isinstance(link, Across) else link.name, layout)
+        return wall_lines(wall_of(link, system), layout)
+    lines: DeckLines = getattr(link.law, _kind(link))(
+        across_of(link, system) if isinstance(link, Across) else link.name, layout
+    )
     damped = isinstance(link, Along) and layout.contact_loss is not None
     return dashpot.beside(lines, layout) if damped and not lines.damped else lines
 
 
 def refusal(system: System) -> str:
     """Why LAMMPS cannot compute the forces of a system, see `lammps_inputs.engine_limits`; empty where it can."""
-    layout = Layout(system)
+    layout = layout_of(system)
     try:
         parts = (
             [link.name for link in _spelled(system)] + ["push"] * len(system.loads) + ["drive"] * len(system.motions)
         )
-        lines = [*_lines_of(system, layout), *loads.lines(layout)]
+        lines = [*_lines_of(system, layout), *_load_lines(system, layout)]
         _refuse_groups(parts, lines)
     except ValueError as error:  # also of a law that a user has written
         return str(error)
@@ -244,7 +250,7 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
         *(line for part in link_lines(problem) for line in part.motion),
         *static_load.hold_lines(system),
         *loads.include_lines(system),
-        *(line for part in loads.lines(problem.layout) for line in part.motion),
+        *(line for part in _load_lines(system, problem.layout) for line in part.motion),
     ]
     if _tied(system):
         lines.append("fix line all lineforce 1 0 0     # beads move along their chains only")

@@ -23,7 +23,7 @@ from lammps_inputs.ingredients.base import (
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.formula_law import AcrossChains, Force
 from lammps_inputs.laws.spring import Duffing, Linear
-from lammps_inputs.layout import Layout
+from lammps_inputs.layout import layout_of
 from lammps_inputs.links import Across
 from lammps_inputs.system import System
 from lammps_inputs.units import Label
@@ -133,7 +133,7 @@ class Coupling(by_formula.ByFormula):
                 by_formula.refuse_reach("coupling", link.law, system, setting.scale.length)
         edges = self._edges(setting.chains)
         farthest = max((higher - lower for lower, higher, _ in edges), default=0)
-        lateral = Layout(system).apart((0, farthest))
+        lateral = layout_of(system).apart((0, farthest))
         if np.max(self._cubic(edges, setting), initial=0.0) * lateral**2 * np.finfo(float).eps > _ROUNDED:
             raise ValueError(
                 f"coupling.cubic: tied chains are so far from each other ({farthest} chains, {lateral:.3g} L) that "

@@ -16,7 +16,7 @@ from pydantic_core import CoreSchema
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Positive, Setting
-from lammps_inputs.layout import Layout
+from lammps_inputs.layout import layout_of
 from lammps_inputs.system import System
 from lammps_inputs.units import Label, Unit
 
@@ -34,7 +34,7 @@ class _Load(Ingredient):
 
     def refuse_system(self, setting: Setting, system: System) -> None:  # noqa: ARG002
         """Refuse springs between chains that differ: they would be stretched at rest; and walls without number."""
-        layout = Layout(system)
+        layout = layout_of(system)
         if physics.coupled(system) and not physics.even(system) and np.any(np.ptp(layout.places, axis=0) > 0.0):
             raise ValueError(
                 f"{self.key}: chains that differ are compressed differently, which would stretch the springs between "
