@@ -17,7 +17,7 @@ BELOW = {
     "workflow": {"lammps_inputs", "analysis"},
 }
 LAYERS = {  # the lowest first
-    "lammps_inputs": ("laws", "ingredients", "limits", "decks", "jobs"),
+    "lammps_inputs": ("laws", "ingredients", "formulas", "limits", "decks", "jobs"),
     "analysis": ("files", "shape", "tracking", "mda", "compare", "sharing", "gauges", "figures"),
     "workflow": (
         "engines",

@@ -17,12 +17,12 @@ from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import base, by_formula, plastic
+from lammps_inputs.ingredients import base, plastic
 from lammps_inputs.ingredients.base import Phase, Positive, Rows, ScenePart, Seed, Setting, Spread
+from lammps_inputs.ingredients.by_formula import MOST_EXPONENT, ByFormula, formulas
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power
-from lammps_inputs.laws.formula_law import AlongChains, Force, FormulaKind
 from lammps_inputs.links import Along
 from lammps_inputs.numbers import random_shares
 from lammps_inputs.system import System
@@ -120,7 +120,7 @@ Strength = Annotated[
 """A number for all contacts, a profile, a list with one for each contact, or a list of such lists, one a chain."""
 
 
-_Power = Annotated[float, Field(ge=1, le=by_formula.MOST_EXPONENT), PURE]
+_Power = Annotated[float, Field(ge=1, le=MOST_EXPONENT), PURE]
 Exponent = Annotated[
     Annotated[_Power, Tag("<plain>")]
     | Annotated[tuple[_Power, ...], Tag("<row>")]
@@ -157,7 +157,7 @@ def _refuse_values(key: str, strength: Any, setting: Setting) -> None:
         )
     }
 )
-class Contact(by_formula.ByFormula):
+class Contact(ByFormula):
     """A force ``stiffness * overlap**exponent``, or any that grows as beads come closer."""
 
     example: ClassVar[str] = "{exponent: 2}"
@@ -251,10 +251,10 @@ class Contact(by_formula.ByFormula):
                 "them out"
             )
 
-    def _refuse_formula(self, force: Force, setting: Setting) -> None:
+    def _refuse_formula(self, force: Any, setting: Setting) -> None:
         """Refuse what is said twice, and forces at rest that nothing holds."""
         self.refuse_beside("contact", "exponent", "stiffness", "yield")
-        kind = self._kind
+        kind = formulas().kind_of_contact(force, self.tension)
         rest = force.at_rest
         if kind.cut and rest:
             raise ValueError(f"contact.tension: the force is {rest:.6g} at s = 0, where it would be cut; leave it out")
@@ -286,9 +286,9 @@ class Contact(by_formula.ByFormula):
 
     def refuse_system(self, setting: Setting, system: System) -> None:
         """Refuse what is known of spheres only, and formulas where they have no value."""
-        for link in system.along:
-            if isinstance(link.law, AlongChains):
-                by_formula.refuse_reach("contact", link.law, system, setting.scale.length, pressed=True)
+        for link in system.along if self.formula is not None else ():
+            if isinstance(link.law, formulas().AlongChains):
+                formulas().refuse_reach("contact", link.law, system, setting.scale.length, pressed=True)
         if not any(np.any(np.not_equal(ratios, 1.0)) for ratios in sizes_and_moduli(setting)):
             return
         if self.formula is not None:
@@ -307,8 +307,8 @@ class Contact(by_formula.ByFormula):
         """Law of the contacts; Hertz's where it is that."""
         exponent, _, is_power = self._begins
         if not is_power:
-            assert self.formula is not None
-            law: Law = self.formula.law(AlongChains, self._kind, strength)
+            kind = formulas().kind_of_contact(self.formula, self.tension)
+            law: Law = self.formula.law(formulas().AlongChains, kind, strength)
             return law
         if self._powers is not None:
             return Power(strength * np.ones_like(self._powers), self._powers)
@@ -317,7 +317,7 @@ class Contact(by_formula.ByFormula):
     def cited(self) -> tuple[str, ...]:
         """Publications of the profile, of a law that yields, and of exponents that differ."""
         law: tuple[str, ...] = () if self.yields is None else plastic.SOURCES[self.yields.law]
-        if not self._kind.cut:
+        if not self._cut:
             law = ("moleron2014",)
         if self._powers is not None:
             law = ("nesterenko2001", "spadoni2010")
@@ -354,12 +354,14 @@ class Contact(by_formula.ByFormula):
         """Exponent p and constant A of the force ``A overlap^p`` of small overlaps, and whether it is that of all."""
         if self.formula is None:
             return self._power, self.stiffness, True
-        return by_formula.power_of_contact(self.formula, self._kind)
+        kind = formulas().kind_of_contact(self.formula, self.tension)
+        begins: tuple[float, float, bool] = formulas().power_of_contact(self.formula, kind)
+        return begins
 
     @property
-    def _kind(self) -> FormulaKind:
-        """How a formula counts s, and whether it is cut where beads are apart, as other contacts are."""
-        return FormulaKind(cut=True) if self.formula is None else by_formula.kind_of_contact(self.formula, self.tension)
+    def _cut(self) -> bool:
+        """Whether there is no force where beads are apart."""
+        return self.formula is None or bool(formulas().kind_of_contact(self.formula, self.tension).cut)
 
     def lacks(self, setting: Setting) -> frozenset[Fact]:  # noqa: ARG002
         """Linear contacts disperse any pulse; all that are harder at first than spheres begin abruptly.
@@ -367,7 +369,7 @@ class Contact(by_formula.ByFormula):
         What acts at a distance transmits sound.
         """
         exponent = self.contact_scale()[0] if self._powers is None else float(np.min(self._powers))
-        if not self._kind.cut:
+        if not self._cut:
             return frozenset({Fact.SONIC_VACUUM, Fact.FRONT, Fact.PULSE})
         taken = {Fact.REVERSIBLE} if exponent < HERTZ else set()
         return frozenset(taken | {Fact.PULSE} if exponent < LEAST_OF_PULSES else taken)

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 from pydantic import Discriminator, Tag, field_validator
 
 from lammps_inputs import laws, strict_yaml
-from lammps_inputs.ingredients import by_formula
 from lammps_inputs.ingredients.base import (
     Cubic,
     Row,
@@ -20,8 +19,8 @@ from lammps_inputs.ingredients.base import (
     refuse_range,
     with_keys,
 )
+from lammps_inputs.ingredients.by_formula import ByFormula, formulas
 from lammps_inputs.laws import Law
-from lammps_inputs.laws.formula_law import AcrossChains, Force
 from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.layout import layout_of
 from lammps_inputs.links import Across
@@ -72,7 +71,7 @@ _Name = Literal["open", "ring"]
 _Topology = Annotated[Annotated[_Name, Tag("<plain>")] | Annotated[Graph, Tag("<keys>")], _distinguished(Graph)]
 
 
-class Coupling(by_formula.ByFormula):
+class Coupling(ByFormula):
     """Springs between chains: a force ``stiffness s + cubic s**3``, or any, for beads of a row that are s apart."""
 
     example: ClassVar[str] = "{stiffness: 0.1}"
@@ -117,20 +116,20 @@ class Coupling(by_formula.ByFormula):
                 "head with the springs they have, so all must have the same; leave the window out"
             )
 
-    def _refuse_formula(self, force: Force) -> None:
+    def _refuse_formula(self, force: Any) -> None:
         self.refuse_beside("coupling", "stiffness", "cubic")
         if any(len(edge) == 3 for edge in self._named):
             raise ValueError(
                 "coupling.topology.edges: a stiffness is that of linear springs; leave the third number out"
             )
-        by_formula.refuse_unrest("coupling", force)
-        by_formula.refuse_even("coupling", force)
+        formulas().refuse_unrest("coupling", force)
+        formulas().refuse_even("coupling", force)
 
     def refuse_system(self, setting: Setting, system: System) -> None:
         """Refuse cubic springs over distances at which LAMMPS's lose their digits, and formulas without a value."""
-        for link in system.couplings:
-            if isinstance(link.law, AcrossChains):
-                by_formula.refuse_reach("coupling", link.law, system, setting.scale.length)
+        for link in system.couplings if self.formula is not None else ():
+            if isinstance(link.law, formulas().AcrossChains):
+                formulas().refuse_reach("coupling", link.law, system, setting.scale.length)
         edges = self._edges(setting.chains)
         farthest = max((higher - lower for lower, higher, _ in edges), default=0)
         lateral = layout_of(system).apart((0, farthest))
@@ -162,7 +161,7 @@ class Coupling(by_formula.ByFormula):
     def links(self, setting: Setting) -> tuple[Across, ...]:
         """Links across the chains; none where no two chains are tied by any spring."""
         edges = self._edges(setting.chains)
-        if self.formula is not None and by_formula.multiple_of_strain(self.formula) is None:
+        if self.formula is not None and formulas().multiple_of_strain(self.formula) is None:
             return self._by_formula(self.formula, edges, setting)
         spring, cubic = self._stiffness(edges, setting), self._cubic(edges, setting)
         holds = np.zeros(len(edges), dtype=bool)
@@ -175,11 +174,11 @@ class Coupling(by_formula.ByFormula):
         pairs = tuple((lower, higher) for (lower, higher, _), tied in zip(edges, holds, strict=True) if tied)
         return (Across("coupling", law, edges=pairs, grid=self._grid),)
 
-    def _by_formula(self, force: Force, edges: list[Any], setting: Setting) -> tuple[Across, ...]:
+    def _by_formula(self, force: Any, edges: list[Any], setting: Setting) -> tuple[Across, ...]:
         if not edges:
             return ()
         strength = 1.0 if self.rows is None else in_rows(1.0, self.rows, (len(edges), setting.beads))
-        law = laws.dimensionless(force.law(AcrossChains, strength=strength), setting.scale)
+        law = laws.dimensionless(force.law(formulas().AcrossChains, strength=strength), setting.scale)
         return (Across("coupling", law, edges=tuple(edge[:2] for edge in edges), grid=self._grid),)
 
     @property
@@ -211,7 +210,7 @@ class Coupling(by_formula.ByFormula):
         """Dimensionless linear stiffness: a number, or [edge, row] where it differs."""
         shared: Any = 0.0 if self.stiffness is None else self.stiffness
         if self.formula is not None:
-            shared = by_formula.multiple_of_strain(self.formula) or 0.0
+            shared = formulas().multiple_of_strain(self.formula) or 0.0
         if isinstance(shared, Ramp):
             values = [getattr(shared, key) for key in ("from", "to")]
             shared = np.interp(np.arange(1, setting.beads + 1), shared.rows, values)

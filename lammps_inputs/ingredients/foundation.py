@@ -14,9 +14,9 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator
 
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import base, by_formula
+from lammps_inputs.ingredients import base
 from lammps_inputs.ingredients.base import Cubic, Phase, Positive, Rows, ScenePart, Setting, Stiffness
-from lammps_inputs.laws.formula_law import ToGround
+from lammps_inputs.ingredients.by_formula import STIFFEST, ByFormula, formulas
 from lammps_inputs.laws.spring import Duffing, Linear, Varying
 from lammps_inputs.links import Ground
 from lammps_inputs.numbers import number_or_array
@@ -84,7 +84,7 @@ _Stiffness = Annotated[
 ]
 
 
-class Foundation(by_formula.ByFormula):
+class Foundation(ByFormula):
     """Springs from the beads to the ground: a force ``-stiffness x - cubic x**3``, or any against the displacement."""
 
     example: ClassVar[str] = "{stiffness: 0.1}"
@@ -122,7 +122,7 @@ class Foundation(by_formula.ByFormula):
         """Refuse what does not fit the chains."""
         if self.formula is not None:
             self.refuse_beside("foundation", "stiffness", "cubic", "modulation")
-            by_formula.refuse_unrest("foundation", self.formula)
+            formulas().refuse_unrest("foundation", self.formula)
         for key in ("stiffness", "cubic"):
             values = getattr(self, key)
             base.refuse_other_count(f"foundation.{key}", values, setting.chains)
@@ -130,16 +130,16 @@ class Foundation(by_formula.ByFormula):
             raise ValueError("foundation.stiffness: is missing beside modulation")
         for key, ramp in self._ramps():
             ramp.refuse(key, setting.beads)
-        if self.modulation is not None and self.modulation.frequency * setting.scale.time > by_formula.STIFFEST:
+        if self.modulation is not None and self.modulation.frequency * setting.scale.time > STIFFEST:
             raise ValueError("foundation.modulation.frequency: at most 1e12, dimensionless")
         for link in self.links(setting):
-            if isinstance(link.law, ToGround):
+            if self.formula is not None and isinstance(link.law, formulas().ToGround):
                 continue
             largest = {
                 "stiffness": laws.stiffest(link.law, 0.0),
                 "cubic": np.max(link.law.cubic if isinstance(link.law, Duffing) else 0.0),
             }
-            for key in (key for key, value in largest.items() if value > by_formula.STIFFEST):
+            for key in (key for key, value in largest.items() if value > STIFFEST):
                 raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
         base.refuse_range("foundation.rows", self.rows, setting.beads)
 
@@ -159,9 +159,9 @@ class Foundation(by_formula.ByFormula):
         """Springs of the beads to the ground; cubic ones are separate from those that ramp or are modulated."""
         cubic = self._values(self.cubic, setting)
         named: dict[str, Any]
-        k = None if self.formula is None else by_formula.multiple_of_strain(self.formula)
+        k = None if self.formula is None else formulas().multiple_of_strain(self.formula)
         if self.formula is not None and k is None:
-            named = {"foundation": self.formula.law(ToGround, strength=self._values(1.0, setting))}
+            named = {"foundation": self.formula.law(formulas().ToGround, strength=self._values(1.0, setting))}
         elif self.modulation is not None or any(self._ramps()):
             named = {"foundation": self._in_space_and_time(setting), "cubic_foundation": Duffing(0.0 * cubic, cubic)}
         else:
@@ -173,9 +173,9 @@ class Foundation(by_formula.ByFormula):
 
     def refuse_system(self, setting: Setting, system: System) -> None:
         """Refuse formulas where they have no value."""
-        for link in system.ground:
-            if isinstance(link.law, ToGround):
-                by_formula.refuse_reach("foundation", link.law, system, setting.scale.length)
+        for link in system.ground if self.formula is not None else ():
+            if isinstance(link.law, formulas().ToGround):
+                formulas().refuse_reach("foundation", link.law, system, setting.scale.length)
 
     def lacks(self, setting: Setting) -> frozenset[Fact]:
         """Facts of `takes_away`, and that a scheme may step back in time, where the stiffness depends on time."""
