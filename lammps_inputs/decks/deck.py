@@ -1,4 +1,4 @@
-"""LAMMPS input for a scene: ``in.chains`` and ``data.chains``, rendered and written once.
+"""LAMMPS input for a problem: ``in.chains`` and ``data.chains``.
 
 The deck is the equation of motion and nothing else: what the scene does not name leaves no line. It runs with a stock
 ``lmp`` (GRANULAR; MOLECULE for coupled chains, CLASS2 for cubic springs, DPD-BASIC for damped ones) from the 29Sep2021
@@ -18,15 +18,12 @@ import io
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import engine_limits, file_names, laws, loads, physics, scheme, static_load, strict_yaml, window
+from lammps_inputs import engine_limits, file_names, laws, loads, physics, scheme, static_load, window
 from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines
-from lammps_inputs.ingredients.registry import NEEDED, NEEDS
 from lammps_inputs.laws import dashpot, plastic_lines, spring
 from lammps_inputs.laws.contact import wall_lines
 from lammps_inputs.layout import across_of, layout_of, wall_of
@@ -35,9 +32,6 @@ from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.system import System
 from lammps_inputs.units import Scale, sphere_density
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import Scene
 
 START = (
     "units lj                         # dimensionless",
@@ -50,16 +44,6 @@ STATED = "info variables out log           # the log states the values; granchai
 """Command after the last parameter of a deck and of its continuation, see `lammps_inputs.decks.parameters`."""
 
 
-def render(scene: "Scene", problem: Problem | None = None) -> dict[str, str]:
-    """File name -> text of everything LAMMPS needs, and the scene itself; the problem is the scene's.
-
-    Raises:
-        ValueError: the scene ends at a bead, not at a time (see `Scene.problem`).
-    """
-    problem = scene.problem() if problem is None else problem
-    return {file_names.SCENE: render_scene(scene), **files_of(problem)}
-
-
 def files_of(problem: Problem) -> dict[str, str]:
     """File name -> text of what LAMMPS needs; the data come last, so that all is there where they are."""
     tables = loads.tables(problem.system)
@@ -68,19 +52,6 @@ def files_of(problem: Problem) -> dict[str, str]:
         **({file_names.TABLES: tables} if tables else {}),
         file_names.DATA: render_data(problem),
     }
-
-
-def render_scene(scene: "Scene") -> str:
-    """The text of ``scene.yaml``, every default written out; comments name modules that its ingredients need."""
-    plain = scene.resolved().plain()
-    needed = dict.fromkeys(NEEDS[key] for key in plain if key in NEEDS)
-    return "".join(f"{NEEDED}{words}\n" for words in needed) + strict_yaml.dump(plain)
-
-
-def write(scene: "Scene", directory: Path) -> None:
-    """Write the deck of a scene into an existing directory."""
-    for name, content in render(scene).items():
-        (directory / name).write_text(content, encoding="utf-8", newline="\n")
 
 
 def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.0) -> str:

@@ -8,7 +8,7 @@ import pytest
 
 import lammps_inputs.scene
 from lammps_inputs import Scene, library
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from lammps_inputs.ingredients.base import Setting
 
 TWO = Scene(name="two", chains=2, beads=6, kick={"velocity": 1.0}, coupling={"stiffness": 0.1}, duration=4.0)
@@ -24,7 +24,7 @@ def test_loading_a_scene_and_writing_its_deck_builds_one_system_and_one_problem(
     assert "V = " in scene.units
     assert scene.unlikely == []
     assert scene.problem() is scene.problem()
-    deck.render(scene)
+    scene_files.render(scene)
     assert built == {"System": 1, "Problem": 1}
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, file_names, library, load
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from lammps_inputs.jobs import job
 from lammps_inputs.jobs.schedulers import SCHEDULERS, Scheduler
 from lammps_inputs.jobs.site import JobOptions
@@ -147,7 +147,7 @@ def _write_case(path: Path, wanted: Asked, source: str, scheduler: Scheduler) ->
         _write_deck(path, wanted, scene, source)
         written = load(path / file_names.SCENE)
     problem = written.problem()
-    for name, text in deck.render(written, problem).items():
+    for name, text in scene_files.render(written, problem).items():
         if not (path / name).is_file() or (path / name).read_bytes() != text.encode("utf-8"):  # damaged
             write_text(path / name, text)
     retire(path, listed(path).difference(LAMMPS_FILES, file_names.JOB_FILES))  # of a run that did not end here
@@ -161,7 +161,7 @@ def _write_case(path: Path, wanted: Asked, source: str, scheduler: Scheduler) ->
 
 def _write_deck(path: Path, wanted: Asked, scene: Scene, source: str) -> None:
     settled, _ = settle(scene, source=source)
-    files = deck.render(settled)
+    files = scene_files.render(settled)
     begin(path, wanted, scene)
     claim(path, LAMMPS_FILES)
     for name, text in files.items():

@@ -237,9 +237,9 @@ def test_dashpots_of_contacts_are_refused_beside_forces_at_a_distance():
 
 def test_scenes_without_a_formula_import_nothing_of_formulas_and_one_with_a_formula_does():
     program = (
-        "import sys; from lammps_inputs import library; from lammps_inputs.decks import deck\n"
+        "import sys; from lammps_inputs import library; from lammps_inputs.decks import scene_files\n"
         "for name in sys.argv[1:]:\n"
-        "    deck.render(library.find(name).resolved())\n"
+        "    scene_files.render(library.find(name).resolved())\n"
         "    print('lammps_inputs.formulas' in sys.modules)\n"
     )
     words = [sys.executable, "-c", program, "two-chains", "resonators", "magnets"]
