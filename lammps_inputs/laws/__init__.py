@@ -30,8 +30,8 @@ A law that depends on time takes the time ``t`` after the strain in all of these
 
 They are written without branches, so that NumPy takes them as they are and the reference's kernel compiles them into
 vector instructions. Methods ``along``, ``across`` and ``ground``, where a law has them, spell it in LAMMPS on that kind
-of link (`lammps_inputs.links`). They take the link's name, ``across`` the link itself, whose edges become bonds, and
-the layout of the beads in LAMMPS. Nothing here depends on scenes or problems.
+of link (`lammps_inputs.links`). They take the link's name, ``across`` a `LinksAcross` whose edges become bonds, and the
+`BeadLayout`, both of `lammps_inputs.deck_lines`. Nothing here depends on scenes or problems.
 """
 
 import functools
