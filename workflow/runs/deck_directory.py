@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lammps_inputs import InputError, Scene, file_names
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import deck, scene_files
 from workflow import cost_model
 from workflow.plugins.jobs import job
 from workflow.plugins.jobs.site import JobOptions
@@ -60,7 +60,7 @@ def write_deck(
         raise InputError(f"{source}: {why}")
     refuse_unanalysable(scene, source)
     settled, step = settle(scene, source=source, force=force)
-    files = deck.render(settled)
+    files = scene_files.render(settled)
     if options is not None:
         options = cost_model.with_ranks(options, settled.problem())
         files |= job.render_job(options, settled.problem(), directory)

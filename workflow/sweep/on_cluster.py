@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, file_names, library, load
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.cost_model import with_ranks
 from workflow.errors import RunError
 from workflow.plugins.jobs import job
@@ -146,7 +146,7 @@ def _write_case(path: Path, wanted: Asked, source: str, scheduler: Scheduler) ->
         _write_deck(path, wanted, scene, source)
         written = load(path / file_names.SCENE)
     problem = written.problem()
-    for name, text in deck.render(written, problem).items():
+    for name, text in scene_files.render(written, problem).items():
         if not (path / name).is_file() or (path / name).read_bytes() != text.encode("utf-8"):  # damaged
             write_text(path / name, text)
     files = job.case_files(problem, scheduler)
@@ -160,7 +160,7 @@ def _write_case(path: Path, wanted: Asked, source: str, scheduler: Scheduler) ->
 
 def _write_deck(path: Path, wanted: Asked, scene: Scene, source: str) -> None:
     settled, _ = settle(scene, source=source)
-    files = deck.render(settled)
+    files = scene_files.render(settled)
     begin(path, wanted, scene)
     record_files(path, LAMMPS_FILES)
     for name, text in files.items():

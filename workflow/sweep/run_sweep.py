@@ -18,7 +18,7 @@ from typing import Any
 from pydantic_core import from_json
 
 from lammps_inputs import InputError, Scene, file_names, library, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow import formats
 from workflow.engines.lammps import hosted
 from workflow.errors import RunError
@@ -89,7 +89,7 @@ def begin(path: Path, wanted: Asked, scene: Scene) -> None:
     path.mkdir(parents=True, exist_ok=True)
     record_files(path, (file_names.SCENE,))
     job.update(path, request=wanted.plain())
-    write_text(path / file_names.SCENE, deck.render_scene(scene))
+    write_text(path / file_names.SCENE, scene_files.render_scene(scene))
 
 
 def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:

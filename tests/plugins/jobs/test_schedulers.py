@@ -17,7 +17,7 @@ from stock_lammps import MPIEXEC, WHEEL, scene
 from stock_lammps import run as run_stock
 
 from lammps_inputs import InputError, file_names, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.cli import main
 from workflow.plugins.jobs import job, schedulers, site
 from workflow.plugins.jobs.schedulers import ListedJob
@@ -221,7 +221,7 @@ def options(name, **more):
 def place(case, directory):
     """A deck of which the first job computes no more than one stretch until its timer ends."""
     directory.mkdir(exist_ok=True)
-    deck.write(case, directory)
+    scene_files.write(case, directory)
     for name, text in job.case_files(case.problem()).items():
         (directory / name).write_text(text.replace("label stretch", "shell sh pause\n\nlabel stretch"))
     wait = f"[ -f {file_names.RESTART} ] || until grep stop {file_names.JOB_FLAG}; do sleep 0.1; done\n"

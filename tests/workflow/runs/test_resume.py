@@ -19,7 +19,7 @@ from stock_lammps import scene
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import InputError, file_names, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.cli import main
 from workflow.engines.lammps import files_on_disk, mpi
 from workflow.runs.files import alone, parts
@@ -307,7 +307,7 @@ def test_files_that_were_changed_are_not_gone_on_with(name, old, new, cut):
     "content", ["", "{", "[]", "{}", '{"engine": "lammps", "outcome": "running", "ranks": 1, "started": "x"}']
 )
 def test_a_record_that_a_loss_of_power_left_empty_is_told(content, tmp_path, capsys):
-    deck.write(a_scene(), tmp_path)
+    scene_files.write(a_scene(), tmp_path)
     (tmp_path / "run.json").write_text(content)
     code, line = said(["run", "--resume", tmp_path], capsys)
     assert code == 2

@@ -18,7 +18,7 @@ from stock_lammps import scene
 
 from analysis.files.recording import Writer
 from lammps_inputs import file_names, physics
-from lammps_inputs.decks import continuation, deck
+from lammps_inputs.decks import continuation, scene_files
 from workflow.cli import main
 from workflow.plugins.jobs import job
 from workflow.plugins.jobs.schedulers import slurm_jobs
@@ -33,7 +33,7 @@ STEPS = CASE.problem().steps
 
 def with_deck(directory, **changes):
     directory.mkdir(exist_ok=True)
-    deck.write(CASE.model_copy(update=changes), directory)
+    scene_files.write(CASE.model_copy(update=changes), directory)
     return directory
 
 

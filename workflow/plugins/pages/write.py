@@ -235,7 +235,9 @@ def _run(path: Path) -> Path:
     if (path / file_names.DECK).is_file():
         texts[file_names.DECK] = (path / file_names.DECK).read_text(encoding="utf-8", errors="replace")
     foot = "".join(folded(heading, text) for heading, text in texts.items())
-    root = layout(problem, part, survey, list(default_beads(problem)), measurements=measurements, radius=radii(scene))
+    root = layout(
+        problem, part, survey, list(default_beads(problem)), measurements=measurements, radius=radii(scene.setting)
+    )
     made = render(
         f"{scene.name}: {problem.chains} x {problem.beads} beads",
         scene.name,
