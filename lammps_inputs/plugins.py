@@ -18,6 +18,8 @@ Those of granchain itself are declared in its ``pyproject.toml`` like those of a
   (`workflow.runs.status`);
 - ``granchain.limits``: any name = function that returns the name of a file, and `lammps_inputs.output.Limits` of runs
   on this machine that it sets;
+- ``granchain.gradients``: any name = function from an analysis to one with derivatives, as
+  `workflow.plugins.derivatives.gradient.with_derivatives`;
 - ``granchain.schedulers``: name for ``--scheduler`` = `workflow.plugins.jobs.schedulers.Scheduler`;
 - ``granchain.schemas``: what `granchain schema` prints = function without arguments.
 """
@@ -96,6 +98,21 @@ def loaded(kind: str) -> dict[str, Any]:
         InputError: see `declared` and `load`.
     """
     return {name: load(kind, name) for name in declared(kind)}
+
+
+def needed(kind: str, option: str) -> Any:
+    """What the first entry point of a kind names.
+
+    Args:
+        kind: such as ``gradients``.
+        option: what needs it, as users call it.
+
+    Raises:
+        InputError: nothing of this kind is installed; see also `load`.
+    """
+    for plug_in in loaded(kind).values():
+        return plug_in
+    raise InputError(f"{option}: needs a plug-in that declares granchain.{kind}, and none is installed")
 
 
 def _provider(point: EntryPoint) -> str:

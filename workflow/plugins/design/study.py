@@ -25,6 +25,9 @@ from typing import Any
 from lammps_inputs import InputError, library, strict_yaml
 from workflow.arguments import AnyDefinition, Processes
 from workflow.checked import checked
+from workflow.plugins.derivatives.derivative import HEAD, Derivative
+from workflow.plugins.derivatives.gradient import gradient as derivatives
+from workflow.plugins.derivatives.gradient import why_no_derivative
 from workflow.plugins.design import file
 from workflow.plugins.design.file import Design
 from workflow.plugins.design.polish import polished, refuse_no_gradient, smooth
@@ -33,13 +36,10 @@ from workflow.plugins.design.search import RULED_OUT, Compute, DesignRecord, com
 from workflow.runs.files import as_json
 from workflow.screen import CommandResult, one_line, print_files, print_table
 from workflow.study_kit.directory import Study, csv_text
-from workflow.study_kit.gradient import gradient as derivatives
-from workflow.study_kit.gradient import why_no_derivative
 from workflow.study_kit.kept_run import kept_run
 from workflow.study_kit.options import add_jobs, add_output, example_file, interrupted
 from workflow.study_kit.scene_quantities import by_reference, of_frames, scene_to_run
 from workflow.sweep import fields
-from workflow.verdicts.derivative import HEAD, Derivative
 
 REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "index.html", "beside"
 STUDY = Study("design", f"{PAGE} is the report", tables=(REPORT, TABLE, BEST, PAGE), cache="evaluations.jsonl")
