@@ -33,7 +33,7 @@ def filled(monkeypatch):
     command = SimpleNamespace(
         add_arguments=lambda parser: parser.add_argument("--before"),
         add_last_arguments=lambda parser: parser.add_argument("--behind"),
-        execute=lambda arguments: prints.append("command") or 5,
+        execute=lambda _: prints.append("command") or 5,
         EXAMPLES=("status x",),
         ANSWERS="an answer",
     )
