@@ -10,7 +10,18 @@ Those of granchain itself are declared in its ``pyproject.toml`` like those of a
   `workflow.measures.base.Measurement`;
 - ``granchain.studies``: command = module with ``add_arguments``, ``execute`` and ``EXAMPLES``;
 - ``granchain.tools``: command that is no study of many runs = such a module;
+- ``granchain.options.COMMAND``: any name = module or object that adds options to a command: ``add_arguments(parser)``,
+  ``EXAMPLES``, and ``execute(arguments, command)``, where ``command(arguments)`` does what the command does without
+  these options. An extension acts before it, in place of it, or after it; several wrap one another, the last outermost.
+  ``ANSWERS``, if there is one, says what the extension adds to ``--json``;
 - ``granchain.functions``: name in the module ``granchain`` = function for scripts and notebooks, as of a study;
+- ``granchain.queues``: any name = module that knows jobs: their queue, and the states of their directories
+  (`workflow.runs.status`);
+- ``granchain.limits``: any name = function that returns the name of a file, and `lammps_inputs.output.Limits` of runs
+  on this machine that it sets;
+- ``granchain.gradients``: any name = function from an analysis to one with derivatives, as
+  `workflow.plugins.derivatives.gradient.with_derivatives`;
+- ``granchain.schedulers``: name for ``--scheduler`` = `workflow.plugins.jobs.schedulers.Scheduler`;
 - ``granchain.schemas``: what `granchain schema` prints = function without arguments.
 """
 
@@ -88,6 +99,21 @@ def loaded(kind: str) -> dict[str, Any]:
         InputError: see `declared` and `load`.
     """
     return {name: load(kind, name) for name in declared(kind)}
+
+
+def needed(kind: str, option: str) -> Any:
+    """What the first entry point of a kind names.
+
+    Args:
+        kind: such as ``gradients``.
+        option: what needs it, as users call it.
+
+    Raises:
+        InputError: nothing of this kind is installed; see also `load`.
+    """
+    for plug_in in loaded(kind).values():
+        return plug_in
+    raise InputError(f"{option}: needs a plug-in that declares granchain.{kind}, and none is installed")
 
 
 def _provider(point: EntryPoint) -> str:

@@ -16,13 +16,11 @@ from wrong_runs import deck_run, substituted, without_uncertainties
 from analysis.conservation import Conservation
 from analysis.trajectory import mirrored_problem
 from lammps_inputs import InputError, laws, physics
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import continuation, deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.registry import INGREDIENTS
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
-from workflow.plugins.jobs import job
-from workflow.plugins.jobs.site import JobOptions
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.validate import validate
@@ -226,11 +224,11 @@ def test_the_release_of_2021_computes_the_same(name, done, lmp_of, tmp_path):
     np.testing.assert_allclose(old.velocity, done(name).trajectory.velocity, rtol=0.0, atol=1e-11)
 
 
-def test_resumed_and_slurm_jobs_have_every_force_of_the_deck():
+def test_what_continues_from_a_restart_has_every_force_of_the_deck():
     for name in CASES:
         problem = scene(name).problem()
         forces = [line for line in deck.render_deck(problem).splitlines() if line.startswith(("fix", "bond", "pair"))]
-        continued = job.render_job(JobOptions(), problem)["in.continue"].splitlines()
+        continued = continuation.render_continuation(problem).splitlines()
         assert [line for line in forces if line not in continued] == ["fix motion all nve"], name
 
 

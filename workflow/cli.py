@@ -6,6 +6,7 @@ Exit codes: 0 done, 1 a run or a check failed, 2 bad input, 130 interrupted.
 import argparse
 import ast
 import contextlib
+import functools
 import importlib
 import importlib.util
 import io
@@ -232,9 +233,15 @@ def _source(name: str) -> Path:
 
 
 def fill(subparser: argparse.ArgumentParser, module: Any) -> None:
-    """Add the arguments and examples of a command, and the arguments that all have."""
+    """Add the arguments and examples of a command and of plug-ins that extend it, and the arguments that all have."""
+    name = subparser.prog.split()[-1]
+    extensions = plugins.loaded(f"options.{name}").values()
     module.add_arguments(subparser)
-    prints = subparser.prog.split()[-1] in PRINTED
+    for extension in extensions:
+        extension.add_arguments(subparser)
+    if "add_last_arguments" in vars(module):
+        module.add_last_arguments(subparser)
+    prints = name in PRINTED
     words = "print no progress and no hints" if prints else "print errors only"
     subparser.add_argument("-q", "--quiet", action="store_true", help=words)
     if getattr(module, "DRAWS", False):
@@ -251,12 +258,15 @@ def fill(subparser: argparse.ArgumentParser, module: Any) -> None:
             type=formats.width_from_words,
             help="width of figures, without titles: 3.4 for one column of a journal, 7 for two (default: each its own)",
         )
-    answers = getattr(module, "ANSWERS", None)
+    answers = "; ".join(vars(part)["ANSWERS"] for part in (module, *extensions) if "ANSWERS" in vars(part))
     if answers:
         subparser.add_argument("--json", action="store_true", help=f"print one JSON value and nothing else: {answers}")
     file = f"{module.FILE}\n" if "FILE" in vars(module) else ""
-    subparser.epilog = file + _examples(module.EXAMPLES)
-    subparser.set_defaults(execute=module.execute, json=False)
+    subparser.epilog = file + _examples(line for part in (module, *extensions) for line in part.EXAMPLES)
+    execute = module.execute
+    for extension in extensions:
+        execute = functools.partial(extension.execute, command=execute)
+    subparser.set_defaults(execute=execute, json=False)
 
 
 def _examples(lines: Iterable[str]) -> str:

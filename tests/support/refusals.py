@@ -9,7 +9,6 @@ import pytest
 
 from workflow import screen
 from workflow.cli import main
-from workflow.plugins.jobs import site
 
 
 def refusal(words: Any, capsys: pytest.CaptureFixture[str], code: int = 2) -> str:
@@ -53,7 +52,7 @@ def assert_command_line_is_refused(
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(place)
         patch.setenv("HOME", str(home))
-        patch.delenv(site.VARIABLE, raising=False)
+        patch.delenv("GRANCHAIN_SITE", raising=False)
         for name in files.keys() & set(words.split()):
             Path(name).write_text(files[name], encoding="utf-8")
         before = tree(place)

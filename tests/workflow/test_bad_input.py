@@ -34,7 +34,6 @@ def test_a_bad_scene_is_one_line_and_nothing_is_written(command, case, tmp_path,
 # --- command lines ----------------------------------------------------------------------------------------------------
 
 RUN = "run two-chains -o out"
-DECK = "deck two-chains -o out"
 NEEDS = "run: needs a SCENE and -o DIR, or --resume DIR"
 RESUMED = "--resume: continues with the settings of the run; leave out"
 
@@ -61,25 +60,11 @@ COMMAND_LINES = [
     ("view .", "neither a run nor a sweep"),
     ("collect .", "holds no run directories; `granchain sweep` makes some"),
     ("collect nowhere", "no such directory"),
-    (f"{DECK} --nodes 2", "--nodes: is for a job; add --slurm"),
-    (f"{DECK} --module gcc", "--module: is for a job; add --slurm"),
-    (f"{DECK} --site x.yaml", "--site: is for a job; add --slurm"),
-    (f"{DECK} --scheduler lsf", "--scheduler: invalid choice: 'lsf' (choose from 'slurm', 'pbs', 'sge')"),
-    (f"{DECK} --scheduler pbs --partition a,b", "--partition: PBS Professional takes one queue, 'a,b' given"),
-    (f"{DECK} --slurm --site nowhere.yaml", "nowhere.yaml: no such file"),
-    (f"{DECK} --slurm --time 90", "--time: should be HH:MM:SS or D-HH:MM:SS, from a minute to a year ('90' given)"),
-    (f"{DECK} --slurm --module 'a b'", "--module: a module should be one word such as lammps/2025.07"),
-    ("deck quick.yaml -o out --slurm --nodes 100 --ranks-per-node 100", "--ranks-per-node: 10000 ranks in all"),
-    ("sweep ref.yaml -o out --slurm", "engine: a job runs lammps"),
-    ("sweep sweep.yaml -o out --nodes 2", "add --slurm"),
-    ("sweep sweep.yaml -o out --slurm --partition 'a;ls'", "--partition"),
 ]
 
 
 FILES = {
-    "quick.yaml": {**SMALL, "timestep": 0.01},  # for which no pilot run is compiled
     "sweep.yaml": {"scene": SMALL, "vary": {"beads": [12]}},
-    "ref.yaml": {"scene": SMALL, "vary": {"beads": [12]}, "engine": "reference"},
 }
 
 

@@ -5,11 +5,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from analysis.tracking.leading_waves import Arrival
-from lammps_inputs import InputError
+from lammps_inputs import InputError, plugins
 from lammps_inputs.complaints import suggestion
 from workflow.arguments import AnyRun, directory_of
 from workflow.checked import Between, checked
-from workflow.study_kit.gradient import of_run, with_derivatives
 from workflow.verdicts import analyse as analysing
 from workflow.verdicts import validate as validating
 from workflow.verdicts.analyse import Analysis
@@ -54,9 +53,15 @@ def analyze(
         0.4692
     """
     chosen, directory = None if beads is None else tuple(beads), directory_of(run)
-    derivatives = of_run(directory, gradient, by)
-    analysis = analysing.analyse(directory, beads=chosen, figures=figures, arrival=arrival)
-    return with_derivatives(analysis, directory, derivatives)
+
+    def analysis() -> Analysis:
+        return analysing.analyse(directory, beads=chosen, figures=figures, arrival=arrival)
+
+    if not gradient and by is None:
+        return analysis()
+    with_derivatives = plugins.needed("gradients", "gradient")
+    with_gradient: Analysis = with_derivatives(analysis, directory, gradient, by)
+    return with_gradient
 
 
 @checked

@@ -37,7 +37,6 @@ from workflow.runs.job import RoundingRecord
 from workflow.runs.output_directory import record_files
 from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, WavesTable, report, waves_table
-from workflow.verdicts.derivative import Derivative
 from workflow.verdicts.pulse_table import pulse_table
 
 if TYPE_CHECKING:
@@ -65,7 +64,8 @@ class Analysis:
         altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
         measurements: what not every run has, by its key in ``analysis.json``, in the order of the text
             (`workflow.measures`); ``plain()`` of each is in the scene's units.
-        derivatives: of quantities by fields of the scene, where they were asked for.
+        derivatives: of quantities by fields of the scene, where they were asked for; records with ``quantity``,
+            ``field``, ``value``, ``derivative``, ``uncertainty``, ``unit`` and ``relative``.
         error: measured error of the run, which the uncertainties cover.
     """
 
@@ -78,7 +78,7 @@ class Analysis:
     failure: str
     altered: bool
     measurements: dict[str, Measurement]
-    derivatives: tuple[Derivative, ...] = ()
+    derivatives: tuple[Any, ...] = ()
     error: MeasuredError = UNMEASURED
 
     @cached_property

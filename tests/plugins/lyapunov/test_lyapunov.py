@@ -11,9 +11,9 @@ import granchain
 from analysis.figures import exponents as exponents_figure
 from lammps_inputs import InputError
 from workflow.cli import main
+from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.lyapunov import growth
 from workflow.plugins.lyapunov.study import Exponent, GrowthOfRun, combined
-from workflow.study_kit.linearised import problem_of
 
 CHAOTIC = {
     "name": "small",

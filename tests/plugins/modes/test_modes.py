@@ -11,9 +11,9 @@ import pytest
 from analysis import motion
 from lammps_inputs import InputError
 from workflow.cli import main
-from workflow.engines.reference import tangent
+from workflow.plugins.derivatives import tangent
+from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.modes import branches, continuation, floquet, lammps_check, linear, shooting, study
-from workflow.study_kit.linearised import problem_of
 
 CHAIN = {
     "name": "chain",

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from workflow.cli import main
+from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.modes import driven, lammps_sweep, response, response_tables
-from workflow.study_kit.linearised import problem_of
 
 DRIVEN = {
     "name": "driven",

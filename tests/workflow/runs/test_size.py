@@ -5,8 +5,8 @@ from bad_scenes import scene_text
 from refusals import refusal
 
 from lammps_inputs import file_names, library
+from lammps_inputs.output import Limits
 from workflow.cli import main
-from workflow.plugins.jobs import site
 from workflow.runs.run import run
 from workflow.runs.size import size_of
 
@@ -19,7 +19,7 @@ WRONG = {"material": STEEL, "duration": "192", "output": "{every: 1.0e-6}", "tim
 @pytest.fixture(autouse=True)
 def nobodys_site(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.delenv(site.VARIABLE, raising=False)
+    monkeypatch.delenv("GRANCHAIN_SITE", raising=False)
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def test_a_run_that_is_too_large_is_refused_in_one_line_that_says_how_large_and_
     assert "duration: 1,920,000,000 steps and 192,000,001 frames (76 GB) in an estimated time of" in err
     assert "more than the limit of 20 GB of frames" in err
     assert "192 s is 1.57e+07 T, the unit of time T being 1.224e-05 s (192 T = 0.00235 s)" in err
-    assert "`limits: {gigabytes: 76}` in the scene or in ~/.config/granchain/site.yaml" in err
+    assert "`limits: {gigabytes: 76}` in the scene" in err
 
 
 def test_where_the_step_is_still_to_be_found_frames_alone_are_enough_to_refuse(written, tmp_path, capsys):
@@ -62,14 +62,11 @@ def test_a_run_of_few_beads_recorded_that_takes_days_is_refused(written, tmp_pat
     assert "more than the limit of 24 h; " in refusal(["run", scene, "-o", tmp_path / "out"], capsys)
 
 
-@pytest.mark.parametrize("where", ["scene", "site"])
 @pytest.mark.parametrize(("gigabytes", "code"), [("1e-4", 0), ("2e-5", 2)])
 @pytest.mark.usefixtures("lammps_here")
-def test_scene_and_site_set_the_limit(where, gigabytes, code, written, tmp_path, monkeypatch):
-    (tmp_path / "site.yaml").write_text(f"limits: {{gigabytes: {gigabytes if where == 'site' else '1e-9'}}}\n")
-    monkeypatch.setenv(site.VARIABLE, str(tmp_path / "site.yaml"))
-    monkeypatch.setattr("workflow.runs.size.MOST", site.Limits(gigabytes=1e-9, hours=1.0))
-    scene = written(limits=f"{{gigabytes: {gigabytes}}}" if where == "scene" else None)
+def test_the_scene_sets_the_limit(gigabytes, code, written, tmp_path, monkeypatch):
+    monkeypatch.setattr("workflow.runs.size.MOST", Limits(gigabytes=1e-9, hours=1.0))
+    scene = written(limits=f"{{gigabytes: {gigabytes}}}")
     assert main(["run", scene, "-o", str(tmp_path / "out"), "--no-check"]) == code
 
 

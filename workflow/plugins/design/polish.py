@@ -11,10 +11,10 @@ from scipy.optimize import minimize
 
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, library
-from workflow.engines.reference import tangent
+from workflow.plugins.derivatives import tangent
+from workflow.plugins.derivatives.gradient import why_no_derivative
 from workflow.plugins.design.file import Design, Variable, values_of
 from workflow.plugins.design.search import DesignRecord
-from workflow.study_kit.gradient import why_no_derivative
 from workflow.sweep import fields
 from workflow.workers.evaluate import Computation, case
 
@@ -87,7 +87,7 @@ def polished(
                 "by": names,
                 "source": design.source,
             }
-            [answer] = evaluated([case("workflow.study_kit.gradient:values_and_slopes", arguments)])
+            [answer] = evaluated([case("workflow.plugins.derivatives.gradient:values_and_slopes", arguments)])
             if "refused" in answer or None in [*answer["values"], *np.ravel(answer["slopes"]).tolist()]:
                 raise _NoValueError
             by_share = [(high[k] - low[k]) * (values[v.field] if v.log else 1.0) for k, v in enumerate(variables)]

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from lammps_inputs import html
+from workflow.plugins.derivatives.derivative import Derivative
 from workflow.plugins.design.file import Design, Variable
 from workflow.plugins.design.search import Compute, DesignRecord, worth
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import cell
-from workflow.verdicts.derivative import Derivative
 
 SET_AGAINST = "set against"
 """Heading of the scene `beside`."""

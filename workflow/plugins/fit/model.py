@@ -16,10 +16,11 @@ from analysis.gauges.gauge import beads_of, read, read_at
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem, Scene, library
 from lammps_inputs.units import REDUCED, SI
-from workflow.engines.reference import engine, tangent
-from workflow.engines.reference.derivatives import Sides, derivatives_of_motion
+from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
-from workflow.study_kit.varied_scene import SceneInUnits, numbers
+from workflow.plugins.derivatives import tangent
+from workflow.plugins.derivatives.motion import Sides, derivatives_of_motion
+from workflow.plugins.derivatives.varied_scene import SceneInUnits, numbers
 from workflow.sweep import fields
 from workflow.verdicts.validate_table import check_channels
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from analysis.trajectory import Flags, Floats
 from lammps_inputs import Problem
+from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_most
 from workflow.plugins.modes import branches, lammps_check
 from workflow.plugins.modes.linear import LinearModes, centre, linear_modes
 from workflow.plugins.modes.tables import BranchOfMode
-from workflow.study_kit.linearised import problem_of
 
 POINTS, BISECTIONS = 100, 6
 COMPUTED = "computed"

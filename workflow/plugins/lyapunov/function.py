@@ -5,8 +5,8 @@ from typing import Annotated
 
 from workflow.arguments import AnyScene, load, source_of
 from workflow.checked import Between, checked
+from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.lyapunov.study import LyapunovResult, duration_of, study
-from workflow.study_kit.linearised import problem_of
 
 
 @checked

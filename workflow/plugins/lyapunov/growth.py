@@ -12,8 +12,9 @@ import numpy as np
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 from lammps_inputs.limits.rates import stability_bound
-from workflow.engines.reference import engine, tangent
-from workflow.study_kit.linearised import problem_of
+from workflow.engines.reference import engine
+from workflow.plugins.derivatives import tangent
+from workflow.plugins.derivatives.linearised import problem_of
 
 RECORDS = 200
 """Times at which the growth is recorded."""

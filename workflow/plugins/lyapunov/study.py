@@ -28,13 +28,13 @@ from analysis.trajectory import Floats
 from lammps_inputs import InputError, Problem, library
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from lammps_inputs.units import Label
-from workflow.engines.reference import tangent
 from workflow.formats import figure_files
+from workflow.plugins.derivatives import tangent
+from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.lyapunov import growth
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, print_records, to_csv
-from workflow.study_kit.linearised import problem_of
 from workflow.workers.evaluate import Computation, case
 
 if TYPE_CHECKING:

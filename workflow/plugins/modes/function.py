@@ -7,11 +7,11 @@ from typing import Annotated, TypedDict, Unpack
 
 from workflow.arguments import AnyScene, load, source_of
 from workflow.checked import Between, checked
+from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.modes import response_study
 from workflow.plugins.modes.response_tables import ResponseResult
 from workflow.plugins.modes.study import modes_of, requested, study
 from workflow.plugins.modes.tables import ModesResult
-from workflow.study_kit.linearised import problem_of
 
 _Energy = Annotated[float, Between(0.0, above=True)]
 _Number = Annotated[int, Between(1)]

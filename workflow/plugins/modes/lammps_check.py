@@ -20,12 +20,12 @@ from lammps_inputs.decks import deck
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import text
 from workflow.engines.lammps import engine
+from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.modes.branches import shooting_of
 from workflow.plugins.modes.continuation import PeriodicState
 from workflow.plugins.modes.floquet import monodromy
 from workflow.plugins.modes.linear import free_atoms, linear_modes
 from workflow.plugins.modes.shooting import Shooting
-from workflow.study_kit.linearised import problem_of
 
 STEPS = 800
 """Steps of LAMMPS in a period, at least; the second run has twice as many."""

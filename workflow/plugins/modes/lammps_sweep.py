@@ -14,10 +14,10 @@ import numpy as np
 
 from lammps_inputs import physics
 from lammps_inputs.limits.rates import stability_bound
+from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.modes.driven import at_period
 from workflow.plugins.modes.lammps_check import PER_BOUND, lammps_problem, run
 from workflow.plugins.modes.response import SAMPLES, largest
-from workflow.study_kit.linearised import problem_of
 
 STEPS = 256
 """Steps of LAMMPS in a period, at least."""

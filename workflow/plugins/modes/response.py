@@ -20,9 +20,11 @@ import numpy as np
 from analysis import motion
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, physics
-from workflow.engines.reference import engine, tangent
+from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import velocity_of_state
 from workflow.engines.reference.schemes import BLANES_MOAN
+from workflow.plugins.derivatives import tangent
+from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.modes.branches import DOUBLINGS, Bifurcation, Point, changes_of_stability
 from workflow.plugins.modes.continuation import (
     LONGEST,
@@ -38,7 +40,6 @@ from workflow.plugins.modes.continuation import (
 )
 from workflow.plugins.modes.driven import at_period, linear_response, moving_atoms
 from workflow.plugins.modes.floquet import Multipliers
-from workflow.study_kit.linearised import problem_of
 
 SAMPLES = 64
 """Times in a period at which the motion is sampled; the number of steps is a multiple of it."""

@@ -17,13 +17,13 @@ from lammps_inputs import InputError, Problem, Scene
 from lammps_inputs.decks import deck
 from lammps_inputs.units import Label
 from workflow.formats import figure_files
+from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.modes import driven
 from workflow.plugins.modes.linear import MOST_FREE
 from workflow.plugins.modes.response_tables import ResponseBifurcation, ResponseLine, ResponseResult, SweepLine
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, print_records, to_csv
-from workflow.study_kit.linearised import problem_of
 from workflow.workers.evaluate import case
 
 if TYPE_CHECKING:

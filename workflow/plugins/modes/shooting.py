@@ -17,7 +17,7 @@ import numpy as np
 from analysis import motion
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
-from workflow.engines.reference import tangent
+from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes.continuation import (
     NO_CONVERGENCE,
     Branch,

@@ -36,6 +36,7 @@ import numpy as np
 from lammps_inputs import InputError, Problem, library, physics
 from lammps_inputs.decks import deck
 from workflow.formats import figure_files
+from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.modes import lammps_check, response_study
 from workflow.plugins.modes.drawing import FIGURES, figures
 from workflow.plugins.modes.linear import (
@@ -59,7 +60,6 @@ from workflow.runs.output_directory import record_files
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, print_records, to_csv
-from workflow.study_kit.linearised import problem_of
 from workflow.workers.evaluate import Computation, case
 
 MODES, STATES, BIFURCATIONS, LAMMPS = "modes.csv", "states.csv", "bifurcations.csv", "lammps.csv"

@@ -1,6 +1,6 @@
 """A scene whose fields are varied: its motion with derivatives by them, and quantities in frames moved a little.
 
-Motion and its derivatives are computed once for all fields (`workflow.engines.reference.derivatives`). A quantity is
+Motion and its derivatives are computed once for all fields (`workflow.plugins.derivatives.motion`). A quantity is
 then measured in frames that are moved a little along a derivative, both ways, as in any other frames.
 """
 
@@ -15,8 +15,9 @@ import numpy as np
 from analysis.trajectory import Floats, Trajectory, blocks
 from lammps_inputs import InputError, Problem, Scene, library
 from lammps_inputs.limits.rates import stability_bound
-from workflow.engines.reference import engine, tangent
-from workflow.engines.reference.derivatives import (
+from workflow.engines.reference import engine
+from workflow.plugins.derivatives import tangent
+from workflow.plugins.derivatives.motion import (
     MOST_BYTES,
     DerivativesOfMotion,
     Sides,

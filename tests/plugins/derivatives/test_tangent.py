@@ -6,8 +6,8 @@ from smooth_scenes import SMALL, SMOOTH, WITH_DERIVATIVES
 
 import granchain
 from granchain import InputError
-from workflow.engines.reference import tangent
 from workflow.engines.reference.schemes import BLANES_MOAN, VERLET
+from workflow.plugins.derivatives import tangent
 
 
 def problem_of(changes):

@@ -7,7 +7,7 @@ from smooth_scenes import SMALL, SMOOTH, WITH_DERIVATIVES
 import granchain
 from granchain import InputError
 from workflow.engines.reference import engine
-from workflow.engines.reference.derivatives import Sides, derivatives_of_motion
+from workflow.plugins.derivatives.motion import Sides, derivatives_of_motion
 from workflow.sweep import fields
 
 STEPS = (-1e-4, -5e-5, 5e-5, 1e-4)
@@ -73,7 +73,7 @@ def test_recorded_beads_alone_are_kept():
 
 
 def test_frames_beyond_the_memory_are_refused(monkeypatch):
-    monkeypatch.setattr("workflow.engines.reference.derivatives.MOST_BYTES", 1e3)
+    monkeypatch.setattr("workflow.plugins.derivatives.motion.MOST_BYTES", 1e3)
     scene = resolved(SMOOTH["coupled"])
     with pytest.raises(InputError, match=r"record less often, with a larger `output\.every`"):
         derivatives_of_motion(granchain.load(scene).problem(), [sides_of(scene, "coupling.stiffness")])

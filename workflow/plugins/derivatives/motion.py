@@ -3,7 +3,7 @@
 The motion of a scene whose numbers differ a little obeys the equations linearised about the run, with what these
 numbers change in forces, masses and the start as a source. The source is a difference of the forces that problems with
 other numbers (`Sides`) exert on the beads of the run, which is smooth in the numbers. The vectors are advanced by the
-scheme's own steps, as those of `workflow.engines.reference.tangent`, at equal times in units of each problem's T.
+scheme's own steps, as those of `workflow.plugins.derivatives.tangent`, at equal times in units of each problem's T.
 """
 
 import itertools
@@ -19,10 +19,11 @@ from analysis import motion
 from analysis.trajectory import Floats, Trajectory, frames_per_block, of_atoms
 from lammps_inputs import InputError, Problem, physics
 from lammps_inputs.units import Scale
-from workflow.engines.reference import engine, kernel, tangent
+from workflow.engines.reference import engine, kernel
 from workflow.engines.reference.kernel import DerivativeFrames, ShiftArrays
 from workflow.engines.reference.kernel_inputs import Term, Terms, make_terms
 from workflow.engines.reference.schemes import BLANES_MOAN
+from workflow.plugins.derivatives import tangent
 
 MOST_BYTES = 4e9
 """Memory that frames of all derivatives may take."""

@@ -5,7 +5,7 @@ steps and frames twice as long. That of the central difference along a derivativ
 is measured, is found by a difference over twice the change. That of forces is known.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -15,7 +15,9 @@ from analysis.trajectory import Floats
 from lammps_inputs import InputError
 from lammps_inputs.numbers import known
 from lammps_inputs.units import REDUCED
-from workflow.engines.reference.derivatives import DerivativesOfMotion
+from workflow.plugins.derivatives.derivative import Derivative
+from workflow.plugins.derivatives.motion import DerivativesOfMotion
+from workflow.plugins.derivatives.varied_scene import JUMP, VariedScene
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import record_files
@@ -23,10 +25,8 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar
 from workflow.study_kit import scene_quantities
 from workflow.study_kit.directory import csv_text
-from workflow.study_kit.varied_scene import JUMP, VariedScene
 from workflow.sweep.collect import column_called
 from workflow.verdicts.analyse import Analysis
-from workflow.verdicts.derivative import Derivative
 
 FORCES = 1e-7
 """Error of differences of forces, over the size of a derivative: rounding of the way of beads whose motion is given;
@@ -193,34 +193,27 @@ def values_and_slopes(plain: dict[str, Any], names: Sequence[str], by: Sequence[
     return {"values": list(map(known, values.tolist())), "slopes": [list(map(known, row)) for row in slopes.tolist()]}
 
 
-def of_run(directory: RunDirectory, quantities: Sequence[str], by: Sequence[str] | None) -> tuple[Derivative, ...]:
-    """Derivatives for the scene of a run; nothing is written.
+def with_derivatives(
+    analyse: Callable[[], Analysis], directory: RunDirectory, quantities: Sequence[str], by: Sequence[str] | None
+) -> Analysis:
+    """The analysis of a run with derivatives for its scene, which are also written beside the frames.
 
     Args:
+        analyse: computes the analysis; called once the derivatives are known.
         directory: the run's directory.
-        quantities: names of quantities; none for no derivatives.
+        quantities: names of quantities.
         by: dotted paths of fields; None for all numbers of the scene.
 
     Raises:
-        InputError: see `gradient`; or the beads of the run do not deform, or there are fields without quantities.
+        InputError: see `gradient`; or the beads of the run do not deform, there are no quantities, or another file
+            stands where derivatives are written.
     """
     if not quantities:
-        if by is not None:
-            raise InputError("--by: names fields for --gradient, which is missing")
-        return ()
+        raise InputError("--by: names fields for --gradient, which is missing")
     if not ENGINES[directory.engine].deforms:
         raise InputError(f"--gradient: {directory.path} is a run of rigid beads, which has no derivatives")
-    return tuple(gradient(directory.scene.plain(), quantities, by, str(directory.path)))
-
-
-def with_derivatives(analysis: Analysis, directory: RunDirectory, derivatives: tuple[Derivative, ...]) -> Analysis:
-    """The analysis of a run with derivatives, which are also written beside the frames.
-
-    Raises:
-        InputError: another file of that name stands there.
-    """
-    if not derivatives:
-        return analysis
+    derivatives = tuple(gradient(directory.scene.plain(), quantities, by, str(directory.path)))
+    analysis = analyse()
     record_files(directory.path, [GRADIENT])
     write_text(directory.path / GRADIENT, csv_text([asdict(derivative) for derivative in derivatives]))
     return replace(analysis, tables=(*analysis.tables, GRADIENT), derivatives=derivatives)

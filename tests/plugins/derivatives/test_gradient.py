@@ -15,8 +15,8 @@ from granchain import InputError
 from lammps_inputs import library
 from workflow.cli import main
 from workflow.engines.reference import engine
+from workflow.plugins.derivatives.gradient import gradient
 from workflow.study_kit import scene_quantities
-from workflow.study_kit.gradient import gradient
 from workflow.study_kit.scene_quantities import KNOWN
 from workflow.sweep import fields
 from workflow.sweep.collect import QUANTITIES as QUANTITIES_OF_RUNS
@@ -195,10 +195,10 @@ def test_uncertainties_hold_in_95_of_100_derivatives_of_scenes_of_all_ingredient
 def test_frames_as_fine_as_memory_allows_are_taken_and_else_fewer_fields_are_asked_for(monkeypatch):
     scene = scene_of({**CHAIN, "beads": 8, "duration": 12})
     # 121 frames of 8 beads with a derivative take 31 kB, and twice as many fit
-    monkeypatch.setattr("workflow.study_kit.varied_scene.MOST_BYTES", 63e3)
+    monkeypatch.setattr("workflow.plugins.derivatives.varied_scene.MOST_BYTES", 63e3)
     [line] = gradient(scene, ["arrival@6"], ["kick.velocity"], "chain")
     assert abs(line.derivative + 0.2 * line.value) <= line.uncertainty
-    monkeypatch.setattr("workflow.study_kit.varied_scene.MOST_BYTES", 40e3)
+    monkeypatch.setattr("workflow.plugins.derivatives.varied_scene.MOST_BYTES", 40e3)
     with pytest.raises(InputError, match=r"chain: the frames of 1 derivatives .* name fewer fields with `--by`"):
         gradient(scene, ["arrival@6"], ["kick.velocity"], "chain")
 

@@ -6,10 +6,11 @@ from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, file_names, library, load
 from lammps_inputs.decks import scene_files
-from workflow.cost_model import with_ranks
 from workflow.errors import RunError
-from workflow.plugins.jobs import job
-from workflow.plugins.jobs.schedulers import SCHEDULERS, Scheduler
+from workflow.plugins.jobs import job, job_files
+from workflow.plugins.jobs.ranks import with_ranks
+from workflow.plugins.jobs.registry import JOB_FILES, SCHEDULERS, SCRIPTS
+from workflow.plugins.jobs.schedulers import Scheduler
 from workflow.plugins.jobs.site import JobOptions
 from workflow.prepare.settings import settle
 from workflow.runs.engines import LAMMPS
@@ -81,7 +82,7 @@ def write_array(definition: Sweep, directory: Path, options: JobOptions) -> Writ
         place = {name: number for number, line in enumerate(lines) for name in line}
         tasks = [place[case.name] for case in todo]
         files = job.render_array(options, lines, name=small[0].name, tasks=tasks, directory=directory)
-        record_files(directory, (*files, file_names.JOB_OUTPUT), outdated=file_names.JOBS)
+        record_files(directory, (*files, job_files.OUTPUT), outdated=SCRIPTS)
         for name, text in files.items():
             write_text(directory / name, text)
     return WrittenSweep(len(cases), len(tasks), len(under_way), options.ranks, len(lines))
@@ -151,7 +152,7 @@ def _write_case(path: Path, wanted: Asked, source: str, scheduler: Scheduler) ->
             write_text(path / name, text)
     files = job.case_files(problem, scheduler)
     of_another_run = listed(path).difference(LAMMPS_FILES)  # one that did not end here
-    record_files(path, file_names.JOB_FILES, outdated=of_another_run)
+    record_files(path, JOB_FILES, outdated=of_another_run)
     write_json(path / RECORD, Job(files=sorted(listed(path)), request=wanted.plain()).plain())
     for name, text in files.items():
         write_text(path / name, text)

@@ -3,7 +3,7 @@
 from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, library
-from workflow.engines.reference import tangent
+from workflow.plugins.derivatives import tangent
 
 _LEFT_OUT = ("window", "timestep", "accuracy", "scheme", "output")
 

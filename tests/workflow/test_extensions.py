@@ -1,0 +1,71 @@
+"""Plug-ins that add options to a command (`lammps_inputs.plugins`, ``granchain.options.COMMAND``)."""
+
+import argparse
+from types import SimpleNamespace
+
+import pytest
+
+from lammps_inputs import InputError, plugins
+from workflow import cli
+
+
+def extension(option, prints):
+    """An extension that prints a word before the command, and stands in place of it where its option is given."""
+
+    def add_arguments(parser):
+        parser.add_argument(f"--{option}", action="store_true", help=f"help of {option}")
+
+    def execute(arguments, command):
+        prints.append(option)
+        return 7 if getattr(arguments, option) else command(arguments)
+
+    return SimpleNamespace(
+        add_arguments=add_arguments, execute=execute, EXAMPLES=(f"status --{option}",), ANSWERS=f"answer of {option}"
+    )
+
+
+@pytest.fixture
+def filled(monkeypatch):
+    """Parser of a command that answers 5, with two extensions, and what these print."""
+    prints = []
+    both = {name: extension(name, prints) for name in ("first", "second")}
+    monkeypatch.setattr(plugins, "loaded", lambda kind: both if kind == "options.status" else {})
+    command = SimpleNamespace(
+        add_arguments=lambda parser: parser.add_argument("--before"),
+        add_last_arguments=lambda parser: parser.add_argument("--behind"),
+        execute=lambda _: prints.append("command") or 5,
+        EXAMPLES=("status x",),
+        ANSWERS="an answer",
+    )
+    parser = argparse.ArgumentParser("granchain status")
+    cli.fill(parser, command)
+    return parser, prints
+
+
+def test_options_and_examples_of_extensions_stand_behind_those_of_the_command(filled):
+    text = filled[0].format_help()
+    places = [text.index(f"\n  --{option} ") for option in ("before", "first", "second", "behind")]
+    assert places == sorted(places)
+    words = " ".join(text.split())
+    assert words.endswith("examples: granchain status x granchain status --first granchain status --second")
+    assert "an answer; answer of first; answer of second" in words
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "printed"),
+    [
+        ([], 5, ["second", "first", "command"]),
+        (["--first"], 7, ["second", "first"]),
+        (["--second"], 7, ["second"]),
+    ],
+)
+def test_extensions_wrap_one_another_and_the_command(words, code, printed, filled):
+    parser, prints = filled
+    arguments = parser.parse_args(words)
+    assert arguments.execute(arguments) == code
+    assert prints == printed
+
+
+def test_a_kind_of_plug_ins_that_is_needed_and_not_installed_is_one_line():
+    with pytest.raises(InputError, match=r"^gradient: needs a plug-in that declares granchain\.nowhere, and none is"):
+        plugins.needed("nowhere", "gradient")

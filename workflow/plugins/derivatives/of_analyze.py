@@ -1,0 +1,37 @@
+"""Derivatives of quantities of a run by fields of its scene: options of ``granchain analyze``."""
+
+import argparse
+from collections.abc import Callable
+from dataclasses import asdict
+
+from workflow.commands.analyze import analysis_of, report
+from workflow.plugins.derivatives.derivative import HEAD
+from workflow.plugins.derivatives.gradient import with_derivatives
+from workflow.runs.run_directory import RunDirectory
+from workflow.screen import CommandResult
+
+ANSWERS = "with --gradient also the derivatives"
+EXAMPLES = ("analyze demo --gradient peak_velocity@50,arrival@50 --by coupling.stiffness",)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the quantities and the fields."""
+    parser.add_argument(
+        "--gradient",
+        metavar="Q,Q,...",
+        help="compute derivatives of quantities by fields of the scene, with the reference; at a bead: arrival@50",
+    )
+    parser.add_argument("--by", metavar="FIELD,...", help="fields for --gradient (default all numbers of the scene)")
+
+
+def execute(arguments: argparse.Namespace, command: Callable[[argparse.Namespace], CommandResult]) -> CommandResult:
+    """Print derivatives with the analysis, and write gradient.csv, where they are asked for."""
+    if arguments.gradient is None and arguments.by is None:
+        return command(arguments)
+    quantities = () if arguments.gradient is None else arguments.gradient.split(",")
+    by = None if arguments.by is None else arguments.by.split(",")
+    directory = RunDirectory(arguments.directory)
+    analysis = with_derivatives(lambda: analysis_of(arguments), directory, quantities, by)
+    lines = [derivative.cells() for derivative in analysis.derivatives]
+    result = report(arguments, analysis, ("derivatives of quantities by fields", HEAD, lines))
+    return CommandResult(result.code, result.data | {"gradient": list(map(asdict, analysis.derivatives))})
