@@ -26,6 +26,7 @@ LAYERS = {  # the lowest first
         "runs",
         "measures",
         "verdicts",
+        "quantities",
         "sweep",
         "view",
         "study_kit",

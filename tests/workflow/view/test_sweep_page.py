@@ -7,7 +7,8 @@ from bokeh.document import Document
 from bokeh.models import ColorBar, DataTable, Plot
 
 from lammps_inputs.units import Label
-from workflow.sweep.collect import QUANTITIES, SweepTable, drawn
+from workflow.quantities.columns import QUANTITIES
+from workflow.sweep.collect import SweepTable, drawn
 from workflow.view.sweep_page import layout, points
 
 FIELDS = ["coupling.stiffness", "kick.velocity"]

@@ -26,6 +26,7 @@ from lammps_inputs import InputError, library, strict_yaml
 from workflow.arguments import AnyDefinition, Processes
 from workflow.checked import checked
 from workflow.cost_model import add_job_arguments, job_options
+from workflow.quantities.evaluate import evaluate, of_frames, scene_to_run
 from workflow.runs.files import as_json
 from workflow.screen import CommandResult, one_line, print_files, print_table
 from workflow.studies.design import file
@@ -37,7 +38,6 @@ from workflow.study_kit.directory import Study, csv_text, kept_run
 from workflow.study_kit.gradient import gradient as derivatives
 from workflow.study_kit.gradient import why_no_derivative
 from workflow.study_kit.options import add_jobs, add_output, as_job, example_file, interrupted
-from workflow.study_kit.scene_quantities import by_reference, of_frames, scene_to_run
 from workflow.sweep import fields
 from workflow.verdicts.derivative import HEAD, Derivative
 
@@ -121,7 +121,7 @@ def carry_out(design: Design, directory: Path, jobs: int | None = None, *, gradi
         ]
         beside = None
         if design.beside is not None:
-            quantities = by_reference(design.beside, design.names, f"{design.source}: beside")
+            quantities = evaluate(design.beside, design.names, f"{design.source}: beside")
             beside = _in_lammps(design, design.beside, directory / BESIDE, DesignRecord({}, quantities, "", 0.0))
         slopes = gradient_at(best_scene.plain(), design) if gradient else []
         timed = [record.seconds for record in records if design.objective in record.quantities]
