@@ -167,6 +167,23 @@ def test_files_of_somebody_else_that_hold_other_things_leave_blanks(copied):
     assert {row[name] for name in ("amplitude", "error_velocity", "steps", "speed", "engine", "verdict")} == {None}
 
 
+def test_a_column_that_a_run_was_analysed_without_is_blank_alone(copied):
+    case = next(copied.glob("*=*"))
+    names = ["arrival@8", "speed@8", "peak_velocity@8"]
+    before = {row["case"]: row for row in collect(copied, names).rows}
+    rows = table(case / "waves.csv")
+    with (case / "waves.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, [name for name in rows[0] if name != "speed"], extrasaction="ignore")
+        writer.writeheader()
+        writer.writerows(rows)
+    report = json.loads((case / "analysis.json").read_text())
+    del report["front"]
+    (case / "analysis.json").write_text(json.dumps(report))
+    expected = before[case.name] | {"speed@8": None, "front": None}
+    assert {**before, case.name: expected} == {row["case"]: row for row in collect(copied, names).rows}
+    assert None not in [before[case.name][name] for name in (*names, "front")]
+
+
 def test_runs_without_a_sweep_are_gathered_too(copied):
     for path in copied.glob("*=*"):
         RunDirectory(path).update(request=None)
