@@ -17,7 +17,7 @@ from workflow.commands import help as helping
 from workflow.quantities.columns import QUANTITIES
 from workflow.study_kit.options import example_file
 from workflow.sweep import fields, file
-from workflow.verdicts.quantities import places
+from workflow.verdicts.places import places
 
 OPTIONS = sorted(
     {

@@ -14,7 +14,7 @@ from workflow.sweep import collect as collecting
 from workflow.sweep import statistics as grouping
 from workflow.sweep.collect import SHOWN, SweepTable
 from workflow.sweep.statistics import Group
-from workflow.verdicts.quantities import HISTOGRAM, STATISTICS
+from workflow.verdicts.places import HISTOGRAM, STATISTICS
 
 TABLE = "table.csv"
 

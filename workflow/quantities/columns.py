@@ -11,7 +11,7 @@ from analysis.quantity import QuantityColumn
 from lammps_inputs import InputError, complaints
 from workflow.measures import MEASUREMENTS
 from workflow.verdicts.analysis_report import REPORT, WAVES
-from workflow.verdicts.quantities import CollectColumn, collect_columns
+from workflow.verdicts.places import CollectColumn, collect_columns
 
 QUANTITIES = collect_columns()
 """Columns of the table of a sweep after the swept fields and the outcome."""

@@ -6,7 +6,7 @@ from analysis.quantity import Quantity, QuantityColumn
 from lammps_inputs.units import REDUCED, Label
 from workflow.quantities.columns import MASS, column_called
 from workflow.sweep import fields
-from workflow.verdicts.quantities import CollectColumn, QuantityPlace
+from workflow.verdicts.places import CollectColumn, QuantityPlace
 
 _MASS = CollectColumn(
     QuantityPlace("", (MASS,), Quantity("mass of all beads", "mass")), QuantityColumn(MASS, "mass of all beads")

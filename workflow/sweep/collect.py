@@ -26,7 +26,7 @@ from workflow.screen import count_bar
 from workflow.sweep import fields
 from workflow.sweep.run_sweep import Asked, asked, is_analysed, read_json, task
 from workflow.verdicts.analysis_report import REPORT, WAVES
-from workflow.verdicts.quantities import OWN
+from workflow.verdicts.places import OWN
 from workflow.workers import evaluate
 from workflow.workers.pool import Pool
 
