@@ -7,7 +7,7 @@ import random
 import pytest
 from random_scenes import draw
 
-from lammps_inputs import find, installed_scenes
+from lammps_inputs import find, installed_scenes, physics
 from workflow.cli import main
 from workflow.quantities.columns import AT_BEAD, KNOWN, MASS, UNCERTAINTIES
 from workflow.quantities.evaluate import evaluate, of_frames, scene_to_run
@@ -18,12 +18,15 @@ from workflow.sweep.collect import collect
 RELATIVE, ABSOLUTE = 1e-9, 1e-11
 """Frames in a directory lie at times of other rounding, which differences between them magnify; numbers are some 1."""
 
-DRIFT = 1e-6
-"""Where energy is exchanged between frames, its drift depends on the steps with which the exchange is followed: those
-of the run, where a directory knows them, else those of the reference's default."""
+WORK, DRIFT = 1e-8, 1e-6
+"""Relative difference of numbers that are over the energy input where forces do work, and difference of the drift.
+
+What is exchanged between frames is followed with the steps of the run where a directory knows them, else with those of
+the reference's default.
+"""
 
 
-def unlike(values, row):
+def unlike(values, row, relative=RELATIVE):
     """Quantities whose numbers differ, with both; undefined ones are alike.
 
     An uncertainty of an analysis covers the error of the run, too, which is not measured in memory.
@@ -34,10 +37,10 @@ def unlike(values, row):
         if None in (value, expected):
             alike = value is expected
         elif name in UNCERTAINTIES.values():
-            alike = value <= expected * (1.0 + RELATIVE)
+            alike = value <= expected * (1.0 + relative)
         else:
             least = DRIFT if name == "energy_drift" else ABSOLUTE
-            alike = math.isclose(value, expected, rel_tol=RELATIVE, abs_tol=least)
+            alike = math.isclose(value, expected, rel_tol=relative, abs_tol=least)
         if not alike:
             differ[name] = value, expected
     return differ
@@ -66,7 +69,7 @@ def unlike_in_frames(plain, tmp_path, *, alone):
     for asked in [(name,) for name in names] if alone else [names]:
         values |= of_frames(directory.problem, lambda: read, directory.scene, asked)
     assert sum(value is not None for value in values.values()) > 3
-    return unlike(values, row)
+    return unlike(values, row, WORK if physics.acted_on(directory.problem.system) else RELATIVE)
 
 
 TWO = {"name": "two", "chains": 2, "coupling": {"stiffness": 0.1}, "kick": {"velocity": 1}}
