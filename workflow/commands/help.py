@@ -79,7 +79,7 @@ def _mentions(phrase: str) -> str:
 
 def _places(phrase: str) -> Iterator[tuple[str, str]]:
     """Name of each term, quantity, key and option whose explanation holds a phrase, and that explanation."""
-    from workflow.verdicts.quantities import places
+    from workflow.verdicts.places import places
 
     def fits(text: str) -> bool:
         return phrase.lower() in text.lower()
@@ -103,9 +103,9 @@ def _places(phrase: str) -> Iterator[tuple[str, str]]:
 
 def _suggestion(phrase: str) -> str:
     """The word that a phrase is closest to, in brackets: as it stands or in lower case, whole or its last part."""
+    from workflow.quantities.columns import QUANTITIES
     from workflow.sweep import fields
-    from workflow.sweep.collect import QUANTITIES
-    from workflow.verdicts.quantities import places
+    from workflow.verdicts.places import places
 
     names = {name for names, _ in handbook.terms() for name in names}
     names |= {*handbook.keys(), *fields.all_fields(Scene), *cli.COMMANDS, *QUANTITIES, *vocabulary.words()}

@@ -247,7 +247,7 @@ class FarEndMeasurement(Measurement):
     """Force, delay and energy."""
 
     key, kind = "far_end", Transmitted
-    needs_survey = False
+    at_the_end = True
 
     values: Transmitted
 

@@ -13,8 +13,8 @@ from lammps_inputs import InputError, complaints, strict_yaml
 from lammps_inputs.units import Label
 from workflow.screen import CommandResult
 from workflow.study_kit.directory import floats
-from workflow.study_kit.scene_quantities import label
 from workflow.sweep import fields
+from workflow.sweep.axes import label
 
 if TYPE_CHECKING:
     from analysis.figures.studies import StudyAxis

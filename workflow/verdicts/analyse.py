@@ -36,7 +36,7 @@ from workflow.runs.files import EVENTS, write_json, write_text
 from workflow.runs.job import RoundingRecord
 from workflow.runs.output_directory import record_files
 from workflow.runs.run_directory import Fingerprint, RunDirectory
-from workflow.verdicts.analysis_report import REPORT, WAVES, WavesTable, report, waves_table
+from workflow.verdicts.analysis_report import REPORT, WAVES, Report, WavesTable, waves_table
 from workflow.verdicts.pulse_table import pulse_table
 
 if TYPE_CHECKING:
@@ -341,7 +341,8 @@ def _without_errors_by_rounding(results: Survey, rounding: RoundingRecord | None
     waves = results.waves
     follows = waves.time * results.problem.scale.time >= rounding.time
     arrival, velocity = (np.where(follows, np.nan, error) for error in (waves.arrival_error, waves.peak_velocity_error))
-    return replace(results, waves=replace(waves, arrival_error=arrival, peak_velocity_error=velocity))
+    waves = replace(waves, arrival_error=arrival, peak_velocity_error=velocity)
+    return results.replaced(passages=waves, waves=waves)
 
 
 def _tables(results: Survey, measurements: dict[str, Measurement]) -> dict[str, str]:
@@ -362,7 +363,7 @@ def _write(directory: RunDirectory, frames: MeasuredFrames) -> tuple[Path, ...]:
     for name, text in frames.tables.items():
         write_text(directory.path / name, text)
     more = {key: measurement.plain() for key, measurement in frames.measurements.items()}
-    content = report(frames.survey, frames.conservation, frames.tolerances, frames.error)
+    content = Report(frames.survey, lambda: frames.conservation, frames.tolerances, frames.error)
     write_json(directory.path / REPORT, plain(content, frames.survey.problem.scale) | more)
     return drawn
 

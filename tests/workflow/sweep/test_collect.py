@@ -20,6 +20,7 @@ from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.units import Label
 from workflow.cli import main
 from workflow.commands.collect import cell
+from workflow.quantities.columns import QUANTITIES
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import collect as collecting
 from workflow.sweep import fields
@@ -164,6 +165,23 @@ def test_files_of_somebody_else_that_hold_other_things_leave_blanks(copied):
     (case / "run.json").write_bytes(b'{"outcome": "done", "check": [1], "steps": "many", "engine": {}}')
     row = next(row for row in collect(copied).rows if row["case"] == case.name)
     assert {row[name] for name in ("amplitude", "error_velocity", "steps", "speed", "engine", "verdict")} == {None}
+
+
+def test_a_column_that_a_run_was_analysed_without_is_blank_alone(copied):
+    case = next(copied.glob("*=*"))
+    names = ["arrival@8", "speed@8", "peak_velocity@8"]
+    before = {row["case"]: row for row in collect(copied, names).rows}
+    rows = table(case / "waves.csv")
+    with (case / "waves.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, [name for name in rows[0] if name != "speed"], extrasaction="ignore")
+        writer.writeheader()
+        writer.writerows(rows)
+    report = json.loads((case / "analysis.json").read_text())
+    del report["front"]
+    (case / "analysis.json").write_text(json.dumps(report))
+    expected = before[case.name] | {"speed@8": None, "front": None}
+    assert {**before, case.name: expected} == {row["case"]: row for row in collect(copied, names).rows}
+    assert None not in [before[case.name][name] for name in (*names, "front")]
 
 
 def test_runs_without_a_sweep_are_gathered_too(copied):
@@ -337,7 +355,7 @@ def test_a_map_of_one_value_has_no_contours(values):
 
 
 def test_a_field_of_more_values_than_lines_is_refused_with_the_limit_and_drawn_as_a_map():
-    blank = dict.fromkeys(collecting.QUANTITIES)
+    blank = dict.fromkeys(QUANTITIES)
     rows = [
         {**blank, "case": f"{gap}-{beads}", "gap": gap, "beads": beads, "outcome": "done", "speed": gap * beads}
         for gap in (1.0, 2.0)

@@ -8,7 +8,8 @@ from analysis.quantity import walk
 from lammps_inputs.units import SI
 from workflow.measures import MEASUREMENTS
 from workflow.verdicts import quantities
-from workflow.verdicts.quantities import OWN, collect_columns, explained, manual, places
+from workflow.verdicts.places import OWN, collect_columns, places
+from workflow.verdicts.quantities import explained, manual
 
 PAGE = Path(__file__).parents[3] / "analysis" / "QUANTITIES.md"
 LITERAL = {
