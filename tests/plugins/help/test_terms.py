@@ -9,10 +9,11 @@ import pytest
 from analysis.shape.exact_wave import solitary_wave
 from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState
 from analysis.tracking.undisturbed import APART
-from lammps_inputs import handbook, physics
+from lammps_inputs import physics
 from lammps_inputs.window import LEAST_WINDOW
+from workflow.plugins.help import handbook, terms
 from workflow.prepare.extent import SAME, WIDEST
-from workflow.verdicts import analyse, terms, validate
+from workflow.verdicts import analyse, validate
 
 ROOT = Path(__file__).parents[3]
 
