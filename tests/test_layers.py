@@ -27,6 +27,7 @@ LAYERS = {  # the lowest first
         "verdicts",
         "sweep",
         "study_kit",
+        "interface",
         "commands",
     ),
 }

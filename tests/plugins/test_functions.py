@@ -1,8 +1,5 @@
 """Functions of studies in the module `granchain`: all are listed there, and none affects the rest of the process."""
 
-import re
-from pathlib import Path
-
 import numpy as np
 import pytest
 from global_state import SCENE, assert_state_remains
@@ -57,11 +54,8 @@ def test_the_state_of_the_process_is_as_before(name, tmp_path, monkeypatch):
     assert_state_remains(lambda: CALLS[name](tmp_path), tmp_path)
 
 
-def test_functions_of_plug_ins_are_those_that_are_declared_and_that_type_checkers_see():
-    source = Path(granchain.__file__).read_text(encoding="utf-8")
-    seen = set(re.findall(r"^    from workflow\.plugins\.\S+ import (\w+) as", source, re.M))
-    assert seen == {
-        name for name, point in plugins.declared("functions").items() if point.value.startswith("workflow.")
-    }
-    for name in seen:
+def test_functions_of_plug_ins_are_attributes_under_the_names_by_which_they_are_declared():
+    names = [name for name, point in plugins.declared("functions").items() if point.value.startswith("workflow.")]
+    assert len(names) >= len(CALLS)
+    for name in names:
         assert getattr(granchain, name).__name__ == name
