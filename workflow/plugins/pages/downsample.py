@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import motion
-from analysis.figures.spacetime import largest_afar
+from analysis.figures.spacetime import RootScale
 from analysis.figures.style import AxisUnit, FrameContent, axis_unit, evenly_spaced
 from analysis.quantity import declared
 from analysis.trajectory import Floats, Integers, Trajectory
@@ -205,7 +205,7 @@ def units_of(problem: Problem, part: Thinned) -> Units:
     """
     largest = {
         "time": float(part.time[-1]),
-        "velocity": largest_afar(problem, part.beads, part.velocity),
+        "velocity": RootScale.of(problem, part.beads, part.velocity).limit,
         "length": _size(part.displacement),
         "force": _size(part.force),
         "energy": _size(part.energy),

@@ -15,7 +15,7 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from analysis.figures.spacetime import STILL
+from analysis.figures.spacetime import RootScale
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 from workflow.plugins.pages.attached import draw_resonators, draw_walls
@@ -101,7 +101,7 @@ def moving_beads(
     sources = _drawn(problem, plot, part, colours, units)
     exaggerated = _EXAGGERATED * part.spacing / units["length"].worth
     slider, bar = time_bar(part, units["time"])
-    least = STILL * colours.high / units["velocity"].worth * units["force"].worth
+    least = RootScale(colours.high).least / units["velocity"].worth * units["force"].worth
     strongest = float(np.nanmax(part.force, initial=0.0))
     move = CustomJS(
         args={

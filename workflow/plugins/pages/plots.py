@@ -24,7 +24,7 @@ from bokeh.models import (
 from bokeh.plotting import figure
 from matplotlib.colors import to_hex
 
-from analysis.figures.spacetime import COLOURS, panels, round_ticks, signed_root
+from analysis.figures.spacetime import RootScale, panels
 from analysis.figures.style import CHAIN_COLOURS as ON_PAPER
 from analysis.figures.style import CHAIN_DASHES as DASHES_ON_PAPER
 from analysis.figures.style import AxisUnit
@@ -318,15 +318,15 @@ def _hover(part: Thinned, units: Units) -> dict[str, Any]:
 def root_colours(limit: float) -> LinearColorMapper:
     """Those of the figures: diverging from 0, along the signed square root of the velocity."""
     share = np.linspace(-1.0, 1.0, 1025)
-    return LinearColorMapper(palette=_palette(signed_root(share)), low=-limit, high=limit, nan_color="#999999")
+    return LinearColorMapper(palette=_palette(RootScale.root(share)), low=-limit, high=limit, nan_color="#999999")
 
 
-def _palette(share: Floats, name: str = COLOURS) -> list[str]:
+def _palette(share: Floats, name: str = RootScale.PALETTE) -> list[str]:
     """Colours of a palette of matplotlib at shares of its scale, from -1 to 1."""
     return [to_hex(colour) for colour in mpl.colormaps[name](0.5 + 0.5 * share)]
 
 
-def map_palette(name: str = COLOURS) -> list[str]:
+def map_palette(name: str = RootScale.PALETTE) -> list[str]:
     """Colours of a palette of matplotlib from its one end to the other, by default that of velocities."""
     return _palette(np.linspace(-1.0, 1.0, 257), name)
 
@@ -335,7 +335,7 @@ def _bar(colours: LinearColorMapper, title: str) -> ColorBar:
     """The bar of those colours: even along the root, with round numbers of velocity."""
     end = float(np.sqrt(colours.high))
     even = LinearColorMapper(palette=_palette(np.linspace(-1.0, 1.0, 255)), low=-end, high=end)
-    ticks = {float(signed_root(np.array(tick))): f"{tick:.4g}" for tick in round_ticks(colours.high)}
+    ticks = {float(RootScale.root(np.array(tick))): f"{tick:.4g}" for tick in RootScale(colours.high).ticks}
     return ColorBar(
         color_mapper=even,
         title=title,

@@ -8,7 +8,7 @@ import numpy as np
 from bokeh.layouts import column, gridplot, row
 from bokeh.models import CheckboxGroup, ColumnDataSource, CustomJS, Div, HoverTool, Range1d
 
-from analysis.figures.spacetime import STILL, largest_afar, moving_part
+from analysis.figures.spacetime import RootScale
 from analysis.gauges.forces import Readings
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves
@@ -266,12 +266,11 @@ def layout(
     units = units_of(problem, part)
     part, measured = part.measured(units), measurements or {}
     images = [image_source(part, place) for place in range(len(part.chains))]
-    limit = largest_afar(problem, part.beads, part.velocity)
-    moves = np.nanmax(np.abs(part.velocity), axis=(0, 1), initial=0.0) > STILL * limit
+    scale = RootScale.of(problem, part.beads, part.velocity)
     all_places = ends(part.places, part.spacing)
-    place_range = Range1d(*moving_part(part.places, moves, all_places), bounds=all_places)
+    place_range = Range1d(*scale.moving_part(part.velocity, part.places, all_places), bounds=all_places)
     time_range = Range1d(*ends(part.time, part.every), bounds=ends(part.time, part.every))
-    of_maps = root_colours(limit)
+    of_maps = root_colours(scale.limit)
     maps = maps_of(problem, part, images, of_maps, units, (place_range, time_range))
     every_map = [plot for line in maps for plot in line]
     grid = _side_by_side(maps)
@@ -279,7 +278,7 @@ def layout(
     if survey is not None and (lines := lines_of(problem, part.chains, survey, measured)):
         above.append(draw_lines(lines, part, every_map, units))
     phase = part.frame_stride == 1 and not problem.system.holds(Fact.PULSE)
-    traces = TracePlot(part, _that_move(part, moves, shown), time_range, units, phase=phase)
+    traces = TracePlot(part, _that_move(part, scale.moves(part.velocity), shown), time_range, units, phase=phase)
     traces.follow(every_map, images)
     below = [*traces.plots, *_graphs(problem, part, survey, measured, (place_range, time_range), units)]
     for plot in below:
@@ -289,7 +288,7 @@ def layout(
     now = dict.fromkeys(line for plot in plots for line in plot.center if line.name == NOW)
     every = np.ones((problem.chains, problem.beads)) if radius is None else radius / np.max(radius)
     sizes = every[np.ix_(np.array(part.chains) - 1, part.beads - 1)]
-    moving, controls = moving_beads(problem, part, images, list(now), root_colours(limit), units, sizes)
+    moving, controls = moving_beads(problem, part, images, list(now), root_colours(scale.limit), units, sizes)
     slider = controls.select_one({"name": "time"})
     link, readout = selection(part, units, every_map, slider, traces.bead, traces.chain)
     chosen = row(traces.choices, link, sizing_mode="stretch_width", styles={"flex-wrap": "wrap", "align-items": "end"})
