@@ -12,8 +12,7 @@ from bokeh.models import ColorBar, ColumnDataSource, CustomJS, HoverTool, Range1
 from analysis.figures.spacetime import RootScale
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
-from lammps_inputs.units import REDUCED
-from workflow.plugins.pages.downsample import MOST_NUMBERS, Thinned, Units, thinned, units_of
+from workflow.plugins.pages.downsample import MOST_NUMBERS, Thinned, thinned, units_of
 from workflow.plugins.pages.plots import (
     LINE_WIDTH,
     add_legend,
@@ -26,6 +25,7 @@ from workflow.plugins.pages.plots import (
     number,
     root_colours,
 )
+from workflow.plugins.pages.units import Units
 
 Pair = tuple[Trajectory, Trajectory]
 
@@ -181,7 +181,7 @@ def _of_differences(plot: Any, units: Units, difference_units: Units) -> None:
 
 def _difference_label(difference_units: Units) -> str:
     """Label of an axis of differences of velocities."""
-    return f"velocity, A minus B ({difference_units['velocity'].symbol or REDUCED})"
+    return difference_units["velocity"].label("velocity, A minus B", "")
 
 
 def _traces(

@@ -11,9 +11,10 @@ from bokeh.models import ColorBar, CustomJS, LinearColorMapper, SaveTool, Toolba
 from analysis.figures.spacetime import RootScale
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
-from workflow.plugins.pages.downsample import Thinned, Units, axis_label
+from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import MAPPED, choice, label_of, lists, map_palette, shown_quantities
 from workflow.plugins.pages.save_data import tool_of_maps
+from workflow.plugins.pages.units import Units, axis_label
 
 ROOT = "root"
 """Scale at first: the square root of the size, with its sign."""

@@ -27,11 +27,10 @@ from matplotlib.colors import to_hex
 from analysis.figures.spacetime import RootScale, panels
 from analysis.figures.style import CHAIN_COLOURS as ON_PAPER
 from analysis.figures.style import CHAIN_DASHES as DASHES_ON_PAPER
-from analysis.figures.style import AxisUnit
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
-from lammps_inputs.units import REDUCED, Label
-from workflow.plugins.pages.downsample import Thinned, Units, axis_label, behind
+from workflow.plugins.pages.downsample import Thinned
+from workflow.plugins.pages.units import PageUnit, Units, axis_label
 
 _SEEN_ON_DARK = {"#000000": "#44aa99", "#882255": "#aa4499"}
 """Teal and purple (Tol) for black and wine, which are hard to see in dark mode."""
@@ -193,9 +192,9 @@ def name_places(plot: Any, part: Thinned) -> None:
         plot.xaxis.formatter = CustomJSTickFormatter(args={"beads": part.beads.tolist()}, code=_NAME)
 
 
-def number(unit: AxisUnit) -> CustomJSHover:
+def number(unit: PageUnit) -> CustomJSHover:
     """How a cursor says a number."""
-    return CustomJSHover(args={"unit": behind(unit)}, code=_NUMBER)
+    return CustomJSHover(args={"unit": unit.behind}, code=_NUMBER)
 
 
 # --- maps -------------------------------------------------------------------------------------------------------------
@@ -235,7 +234,7 @@ MAPPED = {
 def label_of(name: str, units: Units) -> str:
     """Words, symbol and unit of a quantity of the maps, such as ``contact force F (N)``."""
     shown = MAPPED[name]
-    return Label(shown.words, shown.symbol, units[shown.unit].symbol or REDUCED).plain
+    return units[shown.unit].label(shown.words, shown.symbol)
 
 
 def shown_quantities(part: Thinned) -> list[str]:
@@ -306,7 +305,7 @@ def maps_of(
 def _hover(part: Thinned, units: Units) -> dict[str, Any]:
     """What a cursor over a map says: bead, time, and the quantities of the map that are known."""
     lists = {"beads": part.beads.tolist(), "places": part.places.tolist(), "spacing": part.spacing}
-    when = {"time": part.time.tolist(), "unit": behind(units["time"])}
+    when = {"time": part.time.tolist(), "unit": units["time"].behind}
     formatters = {"$x": CustomJSHover(args=lists, code=_BEAD), "$y": CustomJSHover(args=when, code=_WHEN)}
     shown = shown_quantities(part)
     formatters |= {f"@{name}": number(units[MAPPED[name].unit]) for name in shown}

@@ -34,9 +34,9 @@ from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
 from analysis.figures.studies import edges, logarithmic
-from analysis.figures.style import AxisUnit
 from workflow.plugins.pages.plots import CHAIN_COLOURS, TICK, TOOLS, choice, label, number
-from workflow.sweep.collect import QUANTITIES, SHOWN, UNCERTAINTIES, SweepTable, quantity_axis
+from workflow.plugins.pages.units import PageUnit
+from workflow.sweep.collect import SweepTable
 
 _LINK = '<% if (link) { %><a href="<%= link %>"><%- value %></a><% } else { %><%- value %><% } %>'
 
@@ -294,7 +294,7 @@ def points(table: SweepTable, key: str) -> dict[str, list[float]]:
 
     What `granchain collect --plot` does not draw, as cases that are not done, has no value; fields always have one.
     """
-    axis = quantity_axis(table, key)
+    axis = table.axis(key)
     value = table.numbers(key) if key in table.fields else axis.values
     error = np.full(len(value), np.nan) if axis.error is None else axis.error
     half = np.where(error > 0.0, error, np.nan)
@@ -446,16 +446,17 @@ def _columns(table: SweepTable, data: dict[str, list[Any]]) -> list[TableColumn]
     Uncertainties stand behind their numbers; a ring marks those of chains that are not settled.
     """
     columns = []
-    first = ["case", *table.fields, "outcome", *SHOWN]
+    first = ["case", *table.summary]
+    uncertainties = {key: table.uncertainty(key) for key in table.columns}
     for key in sorted(table.columns, key=lambda key: first.index(key) if key in first else len(first)):
-        if all(value in (None, "") for value in data[key]) or key in UNCERTAINTIES.values():
+        if all(value in (None, "") for value in data[key]) or key in uncertainties.values():
             continue
         heading = table.heading(key)
-        error, template = UNCERTAINTIES.get(key), _LINK if key == "case" else _NUMBER
+        error, template = uncertainties[key], _LINK if key == "case" else _NUMBER
         letters = max(map(len, [heading, *map(_shown, data[key])]))
-        if error is not None:
+        if error:
             template, letters = _WITH_UNCERTAINTY.replace("{error}", error), letters + len(" +- 0.00012")
-        if key in QUANTITIES and QUANTITIES[key].label and table.unsettled(key).any():
+        if np.isfinite(table.numbers(key)).any() and table.unsettled(key).any():
             template, letters = template + _NOT_SETTLED, letters + 2
         width = min(_WIDEST, 30 + _LETTER * letters)
         formatter = HTMLTemplateFormatter(template=template)
@@ -596,7 +597,7 @@ def _answer(plot: Any, drawn: Any, drawing: _Drawing) -> None:
     ring = {"size": 22, "fill_color": None, "line_color": "#cc79a7", "line_width": 2.5, "name": "ring"}
     plot.scatter("x", "y", source=drawing.marked, **ring)
     tips = [("case", "@case"), ("over", "@x{custom}"), ("quantity", "@y{custom}"), ("uncertainty", "@error{custom}")]
-    formatters = {f"@{key}": number(AxisUnit(1.0, "")) for key in ("x", "y", "error")}
+    formatters = {f"@{key}": number(PageUnit(1.0, "")) for key in ("x", "y", "error")}
     plot.add_tools(HoverTool(renderers=[drawn], tooltips=tips, formatters=formatters))
     open_case = CustomJS(args={"source": drawing.source}, code=_OPEN)
     plot.add_tools(TapTool(renderers=[drawn], callback=open_case))
