@@ -257,7 +257,7 @@ class SweepTable:
             name: name of the column.
 
         Returns:
-            The axis; cases that are not done have no number.
+            The axis; cases that are not done have no number, but in varied fields.
 
         Examples:
             >>> granchain.collect("swept").axis("kick.velocity").values
@@ -265,7 +265,7 @@ class SweepTable:
         """
         from analysis.figures.studies import StudyAxis  # matplotlib takes half a second to import
 
-        done, error = [row["outcome"] == "done" for row in self.rows], self.uncertainty(name)
+        done, error = [row["outcome"] == "done" or name in self.fields for row in self.rows], self.uncertainty(name)
         return StudyAxis(
             self.label(name),
             np.where(done, self.numbers(name), math.nan),

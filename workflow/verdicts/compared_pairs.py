@@ -7,7 +7,7 @@ from analysis.trajectory import Trajectory
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import compared_rows
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.validate import Validation, blocks
+from workflow.verdicts.validate import Validation
 from workflow.verdicts.validate_run import recorded_by_both, where_both_hold
 
 
@@ -24,4 +24,4 @@ def compared_pairs(runs: tuple[RunDirectory, ...], comparison: Validation) -> It
     steps = None if comparison.uncertainty is None else comparison.uncertainty.steps_per_frame
     problem = directory.problem
     reference = engine.blocks(problem, steps_per_frame=steps, window=compared_rows(problem))
-    return paired(blocks(directory), reference)
+    return paired(directory.blocks_so_far(), reference)

@@ -11,7 +11,7 @@ from bokeh.models import CheckboxGroup, ColumnDataSource, CustomJS, Div, HoverTo
 from analysis.figures.spacetime import RootScale
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves
-from analysis.trajectory import Flags, Floats, Integers
+from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 from workflow.plugins.pages.downsample import Thinned, units_of
@@ -284,7 +284,9 @@ def layout(
     if survey is not None and (lines := lines_of(problem, part.chains, survey, measured)):
         above.append(draw_lines(lines, part, every_map, units))
     phase = part.frame_stride == 1 and not problem.system.holds(Fact.PULSE)
-    traces = TracePlot(part, _that_move(part, scale.moves(part.velocity), shown), time_range, units, phase=phase)
+    moving = part.beads[scale.moves(part.velocity)]
+    first_shown = _that_move(moving if len(moving) else part.beads, shown)
+    traces = TracePlot(part, first_shown, time_range, units, phase=phase)
     traces.follow(every_map, images)
     below = [*traces.plots, *_graphs(problem, part, survey, measured, (place_range, time_range), units)]
     for plot in below:
@@ -336,9 +338,8 @@ def _graphs(
     return graphs
 
 
-def _that_move(part: Thinned, moves: Flags, shown: Sequence[int]) -> list[int]:
+def _that_move(beads: Integers, shown: Sequence[int]) -> list[int]:
     """Beads to show at first: those asked for that move, or others that do in their place."""
-    beads = part.beads[moves] if moves.any() else part.beads
     at = [
         bead if bead in beads else int(beads[share * (len(beads) - 1) // 6])
         for bead, share in zip(shown, (1, 3, 5), strict=False)

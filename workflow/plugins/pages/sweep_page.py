@@ -33,7 +33,6 @@ from bokeh.models import (
 from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
-from analysis.figures.studies import edges, logarithmic
 from workflow.plugins.pages.plots import CHAIN_COLOURS, TICK, TOOLS, choice, label, number
 from workflow.plugins.pages.units import PageUnit
 from workflow.sweep.collect import SweepTable
@@ -219,7 +218,7 @@ def layout(
     drawn = {key: points(table, key) for key in numbers}
     source = ColumnDataSource(name="cases", data={**data, **_at_first(drawn[over], drawn[quantity])})
     labels = {key: table.label(key).plain for key in table.columns}
-    kinds = {key: "log" if logarithmic(_drawn(data[key])) else "linear" for key in numbers}
+    kinds = {key: "log" if table.axis(key).logarithmic else "linear" for key in numbers}
     axes, colours = _map_axes(table, kinds), _colours(table, data)
     choices = _choices(table, data, numbers, (over, quantity), list(colours), can_be_map=len(axes) > 1)
     integers = [key for key in numbers if all(isinstance(value, int | None) for value in data[key])]
@@ -292,10 +291,10 @@ def _name_chosen(drawing: "_Drawing", words: list[str], arguments: dict[str, Any
 def points(table: SweepTable, key: str) -> dict[str, list[float]]:
     """A column of a table as points: value, uncertainty, ends of the bar of that (NaN: none), 0 for a hollow mark.
 
-    What `granchain collect --plot` does not draw, as cases that are not done, has no value; fields always have one.
+    What `granchain collect --plot` does not draw, as cases that are not done, has no value; varied fields always have.
     """
     axis = table.axis(key)
-    value = table.numbers(key) if key in table.fields else axis.values
+    value = axis.values
     error = np.full(len(value), np.nan) if axis.error is None else axis.error
     half = np.where(error > 0.0, error, np.nan)
     solid = 1.0 - axis.open
@@ -310,7 +309,7 @@ def _map_axes(table: SweepTable, kinds: dict[str, str]) -> dict[str, dict[str, A
         values = table.numbers(name)
         distinct = np.unique(values)
         if name in kinds and np.all(np.isfinite(values)) and len(distinct) > 1:
-            ends, cells = edges(distinct), np.searchsorted(distinct, values)
+            ends, cells = table.axis(name).edges, np.searchsorted(distinct, values)
             axes[name] = {"kind": kinds[name], "low": ends[cells].tolist(), "high": ends[cells + 1].tolist()}
     return axes
 
@@ -504,7 +503,7 @@ def _colours(table: SweepTable, data: dict[str, list[Any]]) -> dict[str, tuple[A
             palette = [CHAIN_COLOURS[k % len(CHAIN_COLOURS)] for k in range(len(texts))]
             bar.color_mapper = CategoricalColorMapper(factors=texts, palette=palette)
         else:
-            kind = LogColorMapper if logarithmic(values) else LinearColorMapper
+            kind = LogColorMapper if table.axis(name).logarithmic else LinearColorMapper
             bar.color_mapper = kind(palette=Viridis256[70:230], low=min(values), high=max(values))
             bar.formatter = CustomJSTickFormatter(code=TICK)
             if len(texts) <= _FEW:

@@ -1,6 +1,5 @@
 """The page of a directory, of a run or of a sweep: files of HTML that need no other."""
 
-import warnings
 from collections.abc import Iterable
 from html import escape
 from pathlib import Path
@@ -13,7 +12,6 @@ from bokeh.models import CustomJS, GridPlot, Plot, SaveTool, Slider
 from bokeh.resources import INLINE
 
 from analysis.figures.style import shown_chains
-from analysis.files.binary_dump import CutDumpWarning
 from lammps_inputs import InputError, Problem, file_names, references, strict_yaml
 from lammps_inputs.ingredients.unequal import radii
 from workflow import provenance
@@ -229,9 +227,7 @@ def _run(path: Path) -> Path:
     if check is not None and check.velocity is not None:
         lines.append(f"Error against the reference: velocities {check.velocity:.1e} V.")
     deforms = ENGINES[directory.engine].deforms
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", CutDumpWarning)  # that the run is incomplete is said in words
-        part = thinned(problem, directory.blocks(), shown_chains(problem), deforms=deforms)
+    part = thinned(problem, directory.blocks_so_far(), shown_chains(problem), deforms=deforms)
     lines += _left_out(problem, part)
     texts = {"scene": strict_yaml.dump(scene.plain())}
     if (path / file_names.DECK).is_file():
