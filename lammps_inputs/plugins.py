@@ -10,7 +10,16 @@ Those of granchain itself are declared in its ``pyproject.toml`` like those of a
 - ``granchain.studies``: command = module with ``add_arguments``, ``execute`` and ``EXAMPLES``; also, where they apply,
   the literals ``JOB`` (its heading in ``granchain --help``) and ``PRINTS`` (it makes nothing but what it prints);
 - ``granchain.tools``: command that is no study of many runs = such a module;
+- ``granchain.options.COMMAND``: any name = module or object that adds options to a command: ``add_arguments(parser)``,
+  ``EXAMPLES``, and ``execute(arguments, command)``, where ``command(arguments)`` does what the command does without
+  these options. An extension acts before it, in place of it, or after it; several wrap one another, the last outermost.
+  ``ANSWERS``, if there is one, says what the extension adds to ``--json``;
 - ``granchain.functions``: name in the module ``granchain`` = function for scripts and notebooks, as of a study;
+- ``granchain.queues``: any name = module that knows jobs: their queue, and the states of their directories
+  (`workflow.runs.status`);
+- ``granchain.limits``: any name = function that returns the name of a file, and `lammps_inputs.output.Limits` of runs
+  on this machine that it sets;
+- ``granchain.schedulers``: name for ``--scheduler`` = `workflow.plugins.jobs.schedulers.Scheduler`;
 - ``granchain.schemas``: what `granchain schema` prints = function without arguments.
 """
 

@@ -252,8 +252,14 @@ def _source(name: str) -> Path:
 
 
 def fill(subparser: argparse.ArgumentParser, module: Any) -> None:
-    """Add the arguments and examples of a command, and the arguments that all have."""
+    """Add the arguments and examples of a command and of plug-ins that extend it, and the arguments that all have."""
+    name = subparser.prog.split()[-1]
+    extensions = plugins.loaded(f"options.{name}").values()
     module.add_arguments(subparser)
+    for extension in extensions:
+        extension.add_arguments(subparser)
+    if "add_last_arguments" in vars(module):
+        module.add_last_arguments(subparser)
     prints = getattr(module, "PRINTS", False)
     words = "print no progress and no hints" if prints else "print errors only"
     subparser.add_argument("-q", "--quiet", action="store_true", help=words)
@@ -271,12 +277,15 @@ def fill(subparser: argparse.ArgumentParser, module: Any) -> None:
             type=formats.width_from_words,
             help="width of figures, without titles: 3.4 for one column of a journal, 7 for two (default: each its own)",
         )
-    answers = getattr(module, "ANSWERS", None)
+    answers = "; ".join(vars(part)["ANSWERS"] for part in (module, *extensions) if "ANSWERS" in vars(part))
     if answers:
         subparser.add_argument("--json", action="store_true", help=f"print one JSON value and nothing else: {answers}")
     file = f"{module.FILE}\n" if "FILE" in vars(module) else ""
-    subparser.epilog = file + _examples(module.EXAMPLES)
-    subparser.set_defaults(execute=module.execute, prints=prints, json=False)
+    subparser.epilog = file + _examples(line for part in (module, *extensions) for line in part.EXAMPLES)
+    execute = module.execute
+    for extension in extensions:
+        execute = functools.partial(extension.execute, command=execute)
+    subparser.set_defaults(execute=execute, prints=prints, json=False)
 
 
 def _examples(lines: Iterable[str]) -> str:

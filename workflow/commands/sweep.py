@@ -5,9 +5,7 @@ import textwrap
 from pathlib import Path
 
 from lammps_inputs import InputError
-from workflow.cost_model import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
-from workflow.plugins.jobs.site import JobOptions
 from workflow.screen import CommandResult, one_line
 from workflow.study_kit.options import add_output, example_file
 from workflow.sweep import file, run_sweep
@@ -15,10 +13,7 @@ from workflow.sweep import file, run_sweep
 ANSWERS = "how many cases there are, are done, have failed"
 DRAWS = True
 FILE = f"SWEEP.yaml:\n{textwrap.indent(example_file(file), '  ')}"
-EXAMPLES = (
-    "sweep sweep.yaml -o swept",
-    "sweep sweep.yaml -o swept --slurm --time 02:00:00   # then, there: sbatch job.sbatch",
-)
+EXAMPLES = ("sweep sweep.yaml -o swept",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,22 +23,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--jobs", metavar="N", type=int, default=cores(), help="cases at a time (default all cores)")
     parser.add_argument("--figures", action="store_true", help="draw every case")
     parser.add_argument("--no-check", action="store_true", help="do not measure the errors against the reference")
-    group = add_job_arguments(parser)
-    group.add_argument(
-        "--cases-per-task", metavar="N", type=int, help="cases of a task of the array, one after the other (default 1)"
-    )
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Run what is missing or failed; exit code 1 when a case failed, 130 when the sweep was interrupted."""
-    if not 1 <= arguments.jobs <= 1024:
-        raise InputError(f"--jobs: {arguments.jobs} given; 1 to 1024")
-    options = job_options(arguments)
-    definition = file.load(arguments.sweep)
-    return _run(definition, arguments) if options is None else _write(definition, arguments.output, options)
-
-
-def _run(definition: file.Sweep, arguments: argparse.Namespace) -> CommandResult:
+    definition = definition_of(arguments)
     end = run_sweep.sweep(
         definition,
         arguments.output,
@@ -72,19 +56,12 @@ def _run(definition: file.Sweep, arguments: argparse.Namespace) -> CommandResult
     return CommandResult(1 if end.failed else 0, data)
 
 
-def _write(definition: file.Sweep, output: Path, options: JobOptions) -> CommandResult:
-    from workflow.sweep import on_cluster  # takes half a second to import
+def definition_of(arguments: argparse.Namespace) -> file.Sweep:
+    """The sweep of the command's file.
 
-    written = on_cluster.write_array(definition, output, options)
-    under_way = f", {written.under_way} in the queue or running" if written.under_way else ""
-    print(f"{output}: {written.tasks} of {written.cases} cases to do{under_way}")
-    if written.tasks:
-        ranks, scheduler = f"{written.ranks} rank{'s' * (written.ranks > 1)}", options.of_scheduler
-        print(f"`{scheduler.by_hand}` there submits one array, each case on {ranks}")
-        if written.numbers > scheduler.max_tasks:
-            print(
-                f"numbers of its tasks go to {written.numbers - 1}; {scheduler.title}'s {scheduler.max_tasks_setting} "
-                f"is often {scheduler.max_tasks}"
-            )
-    print(f"`granchain status {output}` shows the state, `granchain collect {output}` makes the table")
-    return CommandResult(0, {"cases": written.cases, "to_do": written.tasks, "under_way": written.under_way})
+    Raises:
+        InputError: it is none, or an option cannot be used.
+    """
+    if not 1 <= arguments.jobs <= 1024:
+        raise InputError(f"--jobs: {arguments.jobs} given; 1 to 1024")
+    return file.load(arguments.sweep)

@@ -1,17 +1,18 @@
-"""The directory of a deck: LAMMPS input for any ``lmp``, the scene with all defaults, and a job if asked for."""
+"""The directory of a deck: LAMMPS input for any ``lmp``, and the scene with all defaults."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from lammps_inputs import InputError, Scene, file_names
+from lammps_inputs import InputError, Scene
 from lammps_inputs.decks import deck
-from workflow import cost_model
-from workflow.plugins.jobs import job
-from workflow.plugins.jobs.site import JobOptions
 from workflow.prepare.settings import refuse_unanalysable, settle
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs.files import LAMMPS_FILES, write_text
 from workflow.runs.output_directory import prepared, refuse_to_overwrite, replacing
+
+FurtherFiles = Callable[[Scene], Mapping[str, str | None]]
+"""Files beside a deck, by the scene with nothing left open: name -> text; None of one that is written later."""
 
 
 @dataclass(frozen=True)
@@ -21,13 +22,11 @@ class WrittenDeck:
     Attributes:
         scene: with the duration, window and time step that it left open.
         step: how the time step was chosen; None where the scene names it.
-        options: options of the job, with its number of ranks; None where there is no job.
         files: names of the files.
     """
 
     scene: Scene
     step: ChosenStep | None
-    options: JobOptions | None
     files: tuple[str, ...]
 
 
@@ -38,9 +37,9 @@ def write_deck(
     source: str,
     overwrite: bool = False,
     force: bool = False,
-    options: JobOptions | None = None,
+    further: FurtherFiles | None = None,
 ) -> WrittenDeck:
-    """Write the deck of a scene, and a job for it, after determining what the scene leaves open.
+    """Write the deck of a scene, and files beside it, after determining what the scene leaves open.
 
     Args:
         scene: what to compute.
@@ -48,7 +47,7 @@ def write_deck(
         source: name of the scene in messages.
         overwrite: whether an earlier run's files may be replaced.
         force: whether the time step may be above the stability bound.
-        options: options of a job; None for no job.
+        further: files beside the deck; None for none.
 
     Returns:
         What was written.
@@ -60,13 +59,11 @@ def write_deck(
         raise InputError(f"{source}: {why}")
     refuse_unanalysable(scene, source)
     settled, step = settle(scene, source=source, force=force)
-    files = deck.render(settled)
-    if options is not None:
-        options = cost_model.with_ranks(options, settled.problem())
-        files |= job.render_job(options, settled.problem(), directory)
+    beside = {} if further is None else further(settled)
+    files = deck.render(settled) | {name: text for name, text in beside.items() if text is not None}
     refuse_to_overwrite(source, directory)
-    names = (*LAMMPS_FILES, *(file_names.JOB_FILES if options is not None else ()))
+    names = (*LAMMPS_FILES, *beside)
     with prepared(directory, names, overwrite=overwrite), replacing(directory, names):
         for name, content in files.items():
             write_text(directory / name, content)
-    return WrittenDeck(settled, step, options, tuple(files))
+    return WrittenDeck(settled, step, tuple(files))

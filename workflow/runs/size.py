@@ -7,17 +7,16 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
-from lammps_inputs import InputError, Problem, Scene, physics
+from lammps_inputs import InputError, Problem, Scene, physics, plugins
 from lammps_inputs.limits import rates
 from lammps_inputs.numbers import size_text, time_text
 from lammps_inputs.output import Limits
 from lammps_inputs.window import LEAST_WINDOW
 from workflow import cost_model as model
-from workflow.plugins.jobs import site
 from workflow.runs.engines import LAMMPS, Engine
 
 MOST = Limits(gigabytes=20.0, hours=24.0)
-"""Limits where neither the scene nor the site's file names any."""
+"""Limits where neither the scene nor the machine names any."""
 
 
 LARGE_BYTES, LARGE_SECONDS = 1e9, 10.0
@@ -77,15 +76,16 @@ def too_large(scene: Scene, size: Size) -> str:
         size: of its run.
 
     Raises:
-        InputError: the site's file cannot be used.
+        InputError: a file with limits of this machine cannot be used.
     """
     scene_limits = scene.limits or Limits()
     needs = {"gigabytes": size.bytes / 1e9, "hours": (size.seconds or 0.0) / 3600.0}
     limits = {key: getattr(scene_limits, key) or getattr(MOST, key) for key in needs}
     if all(needs[key] <= limits[key] for key in needs):
         return ""
-    by_site = site.limits()
-    limits = {key: getattr(scene_limits, key) or getattr(by_site, key) or getattr(MOST, key) for key in needs}
+    machine: dict[str, Limits] = dict(limits_of() for limits_of in plugins.loaded("limits").values())
+    sources = (scene_limits, *machine.values(), MOST)
+    limits = {key: next(filter(None, (getattr(source, key) for source in sources))) for key in needs}
     above = {key: value for key, value in needs.items() if value > limits[key]}
     if not above:
         return ""
@@ -95,7 +95,7 @@ def too_large(scene: Scene, size: Size) -> str:
     return (
         f"{size.sentence()}: more than the limit of {beyond}{units}; shorten the "
         "duration, record less (output.every, output.beads), or raise the limit with "
-        f"`limits: {{{needed}}}` in the scene or in ~/{site.DEFAULT_FILE}"
+        f"`limits: {{{needed}}}` in {' or in '.join(['the scene', *machine])}"
     )
 
 

@@ -1,32 +1,35 @@
 """In what state a directory is: every one has a name, also after a kill, and what to do next is said.
 
-Derived from a local run's own account (``run.json``), a job's line (``job.state``), or the files alone, and from
-the frames, the lock of a run under way, and what was just written. A scheduler's queue is asked where there is one.
+Derived from a local run's own account (``run.json``), the report of a job, or the files alone, and from
+the frames, the lock of a run under way, and what was just written. Jobs are known to plug-ins, as entry points of the
+group ``granchain.queues``: modules with
+
+- ``queue()``: the `Queue` of the cluster; None where no scheduler answers;
+- ``state(reached, queue, since)``: `Status` of a directory (`Reached`) by what its job reports; None where it reports
+  nothing, or nothing after ``since``, in seconds since 1970;
+- ``submission(directory)``: how the directory's job is submitted, in words; None where it holds no job.
+
 Nothing is written. Half-written and damaged files raise nothing here: what cannot be read is skipped.
 """
 
 import platform
 import re
 import shlex
-import subprocess
 import time
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from datetime import datetime
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
 from analysis.files.dump_layout import last_step
-from lammps_inputs import InputError, file_names
+from lammps_inputs import InputError, file_names, plugins
 from workflow.engines.lammps.files_on_disk import step_of
-from workflow.plugins.jobs.schedulers import SCHEDULERS, SLURM, ListedJob, Scheduler
 from workflow.runs.files import RECORD, held, parts
 from workflow.runs.job import Job, StudyRecord, load, restart_refused
 
 # --- a scheduler's queue ----------------------------------------------------------------------------------------------
-
-_SECONDS = 15.0
 
 
 @dataclass(frozen=True)
@@ -62,43 +65,9 @@ class Queue:
 
 
 def cluster_queue() -> Queue | None:
-    """The queue of the first scheduler that answers; None where there is none."""
-    for scheduler in SCHEDULERS.values():
-        answer = scheduler.queue(_output)
-        if answer is not None:
-            return queue_of(*answer)
-    return None
-
-
-def queue_of(cluster: str, listed: Sequence[ListedJob]) -> Queue:
-    """The queue of the jobs that a scheduler lists; a task works in the directories of its line of cases.txt."""
-    queue = Queue(cluster)
-    lists: dict[Path, list[str]] = {}
-    for job in listed:
-        where = Path(job.directory)
-        places = [where]
-        if job.task is not None:
-            if where not in lists:
-                lists[where] = _lines(where / file_names.CASES)
-            if job.task < len(lists[where]):
-                places = [where / name for name in lists[where][job.task].split()]
-        queue.jobs.extend(Queued(job.number, job.waiting, place.resolve()) for place in places)
-    return queue
-
-
-def _lines(path: Path) -> list[str]:
-    try:
-        return path.read_text(encoding="utf-8").splitlines()
-    except (OSError, ValueError):
-        return []
-
-
-def _output(*words: str) -> str | None:
-    try:
-        done = subprocess.run(words, capture_output=True, text=True, timeout=_SECONDS, stdin=subprocess.DEVNULL)
-    except (OSError, subprocess.SubprocessError):
-        return None
-    return done.stdout if done.returncode == 0 else None
+    """The queue of the first cluster that answers; None where there is none."""
+    answers = (jobs.queue() for jobs in plugins.loaded("queues").values())
+    return next((answer for answer in answers if answer is not None), None)
 
 
 # --- states -----------------------------------------------------------------------------------------------------------
@@ -116,7 +85,7 @@ MEANING: dict[State, str] = {
 }
 
 GRACE = 600.0
-"""Seconds after a job's time limit at which it has surely ended; also those in which a living run writes something."""
+"""Seconds in which a living run writes something."""
 
 
 @dataclass(frozen=True)
@@ -140,6 +109,28 @@ class Status:
     def plain(self) -> dict[str, Any]:
         """Plain data of the state, for JSON."""
         return {**vars(self), "directory": str(self.directory)}
+
+
+@dataclass(frozen=True)
+class Reached:
+    """How far the run of a directory has come, by its frames and its restart."""
+
+    directory: Path
+
+    @cached_property
+    def step(self) -> int | None:
+        """The last step; None where unknown."""
+        return _last_step(self.directory)
+
+    @cached_property
+    def steps(self) -> int | None:
+        """Number of steps of the run; None where unknown."""
+        return _steps(self.directory)
+
+    @cached_property
+    def resumes(self) -> str:
+        """From which step an incomplete run resumes, in words."""
+        return _goes_on(self.directory)
 
 
 def statuses(directories: Sequence[Path], queue: Queue | None) -> list[Status]:
@@ -184,20 +175,24 @@ def _status(directory: Path, queue: Queue | None) -> Status:
     if not directory.is_dir():
         return Status(directory, "none", why="no such directory")
     queued = queue.job_in(directory) if queue is not None else None
-    reported, recorded = directory / file_names.JOB_STATE, directory / RECORD
+    recorded = directory / RECORD
     job = None
     with suppress(InputError):
         job = load(recorded)
     account = job is None or job.outcome is not None  # else it only lists what is in the directory
-    if reported.is_file() and not (account and recorded.stat().st_mtime > reported.stat().st_mtime):
-        return _of_job(directory, reported, queue, queued)
+    reached = Reached(directory)
+    since = recorded.stat().st_mtime if account else 0.0
+    for jobs in plugins.loaded("queues").values():
+        reported: Status | None = jobs.state(reached, queue, since)
+        if reported is not None:
+            return reported
     if job is None:
-        return Status(directory, "failed", _last_step(directory), _steps(directory), f"{RECORD} cannot be read")
+        return Status(directory, "failed", reached.step, reached.steps, f"{RECORD} cannot be read")
     if account:
         return _of_run(directory, job)
     if queued is not None and not (job.study and job.study.done):
         state: State = "waiting" if queued.waiting else "running"
-        return Status(directory, state, _last_step(directory), _steps(directory), f"job {queued.number}")
+        return Status(directory, state, reached.step, reached.steps, f"job {queued.number}")
     return _of_files(directory) if job.study is None else _of_study(directory, job.study)
 
 
@@ -236,13 +231,12 @@ def _of_files(directory: Path) -> Status:
     if not (directory / file_names.DECK).is_file():
         if (directory / file_names.SCENE).is_file():
             return Status(directory, "incomplete", why="nothing was computed; run it again with --overwrite")
-        if _scheduler(directory) is not None:
-            return Status(directory, "written", why=f"{_submit(directory)} starts it")
+        submission = _submission(directory)
+        if submission is not None:
+            return Status(directory, "written", why=f"{submission} starts it")
         return Status(directory, "none", why=f"it has no {file_names.SCENE}")
     if not parts(directory):
-        start = f"`lmp -in {file_names.DECK}` there"
-        if _scheduler(directory) is not None or (directory / file_names.JOB_INPUT).is_file():
-            start = _submit(directory)
+        start = _submission(directory) or f"`lmp -in {file_names.DECK}` there"
         return Status(directory, "written", 0, steps, f"{start} starts it")
     if step is not None and steps is not None and step >= steps:
         return Status(directory, "done", step, steps)
@@ -258,77 +252,10 @@ def _of_files(directory: Path) -> Status:
     return Status(directory, "running", step, steps, why)
 
 
-_REPORT = re.compile(
-    r"(?P<state>running|waiting|incomplete|failed|done) job=(?P<job>\S*) cluster=(?P<cluster>\S*) host=(?P<host>\S*)"
-    r" at=(?P<at>\S*) until=(?P<until>\S*) (?P<reason>.*)"
-)
-"""The line of ``job.state``: state of a run, job (the next one of a waiting run), cluster, node, when it was written,
-time limit of the job, and why it ended.
-"""
-
-
-def _report(account: Path) -> dict[str, str]:
-    """Fields of `_REPORT` by name; none if the file does not hold such a line."""
-    with account.open(encoding="utf-8", errors="replace") as file:
-        line = _REPORT.match(file.read(1 << 12))
-    return {} if line is None else {name: _clean(text) for name, text in line.groupdict().items()}
-
-
-def _seconds(moment: str) -> float:
-    """Seconds since 1970 of a time with its zone; 0 if it cannot be read."""
-    try:
-        return datetime.fromisoformat(moment).timestamp()
-    except (ValueError, OverflowError):
-        return 0.0
-
-
-def _of_job(directory: Path, account: Path, queue: Queue | None, queued: Queued | None) -> Status:
-    """State of the directory of a job, by its account; where the queue has the job, the queue is right."""
-    report, steps = _report(account), _steps(directory)
-    state, number = report.get("state", ""), report.get("job", "")
-    step = _latest(_last_step(directory), 0)
-    if state == "done" or (not report and step == steps):  # jobs of version 0.1 wrote another report
-        return Status(directory, "done", steps, steps)
-    same_cluster = queue is not None and queue.cluster == report.get("cluster")
-    if queue is not None and same_cluster and queued is None:
-        queued = queue.job(number)
-    if queued is not None:
-        if queued.waiting:
-            return Status(directory, "waiting", step, steps, f"job {queued.number} is in the queue")
-        return Status(directory, "running", step, steps, f"job {queued.number}")
-    again, goes_on = _submit(directory), _goes_on(directory)
-    if not report:
-        return Status(directory, "failed", step, steps, f"{account.name} cannot be read; {again} tries again")
-    if state in ("waiting", "running") and same_cluster:
-        why = f"job {number} is gone: killed, or its node lost; {again} {goes_on}"
-        return Status(directory, "incomplete", step, steps, why)
-    moment = time.localtime(_seconds(report["at"]))
-    reported = time.strftime("as reported on %Y-%m-%d %H:%M", moment) + f" by {report['host']}"
-    if state == "waiting":
-        return Status(directory, "waiting", step, steps, f"job {number} {report['reason']}, {reported}")
-    if state == "running":
-        if time.time() > _seconds(report["until"]) + GRACE:
-            why = f"job {number} is past its time limit, so it was killed; {again} {goes_on}"
-            return Status(directory, "incomplete", step, steps, why)
-        return Status(directory, "running", step, steps, f"job {number}, {reported}")
-    if state == "incomplete":
-        return Status(directory, "incomplete", step, steps, f"{report['reason']}; {again} {goes_on}")
-    return Status(directory, "failed", step, steps, f"{report['reason']}; {again} tries again")
-
-
-def _submit(directory: Path) -> str:
-    """How a job is submitted; a task of an array with its array."""
-    scheduler = _scheduler(directory)
-    if scheduler is not None:
-        return f"`{scheduler.by_hand}` there"
-    arrays = (parent for parent in directory.absolute().parents if (parent / file_names.CASES).is_file())
-    scheduler = next(filter(None, map(_scheduler, arrays)), SLURM)
-    return f"`{scheduler.by_hand}` beside {file_names.CASES}"
-
-
-def _scheduler(directory: Path) -> Scheduler | None:
-    """Scheduler of the job that a directory holds; None where it holds none."""
-    return next((each for each in SCHEDULERS.values() if (directory / each.script).is_file()), None)
+def _submission(directory: Path) -> str | None:
+    """How the job of a directory is submitted; None where it holds none."""
+    answers = (jobs.submission(directory) for jobs in plugins.loaded("queues").values())
+    return next((answer for answer in answers if answer is not None), None)
 
 
 def _steps(directory: Path) -> int | None:

@@ -1,8 +1,7 @@
-"""Options that commands of several studies have; such a command as a job, and its end where it is interrupted."""
+"""Options that commands of several studies have, and the end of such a command where it is interrupted."""
 
 import argparse
 import contextlib
-import sys
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
@@ -10,12 +9,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from lammps_inputs import InputError, complaints, file_names, strict_yaml
+from lammps_inputs import InputError, complaints, strict_yaml
 from lammps_inputs.units import Label
-from workflow.plugins.jobs.job import render_command
-from workflow.plugins.jobs.site import JobOptions
-from workflow.runs.files import write_text
-from workflow.runs.output_directory import claim, make_directory, retire
 from workflow.screen import CommandResult
 from workflow.study_kit.directory import floats
 from workflow.study_kit.scene_quantities import label
@@ -83,33 +78,6 @@ def interrupted() -> CommandResult:
     """Result of a command that Ctrl-C ended; its next start takes computed scenes from a cache."""
     print("the command was interrupted; computed scenes remain, and the same command resumes")
     return CommandResult(130, {})
-
-
-def as_job(
-    options: JobOptions, directory: Path, words: Sequence[str], *, cores: int, jobs: int | None = None
-) -> CommandResult:
-    """Write a command as a job on one node into a directory, which is made if need be, and say how to submit it.
-
-    Args:
-        options: options of the job.
-        directory: where the job is submitted; the command names it ``.``.
-        words: arguments of the command after ``granchain``; paths in them are absolute.
-        cores: number of cores that the command uses.
-        jobs: see `render_command`.
-
-    Raises:
-        InputError: the directory cannot be written, or holds a file of such a name that is not a study's.
-    """
-    # -P: Python imports no modules from the working directory
-    command = [sys.executable, "-P", "-m", "workflow", *words]
-    text = render_command(options, f"granchain-{words[0]}", command, cores=cores, jobs=jobs, directory=directory)
-    scheduler = options.of_scheduler
-    make_directory(directory)
-    claim(directory, (scheduler.script, file_names.JOB_OUTPUT))
-    retire(directory, set(file_names.JOBS).difference([scheduler.script]))
-    write_text(directory / scheduler.script, text)
-    print(f"`{scheduler.by_hand}` in {directory} submits the job; {file_names.JOB_OUTPUT} holds its output")
-    return CommandResult(0, {"job": str(directory / scheduler.script)})
 
 
 def split(text: str, option: str, example: str) -> tuple[str, str]:

@@ -12,7 +12,7 @@ from stock_lammps import run as run_stock
 
 from lammps_inputs import file_names, strict_yaml
 from workflow.cli import main
-from workflow.plugins.jobs import job
+from workflow.plugins.jobs import job, job_files
 from workflow.plugins.jobs.site import JobOptions
 from workflow.runs.files import parts
 from workflow.runs.run_directory import RunDirectory
@@ -70,7 +70,7 @@ def test_a_job_of_two_ranks_waits_runs_and_ends_bit_for_bit_as_a_run_on_this_mac
     assert (state_of(directory).state, state_of(directory).why) == ("waiting", f"job {number}")
     cluster.call("qrls", number)
     cluster.wait()
-    assert state_of(directory).state == "done", (directory / file_names.JOB_OUTPUT).read_text()
+    assert state_of(directory).state == "done", (directory / job_files.OUTPUT).read_text()
     assert "  2 by 1 by 1 MPI processor grid" in (directory / file_names.LOG).read_text()
     assert_same(directory, run_stock(SHORT, tmp_path / "local"))
 
@@ -82,12 +82,12 @@ def test_a_job_near_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_th
     monkeypatch.setattr(job, "STRETCH", 0.005)  # seconds, of some twenty milliseconds
     directory = written(SHORT, tmp_path / "job", ranks_per_node=1, time="00:01:00", margin=55)
     # the first job computes no more than one stretch until its timer ends
-    path, pause = directory / file_names.JOB_INPUT, directory / "pause"
+    path, pause = directory / job_files.INPUT, directory / "pause"
     path.write_text(path.read_text().replace("label stretch", f"shell sh {pause.name}\n\nlabel stretch"))
-    pause.write_text(f"[ -f {file_names.RESTART} ] || until grep stop {file_names.JOB_FLAG}; do sleep 0.1; done\n")
+    pause.write_text(f"[ -f {file_names.RESTART} ] || until grep stop {job_files.FLAG}; do sleep 0.1; done\n")
     cluster.submit(directory)
     cluster.wait()
-    assert state_of(directory).state == "done", (directory / file_names.JOB_OUTPUT).read_text()
+    assert state_of(directory).state == "done", (directory / job_files.OUTPUT).read_text()
     assert len(parts(directory)) == 2
     assert_same(directory, run_stock(SHORT, tmp_path / "whole"))
 
@@ -115,10 +115,10 @@ def test_an_array_of_three_cases_of_which_two_may_run_at_once(cluster, tmp_path,
 def test_a_job_that_was_killed_is_incomplete_and_resumes_when_submitted_again(cluster, tmp_path):
     directory = written(ENDLESS, tmp_path / "job", ranks_per_node=1)
     number = cluster.submit(directory)
-    assert wait_until((directory / file_names.RESTART).exists), (directory / file_names.JOB_OUTPUT).read_text()
+    assert wait_until((directory / file_names.RESTART).exists), (directory / job_files.OUTPUT).read_text()
     assert (state_of(directory).state, state_of(directory).why) == ("running", f"job {number}")
     cluster.submit(directory)
-    assert wait_until(lambda: "computes here" in (directory / file_names.JOB_OUTPUT).read_text())
+    assert wait_until(lambda: "computes here" in (directory / job_files.OUTPUT).read_text())
     for process in working_in(directory):
         with contextlib.suppress(ProcessLookupError):  # ends with the others
             os.kill(process, signal.SIGKILL)
@@ -129,7 +129,7 @@ def test_a_job_that_was_killed_is_incomplete_and_resumes_when_submitted_again(cl
         f"job {number} is gone: killed, or its node lost; `qsub job.sge` there resumes at step "
     )
     cluster.submit(directory)
-    assert wait_until((directory / "chains.dump.2.bin").exists), (directory / file_names.JOB_OUTPUT).read_text()
+    assert wait_until((directory / "chains.dump.2.bin").exists), (directory / job_files.OUTPUT).read_text()
 
 
 @pytest.mark.slow
@@ -140,4 +140,4 @@ def test_a_command_that_is_stopped_near_its_time_limit_is_submitted_again_and_re
     (tmp_path / "job.sge").write_text(job.render_command(options, "stopped", ["bash", "-c", script], cores=2))
     cluster.submit(tmp_path)
     cluster.wait()
-    assert "again" in (tmp_path / file_names.JOB_OUTPUT).read_text()
+    assert "again" in (tmp_path / job_files.OUTPUT).read_text()

@@ -21,10 +21,11 @@ from stock_lammps import run as run_stock
 
 from analysis.files.recording import blocks
 from analysis.trajectory import joined
-from lammps_inputs import InputError, Output, file_names, window
+from lammps_inputs import InputError, Output, file_names, library, window
 from lammps_inputs.decks import deck
 from workflow.engines.lammps.files_on_disk import step_of
-from workflow.plugins.jobs import job, site
+from workflow.plugins.jobs import job, job_files, site
+from workflow.plugins.jobs.schedulers import SLURM
 from workflow.plugins.jobs.site import JobOptions
 from workflow.runs.files import parts
 from workflow.runs.run_directory import RunDirectory
@@ -72,7 +73,7 @@ BEFORE_RESTART = "before_a_restart"
 
 def restart_often(directory, case):
     """Let a job leave a restart after every tenth of a run, and run an empty script of ours before each."""
-    path, grain = directory / file_names.JOB_INPUT, window.stride(case.problem())
+    path, grain = directory / job_files.INPUT, window.stride(case.problem())
     steps, before = case.problem().steps, 'then "jump SELF stretch"\n'
     text = path.read_text()
     for pattern, new in (
@@ -89,13 +90,13 @@ def restart_often(directory, case):
 @contextlib.contextmanager
 def job_of(directory, **environment):
     """The script in the environment that Slurm gives it, with its output where Slurm puts it."""
-    head = (directory / file_names.JOB).read_text()
+    head = (directory / SLURM.script).read_text()
     nodes, ranks = (re.search(rf"^#SBATCH .*--{name}=(\d+)", head, flags=re.MULTILINE)[1] for name in REQUESTS)
     variables = {"SLURM_JOB_ID": 1, "SLURM_JOB_NUM_NODES": nodes, "SLURM_NTASKS_PER_NODE": ranks, **environment}
     with (
-        (directory / file_names.JOB_OUTPUT).open("a") as output,
+        (directory / job_files.OUTPUT).open("a") as output,
         subprocess.Popen(
-            ["bash", file_names.JOB],
+            ["bash", SLURM.script],
             cwd=directory,
             env={**os.environ, **{name: str(value) for name, value in variables.items()}},
             stdin=subprocess.DEVNULL,
@@ -117,7 +118,7 @@ REQUESTS = ("nodes", "ntasks-per-node")
 
 def go(directory, **environment):
     """Run the script to its end; what it adds to its output."""
-    output = directory / file_names.JOB_OUTPUT
+    output = directory / job_files.OUTPUT
     before = output.read_text() if output.exists() else ""
     with job_of(directory, **environment) as process:
         process.wait(HANGS)
@@ -127,7 +128,7 @@ def go(directory, **environment):
 def stop(directory, computing=None, **environment):
     """Run the script, and signal as Slurm does that its time limit is near, when it computes in some directory."""
     with job_of(directory, **environment) as process:
-        assert wait_until((computing or directory).joinpath(file_names.JOB_FLAG).exists, process)
+        assert wait_until((computing or directory).joinpath(job_files.FLAG).exists, process)
         process.send_signal(signal.SIGUSR1)
         process.wait(HANGS)
 
@@ -137,7 +138,7 @@ LINE = re.compile(r"(\w+) job=(\S*) cluster=(\S*) host=(\S+) at=(\S+) until=(\S+
 
 def state(directory):
     """State, job, cluster, host, times, and reason of the line that a job left."""
-    text = (directory / file_names.JOB_STATE).read_text()
+    text = (directory / job_files.STATE).read_text()
     assert len(text) == 501
     return LINE.fullmatch(text).groups()
 
@@ -208,7 +209,7 @@ def test_a_job_resumes_from_the_restart_of_a_run_that_was_no_job_bit_for_bit(tmp
     directory = placed(case, tmp_path / "job", checkpoint=1)
     restart_often(directory, case)
     kill_after_a_restart(directory)
-    for name in (file_names.JOB_FRAMES, file_names.JOB_STATE, file_names.JOB_FLAG):
+    for name in (job_files.FRAMES, job_files.STATE, job_files.FLAG):
         (directory / name).unlink()
     go(directory)
     assert ended(directory) == ("done", "")
@@ -239,16 +240,16 @@ def good(tmp_path_factory):
 
 @pytest.mark.slow
 def test_a_job_that_is_done_does_nothing_when_it_runs_again(good):
-    before = {path.name: path.stat().st_mtime_ns for path in good.iterdir() if path.name != file_names.JOB_OUTPUT}
+    before = {path.name: path.stat().st_mtime_ns for path in good.iterdir() if path.name != job_files.OUTPUT}
     assert "this run is done" in go(good)
-    after = {path.name: path.stat().st_mtime_ns for path in good.iterdir() if path.name != file_names.JOB_OUTPUT}
+    after = {path.name: path.stat().st_mtime_ns for path in good.iterdir() if path.name != job_files.OUTPUT}
     assert after == before
 
 
 def test_a_job_that_is_done_leaves_its_results_and_nothing_that_only_a_resumed_one_needs(good):
     assert {path.name for path in good.iterdir()} == {
         *(file_names.SCENE, file_names.DECK, file_names.DATA, file_names.DUMP, file_names.LOG),
-        *(file_names.JOB, file_names.JOB_STATE, file_names.JOB_OUTPUT),
+        *(SLURM.script, job_files.STATE, job_files.OUTPUT),
     }
 
 
@@ -325,7 +326,7 @@ def placed_task(directory, cases, **options):
     directory.mkdir()
     for name, case in cases.items():
         placed(case, directory / name)
-        (directory / name / file_names.JOB).unlink()
+        (directory / name / SLURM.script).unlink()
     chosen = JobOptions(**{"lmp": str(WHEEL), "launcher": LAUNCHER, "checkpoint": 2, **options})
     for name, text in job.render_array(chosen, [tuple(cases)]).items():
         (directory / name).write_text(text)
@@ -349,10 +350,10 @@ def test_a_task_of_several_cases_does_each_once_also_those_after_one_that_fails(
     frames = (alone / file_names.DUMP).read_bytes()
     assert all((directory / name / file_names.DUMP).read_bytes() == frames for name in ("one", "two"))
     bad.write_text(whole)
-    before = (directory / "one" / file_names.JOB_STATE).stat().st_mtime_ns
+    before = (directory / "one" / job_files.STATE).stat().st_mtime_ns
     go(directory, SLURM_ARRAY_TASK_ID=0)
     assert ended(directory / "bad")[0] == "done"
-    assert (directory / "one" / file_names.JOB_STATE).stat().st_mtime_ns == before
+    assert (directory / "one" / job_files.STATE).stat().st_mtime_ns == before
 
 
 @pytest.mark.slow
@@ -367,8 +368,8 @@ def test_what_the_time_limit_leaves_of_a_task_is_done_by_the_next_job(tmp_path):
     assert submitted.read_text() == words
     assert state(directory / "long")[:2] == ("waiting", "17")
     assert (directory / "long" / file_names.RESTART).exists()
-    assert not (directory / "after" / file_names.JOB_STATE).exists()
-    (directory / "long" / file_names.JOB_INPUT).unlink()  # as where it is done
+    assert not (directory / "after" / job_files.STATE).exists()
+    (directory / "long" / job_files.INPUT).unlink()  # as where it is done
     go(directory, **task)
     assert ended(directory / "after")[0] == "done"
 
@@ -424,7 +425,7 @@ def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not(
         constraint="milan",
         array_limit=3,
     )
-    script = job.render_array(options, ["a", "b"], name="many")[file_names.JOB]
+    script = job.render_array(options, ["a", "b"], name="many")[SLURM.script]
     assert requests(script) == [
         "job-name=many",
         "nodes=2",
@@ -439,7 +440,7 @@ def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not(
         r"output=\\job.out",
         "open-mode=append",
     ]
-    plain = job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB]
+    plain = job.render_job(JobOptions(), scene(beads=4).problem())[SLURM.script]
     assert [word.partition("=")[0] for word in requests(plain)] == [
         *("job-name", "nodes", "ntasks-per-node", "time", "signal", "output", "open-mode")
     ]
@@ -449,13 +450,13 @@ def test_a_written_job_is_at_most_sixty_lines_of_shell_beside_its_requests_and_c
     options = JobOptions(partition="long", account="grains", qos="high", constraint="milan", modules=("gcc", "lammps"))
     backslash = pathlib.Path("a\\b")  # takes a line more
     scripts = [
-        job.render_job(options, scene(beads=4).problem(), backslash)[file_names.JOB],
-        job.render_array(options, ["a", "b"], directory=backslash)[file_names.JOB],
+        job.render_job(options, scene(beads=4).problem(), backslash)[SLURM.script],
+        job.render_array(options, ["a", "b"], directory=backslash)[SLURM.script],
         job.render_command(options, "many", ["granchain", "fit"], cores=4, directory=backslash),
     ]
     for script in scripts:
         assert len(re.findall(r"^\s*[^#\s]", script, flags=re.MULTILINE)) <= 60
-    assert len(job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB].splitlines()) <= 60
+    assert len(job.render_job(JobOptions(), scene(beads=4).problem())[SLURM.script].splitlines()) <= 60
 
 
 @pytest.mark.parametrize(("time", "seconds"), [("00:10:00", 600), ("1-12:30:05", 131405), ("100:00:00", 360000)])
@@ -484,8 +485,8 @@ def test_hostile_text_is_refused_or_one_quoted_word(option, text, tmp_path):
         assert refusal.isprintable()
         return
     assert option in ("lmp", "launcher")
-    script = job.render_job(options, scene(beads=4).problem())[file_names.JOB]
-    assert requests(script) == requests(job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB])
+    script = job.render_job(options, scene(beads=4).problem())[SLURM.script]
+    assert requests(script) == requests(job.render_job(JobOptions(), scene(beads=4).problem())[SLURM.script])
     values = script.split("# In this directory")[1].split("ends=")[0].partition("\n")[2]
     shown = subprocess.run(
         ["bash", "-c", values + '\nprintf "%s\\0" "${lammps[@]}"'],
@@ -507,8 +508,8 @@ def test_no_text_makes_a_line_of_its_own(text, option):
         options = JobOptions(**{option: (text,) if option == "modules" else text})
     except ValidationError:
         return
-    script = job.render_job(options, scene(beads=4).problem())[file_names.JOB]
-    plain = job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB]
+    script = job.render_job(options, scene(beads=4).problem())[SLURM.script]
+    plain = job.render_job(JobOptions(), scene(beads=4).problem())[SLURM.script]
     more = {"partition": 1, "account": 1, "modules": 2}
     assert len(script.splitlines()) == len(plain.splitlines()) + more.get(option, 0)
 
@@ -529,7 +530,7 @@ def test_a_list_of_cases_that_leads_elsewhere_is_refused(cases):
 
 @given(st.sets(st.integers(0, 40), min_size=1))
 def test_an_array_is_of_the_tasks_that_are_asked_for(tasks):
-    script = job.render_array(JobOptions(), [f"c{number}" for number in range(41)], tasks=sorted(tasks))[file_names.JOB]
+    script = job.render_array(JobOptions(), [f"c{number}" for number in range(41)], tasks=sorted(tasks))[SLURM.script]
     (numbers,) = (word.removeprefix("array=") for word in requests(script) if word.startswith("array="))
     read = set()
     for part in numbers.split(","):
@@ -566,9 +567,9 @@ def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell_and_no_ot
     thesis.write_text("all of it")
     (tmp_path / "x").mkdir()
     directory = placed(scene(beads=4), tmp_path / "x" / "job", ranks_per_node=1)
-    (directory / file_names.JOB_STATE).write_text("running job=$(touch\tpwned);touch\tpwned cluster=$(touch pwned)\n")
+    (directory / job_files.STATE).write_text("running job=$(touch\tpwned);touch\tpwned cluster=$(touch pwned)\n")
     (directory / file_names.RESTART).write_text("none")
-    (directory / file_names.JOB_FRAMES).write_text(f"{frames}\n")
+    (directory / job_files.FRAMES).write_text(f"{frames}\n")
     go(directory)
     assert ended(directory)[0] == "failed"
     assert ended(directory)[1].endswith("is shorter than at the restart, or job.frames is damaged")
@@ -610,3 +611,11 @@ def test_a_site_is_found_where_the_environment_says_else_at_home(tmp_path, monke
     monkeypatch.setenv(site.VARIABLE, "/else/where.yaml")
     assert str(site.find_site()) == "/else/where.yaml"
     assert site.find_site(home) == home
+
+
+def test_the_job_of_a_law_by_lepton_looks_at_its_flag_every_few_seconds_not_minutes():
+    formula = {"name": "a", "beads": 40, "kick": {"velocity": 1}, "contact": {"force": "A*(exp(s) - 1)", "A": 1}}
+    step = 1e-3 * library.from_plain({**formula, "duration": 1.0}, "a").scale.time
+    case = library.from_plain({**formula, "timestep": step, "duration": step}, "a")
+    lines = job._stretch_lines(case.problem())
+    assert float(re.search(r"variable seconds equal ([\d.e-]+)", lines[0])[1]) > 1e-4

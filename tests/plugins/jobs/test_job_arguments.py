@@ -6,7 +6,8 @@ import pytest
 
 from lammps_inputs import file_names
 from workflow.cli import main
-from workflow.plugins.jobs import site
+from workflow.plugins.jobs import job_files, site
+from workflow.plugins.jobs.schedulers import SLURM
 from workflow.runs.files import RECORD
 
 
@@ -28,7 +29,7 @@ def test_a_job_is_added_and_the_deck_is_byte_for_byte_the_one_without(tmp_path, 
     for name in (file_names.DECK, file_names.DATA, file_names.SCENE):
         assert (plain / name).read_bytes() == (with_job / name).read_bytes()
     assert {path.name for path in with_job.iterdir()} - {path.name for path in plain.iterdir()} == {
-        *(file_names.JOB, file_names.JOB_INPUT, "in.continue"),
+        *(SLURM.script, job_files.INPUT, "in.continue"),
     }
     said = capsys.readouterr().out
     assert "on 1 rank of 240 beads" in said
@@ -40,12 +41,12 @@ def test_options_stand_in_the_script_and_win_over_the_site_that_the_environment_
     sites.write_text("partition: long\naccount: grains\ntime: 01:00:00\nmodules: [gcc/12]\n")
     monkeypatch.setenv(site.VARIABLE, str(sites))
     assert main(["deck", "two-chains", "-o", str(tmp_path / "site"), "--slurm"]) == 0
-    assert "\n    module load gcc/12 || " in (tmp_path / "site" / file_names.JOB).read_text()
+    assert "\n    module load gcc/12 || " in (tmp_path / "site" / SLURM.script).read_text()
     words = ["--slurm", "--partition", "short", "--nodes", "2", "--ranks-per-node", "4"]
     words += ["--module", "gcc/13", "--module", "lammps", "--lmp", "/opt/my lammps/lmp"]
     words += ["--launcher", "mpirun -np {ranks}"]
     assert main(["deck", "two-chains", "-o", str(tmp_path / "run"), *words]) == 0
-    script = (tmp_path / "run" / file_names.JOB).read_text()
+    script = (tmp_path / "run" / SLURM.script).read_text()
     assert {"partition=short", "account=grains", "time=01:00:00", "nodes=2", "ntasks-per-node=4"} <= set(asked(script))
     assert "\nlammps=(mpirun -np \"$ranks\" '/opt/my lammps/lmp' " in script
     assert "\n    module load gcc/13 lammps || " in script
@@ -56,10 +57,10 @@ def test_a_deck_is_not_written_over_a_job_unless_asked_and_then_nothing_of_it_is
     directory = tmp_path / "run"
     assert main(["deck", "two-chains", "-o", str(directory), "--slurm"]) == 0
     for name in (
-        file_names.JOB_STATE,
-        file_names.JOB_FLAG,
-        file_names.JOB_FRAMES,
-        file_names.JOB_OUTPUT,
+        job_files.STATE,
+        job_files.FLAG,
+        job_files.FRAMES,
+        job_files.OUTPUT,
         "chains.dump.bin",
         "chains.dump.2.bin",
     ):

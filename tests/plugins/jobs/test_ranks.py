@@ -13,8 +13,9 @@ from lammps_inputs import file_names, find
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.library import installed
 from lammps_inputs.numbers import size_text, time_text
-from workflow import cost_model
-from workflow.plugins.jobs.step_time import MESSAGES, bead_seconds
+from workflow.cost_model import cost
+from workflow.plugins.jobs import ranks
+from workflow.step_time import MESSAGES, bead_seconds
 
 PEAK_MEMORY = f"""
 import resource, subprocess
@@ -30,41 +31,41 @@ def many(beads, coupled=True, chains=100):
 @pytest.mark.parametrize("name", installed())
 def test_the_scenes_of_the_paper_are_too_small_for_a_second_rank(name):
     case = find(name).model_copy(update={"until_bead": None, "duration": 1.0})
-    assert cost_model.advised(case.problem(), 64) == 1
+    assert ranks.advised(case.problem(), 64) == 1
 
 
 @given(st.integers(2, 10**6), st.integers(1, 10**4), st.integers(1, 4096), st.booleans())
 def test_no_rank_has_fewer_beads_than_its_messages_are_worth_or_fewer_than_twenty_rows(beads, chains, most, coupled):
     what = problem(chains=chains, beads=beads, kappa=0.1 if coupled else 0.0)
-    advised = cost_model.advised(what, most)
+    advised = ranks.advised(what, most)
     assert 1 <= advised <= most
     if advised > 1:
-        assert chains * beads / advised >= cost_model.least_beads(what)
-        assert beads / advised >= cost_model.LEAST_ROWS
+        assert chains * beads / advised >= ranks.least_beads(what)
+        assert beads / advised >= ranks.LEAST_ROWS
 
 
 def test_ranks_that_make_a_run_slower_than_one_alone_are_told_and_no_others():
     few = many(240, chains=2)
-    assert cost_model.cost(few, 2).seconds > cost_model.cost(few, 1).seconds
-    alone = time_text(cost_model.cost(few, 1).seconds)
-    assert cost_model.too_many(few, 2) == f"one rank would be faster: about {alone} with --nodes 1 --ranks-per-node 1"
-    assert cost_model.too_many(few, 1) == ""
-    assert cost_model.too_many(many(10**4), 2) == ""
+    assert cost(few, 2).seconds > cost(few, 1).seconds
+    alone = time_text(cost(few, 1).seconds)
+    assert ranks.too_many(few, 2) == f"one rank would be faster: about {alone} with --nodes 1 --ranks-per-node 1"
+    assert ranks.too_many(few, 1) == ""
+    assert ranks.too_many(many(10**4), 2) == ""
 
 
 @pytest.mark.parametrize("coupled", [True, False])
 def test_a_rank_with_the_least_beads_spends_a_tenth_of_its_time_on_messages(coupled):
     what = many(10**6, coupled)
-    work = cost_model.least_beads(what) * bead_seconds(what)
-    assert work / (work + MESSAGES) == pytest.approx(cost_model.EFFICIENCY, rel=1e-3)
+    work = ranks.least_beads(what) * bead_seconds(what)
+    assert work / (work + MESSAGES) == pytest.approx(ranks.EFFICIENCY, rel=1e-3)
 
 
 def test_a_hundred_million_beads_on_paper():
-    cost = cost_model.cost(many(10**8, chains=1000), 1000)
-    assert "on 1000 ranks of 100000 beads" in cost.sentence()
-    assert "2 ms a step" in cost.sentence()
-    assert "140 GB of memory" in cost.sentence()
-    assert "(2.4 GB each)" in cost.sentence()
+    sentence = ranks.sentence(many(10**8, chains=1000), 1000)
+    assert "on 1000 ranks of 100000 beads" in sentence
+    assert "2 ms a step" in sentence
+    assert "140 GB of memory" in sentence
+    assert "(2.4 GB each)" in sentence
 
 
 @pytest.mark.parametrize(
@@ -76,10 +77,10 @@ def test_bytes_of_a_frame_of_a_restart_and_of_memory_are_those_of_a_real_run(cas
     lines = [f"include {file_names.DECK}", *continuation.restart_lines(case.problem())]
     (tmp_path / "in.both").write_text("\n".join(lines) + "\n")
     done = subprocess.run([sys.executable, "-c", PEAK_MEMORY], cwd=tmp_path, capture_output=True, text=True, check=True)
-    cost = cost_model.cost(case.problem(), 1)
-    assert cost.frames == pytest.approx((tmp_path / file_names.DUMP).stat().st_size, rel=0.01)
-    assert cost.restart == pytest.approx((tmp_path / file_names.UNFINISHED).stat().st_size, rel=0.25)
-    assert 0.5 * cost.memory < int(done.stdout) < 1.2 * cost.memory
+    assert cost(case.problem(), 1).frames == pytest.approx((tmp_path / file_names.DUMP).stat().st_size, rel=0.01)
+    assert ranks.restart(case.problem()) == pytest.approx((tmp_path / file_names.UNFINISHED).stat().st_size, rel=0.25)
+    memory = ranks.memory(case.problem(), 1)
+    assert 0.5 * memory < int(done.stdout) < 1.2 * memory
 
 
 def test_times_and_bytes_are_told_in_units_that_people_read():

@@ -19,8 +19,9 @@ from stock_lammps import run as run_stock
 from lammps_inputs import InputError, file_names, strict_yaml
 from lammps_inputs.decks import deck
 from workflow.cli import main
-from workflow.plugins.jobs import job, schedulers, site
-from workflow.plugins.jobs.schedulers import ListedJob
+from workflow.plugins.jobs import job, job_files, schedulers, site
+from workflow.plugins.jobs.registry import SCHEDULERS
+from workflow.plugins.jobs.schedulers import SLURM, ListedJob
 from workflow.plugins.jobs.site import JobOptions
 from workflow.runs.files import parts
 from workflow.runs.run_directory import RunDirectory
@@ -157,9 +158,9 @@ def test_a_job_is_for_the_scheduler_of_the_site_and_replaces_one_for_another(tmp
     assert main(["deck", str(case), "-o", str(directory), "--slurm"]) == 0
     assert main(["deck", str(case), "-o", str(directory), "--job", "--overwrite"]) == 0
     assert "`qsub job.pbs` there submits the job" in capsys.readouterr().out
-    assert not (directory / file_names.JOB).exists()
+    assert not (directory / SLURM.script).exists()
     assert '\nlammps=(mpirun -np "$ranks" /opt/lmp ' in (directory / "job.pbs").read_text()
-    assert (directory / file_names.JOB_INPUT).read_text().startswith("# For job.pbs: ")
+    assert (directory / job_files.INPUT).read_text().startswith("# For job.pbs: ")
 
 
 # --- what they do -----------------------------------------------------------------------------------------------------
@@ -208,7 +209,7 @@ class Shell:
 
     def state(self, directory=None):
         """State, job and cluster that the job left."""
-        line = ((directory or self.directory) / file_names.JOB_STATE).read_text()
+        line = ((directory or self.directory) / job_files.STATE).read_text()
         return re.match(r"(\w+) job=(\S*) cluster=(\S*) ", line).groups()
 
 
@@ -224,7 +225,7 @@ def place(case, directory):
     deck.write(case, directory)
     for name, text in job.case_files(case.problem()).items():
         (directory / name).write_text(text.replace("label stretch", "shell sh pause\n\nlabel stretch"))
-    wait = f"[ -f {file_names.RESTART} ] || until grep stop {file_names.JOB_FLAG}; do sleep 0.1; done\n"
+    wait = f"[ -f {file_names.RESTART} ] || until grep stop {job_files.FLAG}; do sleep 0.1; done\n"
     (directory / "pause").write_text(wait)
 
 
@@ -267,7 +268,7 @@ def test_a_task_near_its_limit_submits_itself_alone_for_when_its_job_has_surely_
     assert shell.state(shell.directory / "b") == ("waiting", "18.2", "master")
     submitted = shell.submitted.read_text()
     moment = re.search(r"-a (\S+)", submitted)[1]
-    until = re.search(r"until=(\S+)", (shell.directory / "b" / file_names.JOB_STATE).read_text())[1]
+    until = re.search(r"until=(\S+)", (shell.directory / "b" / job_files.STATE).read_text())[1]
     assert moment == until[:19].translate({ord(sign): None for sign in "-T:"})[:12] + "." + until[17:19]
     if name == "pbs":
         words = [("-J", "2-3:2"), ("-a", moment), ("-v", "granchain_job=2")]
@@ -299,9 +300,9 @@ def test_a_job_does_not_compute_where_another_one_runs(name, listing, tmp_path):
     place(CASE, shell.directory)
     (shell.directory / f"job.{name}").write_text(job.render_job(options(name), CASE.problem())[f"job.{name}"])
     shell.stub("qstat", f"cat <<'END'{listing}END")
-    (shell.directory / file_names.JOB_STATE).write_text("running job=16.4 cluster=master\n")
+    (shell.directory / job_files.STATE).write_text("running job=16.4 cluster=master\n")
     shell.run()
-    assert (shell.directory / file_names.JOB_OUTPUT).read_text() == "granchain: job 16.4 runs here\n"
+    assert (shell.directory / job_files.OUTPUT).read_text() == "granchain: job 16.4 runs here\n"
 
 
 @pytest.mark.slow
@@ -320,7 +321,7 @@ def test_a_job_of_pbs_that_is_deleted_says_so(tmp_path):
         os.killpg(process.pid, signal.SIGTERM)
         process.wait(HANGS)
     assert shell.state()[0] == "incomplete"
-    assert "cancelled, or stopped at its time limit" in (shell.directory / file_names.JOB_STATE).read_text()
+    assert "cancelled, or stopped at its time limit" in (shell.directory / job_files.STATE).read_text()
     assert not shell.submitted.exists()
 
 
@@ -355,4 +356,4 @@ def test_the_queue_of_pbs_is_read_with_tasks_by_their_number_and_without_jobs_th
 
 
 def test_where_no_scheduler_answers_there_is_no_queue():
-    assert all(scheduler.queue(lambda *_: None) is None for scheduler in schedulers.SCHEDULERS.values())
+    assert all(scheduler.queue(lambda *_: None) is None for scheduler in SCHEDULERS.values())

@@ -14,7 +14,8 @@ from stock_lammps import run as run_stock
 from lammps_inputs import file_names, library, strict_yaml
 from lammps_inputs.decks import deck
 from workflow.cli import main
-from workflow.plugins.jobs import job
+from workflow.plugins.jobs import job, job_files
+from workflow.plugins.jobs.schedulers import SLURM
 from workflow.plugins.jobs.site import JobOptions
 from workflow.runs.files import parts
 from workflow.runs.run_directory import RunDirectory
@@ -86,7 +87,7 @@ def test_a_job_of_two_ranks_ends_bit_for_bit_as_a_run_on_this_machine(cluster, t
     cluster.submit(directory)
     assert told(directory).state in ("waiting", "running")
     cluster.wait()
-    assert told(directory).state == "done", (directory / file_names.JOB_OUTPUT).read_text()
+    assert told(directory).state == "done", (directory / job_files.OUTPUT).read_text()
     assert "  2 by 1 by 1 MPI processor grid" in (directory / file_names.LOG).read_text()
     assert_same(directory, run_stock(SHORT, tmp_path / "local"))
     assert main(["analyze", str(directory), "--no-figures"]) == 0
@@ -100,7 +101,7 @@ def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, 
     cluster.submit(directory)
     cluster.wait()
     assert told(directory).state == "done", list(tmp_path.rglob("job.out"))
-    assert (directory / file_names.JOB_OUTPUT).is_file()
+    assert (directory / job_files.OUTPUT).is_file()
     assert_same(directory, run_stock(SHORT, tmp_path / "local"))
 
 
@@ -112,16 +113,14 @@ def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_
     case = library.from_plain(DIVERSE, "test")
     directory = written(case, tmp_path / "job", ranks_per_node=1, time="00:01:00", margin=50)
     # the first job computes no more than one stretch until Slurm sends the signal
-    text, wait_for_signal = (directory / file_names.JOB_INPUT).read_text(), directory / "wait_for_signal"
-    (directory / file_names.JOB_INPUT).write_text(
+    text, wait_for_signal = (directory / job_files.INPUT).read_text(), directory / "wait_for_signal"
+    (directory / job_files.INPUT).write_text(
         text.replace("label stretch", f"shell sh {wait_for_signal.name}\n\nlabel stretch")
     )
-    wait_for_signal.write_text(
-        f"[ -f {file_names.RESTART} ] || until grep stop {file_names.JOB_FLAG}; do sleep 0.1; done\n"
-    )
+    wait_for_signal.write_text(f"[ -f {file_names.RESTART} ] || until grep stop {job_files.FLAG}; do sleep 0.1; done\n")
     cluster.submit(directory)
     cluster.wait()
-    assert told(directory).state == "done", (directory / file_names.JOB_OUTPUT).read_text()
+    assert told(directory).state == "done", (directory / job_files.OUTPUT).read_text()
     assert len(parts(directory)) > 1
     assert (np.diff(steps_of(directory)) == steps_of(directory)[1]).all()
     assert_same(directory, run_stock(case, tmp_path / "whole"))
@@ -131,11 +130,11 @@ def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_
 @pytest.mark.slow
 def test_a_shell_that_slurm_cannot_start_is_told_in_the_output(cluster, tmp_path):
     directory = written(SHORT, tmp_path / "job", ranks_per_node=1)
-    script = directory / file_names.JOB
+    script = directory / SLURM.script
     script.write_text(script.read_text().replace("#!/bin/bash", "#!/nowhere/bash", 1))
     cluster.submit(directory)
     cluster.wait()
-    assert "No such file or directory" in (directory / file_names.JOB_OUTPUT).read_text()
+    assert "No such file or directory" in (directory / job_files.OUTPUT).read_text()
 
 
 @pytest.mark.slow
@@ -177,7 +176,7 @@ def test_in_an_array_a_case_that_fails_is_told_and_the_others_are_done(cluster, 
 def test_a_job_that_was_killed_is_incomplete_and_goes_on_when_submitted_again(cluster, tmp_path):
     directory = written(ENDLESS, tmp_path / "job", ranks_per_node=1)
     number = cluster.submit(directory)
-    assert wait_until((directory / "chains.restart").exists), (directory / file_names.JOB_OUTPUT).read_text()
+    assert wait_until((directory / "chains.restart").exists), (directory / job_files.OUTPUT).read_text()
     found = told(directory)
     assert (found.state, found.steps) == ("running", 10**8)
     assert main(["status", str(directory)]) == 0
@@ -193,7 +192,7 @@ def test_a_job_that_was_killed_is_incomplete_and_goes_on_when_submitted_again(cl
     assert "job " + number + " is gone" in found.why
     assert found.step > 0
     again = cluster.submit(directory)
-    assert wait_until((directory / "chains.dump.2.bin").exists), (directory / file_names.JOB_OUTPUT).read_text()
+    assert wait_until((directory / "chains.dump.2.bin").exists), (directory / job_files.OUTPUT).read_text()
     assert wait_until(lambda: told(directory).step > found.step, every=POLLED)
     cluster.call("scancel", again)
     cluster.wait()

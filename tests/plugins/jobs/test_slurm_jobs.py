@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from stock_lammps import scene
 
-from lammps_inputs import file_names
 from workflow.plugins.jobs import job
+from workflow.plugins.jobs.schedulers import SLURM
 from workflow.plugins.jobs.site import JobOptions
 
 ALL = JobOptions(
@@ -28,10 +28,10 @@ ALL = JobOptions(
 def written(kind):
     directory = Path("/a/b")
     if kind == "deck":
-        return job.render_job(JobOptions(), scene(beads=8).problem(), directory)[file_names.JOB]
+        return job.render_job(JobOptions(), scene(beads=8).problem(), directory)[SLURM.script]
     if kind == "array":
         files = job.render_array(ALL, ["a", ("b", "c"), "d"], tasks=[0, 2], directory=directory)
-        return files[file_names.JOB]
+        return files[SLURM.script]
     options = JobOptions(modules=("gcc",))
     return job.render_command(options, "granchain-fit", ["granchain", "fit", "a b"], cores=4, directory=directory)
 

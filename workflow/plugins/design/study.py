@@ -25,7 +25,6 @@ from typing import Any
 from lammps_inputs import InputError, library, strict_yaml
 from workflow.arguments import AnyDefinition, Processes
 from workflow.checked import checked
-from workflow.cost_model import add_job_arguments, job_options
 from workflow.plugins.design import file
 from workflow.plugins.design.file import Design
 from workflow.plugins.design.polish import polished, refuse_no_gradient, smooth
@@ -37,7 +36,7 @@ from workflow.study_kit.directory import Study, csv_text
 from workflow.study_kit.gradient import gradient as derivatives
 from workflow.study_kit.gradient import why_no_derivative
 from workflow.study_kit.kept_run import kept_run
-from workflow.study_kit.options import add_jobs, add_output, as_job, example_file, interrupted
+from workflow.study_kit.options import add_jobs, add_output, example_file, interrupted
 from workflow.study_kit.scene_quantities import by_reference, of_frames, scene_to_run
 from workflow.sweep import fields
 from workflow.verdicts.derivative import HEAD, Derivative
@@ -201,10 +200,7 @@ def _written(value: Any) -> str:
 
 ANSWERS = "what design.json holds"
 FILE = f"DESIGN.yaml:\n{textwrap.indent(example_file(file), '  ')}"
-EXAMPLES = (
-    "design design.yaml -o designed          # the same command resumes",
-    "design design.yaml -o designed --slurm --jobs 64   # then there: sbatch job.sbatch",
-)
+EXAMPLES = ("design design.yaml -o designed          # the same command resumes",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -215,24 +211,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gradient", action="store_true", help="after the search, step on from the best design along derivatives"
     )
-    add_job_arguments(parser)
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Search, verify, print the best; exit code 130 when interrupted, with all that was computed kept."""
-    options = job_options(arguments)
     design = file.load(arguments.design)
-    if options is not None:
-        count = arguments.jobs or options.cores_per_node or 1
-        words = ["design", str(arguments.design.absolute()), "-o", ".", "--jobs", str(count)]
-        words += ["--gradient"] if arguments.gradient else []
-        return as_job(options, arguments.output, words, cores=count)
     try:
         result = carry_out(design, arguments.output, arguments.jobs, gradient=arguments.gradient)
     except KeyboardInterrupt:
         return interrupted()
     _print(result, arguments)
     return CommandResult(0, result.plain())
+
+
+def words(arguments: argparse.Namespace) -> list[str]:
+    """Words of the same command in its directory.
+
+    Raises:
+        InputError: the file is no design.
+    """
+    file.load(arguments.design)
+    path, jobs = str(arguments.design.absolute()), [] if arguments.jobs is None else ["--jobs", str(arguments.jobs)]
+    return ["design", path, "-o", ".", *jobs, *(["--gradient"] if arguments.gradient else [])]
 
 
 def _print(result: DesignResult, arguments: argparse.Namespace) -> None:

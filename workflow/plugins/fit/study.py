@@ -26,7 +26,6 @@ from lammps_inputs import InputError, installed_scenes, library, strict_yaml
 from workflow import formats
 from workflow.arguments import AnyScene, load, source_of
 from workflow.checked import checked
-from workflow.cost_model import add_job_arguments, job_options
 from workflow.formats import figure_files
 from workflow.plugins.fit.estimate import FitResult, estimate
 from workflow.plugins.fit.model import NO_SCENE, Model, aligned, squares
@@ -35,7 +34,7 @@ from workflow.runs.files import as_json
 from workflow.runs.run import run
 from workflow.screen import CommandResult, one_line, print_files, print_table
 from workflow.study_kit.directory import Study
-from workflow.study_kit.options import add_output, as_job
+from workflow.study_kit.options import add_output
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -202,7 +201,6 @@ DRAWS = True
 EXAMPLES = (
     "fit scene.yaml --against data.csv --free coupling.stiffness,kick.velocity -o fitted",
     "fit scene.yaml --against data.csv --free material.youngs_modulus --offset 0 -o fitted   # times as the scene's",
-    "fit scene.yaml --against data.csv --free coupling.stiffness -o fitted --slurm   # then there: sbatch job.sbatch",
 )
 
 
@@ -231,14 +229,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--gradient", action="store_true", help="take derivatives from the tangent flow, not from differences of runs"
     )
     parser.add_argument("--no-lammps", action="store_true", help="do not run the fitted scene in LAMMPS")
-    add_job_arguments(parser)
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Fit and print the result; exit code 1 when the search did not converge or the test of fit rejects the model."""
-    options = job_options(arguments)
-    if options is not None:
-        return as_job(options, arguments.output, _words(arguments), cores=1, jobs=1)
     model = Model(
         library.find(arguments.scene).plain(),
         arguments.scene,
@@ -252,8 +246,12 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     return CommandResult(0 if result.converged and result.fits is not False else 1, result.plain())
 
 
-def _words(arguments: argparse.Namespace) -> list[str]:
-    """Arguments of the command in a job."""
+def words(arguments: argparse.Namespace) -> list[str]:
+    """Words of the same command in its directory.
+
+    Raises:
+        InputError: the scene cannot be used.
+    """
     scene = arguments.scene
     path = scene if scene in installed_scenes.installed() else str(Path(scene).absolute())
     library.find(scene)

@@ -33,9 +33,10 @@ from lammps_inputs.decks import deck
 from lammps_inputs.decks.continuation import onward_lines, render_continuation, restart_lines
 from lammps_inputs.errors import InputError
 from lammps_inputs.problem import Problem
+from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.schedulers import SLURM, Request, Scheduler
 from workflow.plugins.jobs.site import RANKS, JobOptions
-from workflow.plugins.jobs.step_time import MESSAGES, frame_seconds, step_seconds
+from workflow.step_time import MESSAGES, frame_seconds, step_seconds
 
 _DIRECTORY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._=,+-]{0,254}")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
@@ -64,7 +65,7 @@ def case_files(problem: Problem, scheduler: Scheduler = SLURM) -> dict[str, str]
     Raises:
         InputError: the scene asks for what only `granchain run` does.
     """
-    return {file_names.JOB_INPUT: render_input(problem, scheduler), file_names.CONTINUE: render_continuation(problem)}
+    return {job_files.INPUT: render_input(problem, scheduler), file_names.CONTINUE: render_continuation(problem)}
 
 
 def render_array(
@@ -156,7 +157,7 @@ def _deck_job(options: JobOptions, head: list[str], values: list[str]) -> str:
     words = [_with_ranks(word) for word in (*shlex.split(options.launcher or scheduler.launcher), options.lmp)]
     lines = [
         *head,
-        f"# In this directory: {scheduler.by_hand}    State: granchain status .    Output: {file_names.JOB_OUTPUT}",
+        f"# In this directory: {scheduler.by_hand}    State: granchain status .    Output: {job_files.OUTPUT}",
         f"ranks={scheduler.ranks}",
         f"lammps=({' '.join(words)} -log none -screen none -nocite)",
         f"max_jobs={options.max_jobs} checkpoint={options.checkpoint}  # seconds between two restarts",
@@ -214,7 +215,7 @@ def render_command(
     scheduler = options.of_scheduler
     lines = [
         *_head(options, name, directory, [], cores),
-        f"# In this directory: {scheduler.by_hand}    Output: {file_names.JOB_OUTPUT}",
+        f"# In this directory: {scheduler.by_hand}    Output: {job_files.OUTPUT}",
         f"max_jobs={options.max_jobs if jobs is None else jobs}",
         f"command=({shlex.join(words)})",
         *_module_lines(options, "exit 1"),
@@ -230,10 +231,10 @@ def render_input(problem: Problem, scheduler: Scheduler = SLURM) -> str:
     LAMMPS reads ``job.flag`` on one rank and broadcasts the word, so that all ranks see the same. To read the file
     again, the variable is deleted; it must not be deleted by ``next``: LAMMPS of 2021 then crashes.
     """
-    read_flag = ["variable flag delete", f"variable flag file {file_names.JOB_FLAG}"]
+    read_flag = ["variable flag delete", f"variable flag file {job_files.FLAG}"]
     sections = [
         [
-            f"# For {scheduler.script}: the run to its end, or to a restart when {file_names.JOB_FLAG} says stop",
+            f"# For {scheduler.script}: the run to its end, or to a restart when {job_files.FLAG} says stop",
             f"log {file_names.LOG} append",
             "processors ${ranks} 1 1          # refused where copies of LAMMPS were started instead of ranks",
         ],
@@ -257,8 +258,8 @@ def render_input(problem: Problem, scheduler: Scheduler = SLURM) -> str:
             *_keep_lines(problem),
             *read_flag,
             'if "${flag} == full" then "quit 1"',
-            f'if "${{left}} == 0" then "print done file {file_names.JOB_FLAG}" "quit"',
-            f'if "${{flag}} == stop" then "print stopped file {file_names.JOB_FLAG}" "quit"',
+            f'if "${{left}} == 0" then "print done file {job_files.FLAG}" "quit"',
+            f'if "${{flag}} == stop" then "print stopped file {job_files.FLAG}" "quit"',
             "jump SELF restarted",
         ],
     ]
@@ -334,7 +335,7 @@ def _keep_lines(problem: Problem) -> list[str]:
     The record of the frames is put in place first: where only that was done, it is right for the restart before, too.
     """
     names = list(_dumps(problem))
-    record, restart = f"{file_names.JOB_FRAMES}.part", file_names.UNFINISHED
+    record, restart = f"{job_files.FRAMES}.part", file_names.UNFINISHED
     return [
         *(
             f'print "${{{name}}}:$(v_{name}_bytes:%.0f)" {"append" if number else "file"} {record} screen no'
@@ -342,6 +343,6 @@ def _keep_lines(problem: Problem) -> list[str]:
         ),
         f"shell stat -c %n:%s {' '.join(f'${{{name}}}' for name in names)} | cmp -s - {record} && &",
         f"  tail -c 16 {restart} | grep -q RestartT && &",
-        f"  mv {record} {file_names.JOB_FRAMES} && mv {restart} {file_names.RESTART} || &",
-        f"  echo full 1<>{file_names.JOB_FLAG}",
+        f"  mv {record} {job_files.FRAMES} && mv {restart} {file_names.RESTART} || &",
+        f"  echo full 1<>{job_files.FLAG}",
     ]

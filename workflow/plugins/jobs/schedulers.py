@@ -1,4 +1,4 @@
-"""What differs between the schedulers of clusters, as one table: `SCHEDULERS`.
+"""What differs between the schedulers of clusters, as one table: `OURS`.
 
 All else of a job is the same (`job`, and the shell commands beside it). A text of the table that is shell stands in
 those commands at the place ``@name@`` of its field. Slurm sends a job a signal before its time limit. PBS Professional
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from lammps_inputs import file_names
+from workflow.plugins.jobs import job_files
 
 
 class Request(NamedTuple):
@@ -162,11 +162,11 @@ def _slurm_head(request: Request) -> list[str]:
     if request.site:
         head.append(f"#SBATCH {' '.join(f'--{key}={value}' for key, value in request.site.items())}")
     if "\\" not in str(request.directory):
-        return [*head, rf"#SBATCH --output=\\{file_names.JOB_OUTPUT} --open-mode=append"]
+        return [*head, rf"#SBATCH --output=\\{job_files.OUTPUT} --open-mode=append"]
     return [
         *head,
         "#SBATCH --output=/dev/null",
-        f"[ ! /dev/stdout -ef /dev/null ] || exec >>{file_names.JOB_OUTPUT} 2>&1",
+        f"[ ! /dev/stdout -ef /dev/null ] || exec >>{job_files.OUTPUT} 2>&1",
     ]
 
 
@@ -205,7 +205,7 @@ SLURM = Scheduler(
     title="Slurm",
     submit="sbatch",
     cancel="scancel",
-    script=file_names.JOB,
+    script="job.sbatch",
     launcher="srun",
     options=("qos", "constraint"),
     has_lists=True,
@@ -225,7 +225,7 @@ SLURM = Scheduler(
     line="$((SLURM_ARRAY_TASK_ID + 1))",
     dependency='--dependency="afterany:$SLURM_JOB_ID"',
     task_again='--array=$SLURM_ARRAY_TASK_ID --dependency="afterany:${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"',
-    submission=f"sbatch{{parsable}} {{again}} {file_names.JOB} $(({{number}} + 1))",
+    submission="sbatch{parsable} {again} job.sbatch $(({number} + 1))",
     parsable=" --parsable",
     next="${next%%;*}",
 )
@@ -259,7 +259,7 @@ def _pbs_head(request: Request) -> list[str]:
 
 def _begin(variable: str) -> list[str]:
     """Commands that bring a job into the directory where it was submitted, and open its output there."""
-    return [f'cd -- "${variable}" && exec >>{file_names.JOB_OUTPUT} 2>&1 || exit']
+    return [f'cd -- "${variable}" && exec >>{job_files.OUTPUT} 2>&1 || exit']
 
 
 def _queue_and_account(prefix: str, request: Request) -> list[str]:
@@ -297,7 +297,7 @@ PBS = Scheduler(
     title="PBS Professional",
     submit="qsub",
     cancel="qdel",
-    script=file_names.JOB_OF_PBS,
+    script="job.pbs",
     launcher="mpirun -np {ranks}",
     options=(),
     has_lists=False,
@@ -318,7 +318,7 @@ PBS = Scheduler(
     line="${task}",
     dependency='-W depend=afterany:"$PBS_JOBID"',
     task_again=f"-J $task-$((task + 1)):2 {_AFTER_LIMIT}",
-    submission=f"qsub{{parsable}} {{again}} -v granchain_job=$(({{number}} + 1)) {file_names.JOB_OF_PBS}",
+    submission="qsub{parsable} {again} -v granchain_job=$(({number} + 1)) job.pbs",
     parsable="",
     next="${next" + _NUMBER_AND_TASK,
 )
@@ -375,7 +375,7 @@ GRID_ENGINE = Scheduler(
     title="Grid Engine",
     submit="qsub",
     cancel="qdel",
-    script=file_names.JOB_OF_GRID_ENGINE,
+    script="job.sge",
     launcher="mpirun -np {ranks}",
     options=("parallel_environment", "node_environment"),
     has_lists=True,
@@ -395,10 +395,10 @@ GRID_ENGINE = Scheduler(
     line="${task}",
     dependency="-hold_jid $JOB_ID",
     task_again=f"-t $task {_AFTER_LIMIT}",
-    submission=f"qsub{{parsable}} {{again}} -v granchain_job=$(({{number}} + 1)) {file_names.JOB_OF_GRID_ENGINE}",
+    submission="qsub{parsable} {again} -v granchain_job=$(({number} + 1)) job.sge",
     parsable=" -terse",
     next="${next" + _NUMBER_AND_TASK,
 )
 
-SCHEDULERS = {"slurm": SLURM, "pbs": PBS, "sge": GRID_ENGINE}
-"""Schedulers by the name that users give them."""
+OURS = {"slurm": SLURM, "pbs": PBS, "sge": GRID_ENGINE}
+"""Schedulers by the name that users give them; `registry` adds those of other distributions."""

@@ -9,7 +9,7 @@ import re
 import shlex
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
@@ -17,7 +17,8 @@ from lammps_inputs import schema, strict_yaml
 from lammps_inputs.complaints import describe
 from lammps_inputs.errors import InputError
 from lammps_inputs.output import Limits
-from workflow.plugins.jobs.schedulers import SCHEDULERS, Scheduler
+from workflow.plugins.jobs.registry import SCHEDULERS
+from workflow.plugins.jobs.schedulers import Scheduler
 
 VARIABLE = "GRANCHAIN_SITE"
 DEFAULT_FILE = Path(".config/granchain/site.yaml")
@@ -75,12 +76,18 @@ Executable = Annotated[str, _checked(_is_executable, "should be a name or path, 
 Command = Annotated[str, _checked(_is_command, f"should be a command with its options, such as `mpirun -np {RANKS}`")]
 
 
+if TYPE_CHECKING:
+    SchedulerName = str
+else:
+    SchedulerName = Literal[tuple(SCHEDULERS)]
+
+
 class JobOptions(BaseModel):
     """What a job asks for; everything has a default."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    scheduler: Literal["slurm", "pbs", "sge"] = "slurm"
+    scheduler: SchedulerName = "slurm"
     """Of the cluster: Slurm, PBS Professional or Grid Engine."""
     nodes: Count = 1
     ranks_per_node: Count | None = None
@@ -193,15 +200,15 @@ def load(path: Path) -> dict[str, Any]:
     return data
 
 
-def limits() -> Limits:
-    """Limits of runs on this machine from the site's file; the defaults where there is none.
+def limits() -> tuple[str, Limits]:
+    """Name of the site's file, and limits of runs on this machine from it; none where there is no file.
 
     Raises:
         InputError: as `load`.
     """
     path = find_site()
     named = None if path is None else JobOptions.model_validate(load(path)).limits
-    return named or Limits()
+    return f"~/{DEFAULT_FILE}", named or Limits()
 
 
 def options(named: dict[str, Any], site: Path | None = None) -> JobOptions:

@@ -55,5 +55,6 @@ def view(run_or_sweep: AnyRun, against: AnyRun | None = None) -> Page:
 
     if against is not None:
         return Page(write.write_comparison(directory_of(run_or_sweep), directory_of(against)))
-    is_path = isinstance(run_or_sweep, str | Path)
-    return Page(write.write(Path(run_or_sweep) if is_path else directory_of(run_or_sweep).path))
+    if isinstance(run_or_sweep, str | Path):
+        return Page(write.write(Path(run_or_sweep)))
+    return Page(write.write(directory_of(run_or_sweep).path))

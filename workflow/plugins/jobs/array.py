@@ -6,10 +6,11 @@ from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, file_names, library, load
 from lammps_inputs.decks import deck
-from workflow.cost_model import with_ranks
 from workflow.errors import RunError
-from workflow.plugins.jobs import job
-from workflow.plugins.jobs.schedulers import SCHEDULERS, Scheduler
+from workflow.plugins.jobs import job, job_files
+from workflow.plugins.jobs.ranks import with_ranks
+from workflow.plugins.jobs.registry import JOB_FILES, SCHEDULERS, SCRIPTS
+from workflow.plugins.jobs.schedulers import Scheduler
 from workflow.plugins.jobs.site import JobOptions
 from workflow.prepare.settings import settle
 from workflow.runs.engines import LAMMPS
@@ -81,8 +82,8 @@ def write_array(definition: Sweep, directory: Path, options: JobOptions) -> Writ
         place = {name: number for number, line in enumerate(lines) for name in line}
         tasks = [place[case.name] for case in todo]
         files = job.render_array(options, lines, name=small[0].name, tasks=tasks, directory=directory)
-        claim(directory, (*files, file_names.JOB_OUTPUT))
-        retire(directory, set(file_names.JOBS).difference(files))
+        claim(directory, (*files, job_files.OUTPUT))
+        retire(directory, set(SCRIPTS).difference(files))
         for name, text in files.items():
             write_text(directory / name, text)
     return WrittenSweep(len(cases), len(tasks), len(under_way), options.ranks, len(lines))
@@ -150,9 +151,9 @@ def _write_case(path: Path, wanted: Asked, source: str, scheduler: Scheduler) ->
     for name, text in deck.render(written, problem).items():
         if not (path / name).is_file() or (path / name).read_bytes() != text.encode("utf-8"):  # damaged
             write_text(path / name, text)
-    retire(path, listed(path).difference(LAMMPS_FILES, file_names.JOB_FILES))  # of a run that did not end here
+    retire(path, listed(path).difference(LAMMPS_FILES, JOB_FILES))  # of a run that did not end here
     files = job.case_files(problem, scheduler)
-    claim(path, file_names.JOB_FILES)
+    claim(path, JOB_FILES)
     write_json(path / RECORD, Job(files=sorted(listed(path)), request=wanted.plain()).plain())
     for name, text in files.items():
         write_text(path / name, text)

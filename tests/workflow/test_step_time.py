@@ -1,7 +1,6 @@
 """Estimated times of a step, held against LAMMPS: those of formulas follow from their text, whatever law it spells."""
 
 import os
-import re
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -17,8 +16,7 @@ from lammps_inputs.laws import Pure, formula
 from lammps_inputs.links import Across, Along, Ground
 from workflow import cost_model
 from workflow.engines.lammps import worker
-from workflow.plugins.jobs import job
-from workflow.plugins.jobs.step_time import formula_seconds, step_seconds
+from workflow.step_time import formula_seconds, step_seconds
 
 CHAINS = {"name": "a", "chains": 2, "beads": 40, "coupling": {"stiffness": 0.1}, "kick": {"velocity": 1}}
 CHAIN = {"name": "a", "beads": 40, "kick": {"velocity": 1}}
@@ -146,8 +144,3 @@ def test_formulas_are_counted_by_the_distances_and_the_operations_in_their_text(
     # 4 operations of the force, and 2 in each of two displacements
     one = formula_seconds([DeckLines(motion=(*atoms[2:], "variable push atom 1+x"))])
     assert of_atoms[1] == pytest.approx(8.0 * one[1])
-
-
-def test_the_job_of_a_law_by_lepton_looks_at_its_flag_every_few_seconds_not_minutes():
-    lines = job._stretch_lines(scene(SCENES["formula"]).problem())
-    assert float(re.search(r"variable seconds equal ([\d.e-]+)", lines[0])[1]) > 1e-4

@@ -9,9 +9,10 @@ from sweeps import SMALL, UNTIL, sweep, sweep_file
 from lammps_inputs import library
 from workflow.cli import main
 from workflow.plugins.jobs.schedulers import slurm_jobs
+from workflow.plugins.jobs.states import queue_of
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.runs.status import queue_of, statuses
+from workflow.runs.status import statuses
 
 pytest_plugins = ("slurm",)
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")

@@ -1,0 +1,156 @@
+"""States of directories by what their jobs report, and queues of clusters, without a scheduler on this machine."""
+
+import os
+import re
+import time
+from datetime import datetime
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from run_states import CASE, STEPS, alps, with_deck, with_frames, with_record, with_restart
+
+from lammps_inputs import file_names
+from workflow.plugins.jobs import job, job_files
+from workflow.plugins.jobs.schedulers import SLURM, slurm_jobs
+from workflow.plugins.jobs.site import JobOptions
+from workflow.plugins.jobs.states import queue_of
+from workflow.runs.files import RECORD
+from workflow.runs.status import MEANING, Queue, Queued, status, statuses
+
+
+def with_state(directory, state, *, reason="", ends=3600.0, number="7"):
+    at, until = (datetime.fromtimestamp(time.time() + later).astimezone().isoformat() for later in (0.0, ends))
+    (directory / SLURM.script).write_text("")
+    line = f"{state} job={number} cluster=alps host=n12 at={at} until={until} {reason}"
+    (directory / job_files.STATE).write_text(f"{line:500}\n")
+    return directory
+
+
+def test_a_job_on_a_node_runs(tmp_path):
+    directory = with_state(with_deck(tmp_path / "x"), "running")
+    found = status(with_frames(directory, 30), alps(Queued("7", False, directory.resolve())))
+    assert (found.state, found.step, found.why) == ("running", 300, "job 7")
+
+
+@pytest.mark.parametrize(
+    ("reported", "state"), [(None, "waiting"), ("running", "waiting"), ("failed", "waiting"), ("done", "done")]
+)
+def test_a_job_in_the_queue_waits_whatever_it_said_before_unless_it_is_done(reported, state, tmp_path):
+    directory = with_deck(tmp_path / "x")
+    if reported is not None:
+        with_state(directory, reported)
+    assert status(directory, alps(Queued("8", True, directory.resolve()))).state == state
+
+
+@pytest.mark.parametrize("state", ["running", "waiting"])
+def test_a_job_that_its_cluster_does_not_know_is_incomplete_and_goes_on_with_sbatch(state, tmp_path):
+    found = status(with_state(with_deck(tmp_path / "x"), state), alps())
+    assert found.state == "incomplete"
+    again = "`sbatch job.sbatch` there starts again, as there is no restart"
+    assert found.why == f"job 7 is gone: killed, or its node lost; {again}"
+
+
+@pytest.mark.parametrize("state", ["running", "waiting"])
+@pytest.mark.parametrize("queue", [None, Queue("elsewhere")], ids=["no Slurm", "another cluster's"])
+def test_where_its_queue_cannot_be_asked_a_job_is_what_it_said_last(state, queue, tmp_path):
+    found = status(with_state(with_deck(tmp_path / "x"), state), queue)
+    assert found.state == state
+    at = re.search(r" at=(\S+) ", (tmp_path / "x" / job_files.STATE).read_text())[1]
+    assert found.why.endswith(f"as reported on {datetime.fromisoformat(at):%Y-%m-%d %H:%M} by n12")
+
+
+def test_a_job_of_an_earlier_version_is_done_if_all_frames_are_there(tmp_path):
+    directory = with_frames(with_deck(tmp_path / "x"), STEPS // 10)
+    (directory / job_files.STATE).write_text(f"state done\nstep {STEPS}\nsteps {STEPS}\njob 7\n")
+    assert status(directory, alps()).state == "done"
+    with_frames(directory, STEPS // 20)
+    assert status(directory, alps()).why == "job.state cannot be read; `sbatch job.sbatch` beside cases.txt tries again"
+
+
+def test_a_job_past_its_time_limit_is_incomplete_even_where_its_queue_cannot_be_asked(tmp_path):
+    assert status(with_state(with_deck(tmp_path / "y"), "running", ends=-60.0)).state == "running"  # it may still end
+    found = status(with_state(with_deck(tmp_path / "x"), "running", ends=-3600.0))
+    assert found.state == "incomplete"
+    assert "past its time limit" in found.why
+
+
+@pytest.mark.parametrize("state", ["failed", "incomplete"])
+def test_why_a_job_ended_is_told_with_what_to_do(state, tmp_path):
+    found = status(with_state(with_deck(tmp_path / "x"), state, reason="ERROR: Lost atoms"), alps())
+    assert found.state == state
+    assert found.why.startswith("ERROR: Lost atoms; `sbatch job.sbatch` there ")
+
+
+def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):
+    (tmp_path / file_names.CASES).write_text("a\nb\n")
+    text = f"11|R|0|{tmp_path}\n12|PD|1|{tmp_path}\n13|PD|9|{tmp_path}\n14|CG|N/A|{tmp_path}/c\n"
+    queue = queue_of("alps", slurm_jobs(text))
+    assert [(one.number, one.waiting, one.directory.name) for one in queue.jobs] == [
+        ("11", False, "a"),
+        ("12", True, "b"),
+        ("13", True, tmp_path.name),
+        ("14", False, "c"),
+    ]
+    for name in ("a", "b"):
+        with_deck(tmp_path / name)
+    assert [one.state for one in statuses([tmp_path], queue)] == ["running", "waiting"]
+
+
+def test_a_task_that_is_gone_goes_on_with_its_array(tmp_path):
+    directory = with_state(with_deck(tmp_path / "x"), "running")
+    (directory / SLURM.script).unlink()
+    assert status(directory, alps()).why.endswith(
+        "`sbatch job.sbatch` beside cases.txt starts again, as there is no restart"
+    )
+
+
+@pytest.mark.parametrize(("name", "submission"), [("pbs", "qsub job.pbs"), ("sge", "qsub job.sge")])
+def test_a_job_of_another_scheduler_is_submitted_by_its_command(name, submission, tmp_path):
+    directory = with_deck(tmp_path / "a")
+    array = job.render_array(JobOptions(scheduler=name), ["a"])
+    files = {**job.case_files(CASE.problem()), **{f"../{file}": text for file, text in array.items()}}
+    for file, text in files.items():
+        (directory / file).write_text(text)
+    assert status(directory).why == f"`{submission}` beside cases.txt starts it"
+    (tmp_path / f"job.{name}").rename(directory / f"job.{name}")
+    assert status(directory).why == f"`{submission}` there starts it"
+
+
+@pytest.mark.parametrize("study", [False, True], ids=["deck", "study"])
+def test_a_job_that_was_not_submitted_is_written_and_it_is_said_how_to_submit_it(study, tmp_path):
+    directory = tmp_path / "x"
+    directory.mkdir()
+    if not study:
+        with_deck(directory)
+    for name, text in job.render_job(JobOptions(), CASE.problem()).items():
+        (directory / name).write_text(text)
+    found = status(directory)
+    assert (found.state, found.why) == ("written", "`sbatch job.sbatch` there starts it")
+
+
+def test_a_job_resumes_at_the_step_of_its_restart_or_that_of_its_last_frame_if_it_is_later(tmp_path):
+    directory = with_restart(with_deck(tmp_path / "x"), 400)
+    assert status(with_state(directory, "incomplete"), alps()).why.endswith("there resumes at step 400")
+    with_restart(with_frames(directory, 20), 20 * CASE.problem().steps_per_frame + 7)
+    found = status(directory)
+    assert found.state == "incomplete"
+    assert found.why.endswith(f"resumes at step {found.step}")
+
+
+def test_of_a_job_and_a_local_run_the_later_one_counts(tmp_path):
+    directory = with_record(with_state(with_deck(tmp_path / "x"), "incomplete"), outcome="done", steps_done=STEPS)
+    os.utime(directory / job_files.STATE, (1e9, 1e9))
+    assert status(directory).state == "done"
+    os.utime(directory / RECORD, (9e8, 9e8))
+    assert status(directory, alps()).state == "incomplete"
+
+
+@given(st.binary(max_size=300))
+def test_whatever_stands_in_a_report_the_state_has_a_name_and_one_printable_line(tmp_path_factory, content):
+    directory = with_deck(tmp_path_factory.mktemp("x"))
+    (directory / job_files.STATE).write_bytes(content)
+    for queue in (None, alps()):
+        found = status(directory, queue)
+        assert found.state in MEANING
+        assert found.why.isprintable()
