@@ -13,6 +13,7 @@ import granchain
 from analysis import motion
 from analysis.figures.spacetime import RootScale
 from workflow.cli import main
+from workflow.plugins.pages import function
 from workflow.runs.run_directory import RunDirectory
 from workflow.study_kit.page import HOLDS, Section, Statement, render
 
@@ -189,7 +190,7 @@ def test_the_page_in_a_notebook_is_part_of_it_wherever_it_is_moved(ran, tmp_path
 
 def test_a_large_page_in_a_notebook_is_a_link(ran, monkeypatch):
     page = ran.view()
-    monkeypatch.setattr(granchain, "MOST_EMBEDDED", 1000)
+    monkeypatch.setattr(function, "MOST_EMBEDDED", 1000)
     assert page._repr_html_() == f'<p><a href="{page.path.resolve().as_uri()}">{page.path}</a></p>'
 
 
