@@ -6,14 +6,15 @@
 import textwrap
 from collections.abc import Iterator
 
-from analysis.quantity import Quantity, walk
+from analysis.quantity import Quantity
 from lammps_inputs.units import SI
-from workflow.measures import MEASUREMENTS
-from workflow.plugins.help import terms
-from workflow.verdicts.analysis_report import REPORT, Report
+from workflow.verdicts import terms
 from workflow.verdicts.quantities import QuantityPlace, places
 
 WIDTH = 100
+
+REPORT = "analysis.json"
+"""File whose keys that hold others are sections of the manual's page."""
 
 
 def explained(word: str) -> str | None:
@@ -115,7 +116,7 @@ HEAD = """
 def manual() -> str:
     """The manual's page of quantities, in Markdown."""
     page, last = INTRODUCTION, ""
-    inside = {path[0] for path, _ in walk(Report) if len(path) > 1} | {measurement.key for measurement in MEASUREMENTS}
+    inside = {place.path[0] for place in places() if place.file == REPORT and len(place.path) > 1}
     for place in places():
         grouped = place.file == REPORT and place.path[0] in inside
         name = f"{place.file}: {place.path[0]}" if grouped else place.file

@@ -13,8 +13,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel
 
-from lammps_inputs import Scene, installed_scenes, plugins
-from lammps_inputs.complaints import model_in
+from lammps_inputs import Scene, complaints, installed_scenes, plugins
 from lammps_inputs.materials import CATALOGUE
 from workflow import cli
 from workflow.study_kit.options import example_file
@@ -53,7 +52,7 @@ def words_of(model: type[BaseModel]) -> Iterator[str]:
     """Words that fields of a model, and of its parts, take in place of numbers."""
     for field in model.model_fields.values():
         yield from _words_in(field.annotation)
-        part = model_in(field.annotation)
+        part = complaints.model_in(field.annotation)
         if part is not None and part is not model:
             yield from words_of(part)
 
