@@ -13,12 +13,13 @@ from bokeh.layouts import column, row
 from bokeh.models import Button, CheckboxGroup, CustomJS, Div, Slider, TextInput
 
 from lammps_inputs import InputError, Scene, html, library, numbers, references, strict_yaml
-from workflow import provenance, screen
+from workflow import provenance
 from workflow.errors import RunError
 from workflow.plugins.explore.compute import ComputedScene, computed
 from workflow.plugins.explore.picture import Picture
 from workflow.plugins.explore.scene_numbers import SWITCHED, SceneNumber, numbers_of, read, slider_range, written
 from workflow.plugins.pages.write import TEMPLATE, page_scripts
+from workflow.screen import with_hints
 from workflow.sweep import fields
 from workflow.verdicts import pulse_sentences
 
@@ -228,7 +229,7 @@ class Tab:
             self._say("computing")
 
     def _compute(self, plain: dict[str, Any]) -> None:
-        with screen.with_hints(lambda text: self._next(partial(self._say, text))):
+        with with_hints(lambda text: self._next(partial(self._say, text))):
             computed_answer = answer(plain, self._source, lambda scene: self._next(partial(self._show_scene, scene)))
         self._next(partial(self._finish, computed_answer))
 
