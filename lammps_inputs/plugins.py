@@ -76,9 +76,11 @@ def load(kind: str, name: str) -> Any:
     """Object that an entry point names.
 
     Raises:
-        InputError: it cannot be imported; says which distribution declares it.
+        InputError: none is installed, or it cannot be imported; says which distribution declares it.
     """
-    point = declared(kind)[name]
+    point = declared(kind).get(name)
+    if point is None:
+        raise InputError(f"{name}: no installed distribution declares it as one of granchain.{kind}")
     try:
         return point.load()
     except (Exception, SystemExit) as error:

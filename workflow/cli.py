@@ -221,7 +221,7 @@ def by_job() -> dict[str, tuple[str, ...]]:
 
 def _as_taken(words: list[str]) -> list[str]:
     """Words of the command line; further ones without their hyphens where a module has ``TAKES_WORDS``."""
-    if words[0] not in COMMANDS or not getattr(module_of(words[0]), "TAKES_WORDS", False):
+    if words[0] not in COMMANDS or "TAKES_WORDS" not in vars(module_of(words[0])):
         return words
     return [words[0], *(word if word in _OPTIONS_OF_ALL else word.lstrip("-") for word in words[1:])]
 
@@ -260,7 +260,7 @@ def fill(subparser: argparse.ArgumentParser, module: Any) -> None:
         extension.add_arguments(subparser)
     if "add_last_arguments" in vars(module):
         module.add_last_arguments(subparser)
-    prints = getattr(module, "PRINTS", False)
+    prints = vars(module).get("PRINTS", False)
     words = "print no progress and no hints" if prints else "print errors only"
     subparser.add_argument("-q", "--quiet", action="store_true", help=words)
     if getattr(module, "DRAWS", False):

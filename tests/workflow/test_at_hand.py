@@ -58,7 +58,7 @@ def test_the_program_alone_prints_its_help(capsys):
     assert all(f"  {name} " in alone for name in COMMANDS)
 
 
-PRINTING = [module.EXAMPLES[0] for module in map(cli.module_of, COMMANDS) if getattr(module, "PRINTS", False)]
+PRINTING = [module.EXAMPLES[0] for module in map(cli.module_of, COMMANDS) if vars(module).get("PRINTS")]
 PRINTING += ["gallery --list"] * ("gallery" in COMMANDS)
 
 
