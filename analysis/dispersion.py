@@ -12,6 +12,7 @@ by strong ones.
 import itertools
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -254,10 +255,37 @@ class Map:
     exact: Floats
     measured: Floats
 
+    DECADES: ClassVar[float] = 8.0
+    """Decades of power that are shown."""
+
+    HIGHEST: ClassVar[float] = 1.25
+    """Largest frequency shown, over the highest of the exact branches."""
+
     @property
     def bin(self) -> float:
         """Distance of two frequencies, 1 / T."""
         return float(self.frequency[1])
+
+    @property
+    def top(self) -> float:
+        """Angular frequency up to which a map is shown, in 1 / T."""
+        return min(self.HIGHEST * float(self.cell.bands().max()), float(self.frequency[-1]))
+
+    def shown_power(self) -> tuple[Floats, tuple[float, float], tuple[float, float]]:
+        """Power of a map as it is shown, and the ends of its axes.
+
+        Returns:
+            Decadic logarithm of the power over the largest, [frequency, wavenumber], at least minus `DECADES`; ends in
+            wavenumber, in radians a bead; ends in angular frequency, in 1 / T.
+        """
+        shown = self.frequency <= self.HIGHEST * self.cell.bands().max()
+        step = float(self.wavenumber[1] - self.wavenumber[0])
+        power, last = self.power[shown], float(self.wavenumber[-1])
+        if last + 0.75 * step < math.pi:  # -pi, at the left edge, is pi, too
+            power, last = np.concatenate([power, power[:, :1]], axis=1), last + step
+        across = (float(self.wavenumber[0]) - 0.5 * step, last + 0.5 * step)
+        up = (-0.5 * self.bin, float(self.frequency[shown][-1]) + 0.5 * self.bin)
+        return np.log10(np.maximum(power, 10.0**-self.DECADES)), across, up
 
     def bands(self) -> Bands:
         """Bands of all branches, exact and measured."""

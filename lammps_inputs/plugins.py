@@ -8,7 +8,8 @@ Those of granchain itself are declared in its ``pyproject.toml`` like those of a
 - ``granchain.scenes``: any name = package in whose folder scenes stand as ``*.yaml``;
 - ``granchain.quantities``: place in the printed analysis, and name = class derived from
   `workflow.measures.base.Measurement`;
-- ``granchain.studies``: command = module with ``add_arguments``, ``execute`` and ``EXAMPLES``;
+- ``granchain.studies``: command = module with ``add_arguments``, ``execute`` and ``EXAMPLES``; also, where they apply,
+  the literals ``JOB`` (its heading in ``granchain --help``) and ``PRINTS`` (it makes nothing but what it prints);
 - ``granchain.tools``: command that is no study of many runs = such a module;
 - ``granchain.options.COMMAND``: any name = module or object that adds options to a command: ``add_arguments(parser)``,
   ``EXAMPLES``, and ``execute(arguments, command)``, where ``command(arguments)`` does what the command does without
@@ -78,9 +79,11 @@ def load(kind: str, name: str) -> Any:
     """Object that an entry point names.
 
     Raises:
-        InputError: it cannot be imported; says which distribution declares it.
+        InputError: none is installed, or it cannot be imported; says which distribution declares it.
     """
-    point = declared(kind)[name]
+    point = declared(kind).get(name)
+    if point is None:
+        raise InputError(f"{name}: no installed distribution declares it as one of granchain.{kind}")
     try:
         return point.load()
     except (Exception, SystemExit) as error:

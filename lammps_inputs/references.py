@@ -5,8 +5,6 @@ import importlib.resources
 import re
 from typing import TYPE_CHECKING
 
-import yaml
-
 from lammps_inputs import materials
 
 if TYPE_CHECKING:
@@ -23,14 +21,6 @@ ENGINES = [LAMMPS, SCHEMES["verlet"], REFERENCE]
 OF_ENGINE, OF_REFERENCE = "engine", "reference integrator"
 """Subjects of `of_scene`: publications of LAMMPS and its scheme, and of the reference."""
 
-AUTHORS = "The granchain authors"
-
-TITLE = "Shock pulses in single and weakly coupled granular chains"
-"""What the software is cited as, after its name."""
-
-YEAR = 2026
-"""Year of the version that ``pyproject.toml`` names."""
-
 LINKS = {"doi": "doi", "eprint": "arXiv"}
 """Field of an entry that leads to the publication -> its prefix."""
 
@@ -41,26 +31,6 @@ def bibtex() -> dict[str, str]:
     page = (importlib.resources.files("lammps_inputs") / "references.bib").read_text(encoding="utf-8")
     entries = [entry.strip() for entry in re.split(r"^(?=@)", page, flags=re.M) if entry]
     return {entry.partition("{")[2].partition(",")[0]: entry for entry in entries}
-
-
-def address() -> str:
-    """Where this software can be had, from ``CITATION.cff``; empty until there is such a place."""
-    page = (importlib.resources.files("lammps_inputs") / "CITATION.cff").read_text(encoding="utf-8")
-    return str(yaml.safe_load(page).get("url") or "")
-
-
-def software_text(version: str) -> str:
-    """The software in one line."""
-    return ", ".join(filter(None, (AUTHORS, f"granchain {version}", TITLE, address())))
-
-
-def software(version: str) -> str:
-    """BibTeX entry of this software; ``CITATION.cff`` says the same to hosts of repositories."""
-    place = f"  url = {{{address()}}},\n" if address() else ""
-    return (
-        f"@software{{granchain,\n  author = {{{{{AUTHORS}}}}},\n  title = {{granchain: {TITLE}}},\n"
-        f"  version = {{{version}}},\n  license = {{MIT}},\n  year = {{{YEAR}}},\n{place}}}"
-    )
 
 
 def text(key: str) -> str:

@@ -86,6 +86,14 @@ def test_the_walk_finds_an_import_that_breaks_the_rule_and_no_other(package, sou
     assert violations(package, source) == ({found} if found else set())
 
 
+def test_the_core_imports_no_plug_in():
+    sources = [path for package in BELOW for path in (ROOT / package).rglob("*.py")]
+    core = [path for path in sources if ROOT / "workflow" / "plugins" not in path.parents]
+    assert len(core) > 100
+    found = {path: " ".join(imported(path.read_text(encoding="utf-8"))) for path in core}
+    assert [path for path, names in found.items() if "workflow.plugins." in names] == []
+
+
 # --- within a package -------------------------------------------------------------------------------------------------
 
 

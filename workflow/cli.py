@@ -40,26 +40,26 @@ except (ImportError, SyntaxError):
 _HERE = Path(__file__).parent
 
 GROUPS: dict[str, tuple[str, ...]] = {
-    "Scenes": ("scenes", "show", "new", "cite", "help"),
+    "Scenes": ("scenes", "show", "new"),
     "Runs": ("run", "deck", "status"),
-    "Analysis": ("analyze", "view", "validate"),
-    "Studies": ("sweep", "collect", *plugins.declared("studies")),
-    "Tools": tuple(plugins.declared("tools")),
-    "Setting up": ("schema", "completion"),
+    "Analysis": ("analyze", "validate"),
+    "Studies": ("sweep", "collect"),
+    "Tools": (),
+    "Setting up": (),
 }
-"""Commands by job: those of `workflow.commands`, and the studies and tools that installed distributions declare."""
+"""Commands of `workflow.commands` by job; `by_job` adds those that installed distributions declare."""
 
-COMMANDS = tuple(name for names in GROUPS.values() for name in names)
+PLUG_INS = {"studies": "Studies", "tools": "Tools"}
+"""Kinds of plug-ins that are commands -> their job, unless the module of a command names its ``JOB``."""
+
+COMMANDS = tuple(name for names in (*GROUPS.values(), *map(plugins.declared, PLUG_INS)) for name in names)
 
 FIRST = ("show", "run", "analyze", "view", "sweep")
-"""Commands to start with."""
+"""Commands to start with, where they are installed."""
 
 ALIASES = {"analyse": "analyze"}
 
 _OPTIONS_OF_ALL = ("-h", "--help", "-q", "--quiet")
-
-PRINTED = ("scenes", "show", "cite", "help", "status", "schema", "completion")
-"""Commands that make nothing but what they print."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -107,19 +107,21 @@ def command() -> int:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code, also where standard output does not take all that it prints."""
     words = list(sys.argv[1:] if argv is None else argv)
-    words[:1] = [ALIASES.get(word, word) for word in words[:1]] or ["help"]
-    if words[0] == "help":  # also of options: these are words here
-        words[1:] = [word if word in _OPTIONS_OF_ALL else word.lstrip("-") for word in words[1:]]
+    words[:1] = [ALIASES.get(word, word) for word in words[:1]]
     output: Any = OutputStream(sys.stdout, "standard output", needed=True)
     complaints: Any = OutputStream(sys.stderr, "standard error", needed=False)
     with contextlib.redirect_stdout(output), contextlib.redirect_stderr(complaints):
         try:
             with _ended_as_by_ctrl_c():
                 try:
-                    arguments = parser(words[:1]).parse_args(words)
+                    grammar = parser(words[:1])
+                    if not words:
+                        grammar.print_help()
+                        return 0
+                    arguments = grammar.parse_args(_as_taken(words))
                 finally:  # --help and --version end here
                     output.flush()
-                output.needed = arguments.command in PRINTED
+                output.needed = arguments.prints
                 code = _execute(arguments)
                 output.flush()
         except InputError as error:
@@ -158,7 +160,7 @@ def _ended_as_by_ctrl_c() -> Iterator[None]:
 def _execute(arguments: argparse.Namespace) -> int:
     """Run a command with the output that its options request; its exit code."""
     wants_json = arguments.json
-    only_prints = arguments.command in PRINTED or vars(arguments).get("list", False)
+    only_prints = arguments.prints or vars(arguments).get("list", False)
     quiet = arguments.quiet and not only_prints
     with contextlib.ExitStack() as stack:
         if wants_json or quiet:
@@ -198,8 +200,9 @@ def parser(names: Sequence[str]) -> argparse.ArgumentParser:
 def _listed() -> str:
     """Description that lists all commands by job."""
     lines = ["Shock pulses in granular chains, single or weakly coupled, with or without a static load.", ""]
-    lines += [f"Start with {', '.join(FIRST)}. `granchain COMMAND --help` lists options and examples."]
-    for job, names in GROUPS.items():
+    first = ", ".join(name for name in FIRST if name in COMMANDS)
+    lines += [f"Start with {first}. `granchain COMMAND --help` lists options and examples."]
+    for job, names in by_job().items():
         if names:
             lines += ["", job]
         for name in names:
@@ -207,9 +210,25 @@ def _listed() -> str:
     return "\n".join(lines)
 
 
+def by_job() -> dict[str, tuple[str, ...]]:
+    """Commands by job: those of `workflow.commands`, then those that installed distributions declare."""
+    jobs = {job: list(names) for job, names in GROUPS.items()}
+    for kind, job in PLUG_INS.items():
+        for name in plugins.declared(kind):
+            jobs.setdefault(_constant(_tree(name), "JOB", job), []).append(name)
+    return {job: tuple(names) for job, names in jobs.items()}
+
+
+def _as_taken(words: list[str]) -> list[str]:
+    """Words of the command line; further ones without their hyphens where a module has ``TAKES_WORDS``."""
+    if words[0] not in COMMANDS or "TAKES_WORDS" not in vars(module_of(words[0])):
+        return words
+    return [words[0], *(word if word in _OPTIONS_OF_ALL else word.lstrip("-") for word in words[1:])]
+
+
 def _plug_ins(name: str) -> str:
     """Kind of plug-ins that declare a command: studies or tools; empty for a command of the core."""
-    return next((kind for kind in ("studies", "tools") if name in plugins.declared(kind)), "")
+    return next((kind for kind in PLUG_INS if name in plugins.declared(kind)), "")
 
 
 def module_of(name: str) -> Any:
@@ -241,7 +260,7 @@ def fill(subparser: argparse.ArgumentParser, module: Any) -> None:
         extension.add_arguments(subparser)
     if "add_last_arguments" in vars(module):
         module.add_last_arguments(subparser)
-    prints = name in PRINTED
+    prints = vars(module).get("PRINTS", False)
     words = "print no progress and no hints" if prints else "print errors only"
     subparser.add_argument("-q", "--quiet", action="store_true", help=words)
     if getattr(module, "DRAWS", False):
@@ -266,7 +285,7 @@ def fill(subparser: argparse.ArgumentParser, module: Any) -> None:
     execute = module.execute
     for extension in extensions:
         execute = functools.partial(extension.execute, command=execute)
-    subparser.set_defaults(execute=execute, json=False)
+    subparser.set_defaults(execute=execute, prints=prints, json=False)
 
 
 def _examples(lines: Iterable[str]) -> str:
@@ -275,8 +294,21 @@ def _examples(lines: Iterable[str]) -> str:
 
 def summary_of(name: str) -> str:
     """First line of a command's docstring, read without importing it."""
-    source = _source(name).read_text(encoding="utf-8")
-    return (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
+    return (ast.get_docstring(_tree(name)) or "").partition("\n")[0]
+
+
+@functools.cache
+def _tree(name: str) -> ast.Module:
+    """Source of a command."""
+    return ast.parse(_source(name).read_text(encoding="utf-8"))
+
+
+def _constant(tree: ast.Module, name: str, default: str) -> str:
+    """Literal that a module assigns to a name; a default where it assigns none."""
+    for line in tree.body:
+        if isinstance(line, ast.Assign) and any(isinstance(at, ast.Name) and at.id == name for at in line.targets):
+            return str(ast.literal_eval(line.value))
+    return default
 
 
 def _say(error: object, code: int) -> int:

@@ -3,9 +3,7 @@
 import errno
 import math
 import os
-import sys
 import time
-import webbrowser
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
@@ -137,16 +135,6 @@ def print_files(directory: object, names: Iterable[str]) -> None:
 def one_line(text: object) -> str:
     """A name as it may be printed: what is not printable, such as a line break or ESC, is escaped."""
     return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in str(text))
-
-
-def open_in_browser(address: str) -> bool:
-    """Open a page in the user's browser; whether there is a screen for one."""
-    has_screen = sys.stdout.isatty() and (
-        sys.platform == "darwin" or "DISPLAY" in os.environ or "WAYLAND_DISPLAY" in os.environ
-    )
-    if has_screen:
-        webbrowser.open(address)
-    return has_screen
 
 
 def cell(value: Any, digits: str = ".6g") -> str:

@@ -57,7 +57,7 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
     largest = account.most
     time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", largest)
     colours = iter(_LOST)  # there are five at most
-    stored, losses, energy_input, width = budget_curves(account)
+    stored, losses, energy_input, mean_over = budget_curves(account)
     layers = [(_WORDS.get(name, name), part, _STORED[name], "") for name, part in stored.items()]
     layers += [(name, part, next(colours), "////") for name, part in losses.items()]
     figure = new_figure(4.2)
@@ -72,7 +72,7 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
     least = min(0.0, float(np.min(energy_input)))  # a drive may begin by taking up energy
     axis.set_ylim(1.06 * least * energy.worth, 1.06 * float(np.max(energy_input)) * energy.worth)
     axis.set_xlabel(time.label(Account, "time"))
-    axis.set_ylabel(energy.label(FrameContent, "energy") + averaged(account.time, width, time))
+    axis.set_ylabel(energy.label(FrameContent, "energy") + _averaged(mean_over, time))
     head(figure, title(problem, until=float(account.time[-1])))
     handles, labels = axis.get_legend_handles_labels()
     legend_beside(figure, handles[::-1], labels[::-1], handleheight=1.4)  # as the layers lie
@@ -80,12 +80,12 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
 
 
 class BudgetCurves(NamedTuple):
-    """Energies of a budget, each [instant]; moving means over so many instants, 0 where they are none."""
+    """Energies of a budget, each [instant]; moving means over a duration in units of T, 0 where they are none."""
 
     stored: dict[str, Floats]
     losses: dict[str, Floats]
     energy_input: Floats
-    width: int
+    mean_over: float
 
     @property
     def by_words(self) -> dict[str, Floats]:
@@ -104,7 +104,7 @@ def budget_curves(account: Account) -> BudgetCurves:
         {name: moving_mean(part, width) for name, part in parts.items() if np.max(np.abs(part)) > _NOTICED * largest}
         for parts in (account.stored, account.losses)
     )
-    return BudgetCurves(stored, losses, moving_mean(account.energy_input, width), width)
+    return BudgetCurves(stored, losses, moving_mean(account.energy_input, width), _half_width(account.time, width))
 
 
 @styled
@@ -126,7 +126,7 @@ def energy_figure(problem: Problem, flow: Flow) -> Figure:
         if kind == "share":
             width = max(oscillations_to_average(share, 1.0) for share in shares.T)
             draw_chains(panel, chains, t, np.stack([moving_mean(share, width) for share in shares.T], axis=1))
-            panel.set_ylabel("share of the energy" + averaged(flow.time, width, time))
+            panel.set_ylabel("share of the energy" + _averaged(_half_width(flow.time, width), time))
             panel.set_ylim(0.0, max(1.0, 1.05 * float(np.nanmax(shares))))
         elif kind == "centre":
             draw_chains(panel, chains, t, centres)
@@ -195,9 +195,15 @@ def moving_mean(values: Floats, width: int) -> Floats:
         return np.asarray(total / weights)
 
 
-def averaged(time: Floats, width: int, unit: AxisUnit) -> str:
-    """End of a label of moving means over ``time`` [instant], in units of T; empty where there are none."""
+def _half_width(time: Floats, width: int) -> float:
+    """Duration of a Hann window of so many instants at half its height, in the units of ``time`` [instant]; or 0."""
     if not width:
+        return 0.0
+    return 0.5 * width * float(time[-1] - time[0]) / (len(time) - 1)
+
+
+def _averaged(mean_over: float, unit: AxisUnit) -> str:
+    """End of a label of moving means over a duration, in units of T; empty where there are none."""
+    if not mean_over:
         return ""
-    span = 0.5 * width * float(time[-1] - time[0]) / (len(time) - 1)  # the width of a Hann window at half its height
-    return f",\nmean over {span * unit.worth:.2g}" + (f" {unit.symbol}" if unit.symbol != REDUCED else "")
+    return f",\nmean over {mean_over * unit.worth:.2g}" + (f" {unit.symbol}" if unit.symbol != REDUCED else "")

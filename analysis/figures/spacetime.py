@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -33,20 +34,11 @@ MAX_PIXELS = 1200
 
 PANELS_A_ROW = 4
 
-COLOURS = "RdBu_r"
-"""Of velocities; white is 0."""
-
 _LEFT = "0.75"
 """Colour of beads that a window has left."""
 
 COLOUR_SCALE = "colour: signed square root"
 """What a bar of colours says of the scale."""
-
-NEAR = 5
-"""Beads beside a kicked one whose first motion is faster than any wave."""
-
-STILL = 1e-3
-"""Share of the largest velocity below which a bead is nowhere seen to move."""
 
 
 class BeadHistory:
@@ -102,11 +94,83 @@ class SpaceTime(BeadHistory):
         super().__init__(problem, beads, panels=True, stride=max(1, -(-(problem.frames + 1) // MAX_PIXELS)))
 
 
-def largest_afar(problem: Problem, beads: Integers, velocity: Floats) -> float:
-    """Largest |velocity| [..., bead] of beads farther than `NEAR` from the kicked ones; of all if that is 0."""
-    size = np.abs(np.nan_to_num(velocity))
-    far = np.all([np.abs(beads - bead) > NEAR for _, bead, _ in physics.excitations(problem.system)], axis=0)
-    return float(np.max(size[..., far], initial=0.0)) or float(np.max(size, initial=0.0)) or 1.0
+@dataclass(frozen=True)
+class RootScale:
+    """Scale of the colours of a map: they diverge from 0 and follow the signed square root of a value up to a limit.
+
+    So the weak tail of a pulse is seen beside its front.
+
+    Attributes:
+        limit: size of the value at which the colours end.
+    """
+
+    PALETTE: ClassVar[str] = "RdBu_r"
+    """Colours of matplotlib; white is 0."""
+
+    NEAR: ClassVar[int] = 5
+    """Beads beside a kicked one whose first motion is faster than any wave."""
+
+    STILL: ClassVar[float] = 1e-3
+    """Share of the limit below which a bead is nowhere seen to move."""
+
+    limit: float
+
+    @classmethod
+    def of(cls, problem: Problem, beads: Integers, values: Floats) -> "RootScale":
+        """Scale of values [..., bead], up to the largest farther than `NEAR` from kicked beads; of all if that is 0."""
+        size = np.abs(np.nan_to_num(values))
+        kicked = [bead for _, bead, _ in physics.excitations(problem.system)]
+        far = np.all([np.abs(beads - bead) > cls.NEAR for bead in kicked], axis=0)
+        return cls(float(np.max(size[..., far], initial=0.0)) or float(np.max(size, initial=0.0)) or 1.0)
+
+    @property
+    def least(self) -> float:
+        """Size of a value below which it is not seen."""
+        return self.STILL * self.limit
+
+    def moves(self, values: Floats) -> Flags:
+        """Beads [bead] at which some of the values [..., bead] are seen."""
+        size = np.abs(np.nan_to_num(values))
+        return np.asarray(np.max(size, axis=tuple(range(size.ndim - 1)), initial=0.0) > self.least)
+
+    def moving_part(self, values: Floats, places: Integers | Floats, ends: tuple[float, float]) -> tuple[float, float]:
+        """Ends of the axis of beads: all, or those that move with as many around if they are less than half.
+
+        Args:
+            values: [..., bead] of the map.
+            places: [bead] numbers of the beads, or places on the axis, evenly spaced.
+            ends: of the axis that shows all.
+        """
+        moving = np.flatnonzero(self.moves(values))
+        if len(moving) == 0 or 2 * (moving[-1] + 1 - moving[0]) >= len(places):
+            return ends
+        step, more = places[1] - places[0], (moving[-1] + 1 - moving[0]) // 2
+        low, high = max(0, moving[0] - more), min(len(places) - 1, moving[-1] + more)
+        return float(places[low] - 0.5 * step), float(places[high] + 0.5 * step)
+
+    @property
+    def ticks(self) -> list[float]:
+        """1, 2 or 5 times a power of ten, of either sign: about evenly spaced along the square root."""
+        decade = 10.0 ** math.floor(math.log10(self.limit))
+        largest = next(digit * decade for digit in (5.0, 2.0, 1.0) if digit * decade <= self.limit)
+        digit = round(largest / decade)
+        shares = {5: (1.0, 0.4, 0.1), 2: (1.0, 0.5, 0.1), 1: (1.0, 0.5, 0.1)}[digit]
+        sizes = [float(f"{largest * share:.1g}") for share in shares]
+        return [*(-size for size in sizes), 0.0, *reversed(sizes)]
+
+    @property
+    def norm(self) -> FuncNorm:
+        """Scale of matplotlib."""
+        return FuncNorm((self.root, _square), -self.limit, self.limit)
+
+    @staticmethod
+    def root(value: Floats) -> Floats:
+        """Square root of the size of each value [...], with its sign."""
+        return np.asarray(np.sign(value) * np.sqrt(np.abs(value)))
+
+
+def _square(value: Floats) -> Floats:
+    return np.asarray(np.sign(value) * np.square(value))
 
 
 def panels(problem: Problem, chains: int) -> tuple[int, int]:
@@ -156,10 +220,9 @@ def draw_maps(figure: FigureBase, data: SpaceTime) -> tuple[list[Axes], AxisUnit
     """
     problem, chains = data.problem, data.chains
     time = axis_unit(problem, "time", data.time[-1])
-    size = np.abs(np.nan_to_num(data.velocity))
-    largest = largest_afar(problem, data.beads, data.velocity)
-    unit = axis_unit(problem, "velocity", largest)
-    top = largest * unit.worth
+    scale = RootScale.of(problem, data.beads, data.velocity)
+    unit = axis_unit(problem, "velocity", scale.limit)
+    shown_scale = RootScale(scale.limit * unit.worth)
     rows, columns = panels(problem, len(chains))
     even = evenly_spaced(data.beads)
     places, instants = _ends(data)
@@ -174,8 +237,8 @@ def draw_maps(figure: FigureBase, data: SpaceTime) -> tuple[list[Axes], AxisUnit
             aspect="auto",
             interpolation="nearest",
             extent=(*places, *(instant * time.worth for instant in instants)),
-            cmap=COLOURS,
-            norm=colour_scale(top),
+            cmap=RootScale.PALETTE,
+            norm=shown_scale.norm,
             rasterized=True,
         )
         axis.set_facecolor(_LEFT)
@@ -188,56 +251,16 @@ def draw_maps(figure: FigureBase, data: SpaceTime) -> tuple[list[Axes], AxisUnit
             name_columns(axis, data.beads)
     if even:
         axes[0, 0].xaxis.get_major_locator().set_params(integer=True)
-        axes[0, 0].set_xlim(*moving_part(data.beads, np.max(size, axis=(0, 1)) > STILL * largest, places))
+        axes[0, 0].set_xlim(*scale.moving_part(data.velocity, data.beads, places))
     letter(axes.flat[: len(chains)])
     for axis in axes[:, 0]:
         axis.set_ylabel(time.label(FrameContent, "time"))
     shape: dict[str, Any] = {"aspect": 20 * rows, "extendfrac": 0.05 / rows, "fraction": 0.15 / columns}
-    beyond = "both" if float(np.max(size)) > largest else "neither"
+    beyond = "both" if float(np.nanmax(np.abs(data.velocity), initial=0.0)) > scale.limit else "neither"
     shown = list(axes.flat[: len(chains)])
-    bar = figure.colorbar(image, ax=shown, ticks=round_ticks(top), extend=beyond, **shape)
+    bar = figure.colorbar(image, ax=shown, ticks=shown_scale.ticks, extend=beyond, **shape)
     bar.ax.yaxis.set_major_formatter("{x:.4g}")
     bar.ax.minorticks_off()
     end = "\n" if is_narrow() else " "
     bar.set_label(f"{unit.label(FrameContent, 'velocity')};{end}{COLOUR_SCALE}")
     return shown, time
-
-
-def colour_scale(top: float) -> FuncNorm:
-    """Scale of colours from -top to top that follows the signed square root of velocities."""
-    return FuncNorm((signed_root, _square), -top, top)
-
-
-def moving_part(beads: Integers | Floats, moves: Flags, all_beads: tuple[float, float]) -> tuple[float, float]:
-    """Ends of the axis of beads: all, or those that move with as many around if they are less than half.
-
-    Args:
-        beads: [bead] their numbers, or places on the axis, evenly spaced.
-        moves: [bead] whether it is seen to move.
-        all_beads: ends of the axis that shows all.
-    """
-    moving = np.flatnonzero(moves)
-    if len(moving) == 0 or 2 * (moving[-1] + 1 - moving[0]) >= len(beads):
-        return all_beads
-    step, more = beads[1] - beads[0], (moving[-1] + 1 - moving[0]) // 2
-    low, high = max(0, moving[0] - more), min(len(beads) - 1, moving[-1] + more)
-    return float(beads[low] - 0.5 * step), float(beads[high] + 0.5 * step)
-
-
-def signed_root(value: Floats) -> Floats:
-    """Square root of the size of each value [...], with its sign."""
-    return np.asarray(np.sign(value) * np.sqrt(np.abs(value)))
-
-
-def _square(value: Floats) -> Floats:
-    return np.asarray(np.sign(value) * np.square(value))
-
-
-def round_ticks(top: float) -> list[float]:
-    """1, 2 or 5 times a power of ten, of either sign: about evenly spaced where colours follow the square root."""
-    decade = 10.0 ** math.floor(math.log10(top))
-    largest = next(digit * decade for digit in (5.0, 2.0, 1.0) if digit * decade <= top)
-    digit = round(largest / decade)
-    shares = {5: (1.0, 0.4, 0.1), 2: (1.0, 0.5, 0.1), 1: (1.0, 0.5, 0.1)}[digit]
-    sizes = [float(f"{largest * share:.1g}") for share in shares]
-    return [*(-size for size in sizes), 0.0, *reversed(sizes)]

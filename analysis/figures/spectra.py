@@ -21,13 +21,9 @@ from analysis.figures.style import (
     title,
 )
 from analysis.gauges.spectra import SpectrumTable, VelocitySpectra
-from analysis.trajectory import Floats
 from lammps_inputs import Problem
 
 MOST_BEADS = 8
-
-DEEPEST = 1e-8
-"""Lower end of the axis of amplitudes, over the largest; what is smaller lies below the axis."""
 
 
 @styled
@@ -39,7 +35,7 @@ def spectra_figure(problem: Problem, spectra: VelocitySpectra) -> Figure:
     top = float(np.max(spectra.amplitude, initial=1e-30)) * velocity.worth
     figure = new_figure(max(2.8, 1.0 + 1.6 * count))
     axes = np.atleast_1d(figure.subplots(count, 1, sharex=True, sharey=True))
-    axes[0].set_ylim(DEEPEST * top, 2.0 * top)  # before the scale is logarithmic: a bead may be at rest
+    axes[0].set_ylim(spectra.DEEPEST * top, 2.0 * top)  # before the scale is logarithmic: a bead may be at rest
     for place, axis in enumerate(axes):
         height = spectra.amplitude[:, chains, place] * velocity.worth
         draw_chains(axis, chains, spectra.frequency * frequency.worth, height)
@@ -54,35 +50,6 @@ def spectra_figure(problem: Problem, spectra: VelocitySpectra) -> Figure:
     return figure
 
 
-DECADES = 8.0
-"""Of power that are shown."""
-
-HIGHEST = 1.25
-"""Largest frequency shown, over the highest of the exact branches."""
-
-
-def highest_frequency(spectrum: Map) -> float:
-    """Angular frequency up to which a map is shown, in 1 / T."""
-    return min(HIGHEST * float(spectrum.cell.bands().max()), float(spectrum.frequency[-1]))
-
-
-def shown_power(spectrum: Map) -> tuple[Floats, tuple[float, float], tuple[float, float]]:
-    """Power of a map as it is shown, and the ends of its axes.
-
-    Returns:
-        Decadic logarithm of the power over the largest, [frequency, wavenumber], at least minus `DECADES`; ends in
-        wavenumber, in radians a bead; ends in angular frequency, in 1 / T.
-    """
-    shown = spectrum.frequency <= HIGHEST * spectrum.cell.bands().max()
-    step = float(spectrum.wavenumber[1] - spectrum.wavenumber[0])
-    power, last = spectrum.power[shown], float(spectrum.wavenumber[-1])
-    if last + 0.75 * step < math.pi:  # -pi, at the left edge, is pi, too
-        power, last = np.concatenate([power, power[:, :1]], axis=1), last + step
-    across = (float(spectrum.wavenumber[0]) - 0.5 * step, last + 0.5 * step)
-    up = (-0.5 * spectrum.bin, float(spectrum.frequency[shown][-1]) + 0.5 * spectrum.bin)
-    return np.log10(np.maximum(power, 10.0**-DECADES)), across, up
-
-
 @styled
 def dispersion_figure(problem: Problem, spectrum: Map) -> Figure:
     """The map of the chain with the largest excitation; exact branches as lines, borders of the bands dotted."""
@@ -90,7 +57,7 @@ def dispersion_figure(problem: Problem, spectrum: Map) -> Figure:
     unit = axis_unit(problem, "frequency", float(edges.max()))
     worth = unit.worth
     bands = edges * worth
-    power, (left, right), (bottom, top) = shown_power(spectrum)
+    power, (left, right), (bottom, top) = spectrum.shown_power()
     figure = new_figure(4.8, 6.4)
     axis = figure.subplots()
     image = axis.imshow(
@@ -100,7 +67,7 @@ def dispersion_figure(problem: Problem, spectrum: Map) -> Figure:
         interpolation="nearest",
         extent=(left, right, bottom * worth, top * worth),
         cmap="magma",
-        vmin=-DECADES,
+        vmin=-spectrum.DECADES,
         vmax=0.0,
         rasterized=True,
     )
@@ -112,7 +79,7 @@ def dispersion_figure(problem: Problem, spectrum: Map) -> Figure:
     for edge in np.unique(bands.round(12)):
         axis.axhline(edge, color="0.7", **dots)
     axis.set_xlim(-math.pi, math.pi)
-    axis.set_ylim(0.0, highest_frequency(spectrum) * worth)
+    axis.set_ylim(0.0, spectrum.top * worth)
     axis.set_xticks(
         [-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi], [r"$-\pi$", r"$-\pi/2$", "0", r"$\pi/2$", r"$\pi$"]
     )

@@ -82,6 +82,16 @@ class StudyAxis:
         return defined & self.unsettled if self.unsettled is not None else np.zeros_like(defined)
 
     @property
+    def logarithmic(self) -> bool:
+        """Whether the values are rather spaced by a factor than by a difference."""
+        return logarithmic(self.values)
+
+    @property
+    def edges(self) -> Floats:
+        """Borders [value + 1] of the cells around the distinct values, in ascending order."""
+        return edges(np.unique(self.values))
+
+    @property
     def prefixed(self) -> tuple["StudyAxis", float]:
         """Axis with a prefix before its SI unit, such that numbers are short; and the factor."""
         label, worth = self.label.prefixed(largest_of(self.values))

@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -85,6 +86,9 @@ class VelocitySpectra:
         drive: [drive] frequencies of the drives.
         at_drive: [drive, chain, bead] amplitude at just that frequency; NaN where frames are too far apart for it.
     """
+
+    DEEPEST: ClassVar[float] = 1e-8
+    """Lower end of the axis of amplitudes, over the largest; what is smaller lies below the axis."""
 
     beads: tuple[int, ...]
     after: float

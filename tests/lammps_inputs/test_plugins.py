@@ -57,3 +57,9 @@ def test_what_a_distribution_declares_as_an_ingredient_is_refused_unless_it_is_a
     monkeypatch.setattr(plugins, "declared", lambda kind: {"bed": point("bed", "math:pi", "other")})  # noqa: ARG005
     with pytest.raises(InputError, match=r"^granchain\.ingredients: bed = math:pi should be a key of a scene and a"):
         registry._of_distributions()
+
+
+def test_a_part_that_no_installed_distribution_declares_is_refused_by_its_name(monkeypatch):
+    monkeypatch.setattr(plugins, "declared", lambda kind: {})  # noqa: ARG005
+    with pytest.raises(InputError, match=r"^view: no installed distribution declares it as one of granchain.fun"):
+        plugins.load("functions", "view")

@@ -1,4 +1,4 @@
-"""Help, versions, completion, and answers for scripts."""
+"""Help of commands, versions, and answers for scripts."""
 
 import json
 import shlex
@@ -8,10 +8,8 @@ import sys
 import pytest
 from processes import HANGS
 
-from lammps_inputs import plugins
 from workflow import cli
 from workflow.cli import ALIASES, COMMANDS, main
-from workflow.quantities.columns import QUANTITIES
 
 SCENE = "name: tiny\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n"
 
@@ -54,6 +52,39 @@ def test_every_command_explains_itself_and_ends_with_examples_that_parse(command
         cli.parser([name]).parse_args(words[1:])
 
 
+def test_the_program_alone_prints_its_help(capsys):
+    assert main([]) == 0
+    alone = capsys.readouterr().out
+    assert all(f"  {name} " in alone for name in COMMANDS)
+
+
+PRINTING = [module.EXAMPLES[0] for module in map(cli.module_of, COMMANDS) if vars(module).get("PRINTS")]
+PRINTING += ["gallery --list"] * ("gallery" in COMMANDS)
+
+
+@pytest.mark.parametrize("example", PRINTING)
+def test_quiet_does_not_silence_what_a_command_is_for(example, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").mkdir()  # which `status` lists
+    words = shlex.split(example.partition("#")[0].partition(">")[0])
+    main(words)
+    printed = capsys.readouterr().out
+    main([*words, "-q"])
+    assert capsys.readouterr().out == printed != ""
+
+
+@pytest.mark.parametrize("command", ["analyze", "collect", "export --to csv", "validate", "view"])
+def test_a_directory_that_is_not_there_is_named_as_the_user_did(command, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    name, *options = command.split()
+    if name not in COMMANDS:
+        pytest.skip("is no command of this installation")
+    assert main([name, "nope", *options]) == 2
+    error = capsys.readouterr().err
+    assert "nope" in error
+    assert "-o" not in error.split()
+
+
 @pytest.mark.usefixtures("tiny")
 def test_quiet_says_nothing(capsys):
     assert main(["analyze", "run", "--no-figures", "--quiet"]) == 0
@@ -85,58 +116,6 @@ def test_json_of_status_is_a_list(capsys):
     assert [one["state"] for one in json.loads(said(capsys, "status", "run", "--json"))] == ["done"]
 
 
-def test_help_explains_keys_and_commands(capsys):
-    assert "Springs between" in said(capsys, "help", "coupling.rows")
-    assert "Clear distance" in said(capsys, "help", "scene")
-    assert all(f"in {key}:" in said(capsys, "help", "restitution") for key in ("contact", "damping"))
-    assert all(f"in {key}:" in said(capsys, "help", "stiffness") for key in ("contact", "kinds", "coupling"))
-    assert "COMMAND" in said(capsys, "help")
-    with pytest.raises(SystemExit):
-        main(["help", "run"])
-    assert "usage: granchain run" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("words", "explanation"),
-    [
-        ("leading pulse", "first pulse that reaches a bead of a chain"),
-        ("beat length", "beat_length\n"),
-        ("peak velocity", "analysis.json: waves > peak_velocity"),
-        ("contact force", "Force as a formula of s"),
-        ("budget", "analysis.json: budget holds time, energy_input, kinetic"),
-        ("budget.closed", "largest missing over the largest energy_input"),
-        ("notation", "kappa\n      dimensionless coupling stiffness"),
-        ("Static load", "Static load. F_(0,n) is the force in contact n at rest"),
-        ("contact constant", "A = 4/3 E^* sqrt(R^*), 1 / (E^*) = 1 / (E'_1)"),
-        ("steady", "the variation is at most 1%"),
-        ("too short", "no half beat was seen"),
-        ("asymptotic amplitude", "mean over chains and the last half beat"),
-    ],
-)
-def test_help_explains_phrases_keys_of_results_sections_of_the_model_and_terms_of_verdicts(words, explanation, capsys):
-    assert explanation in said(capsys, "help", *words.split())
-
-
-def test_help_refuses_a_phrase_that_no_page_has(capsys):
-    assert main(["help", "leading", "elephant"]) == 2
-    assert "'leading elephant' is no key of a scene" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("name", QUANTITIES)
-def test_help_says_where_a_quantity_stands(name, capsys):
-    lines = said(capsys, "help", name).splitlines()
-    assert name == lines[0]
-    assert any(
-        line.strip().startswith(QUANTITIES[name].file) and line.endswith(QUANTITIES[name].path[-1]) for line in lines
-    )
-    assert any(line.strip().startswith("granchain collect: column") and name in line for line in lines)
-
-
-@pytest.mark.parametrize("kind", plugins.declared("schemas"))
-def test_schema_prints_json(kind, capsys):
-    assert json.loads(said(capsys, "schema", kind)) == plugins.load("schemas", kind)()
-
-
 def test_new_writes_a_scene_and_never_over_a_file(tmp_path, capsys):
     path = tmp_path / "mine.yaml"
     said(capsys, "new", str(path))
@@ -145,13 +124,6 @@ def test_new_writes_a_scene_and_never_over_a_file(tmp_path, capsys):
     assert main(["new", str(path)]) == 2
     assert "exists already" in capsys.readouterr().err
     assert path.read_text() == before
-
-
-def test_bash_takes_the_completion_and_offers_commands(capsys):
-    script = said(capsys, "completion", "bash")
-    ask = "\nCOMP_WORDS=(granchain va); COMP_CWORD=1; _shtab_granchain; echo ${COMPREPLY[@]}"
-    done = subprocess.run(["bash", "-c", script + ask], capture_output=True, text=True, timeout=HANGS, check=True)
-    assert done.stdout.split() == ["validate"]
 
 
 @pytest.mark.slow

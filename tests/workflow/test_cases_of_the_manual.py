@@ -1,16 +1,20 @@
 """Numbers that the scene reference states of beads without a modulus and of beads with flat ends."""
 
 import re
+from pathlib import Path
 
 import pytest
 
 import granchain
-from lammps_inputs import handbook, strict_yaml
+import lammps_inputs
+from lammps_inputs import strict_yaml
+
+PAGE = Path(lammps_inputs.__file__).parent / "SCENES.md"
 
 
 def keys_of(title):
     """Keys that a titled paragraph of the scene reference names, with that after it, and their text."""
-    section = handbook.page().partition(f"**{title}.**")[2]
+    section = PAGE.read_text(encoding="utf-8").partition(f"**{title}.**")[2]
     text = " ".join(re.split(r"\n\n(?=<!--|An entry)", section)[0].split())
     keys = re.findall(r"`([a-z]+: [^`]+)`", text)
     return strict_yaml.parse("\n".join(keys), title), text

@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
@@ -17,9 +18,9 @@ from refusals import refusal, tree
 from stock_lammps import scene
 from sweeps import GRANCHAIN
 
-from lammps_inputs import installed_scenes, library, strict_yaml
+from lammps_inputs import installed_scenes, library, plugins, strict_yaml
 from workflow import cli
-from workflow.cli import COMMANDS, GROUPS, main
+from workflow.cli import COMMANDS, main
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
 
@@ -89,8 +90,21 @@ def test_help_lists_every_command_with_its_job(capsys):
     with pytest.raises(SystemExit):
         main(["--help"])
     listed = capsys.readouterr().out
-    assert re.findall(r"^  ([a-z]+) +[A-Z]", listed, re.M) == list(COMMANDS)
-    assert re.findall(r"^([A-Z][a-z ]+)$", listed, re.M) == [job for job, names in GROUPS.items() if names]
+    jobs = cli.by_job()
+    names = [name for of_job in jobs.values() for name in of_job]
+    assert sorted(names) == sorted(COMMANDS)
+    assert re.findall(r"^  ([a-z]+) +[A-Z]", listed, re.M) == names
+    assert re.findall(r"^([A-Z][a-z ]+)$", listed, re.M) == [job for job, of_job in jobs.items() if of_job]
+
+
+def test_a_command_of_a_plug_in_stands_under_the_job_that_its_source_names_and_is_not_imported(tmp_path, monkeypatch):
+    (tmp_path / "weighing.py").write_text('"""Weigh a scene."""\n\nJOB = "Scenes"\nraise AssertionError("imported")\n')
+    monkeypatch.syspath_prepend(tmp_path)
+    points = {kind: plugins.declared(kind) for kind in cli.PLUG_INS}
+    points["tools"] = {**points["tools"], "weigh": EntryPoint("weigh", "weighing", "granchain.tools")}
+    monkeypatch.setattr(plugins, "declared", points.__getitem__)
+    assert cli.by_job()["Scenes"][-1] == "weigh"
+    assert cli.summary_of("weigh") == "Weigh a scene."
 
 
 # --- where to write ---------------------------------------------------------------------------------------------------
@@ -260,7 +274,7 @@ def test_a_command_whose_output_is_lost_writes_its_files_and_says_so_in_one_line
 
 
 @REASONS
-@pytest.mark.parametrize("words", [["scenes"], ["show", "two-chains"], ["schema"]])
+@pytest.mark.parametrize("words", [["scenes"], ["show", "two-chains"], *[["schema"]] * ("schema" in COMMANDS)])
 def test_a_command_that_only_prints_fails_where_it_cannot(words, why, capsys):
     with no_output(why):
         assert main(words) == 1

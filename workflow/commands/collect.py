@@ -158,7 +158,7 @@ def _refuse(output: Path, start: bytes) -> None:
 
 
 def _print(table: SweepTable, title: str, drawn: str | None) -> None:
-    columns = list(dict.fromkeys([*table.fields, "outcome", *filter(None, [drawn]), *SHOWN]))
+    columns = list(dict.fromkeys([*table.fields, "outcome", *filter(None, [drawn]), *table.summary]))
     rows = [[cell(name, row) for name in columns] for row in table.rows[:_MOST_ROWS]]
     print_table(title, [table.heading(name) for name in columns], rows)
     if len(table.rows) > _MOST_ROWS:

@@ -5,6 +5,7 @@ import argparse
 from lammps_inputs import installed_scenes
 from workflow.screen import CommandResult
 
+PRINTS = True
 ANSWERS = "name -> description"
 EXAMPLES = (
     "scenes",

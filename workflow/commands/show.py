@@ -11,6 +11,7 @@ from workflow.runs.engines import LAMMPS, REFERENCE
 from workflow.runs.size import Size, least_problem, size_beforehand, size_of, too_large
 from workflow.screen import CommandResult
 
+PRINTS = True
 ANSWERS = "the scene; with `--values`, each column as a list of chains of beads"
 EXAMPLES = (
     "show two-chains",

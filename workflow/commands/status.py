@@ -12,6 +12,7 @@ from lammps_inputs import InputError
 from workflow.runs.status import Status, cluster_queue, statuses
 from workflow.screen import CommandResult, one_line
 
+PRINTS = True
 ANSWERS = "a list of objects"
 EXAMPLES = (
     "status runs",

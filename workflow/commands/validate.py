@@ -6,7 +6,6 @@ from pathlib import Path
 
 from lammps_inputs import InputError, library
 from workflow.formats import figure_files
-from workflow.plugins.pages import need_bokeh
 from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import CommandResult, one_line, print_files, print_heading, print_table, progress_bar
@@ -20,7 +19,6 @@ DRAWS = True
 EXAMPLES = (
     "validate demo",
     "validate again --against demo   # another run of the same scene",
-    "validate demo --page            # writes demo/validation.html, too",
     "validate demo --against mine.csv --units dimensionless --tolerance velocity=1e-4   # in V",
 )
 
@@ -49,24 +47,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help=f"largest error let pass, dimensionless; of {', '.join(validation.TOLERANCES)}",
     )
-    parser.add_argument(
-        "--page",
-        action="store_true",
-        help="write validation.html (validation-against.html), too: an interactive page of the differences from the "
-        "reference (from another run)",
-    )
+    parser.set_defaults(write_beside=_write_nothing)
+
+
+def _write_nothing(_directory: RunDirectory, _comparison: validation.Validation, _against: RunDirectory | None) -> str:
+    """Write nothing beside the report and its figure; options of plug-ins may set another function."""
+    return ""
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Print a table; exit code 1 when a tolerance is exceeded or something seems wrong."""
     tolerances = _tolerances(arguments.tolerance)
     against = None if arguments.against is None else run_or_file(arguments.against)
-    if arguments.page:
-        need_bokeh()
-        if isinstance(against, Path):
-            raise InputError(
-                f"--page: shows two runs, or a run and the reference, and {against} is a file; leave it out"
-            )
     directory = _directory(arguments, against)
     if against is None:
         comparison = validation.validate(directory, tolerances)
@@ -77,12 +69,8 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         print_heading(comparison.problem.name, directory.scene.units)
     _print(comparison)
     files = (comparison.report, *figure_files(comparison.stem))
-    if arguments.page:
-        from workflow.plugins.pages.write import write_validation  # bokeh takes half a second to import
-
-        write_validation(directory, comparison, against if isinstance(against, RunDirectory) else None)
-        files = (*files, comparison.page)
-    print_files(directory.path, files)
+    beside = arguments.write_beside(directory, comparison, against if isinstance(against, RunDirectory) else None)
+    print_files(directory.path, [*files, *filter(None, [beside])])
     data = json.loads((directory.path / comparison.report).read_text(encoding="utf-8"))
     return CommandResult(0 if comparison.passed else 1, data)
 

@@ -21,6 +21,8 @@ from workflow.screen import PrintedTable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from analysis.figures.energy import BudgetCurves
+
 SMALLEST_LOSS = 1e-8
 """Smallest share of the energy per cell that is printed; below it frames and time steps decide."""
 
@@ -52,6 +54,12 @@ class BudgetMeasurement(Measurement):
     def drawable(self) -> bool:
         """Whether there is more than one instant."""
         return len(self.values.time) > 1
+
+    def curves(self) -> "BudgetCurves":
+        """Energies over time as they are drawn."""
+        from analysis.figures.energy import budget_curves
+
+        return budget_curves(self.values)
 
     def draw(self) -> "Figure":
         """The account over time."""

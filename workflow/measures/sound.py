@@ -13,6 +13,7 @@ from analysis.loaded_pulse import LoadedPulse, bands
 from analysis.loaded_pulse import Sound as Measured
 from analysis.shape.long_waves import sound_speed
 from analysis.sharing.survey import Survey
+from analysis.trajectory import Floats
 from lammps_inputs import Scene, laws, physics
 from lammps_inputs.facts import Fact
 from workflow.measures.base import FrameMeter, Measurement, Recorded
@@ -84,6 +85,11 @@ class SoundMeasurement(Measurement):
     bead_length: float | None
     """Distance of neighbouring beads at rest, in m; None where there is no one such distance."""
 
+    @property
+    def local_speed(self) -> Floats:
+        """Speed of sound at each bead, [chain, bead] in beads / T."""
+        return sound_speed(self.problem.system)
+
     def lines(self) -> Iterator[str]:
         """Speed of sound, and the leading pulse against it."""
         scale, wave, frequencies = self.problem.scale, self.values.pulse, bands(self.problem.system)
@@ -96,7 +102,7 @@ class SoundMeasurement(Measurement):
                 line += f"; small waves have frequencies from {low} to {high}{scale.each('rad')}"
             yield line
             return
-        speeds = sound_speed(self.problem.system) if wave is None else np.array([wave.sound])
+        speeds = self.local_speed if wave is None else np.array([wave.sound])
         numbers = dict.fromkeys(f"{speed / scale.time:.6g}" for speed in (float(speeds.min()), float(speeds.max())))
         line = f"the speed of sound is c0 = {' to '.join(numbers)}{scale.each('beads')}"
         if self.bead_length is not None:

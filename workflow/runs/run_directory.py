@@ -24,6 +24,7 @@ import importlib.metadata
 import os
 import platform
 import sys
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -35,6 +36,7 @@ import numpy as np
 
 from analysis.compare import start
 from analysis.files import recording
+from analysis.files.binary_dump import CutDumpWarning
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, file_names, load
 from lammps_inputs.decks import parameters
@@ -156,6 +158,12 @@ class RunDirectory:
         if stride > 1 or 16.0 * problem.frames * problem.chains * problem.rows_a_frame > KEPT_BYTES:
             return self._begun_as_the_scene(recording.blocks(dumps, problem, stride))
         return self._begun_as_the_scene(self._in_memory.frames(dumps, problem))
+
+    def blocks_so_far(self) -> Iterator[Trajectory]:
+        """Blocks of the frames, without a warning where the file ends within one, for those who say so in words."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", CutDumpWarning)
+            yield from self.blocks()
 
     @cached_property
     def _in_memory(self) -> "FramesInMemory":

@@ -22,6 +22,7 @@ from workflow.quantities.columns import AT_BEAD, QUANTITIES, UNCERTAINTIES, at_b
 from workflow.runs.figures import write_figure
 from workflow.runs.files import RECORD
 from workflow.runs.job import account
+from workflow.runs.run_directory import RunDirectory
 from workflow.runs.status import cluster_queue, status
 from workflow.screen import count_bar
 from workflow.sweep import fields
@@ -91,6 +92,19 @@ class SweepTable:
             ['case', 'kick.velocity', 'outcome']
         """
         return ["case", *self.fields, "outcome", *self.at_beads, *QUANTITIES, "reason"]
+
+    @property
+    def summary(self) -> list[str]:
+        """Names of the columns that are printed.
+
+        Returns:
+            The varied fields, the outcome, and the first quantities.
+
+        Examples:
+            >>> granchain.collect("swept").summary[:3]
+            ['kick.velocity', 'outcome', 'amplitude']
+        """
+        return [*self.fields, "outcome", *SHOWN]
 
     def __repr__(self) -> str:
         return f"<table of {len(self.rows)} cases over {', '.join(self.fields)}>"
@@ -199,6 +213,45 @@ class SweepTable:
         """
         shares = name in QUANTITIES and QUANTITIES[name].path[0] == "equipartition"
         return np.array([shares and row["state"] in UNSETTLED for row in self.rows], dtype=bool)
+
+    def uncertainty(self, name: str) -> str:
+        """Name of the column that holds the uncertainty of a column, in the same unit.
+
+        Args:
+            name: name of the column.
+
+        Returns:
+            The name; empty where there is none.
+
+        Examples:
+            >>> granchain.collect("swept").uncertainty("beat_length")
+            'beat_length_uncertainty'
+        """
+        return UNCERTAINTIES.get(name, "")
+
+    def axis(self, name: str) -> "StudyAxis":
+        """A column as figures and pages draw it: numbers, uncertainties, and which cases are not settled.
+
+        Args:
+            name: name of the column.
+
+        Returns:
+            The axis; cases that are not done have no number, but in varied fields.
+
+        Examples:
+            >>> granchain.collect("swept").axis("kick.velocity").values
+            array([1., 2.])
+        """
+        from analysis.figures.studies import StudyAxis  # matplotlib takes half a second to import
+
+        done, error = [row["outcome"] == "done" or name in self.fields for row in self.rows], self.uncertainty(name)
+        return StudyAxis(
+            self.label(name),
+            np.where(done, self.numbers(name), math.nan),
+            self.numbers(error) if error else None,
+            self.unsettled(name),
+            "uncertainty",
+        )
 
     def passed(self, name: str) -> Floats | None:
         """Frequencies at which small waves pass, [band, 2], in the field's unit; None where cases differ.
@@ -333,6 +386,24 @@ def collect(directory: Path, at_beads: Sequence[str] = ()) -> SweepTable:
         bands=bands,
         at_beads=tuple(at_beads),
     )
+
+
+def table_of(runs: Sequence[RunDirectory]) -> SweepTable:
+    """Table of the quantities of some runs in the units of the first; those that were not analysed are analysed first.
+
+    A run that cannot be analysed has only what it recorded.
+    """
+    from workflow.verdicts.analyse import analyse  # a sweep's table needs none of it
+
+    rows = []
+    for run in runs:
+        if not is_analysed(run.path):
+            with contextlib.suppress(InputError):
+                analyse(run, figures=False)
+        report = read_json(run.path / REPORT) if is_analysed(run.path) else {}
+        measured = quantities(report, run.account.plain(), run.scene.plain())
+        rows.append({"case": run.path.name, "outcome": None, **measured, "reason": None})
+    return SweepTable([], rows, si=runs[0].problem.scale.si)
 
 
 def _shared_label(path: fields.Path, requests: Iterable[Asked]) -> Label:
@@ -554,34 +625,11 @@ def drawn(table: SweepTable, quantity: str, over: str, beside: str | None = None
     finite = np.all([np.isfinite(rest.numbers(name)) for name in shown], axis=0).tolist()
     placed = replace(table, rows=rows + [row for row, placeable in zip(rest.rows, finite, strict=True) if placeable])
     along, *second = [StudyAxis(placed.label(name), placed.numbers(name)) for name in shown]
-    upwards = quantity_axis(placed, quantity)
+    upwards = placed.axis(quantity)
     title = ", ".join(filter(None, (table.scene, title)))
     if len(axes) == 2:
         return map_figure(upwards, along, second[0], title)
     return swept_figure(upwards, along, second[0] if second else None, title, done.passed(over))
-
-
-def quantity_axis(table: SweepTable, name: str) -> "StudyAxis":
-    """A column as figures and pages draw it, with uncertainties, and which cases are not settled.
-
-    Args:
-        table: table of a sweep; cases that are not done count as having no number.
-        name: name of the column.
-
-    Returns:
-        The axis.
-    """
-    from analysis.figures.studies import StudyAxis  # matplotlib takes half a second to import
-
-    done = [row["outcome"] == "done" for row in table.rows]
-    error = UNCERTAINTIES.get(name)
-    return StudyAxis(
-        table.label(name),
-        np.where(done, table.numbers(name), math.nan),
-        None if error is None else table.numbers(error),
-        table.unsettled(name),
-        "uncertainty",
-    )
 
 
 def refuse_axes(table: SweepTable, names: Sequence[str]) -> None:

@@ -45,6 +45,12 @@ if TYPE_CHECKING:
 FIGURES = ("spacetime", "response", "distance", "shape", *(kind.figure for kind in MEASUREMENTS if kind.figure))
 """All that an analysis may draw."""
 
+
+def figures_in(directory: Path) -> list[str]:
+    """Names of the files of figures that an analysis has drawn into a directory, in the order of `FIGURES`."""
+    return [name for name in in_any_format(*FIGURES) if (directory / name).is_file()]
+
+
 LARGEST = 1e100
 """Displacement or velocity that no run has, far from where squares overflow; dimensionless."""
 

@@ -1,7 +1,6 @@
 """Compare a run with an accurate reference, quantity by quantity."""
 
 import math
-import warnings
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -9,7 +8,6 @@ from typing import Any
 
 from analysis.compare.common_times import OtherFramesError, paired
 from analysis.compare.difference import Deviation, Difference
-from analysis.files.binary_dump import CutDumpWarning
 from analysis.sharing.chain_differences import ChainDifference
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html, physics
@@ -285,7 +283,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     halving = _accurate_enough(problem, limits)
     difference = Difference(limits, accountant(directory, problem).of)
     try:
-        diagnosed = compared(difference, paired(blocks(directory), halving.blocks()))
+        diagnosed = compared(difference, paired(directory.blocks_so_far(), halving.blocks()))
     except OtherFramesError as error:
         raise InputError(
             f"{directory.dump}: {error}; was the deck run with another -var every or timestep? Change the scene instead"
@@ -362,13 +360,6 @@ def _accurate_enough(problem: Problem, limits: dict[str, float]) -> StepHalving:
             break
         steps = 2 * uncertainty.steps_per_frame
     return StepHalving(problem, steps_per_frame=steps)
-
-
-def blocks(directory: RunDirectory) -> Iterable[Trajectory]:
-    """The frames there are; that the file ends within a frame is nothing to warn of, for the report says it."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", CutDumpWarning)
-        yield from directory.blocks()
 
 
 def any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) -> bool:

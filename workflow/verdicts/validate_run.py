@@ -86,7 +86,7 @@ def validate_run(
 
 
 def compare_runs(runs: Runs, tolerances: dict[str, float] | None = None) -> tuple[Validation, Difference]:
-    """Comparison of two runs with the same numbers of chains and beads and the same units; writes nothing.
+    """Comparison of two runs, which may be of different scenes; writes nothing.
 
     Args:
         runs: the run, and that it is compared with.
@@ -96,8 +96,9 @@ def compare_runs(runs: Runs, tolerances: dict[str, float] | None = None) -> tupl
         The comparison, and the differences that it is made of.
 
     Raises:
-        InputError: the runs recorded no bead or no time in common.
+        InputError: they have other numbers of chains or beads, other units, or no bead or time in common.
     """
+    refuse_other_beads(runs)
     directory, other = runs
     rigid = [run for run in runs if not ENGINES[run.engine].deforms]
     models_differ = len(rigid) == 1

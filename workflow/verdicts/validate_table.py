@@ -18,7 +18,7 @@ from lammps_inputs import InputError, Problem, physics
 from lammps_inputs.deck_atoms import DeckAtoms
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.diagnose import Diagnosis, diagnose
-from workflow.verdicts.validate import TOLERANCES, Validation, any_exceeded, blocks, error_figure, limits_of, write
+from workflow.verdicts.validate import TOLERANCES, Validation, any_exceeded, error_figure, limits_of, write
 
 
 def validate_table(
@@ -46,7 +46,7 @@ def validate_table(
     loaded = _loaded(path, problem, deck, dimensionless=dimensionless)
     rounding = _step_of_positions(loaded) / (1.0 if dimensionless else problem.scale.length)
     limits = limits_of(problem, {**_within_rounding(rounding), **(tolerances or {})})
-    run_frames = joined(blocks(directory))[: problem.frames + 1]
+    run_frames = joined(directory.blocks_so_far())[: problem.frames + 1]
     theirs = as_trajectory(loaded, problem, dimensionless=dimensionless)
     run_part = common_times.of_recorded(run_frames, theirs.problem)
     resampled = _resampled(path, run_part, theirs.time, incomplete=run_frames.frames < problem.frames + 1)

@@ -12,7 +12,7 @@ from analysis.conservation import Account
 from analysis.contacts import YieldTable
 from analysis.figures.energy import budget_figure, energy_figure
 from analysis.figures.forces import yield_figure
-from analysis.figures.spacetime import BeadHistory, SpaceTime, round_ticks, spacetime_figure
+from analysis.figures.spacetime import BeadHistory, RootScale, SpaceTime, spacetime_figure
 from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, AxisUnit, axis_unit, shown_chains
 from analysis.figures.waves import distance_figure, passage, pulses, response_figure, shape_figure, time_title
 from analysis.sharing.energies import Flow
@@ -318,7 +318,7 @@ def test_figures_of_a_width_that_is_asked_for_have_that_width_and_no_title(found
 
 @pytest.mark.parametrize("top", [1.0, 0.55, 4.3e2, 2.0001e-6])
 def test_ticks_of_colours_are_round_and_reach_most_of_the_scale(top):
-    ticks = round_ticks(top)
+    ticks = RootScale(top).ticks
     assert ticks == sorted(ticks) == [-tick for tick in reversed(ticks)]
     assert 0.4 * top <= ticks[-1] <= top
     assert {f"{tick:.3e}"[:5] for tick in ticks if tick > 0.0} <= {"1.000", "2.000", "5.000"}

@@ -11,10 +11,11 @@ import granchain
 from analysis.figures.style import shown_chains
 from workflow.cli import main
 from workflow.plugins.pages import compare_page
-from workflow.plugins.pages.compared import compared_lines, pairs_of_runs, quantity_table, setting_table, written
+from workflow.plugins.pages.compared import compared_lines, quantity_table, setting_table, written
 from workflow.runs.files import RECORD
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.validate_run import compare_runs, recorded_by_both
+from workflow.verdicts.compared_pairs import compared_pairs
+from workflow.verdicts.validate_run import compare_runs
 
 SCENE = {
     "name": "pair",
@@ -47,8 +48,9 @@ def runs(made):
 
 
 def frames_of(runs):
-    problem = recorded_by_both(runs).problem
-    return compare_page.compared_frames(problem, pairs_of_runs(runs), shown_chains(problem))
+    comparison, _ = compare_runs(runs)
+    problem = comparison.problem
+    return compare_page.compared_frames(problem, compared_pairs(runs, comparison), shown_chains(problem))
 
 
 def test_the_map_is_the_velocity_of_one_run_minus_that_of_the_other_at_each_bead_and_frame(runs):

@@ -11,8 +11,9 @@ from refusals import refusal
 
 import granchain
 from analysis import motion
-from analysis.figures.spacetime import STILL, largest_afar
+from analysis.figures.spacetime import RootScale
 from workflow.cli import main
+from workflow.plugins.pages import function
 from workflow.runs.run_directory import RunDirectory
 from workflow.study_kit.page import HOLDS, Section, Statement, render
 
@@ -171,7 +172,7 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     system = ran.directory.problem.system
     force = motion.contact_force(system, motion.overlaps(system, frames.displacement))
     problem = ran.directory.problem
-    chain, contact = np.nonzero(force[3] > STILL * largest_afar(problem, frames.beads, frames.velocity))
+    chain, contact = np.nonzero(force[3] > RootScale.of(problem, frames.beads, frames.velocity).least)
     bars = {name: model(page, "pushes", f"Array.from(it.data.{name})") for name in ("x", "y", "h")}
     assert bars["x"] == (contact + 1.5).tolist()  # between bead n and the next
     assert bars["h"] == pytest.approx(0.45 * force[3, chain, contact] / force.max(), rel=1e-4, abs=1e-6)
@@ -189,7 +190,7 @@ def test_the_page_in_a_notebook_is_part_of_it_wherever_it_is_moved(ran, tmp_path
 
 def test_a_large_page_in_a_notebook_is_a_link(ran, monkeypatch):
     page = ran.view()
-    monkeypatch.setattr(granchain, "MOST_EMBEDDED", 1000)
+    monkeypatch.setattr(function, "MOST_EMBEDDED", 1000)
     assert page._repr_html_() == f'<p><a href="{page.path.resolve().as_uri()}">{page.path}</a></p>'
 
 

@@ -87,7 +87,7 @@ def test_spectra_have_a_line_for_each_drive_and_are_drawn_without_any(pages, cou
     page = pages["driven"]
     measured = page.analysis.measurements["spectra"]
     several = replace(measured, spectra=replace(measured.spectra, drive=np.linspace(0.1, 0.2, count)))
-    (plot,) = plots_of(page.problem, page.part, [several], Range1d(0.0, 1.0), {})
+    (plot,) = plots_of(page.problem, page.part, {"spectra": several}, Range1d(0.0, 1.0), {})
     assert sum(isinstance(span, Span) for span in plot.center) == count
     assert ("frequency of the drive" in plot.title.text) == (count > 0)
 

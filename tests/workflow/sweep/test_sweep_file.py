@@ -7,6 +7,8 @@ import pytest
 from sweeps import SMALL, sweep_file
 
 from lammps_inputs import InputError, strict_yaml
+from workflow.study_kit.options import example_file
+from workflow.sweep import file
 from workflow.sweep.file import LONGEST_NAME, MAX_CASES, SpacedValues, all_cases, case_name, from_plain, load, scene_of
 
 
@@ -23,6 +25,12 @@ def test_a_product_has_every_combination_and_each_is_the_scene_with_those_values
         (scene_of(what, case).kick[0].velocity, scene_of(what, case).coupling.stiffness) for case in all_cases(what)
     }
     assert found == {(1.0, 0.1), (1.0, 0.2), (2.0, 0.1), (2.0, 0.2)}
+
+
+def test_the_sweep_file_of_the_help_is_one(tmp_path):
+    definition = from_plain(strict_yaml.parse(example_file(file), "sweep"), tmp_path / "sweep.yaml")
+    assert len(all_cases(definition)) == 15
+    assert {case.values["coupling.stiffness"] for case in all_cases(definition)} == {0.05, 0.1, 0.2}
 
 
 def test_zip_takes_first_with_first():

@@ -9,7 +9,7 @@ import pytest
 from analysis.shape.exact_wave import solitary_wave
 from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState
 from analysis.tracking.undisturbed import APART
-from lammps_inputs import handbook, physics
+from lammps_inputs import physics
 from lammps_inputs.window import LEAST_WINDOW
 from workflow.prepare.extent import SAME, WIDEST
 from workflow.verdicts import analyse, terms, validate
@@ -60,7 +60,7 @@ def test_numbers_that_the_manual_quotes_are_those_of_the_theory(page, quoted):
 
 
 def test_the_criterion_of_a_windows_width_is_that_of_the_program():
-    section = handbook.of_key("window")
+    section = (ROOT / "lammps_inputs" / "SCENES.md").read_text(encoding="utf-8")
     quoted = re.search(r"doubled from (\d+)\s+on.* to\s+(\S+)\s+V; at\s+most\s+(\d+)\.", section, re.S)
     assert tuple(map(float, quoted.groups())) == (LEAST_WINDOW, SAME, WIDEST)
 

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 
 from analysis.figures.style import shown_chains
 from analysis.sharing.survey import Survey, survey
-from lammps_inputs import InputError, Problem, Scene
-from lammps_inputs.numbers import time_text
+from lammps_inputs import InputError, Problem, Scene, numbers
 from workflow.engines.reference.step_halving import StepHalving
 from workflow.plugins.pages.downsample import Thinned, thinned
 from workflow.prepare.settings import refuse_unanalysable, settle
-from workflow.runs.engines import REFERENCE
+from workflow.runs.engines import ENGINES
 
 MOST_SECONDS = 2.0
 """Estimated time above which a scene is not computed while its numbers are changed."""
@@ -48,7 +47,7 @@ def computed(scene: Scene) -> ComputedScene:
         InputError: the reference cannot compute it, it takes too long, or its frames are too far apart.
         RunError: its velocities grow beyond all bounds.
     """
-    if refusal := REFERENCE.refusal(scene):
+    if refusal := ENGINES["reference"].refusal(scene):
         raise InputError(refusal)
     scene = scene.model_copy(update={"accuracy": None})
     if scene.until_bead is not None:
@@ -67,14 +66,14 @@ def computed(scene: Scene) -> ComputedScene:
 
 def estimated_seconds(problem: Problem) -> float:
     """Estimated time of `computed`, by the model of the reference's cost and the numbers of its frames, in s."""
-    numbers = problem.frames * problem.chains * problem.rows_a_frame
-    return HALVED * (REFERENCE.seconds(problem, 1) or 0.0) + SECONDS_A_NUMBER * numbers
+    recorded = problem.frames * problem.chains * problem.rows_a_frame
+    return HALVED * (ENGINES["reference"].seconds(problem, 1) or 0.0) + SECONDS_A_NUMBER * recorded
 
 
 def _refuse_slow(problem: Problem) -> None:
     seconds = estimated_seconds(problem)
     if seconds > MOST_SECONDS:
         raise InputError(
-            f"this scene takes about {time_text(seconds)}, more than the {MOST_SECONDS:g} s up to which this page "
-            "computes; take a shorter duration or fewer beads, or save the scene and use `granchain run`"
+            f"this scene takes about {numbers.time_text(seconds)}, more than the {MOST_SECONDS:g} s up to which this "
+            "page computes; take a shorter duration or fewer beads, or save the scene and use `granchain run`"
         )

@@ -12,16 +12,16 @@ from bokeh.events import DocumentReady
 from bokeh.layouts import column, row
 from bokeh.models import Button, CheckboxGroup, CustomJS, Div, Slider, TextInput
 
-from lammps_inputs import InputError, Scene, html, library, references, strict_yaml
-from lammps_inputs.numbers import time_text
-from workflow import provenance, screen
+from lammps_inputs import InputError, Scene, html, library, numbers, references, strict_yaml
+from workflow import provenance
 from workflow.errors import RunError
 from workflow.plugins.explore.compute import ComputedScene, computed
 from workflow.plugins.explore.picture import Picture
 from workflow.plugins.explore.scene_numbers import SWITCHED, SceneNumber, numbers_of, read, slider_range, written
 from workflow.plugins.pages.write import TEMPLATE, page_scripts
+from workflow.screen import with_hints
 from workflow.sweep import fields
-from workflow.verdicts.pulse_sentences import change_sentences, pulse_sentences
+from workflow.verdicts import pulse_sentences
 
 _FIELD = """
 .bk-input-group > label { white-space: nowrap; }
@@ -74,7 +74,7 @@ def answer(plain: dict[str, Any], source: str, validated: Callable[[Scene], None
         return Answer(None, str(error))
     except Exception as error:  # no memory, or a mistake of ours: the page goes on
         return Answer(None, f"{type(error).__name__}: {error}")
-    seconds = time_text(time.perf_counter() - started)
+    seconds = numbers.time_text(time.perf_counter() - started)
     return Answer(result, f"uncertainty of velocities {result.uncertainty:.1e} V; computed in {seconds}")
 
 
@@ -124,9 +124,9 @@ class Tab:
     def _form(self) -> list[Any]:
         """Sliders, fields and switches, in the order of the scene's keys."""
         parts: list[Any] = []
-        numbers = numbers_of(self._all)
+        of_scene = numbers_of(self._all)
         for key in self._all:
-            of_key = [number for number in numbers if number.key == key]
+            of_key = [number for number in of_scene if number.key == key]
             self._widgets[key] = [self._number(number) for number in of_key]
             if key in SWITCHED:
                 parts.append(self._switch(key))
@@ -229,7 +229,7 @@ class Tab:
             self._say("computing")
 
     def _compute(self, plain: dict[str, Any]) -> None:
-        with screen.with_hints(lambda text: self._next(partial(self._say, text))):
+        with with_hints(lambda text: self._next(partial(self._say, text))):
             computed_answer = answer(plain, self._source, lambda scene: self._next(partial(self._show_scene, scene)))
         self._next(partial(self._finish, computed_answer))
 
@@ -278,5 +278,5 @@ class Tab:
 
 def _listed(result: ComputedScene) -> str:
     """Sentences on the pulses, as `granchain analyze` prints them."""
-    sentences = [*change_sentences(result.survey), *pulse_sentences(result.survey)]
+    sentences = [*pulse_sentences.change_sentences(result.survey), *pulse_sentences.pulse_sentences(result.survey)]
     return f"<ul>{''.join(f'<li>{escape(sentence)}</li>' for sentence in sentences)}</ul>"

@@ -7,7 +7,7 @@ from bokeh.events import Tap
 from bokeh.layouts import column, row
 from bokeh.models import ColumnDataSource, HoverTool, Range1d, Span
 
-from analysis.figures.spacetime import largest_afar
+from analysis.figures.spacetime import RootScale
 from analysis.trajectory import Floats
 from lammps_inputs.facts import Fact
 from workflow.plugins.explore.compute import ComputedScene
@@ -50,7 +50,7 @@ class Picture:
         self._units = units_of(problem, result.part)
         part = self._part = result.part.measured(self._units)
         self._images = [_image(part, place) for place in range(len(part.chains))]
-        self._limit = largest_afar(problem, part.beads, part.velocity)
+        self._limit = RootScale.of(problem, part.beads, part.velocity).limit
         self._symbols = _symbols(result)
         self._time_range = Range1d(*ends(part.time, part.every), bounds=ends(part.time, part.every))
         places = ends(part.places, part.spacing)
@@ -90,7 +90,7 @@ class Picture:
         """Show another result in the same plots; false where it needs others."""
         problem, units = result.problem, units_of(result.problem, result.part)
         part = result.part.measured(units)
-        limit = largest_afar(problem, part.beads, part.velocity)
+        limit = RootScale.of(problem, part.beads, part.velocity).limit
         same = (part.chains, part.beads.tolist(), _symbols(result), problem.whole, _has_pulse(result)) == (
             self._part.chains,
             self._part.beads.tolist(),

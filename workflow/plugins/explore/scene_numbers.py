@@ -5,12 +5,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lammps_inputs import InputError, strict_yaml
-from lammps_inputs.ingredients.registry import INGREDIENTS, SEVERAL
-from lammps_inputs.numbers import text
+from lammps_inputs import InputError, numbers, strict_yaml
+from lammps_inputs.ingredients import registry
 from workflow.sweep import fields
 
-SWITCHED = (*INGREDIENTS, "pattern", "replace", "taper", "disorder", "striker")
+SWITCHED = (*registry.INGREDIENTS, "pattern", "replace", "taper", "disorder", "striker")
 """Keys of a scene that can be left out."""
 
 REACH = 3.0
@@ -64,7 +63,7 @@ def _leaves(value: Any, path: fields.Path) -> Iterator[tuple[fields.Path, Any]]:
     if isinstance(value, Mapping):
         for key, part in value.items():
             yield from _leaves(part, (*path, (key, None)))
-    elif isinstance(value, list) and path[-1][0] in SEVERAL and isinstance(value[0], Mapping):
+    elif isinstance(value, list) and path[-1][0] in registry.SEVERAL and isinstance(value[0], Mapping):
         for number, part in enumerate(value, 1):
             yield from _leaves(part, (*path[:-1], (path[-1][0], number)))
     elif (_is_number(value) or _holds_number(value)) and len(written(value)) <= LONGEST_LIST:
@@ -89,7 +88,7 @@ def written(value: Any) -> str:
     if not isinstance(value, float):
         return str(value)
     short = f"{value:g}"
-    return min(short, text(value), key=len) if float(short) == value else text(value)
+    return min(short, numbers.text(value), key=len) if float(short) == value else numbers.text(value)
 
 
 def read(words: str, number: SceneNumber) -> Any:

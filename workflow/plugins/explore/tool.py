@@ -4,8 +4,7 @@ import argparse
 import asyncio
 
 from lammps_inputs import library
-from workflow.plugins.pages import need_bokeh
-from workflow.screen import open_in_browser
+from workflow.plugins.pages import need_bokeh, open_in_browser
 
 EXAMPLES = (
     "explore two-chains        # serves a page on this machine until Ctrl-C",

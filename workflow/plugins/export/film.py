@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from analysis.figures.spacetime import COLOURS, STILL, SpaceTime, colour_scale, draw_maps, largest_afar, panels
+from analysis.figures.spacetime import RootScale, SpaceTime, draw_maps, panels
 from analysis.figures.style import AxisUnit, shown_chains, styled, title
 from analysis.trajectory import Floats, Integers, Trajectory, direction_of, watch
 from lammps_inputs import InputError, Problem
@@ -146,7 +146,7 @@ class _Stage:
         self._beads = problem.recorded_beads
         size = relative_radii[self._chains][:, self._beads - 1]
         self._widths = 0.95 * size / np.max(size)
-        self._largest = largest_afar(problem, spacetime.beads, spacetime.velocity)
+        self._scale = RootScale.of(problem, spacetime.beads, spacetime.velocity)
         self._front = 0
         self._figure, self._drawn, self._time = self._laid_out(spacetime, pixels)
         self._canvas: Any = FigureCanvasAgg(self._figure)
@@ -171,8 +171,8 @@ class _Stage:
             units="xy",
             offsets=np.empty((0, 2)),
             offset_transform=axis.transData,
-            cmap=COLOURS,
-            norm=colour_scale(self._largest),
+            cmap=RootScale.PALETTE,
+            norm=self._scale.norm,
             edgecolors="0.35",
             linewidths=0.5,
         )
@@ -256,7 +256,7 @@ class _Stage:
     def _in_sight(self, frame: Trajectory) -> tuple[int, int]:
         """First place that is drawn and the one after the last: a quarter of them is ahead of the front."""
         count, sight = len(self._beads), min(BEADS_IN_SIGHT, len(self._beads))
-        fast = np.flatnonzero(np.nanmax(np.abs(frame.velocity[0]), axis=0, initial=0.0) > STILL * self._largest)
+        fast = np.flatnonzero(self._scale.moves(frame.velocity[0]))
         forwards = direction_of(self._problem) > 0
         if len(fast):  # counted along the way of the pulse
             self._front = max(self._front, int(fast[-1]) if forwards else count - 1 - int(fast[0]))

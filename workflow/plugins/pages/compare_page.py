@@ -9,11 +9,10 @@ from bokeh.events import Tap
 from bokeh.layouts import column, gridplot, row
 from bokeh.models import ColorBar, ColumnDataSource, CustomJS, HoverTool, Range1d, Span
 
-from analysis.figures.spacetime import STILL, moving_part
+from analysis.figures.spacetime import RootScale
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
-from lammps_inputs.units import REDUCED
-from workflow.plugins.pages.downsample import MOST_NUMBERS, Thinned, Units, thinned, units_of
+from workflow.plugins.pages.downsample import MOST_NUMBERS, Thinned, thinned, units_of
 from workflow.plugins.pages.plots import (
     LINE_WIDTH,
     add_legend,
@@ -26,6 +25,7 @@ from workflow.plugins.pages.plots import (
     number,
     root_colours,
 )
+from workflow.plugins.pages.units import Units
 
 Pair = tuple[Trajectory, Trajectory]
 
@@ -125,14 +125,13 @@ def layout(problem: Problem, runs: ComparedRuns, names: tuple[str, str], shown_b
     """
     units, difference_units = units_of(problem, runs.first), units_of(problem, runs.difference)
     limit = float(np.nanmax(np.abs(runs.difference.velocity), initial=0.0)) * difference_units["velocity"].worth
-    size = np.nanmax(np.abs(runs.first.velocity), axis=(0, 1), initial=0.0)
+    scale = RootScale(float(np.nanmax(np.abs(runs.first.velocity), initial=0.0)))
     first, second = (part.measured(units) for part in (runs.first, runs.second))
     difference_units |= {"time": units["time"]}
     difference = runs.difference.measured(difference_units)
     images = [_images(first, second, difference, place) for place in range(len(first.chains))]
     all_places = ends(first.places, first.spacing)
-    moves = size > STILL * float(np.max(size, initial=0.0))
-    place_range = Range1d(*moving_part(first.places, moves, all_places), bounds=all_places)
+    place_range = Range1d(*scale.moving_part(runs.first.velocity, first.places, all_places), bounds=all_places)
     instants = ends(first.time, first.every)
     ranges = place_range, Range1d(*instants, bounds=instants)
     colours = root_colours(limit or 1.0)
@@ -182,7 +181,7 @@ def _of_differences(plot: Any, units: Units, difference_units: Units) -> None:
 
 def _difference_label(difference_units: Units) -> str:
     """Label of an axis of differences of velocities."""
-    return f"velocity, A minus B ({difference_units['velocity'].symbol or REDUCED})"
+    return difference_units["velocity"].label("velocity, A minus B", "")
 
 
 def _traces(

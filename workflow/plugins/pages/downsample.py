@@ -10,12 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import motion
-from analysis.figures.spacetime import largest_afar
-from analysis.figures.style import AxisUnit, FrameContent, axis_unit, evenly_spaced
-from analysis.quantity import declared
+from analysis.figures.spacetime import RootScale
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem
-from lammps_inputs.units import REDUCED, Label
+from workflow.plugins.pages.units import PageUnit, Units, page_unit
 
 MOST_BEADS = 500
 """Of a chain."""
@@ -62,7 +60,7 @@ class Thinned:
     @property
     def even(self) -> bool:
         """Whether the beads are evenly spaced, or one."""
-        return len(self.beads) < 2 or evenly_spaced(self.beads)
+        return len(np.unique(np.diff(self.beads))) < 2
 
     @property
     def places(self) -> Floats:
@@ -79,7 +77,7 @@ class Thinned:
         """Time from one frame to the next."""
         return float(self.time[1] - self.time[0]) if len(self.time) > 1 else 1.0
 
-    def measured(self, units: Mapping[str, AxisUnit]) -> "Thinned":
+    def measured(self, units: Mapping[str, PageUnit]) -> "Thinned":
         """Thinned run with its arrays in units of the page, such as ms and mm/s."""
         kinds = {name: name for name in ("time", "velocity", "force", "energy")}
         kinds |= {"displacement": "length", "overlap": "length", "density": "energy", "resonators": "length"}
@@ -193,8 +191,6 @@ def _resonators(frames: Trajectory, tied: Mapping[int, int]) -> Floats:
 
 # --- units ------------------------------------------------------------------------------------------------------------
 
-Units = dict[str, AxisUnit]
-
 
 def units_of(problem: Problem, part: Thinned) -> Units:
     """Units of time, velocity, length, force and energy; reduced ones as they are, without a symbol.
@@ -205,24 +201,12 @@ def units_of(problem: Problem, part: Thinned) -> Units:
     """
     largest = {
         "time": float(part.time[-1]),
-        "velocity": largest_afar(problem, part.beads, part.velocity),
+        "velocity": RootScale.of(problem, part.beads, part.velocity).limit,
         "length": _size(part.displacement),
         "force": _size(part.force),
         "energy": _size(part.energy),
     }
-    if not problem.scale.si:
-        return {name: AxisUnit(float(getattr(problem.scale, name)), "") for name in largest}
-    return {name: axis_unit(problem, name, size) for name, size in largest.items()}
-
-
-def axis_label(name: str, unit: AxisUnit) -> str:
-    """Such as ``time t (ms)``, with the symbol of the figures."""
-    return Label(name, declared(FrameContent)[name][0].symbol, unit.symbol or REDUCED).plain
-
-
-def behind(unit: AxisUnit) -> str:
-    """What stands behind a number: ``" ms"``, or nothing."""
-    return f" {unit.symbol}" if unit.symbol else ""
+    return {name: page_unit(problem, name, size) for name, size in largest.items()}
 
 
 def _size(values: np.ndarray) -> float:

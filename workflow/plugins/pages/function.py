@@ -7,8 +7,6 @@ from pathlib import Path
 from workflow.arguments import AnyRun, directory_of
 from workflow.checked import checked
 from workflow.plugins.pages import need_bokeh
-from workflow.runs.run import CompletedRun
-from workflow.runs.run_directory import RunDirectory
 
 MOST_EMBEDDED = 6_000_000
 """Bytes of a page that is part of a notebook's file when it is displayed; of a larger one there is a link."""
@@ -57,7 +55,6 @@ def view(run_or_sweep: AnyRun, against: AnyRun | None = None) -> Page:
 
     if against is not None:
         return Page(write.write_comparison(directory_of(run_or_sweep), directory_of(against)))
-    if isinstance(run_or_sweep, CompletedRun):
-        run_or_sweep = run_or_sweep.directory
-    path = run_or_sweep.path if isinstance(run_or_sweep, RunDirectory) else Path(run_or_sweep)
-    return Page(write.write(path))
+    if isinstance(run_or_sweep, str | Path):
+        return Page(write.write(Path(run_or_sweep)))
+    return Page(write.write(directory_of(run_or_sweep).path))

@@ -8,12 +8,13 @@ import numpy as np
 from bokeh.layouts import row
 from bokeh.models import ColorBar, CustomJS, LinearColorMapper, SaveTool, Toolbar
 
-from analysis.figures.spacetime import STILL, largest_afar, round_ticks
+from analysis.figures.spacetime import RootScale
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
-from workflow.plugins.pages.downsample import Thinned, Units, axis_label
+from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import MAPPED, choice, label_of, lists, map_palette, shown_quantities
 from workflow.plugins.pages.save_data import tool_of_maps
+from workflow.plugins.pages.units import Units, axis_label
 
 ROOT = "root"
 """Scale at first: the square root of the size, with its sign."""
@@ -101,19 +102,19 @@ def map_choice(
 def _scaled(problem: Problem, part: Thinned, name: str) -> dict[str, Any]:
     """Largest value, whether there are negative ones, and ticks of each scale, of a quantity on the maps."""
     values = getattr(part, name)
-    limit = largest_afar(problem, part.beads, values)
-    signed = name == "velocity" or float(np.nanmin(values)) < -STILL * limit
+    colours = RootScale.of(problem, part.beads, values)
+    signed = name == "velocity" or float(np.nanmin(values)) < -colours.least
     return {
-        "limit": limit,
+        "limit": colours.limit,
         "signed": signed,
-        "ticks": {scale: _ticks(scale, limit, signed=signed) for scale, _ in _SCALES},
+        "ticks": {scale: _ticks(scale, colours.limit, signed=signed) for scale, _ in _SCALES},
     }
 
 
 def _ticks(scale: str, limit: float, *, signed: bool) -> list[float]:
     """Round numbers up to a limit, about evenly spaced in a scale; also negative ones where there are such."""
     if scale == ROOT:
-        positive = [tick for tick in round_ticks(limit) if tick > 0.0]
+        positive = [tick for tick in RootScale(limit).ticks if tick > 0.0]
     elif scale == "log":
         top = math.floor(math.log10(limit))
         positive = [10.0 ** (top - decade) for decade in range(round(-math.log10(_LEAST)))]

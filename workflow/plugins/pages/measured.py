@@ -1,7 +1,7 @@
 """Plots of what only some runs have: energy budget over time, spectra of beads, dispersion."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -18,21 +18,9 @@ from bokeh.models import (
     Span,
 )
 
-from analysis.conservation import Account
-from analysis.dispersion import Branches, Map
-from analysis.figures.energy import averaged, budget_curves
-from analysis.figures.spectra import DECADES, DEEPEST, highest_frequency, shown_power
-from analysis.figures.style import AxisUnit, axis_unit
-from analysis.gauges.spectra import SpectrumTable, VelocitySpectra
-from analysis.quantity import declared
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
-from lammps_inputs.units import REDUCED, Label
-from workflow.measures.base import Measurement
-from workflow.measures.energy import BudgetMeasurement
-from workflow.measures.gauges import SpectrumMeasurement
-from workflow.measures.sound import DispersionMeasurement
-from workflow.plugins.pages.downsample import Thinned, Units
+from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import (
     MARKS,
     TICK,
@@ -46,6 +34,7 @@ from workflow.plugins.pages.plots import (
     number,
 )
 from workflow.plugins.pages.save_data import add_tool_of_curves, add_tool_of_image
+from workflow.plugins.pages.units import PageUnit, Units, page_unit
 
 _MOST_PIXELS = 400
 """Rows and columns of a map of power at most; of more, each pixel has the largest of some."""
@@ -55,59 +44,63 @@ _INPUT = {"line_color": "#888888", "line_width": 3.5, "line_alpha": 0.7}
 
 
 def plots_of(
-    problem: Problem, part: Thinned, measurements: Iterable[Measurement], time_range: Range1d, units: Units
+    problem: Problem, part: Thinned, measurements: Mapping[str, Any], time_range: Range1d, units: Units
 ) -> list[Any]:
     """Plots of those measurements that have one on the page, in their order.
 
     Args:
         problem: what was run.
         part: of its frames, in units of the page.
-        measurements: of the run.
+        measurements: of the run, by their keys.
         time_range: shared by plots over time.
         units: of the page.
     """
     plots = []
-    for measurement in measurements:
+    for key, measurement in measurements.items():
         if not measurement.drawable:
             continue
-        if isinstance(measurement, BudgetMeasurement):
-            plots.append(_budget(problem, measurement.values, time_range, units))
-        elif isinstance(measurement, SpectrumMeasurement):
+        if key == "budget":
+            plots.append(_budget(measurement, time_range, units))
+        elif key == "spectra":
             plots.append(_spectra(problem, part, measurement.spectra))
-        elif isinstance(measurement, DispersionMeasurement) and measurement.map is not None:
+        elif key == "dispersion":
             plots.append(_dispersion(problem, measurement.map))
     return plots
 
 
-def _budget(problem: Problem, account: Account, time_range: Range1d, units: Units) -> Any:
-    """Energy input, stored and dissipated, by where and by source, over time."""
-    unit = _unit(problem, "energy", account.most)
+def _budget(budget: Any, time_range: Range1d, units: Units) -> Any:
+    """Energy input, stored and dissipated, by where and by source, over time, of the measurement ``budget``."""
+    problem, account, curves = budget.problem, budget.values, budget.curves()
+    unit = page_unit(problem, "energy", account.most)
     units = {**units, "energy": unit}
-    curves = budget_curves(account)
-    width = averaged(account.time, curves.width, units["time"]).lstrip(",").replace("\n", " ")
-    plot = graph(f"energy budget{',' if width else ''}{width}", "budget", units, "energy", time_range)
-    time = account.time * units["time"].worth
-    items = [("energy input", [plot.line(time, curves.energy_input * unit.worth, **_INPUT)])]
+    time = units["time"]
+    mean = f", mean over {curves.mean_over * time.worth:.2g}{time.behind}" if curves.mean_over else ""
+    plot = graph(f"energy budget{mean}", "budget", units, "energy", time_range)
+    instants = account.time * time.worth
+    items = [("energy input", [plot.line(instants, curves.energy_input * unit.worth, **_INPUT)])]
     for place, (name, values) in enumerate(curves.by_words.items()):
-        items.append((name, [plot.line(time, values * unit.worth, **look(place))]))
-    _add_hover(plot, items, {"time": ("x", units["time"]), "energy": ("y", unit)})
+        items.append((name, [plot.line(instants, values * unit.worth, **look(place))]))
+    _add_hover(plot, items, {"time": ("x", time), "energy": ("y", unit)})
     add_legend(plot, items)
     add_tool_of_curves(plot, problem.name)
     return plot
 
 
-def _spectra(problem: Problem, part: Thinned, spectra: VelocitySpectra) -> Any:
+def _spectra(problem: Problem, part: Thinned, spectra: Any) -> Any:
     """Amplitude of the velocity over frequency; colour and dashes are the chain's, the mark is the bead's."""
     top = float(np.max(spectra.amplitude, initial=1e-30))
-    velocity, cycles = _unit(problem, "velocity", top), _unit(problem, "cycles", float(np.max(spectra.frequency)))
+    velocity, cycles = (
+        page_unit(problem, "velocity", top),
+        page_unit(problem, "cycles", float(np.max(spectra.frequency))),
+    )
     ends = Range1d(float(spectra.frequency[0]) * cycles.worth, float(spectra.frequency[-1]) * cycles.worth)
     ends.bounds = "auto"
     plot = graph("spectra of the velocities", "spectra", {"velocity": velocity}, "velocity", ends, "", "log")
-    plot.xaxis.axis_label = _label("frequency", SpectrumTable, "frequency", cycles)
+    plot.xaxis.axis_label = cycles.label("frequency", "f")
     plot.xaxis.ticker = BasicTicker()
-    plot.yaxis.axis_label = _label("amplitude", SpectrumTable, "amplitude", velocity)
+    plot.yaxis.axis_label = velocity.label("amplitude", "\\hat v")
     plot.yaxis.formatter = LogTickFormatter()
-    plot.y_range = Range1d(DEEPEST * top * velocity.worth, 2.0 * top * velocity.worth)
+    plot.y_range = Range1d(spectra.DEEPEST * top * velocity.worth, 2.0 * top * velocity.worth)
     several, items = len(part.chains) > 1, []
     frequency = spectra.frequency * cycles.worth
     for bead_number, bead in enumerate(spectra.beads[: len(MARKS)]):
@@ -131,17 +124,17 @@ def _spectra(problem: Problem, part: Thinned, spectra: VelocitySpectra) -> Any:
     return plot
 
 
-def _dispersion(problem: Problem, spectrum: Map) -> Any:
+def _dispersion(problem: Problem, spectrum: Any) -> Any:
     """Power over wavenumber and frequency, with the exact branches and the edges of their bands."""
-    top = highest_frequency(spectrum)
-    unit = _unit(problem, "frequency", top)
-    power, (left, right), (bottom, end) = shown_power(spectrum)
+    top = spectrum.top
+    unit = page_unit(problem, "frequency", top)
+    power, (left, right), (bottom, end) = spectrum.shown_power()
     power = _coarser(power)
     plot = graph("dispersion", "dispersion", {"velocity": unit}, "velocity", Range1d(-math.pi, math.pi), "")
     if problem.chains > 1:
         plot.title.text += f", {chain_name(spectrum.chain)}"
-    plot.xaxis.axis_label = _label("wavenumber", Branches, "wavenumber", AxisUnit(1.0, "rad/bead"))
-    plot.yaxis.axis_label = _label("angular frequency", Branches, "frequency", unit)
+    plot.xaxis.axis_label = PageUnit(1.0, "rad/bead").label("wavenumber", "q")
+    plot.yaxis.axis_label = unit.label("angular frequency", "\\omega")
     plot.x_range.bounds = (-math.pi, math.pi)
     plot.y_range = Range1d(0.0, top * unit.worth, bounds=(0.0, top * unit.worth))
     names = {-math.pi: "-\N{GREEK SMALL LETTER PI}", 0.0: "0", math.pi: "\N{GREEK SMALL LETTER PI}"}
@@ -149,7 +142,7 @@ def _dispersion(problem: Problem, spectrum: Map) -> Any:
     plot.xaxis.ticker = FixedTicker(ticks=sorted(names))
     plot.xaxis.major_label_overrides = names
     plot.xaxis.formatter = CustomJSTickFormatter(code=TICK)
-    colours = LinearColorMapper(palette=map_palette("magma"), low=-DECADES, high=0.0)
+    colours = LinearColorMapper(palette=map_palette("magma"), low=-spectrum.DECADES, high=0.0)
     box = {"x": [left], "y": [bottom * unit.worth], "dw": [right - left], "dh": [(end - bottom) * unit.worth]}
     image = ColumnDataSource({"power": [power.astype(np.float32)], **box})
     drawn = plot.image("power", x="x", y="y", dw="dw", dh="dh", source=image, color_mapper=colours)
@@ -177,21 +170,9 @@ def _coarser(values: Floats) -> Floats:
     return values
 
 
-def _add_hover(plot: Any, items: list[tuple[str, list[Any]]], columns: dict[str, tuple[str, AxisUnit]]) -> None:
+def _add_hover(plot: Any, items: list[tuple[str, list[Any]]], columns: dict[str, tuple[str, PageUnit]]) -> None:
     """Let a cursor over lines say their numbers, by words: column and unit."""
     tips = [(words, f"@{column}{{custom}}") for words, (column, _) in columns.items()]
     formatters = {f"@{column}": number(unit) for column, unit in columns.values()}
     lines = [drawn[0] for _, drawn in items]
     plot.add_tools(HoverTool(renderers=lines, tooltips=tips, formatters=formatters))
-
-
-def _unit(problem: Problem, kind: str, size: float) -> AxisUnit:
-    """Unit of a quantity up to a size, as those of the page."""
-    if not problem.scale.si:
-        return AxisUnit(float(problem.scale.measured(1.0, kind)), "")
-    return axis_unit(problem, kind, size)
-
-
-def _label(words: str, kind: type, name: str, unit: AxisUnit) -> str:
-    """Words, symbol as a type declares it, and unit."""
-    return Label(words, declared(kind)[name][0].symbol, unit.symbol or REDUCED).plain

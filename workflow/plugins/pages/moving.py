@@ -15,14 +15,15 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from analysis.figures.spacetime import STILL
+from analysis.figures.spacetime import RootScale
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 from workflow.plugins.pages.attached import draw_resonators, draw_walls
-from workflow.plugins.pages.downsample import Thinned, Units, behind
+from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import chain_name, label, label_of, lists, name_places, number
 from workflow.plugins.pages.save_data import add_tool_of_columns
 from workflow.plugins.pages.time_bar import time_bar
+from workflow.plugins.pages.units import Units
 
 BEADS_IN_SIGHT = 40
 """Around the front, where beads move."""
@@ -101,7 +102,7 @@ def moving_beads(
     sources = _drawn(problem, plot, part, colours, units)
     exaggerated = _EXAGGERATED * part.spacing / units["length"].worth
     slider, bar = time_bar(part, units["time"])
-    least = STILL * colours.high / units["velocity"].worth * units["force"].worth
+    least = RootScale(colours.high).least / units["velocity"].worth * units["force"].worth
     strongest = float(np.nanmax(part.force, initial=0.0))
     move = CustomJS(
         args={
@@ -148,7 +149,7 @@ def _scales(part: Thinned, units: Units, strongest: float, further: str) -> str:
     length, force = units["length"], units["force"]
     unit = f"{length.worth:.3g} {length.symbol} (L)" if length.symbol else "L (the unit of length)"
     between = "neighbouring beads" if part.bead_stride == 1 and part.even else "the beads shown"
-    forces = f"; bars above the beads: contact forces, the highest {strongest:.3g}{behind(force)}" if strongest else ""
+    forces = f"; bars above the beads: contact forces, the highest {strongest:.3g}{force.behind}" if strongest else ""
     displacements = f"a displacement of {unit} is drawn as {_EXAGGERATED:g} of the distance between {between}"
     return f"Colours follow the signed square root of the velocity; {displacements}{forces}{further}."
 

@@ -24,14 +24,13 @@ from bokeh.models import (
 from bokeh.plotting import figure
 from matplotlib.colors import to_hex
 
-from analysis.figures.spacetime import COLOURS, panels, round_ticks, signed_root
+from analysis.figures.spacetime import RootScale, panels
 from analysis.figures.style import CHAIN_COLOURS as ON_PAPER
 from analysis.figures.style import CHAIN_DASHES as DASHES_ON_PAPER
-from analysis.figures.style import AxisUnit
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
-from lammps_inputs.units import REDUCED, Label
-from workflow.plugins.pages.downsample import Thinned, Units, axis_label, behind
+from workflow.plugins.pages.downsample import Thinned
+from workflow.plugins.pages.units import PageUnit, Units, axis_label
 
 _SEEN_ON_DARK = {"#000000": "#44aa99", "#882255": "#aa4499"}
 """Teal and purple (Tol) for black and wine, which are hard to see in dark mode."""
@@ -193,9 +192,9 @@ def name_places(plot: Any, part: Thinned) -> None:
         plot.xaxis.formatter = CustomJSTickFormatter(args={"beads": part.beads.tolist()}, code=_NAME)
 
 
-def number(unit: AxisUnit) -> CustomJSHover:
+def number(unit: PageUnit) -> CustomJSHover:
     """How a cursor says a number."""
-    return CustomJSHover(args={"unit": behind(unit)}, code=_NUMBER)
+    return CustomJSHover(args={"unit": unit.behind}, code=_NUMBER)
 
 
 # --- maps -------------------------------------------------------------------------------------------------------------
@@ -235,7 +234,7 @@ MAPPED = {
 def label_of(name: str, units: Units) -> str:
     """Words, symbol and unit of a quantity of the maps, such as ``contact force F (N)``."""
     shown = MAPPED[name]
-    return Label(shown.words, shown.symbol, units[shown.unit].symbol or REDUCED).plain
+    return units[shown.unit].label(shown.words, shown.symbol)
 
 
 def shown_quantities(part: Thinned) -> list[str]:
@@ -306,7 +305,7 @@ def maps_of(
 def _hover(part: Thinned, units: Units) -> dict[str, Any]:
     """What a cursor over a map says: bead, time, and the quantities of the map that are known."""
     lists = {"beads": part.beads.tolist(), "places": part.places.tolist(), "spacing": part.spacing}
-    when = {"time": part.time.tolist(), "unit": behind(units["time"])}
+    when = {"time": part.time.tolist(), "unit": units["time"].behind}
     formatters = {"$x": CustomJSHover(args=lists, code=_BEAD), "$y": CustomJSHover(args=when, code=_WHEN)}
     shown = shown_quantities(part)
     formatters |= {f"@{name}": number(units[MAPPED[name].unit]) for name in shown}
@@ -318,15 +317,15 @@ def _hover(part: Thinned, units: Units) -> dict[str, Any]:
 def root_colours(limit: float) -> LinearColorMapper:
     """Those of the figures: diverging from 0, along the signed square root of the velocity."""
     share = np.linspace(-1.0, 1.0, 1025)
-    return LinearColorMapper(palette=_palette(signed_root(share)), low=-limit, high=limit, nan_color="#999999")
+    return LinearColorMapper(palette=_palette(RootScale.root(share)), low=-limit, high=limit, nan_color="#999999")
 
 
-def _palette(share: Floats, name: str = COLOURS) -> list[str]:
+def _palette(share: Floats, name: str = RootScale.PALETTE) -> list[str]:
     """Colours of a palette of matplotlib at shares of its scale, from -1 to 1."""
     return [to_hex(colour) for colour in mpl.colormaps[name](0.5 + 0.5 * share)]
 
 
-def map_palette(name: str = COLOURS) -> list[str]:
+def map_palette(name: str = RootScale.PALETTE) -> list[str]:
     """Colours of a palette of matplotlib from its one end to the other, by default that of velocities."""
     return _palette(np.linspace(-1.0, 1.0, 257), name)
 
@@ -335,7 +334,7 @@ def _bar(colours: LinearColorMapper, title: str) -> ColorBar:
     """The bar of those colours: even along the root, with round numbers of velocity."""
     end = float(np.sqrt(colours.high))
     even = LinearColorMapper(palette=_palette(np.linspace(-1.0, 1.0, 255)), low=-end, high=end)
-    ticks = {float(signed_root(np.array(tick))): f"{tick:.4g}" for tick in round_ticks(colours.high)}
+    ticks = {float(RootScale.root(np.array(tick))): f"{tick:.4g}" for tick in RootScale(colours.high).ticks}
     return ColorBar(
         color_mapper=even,
         title=title,

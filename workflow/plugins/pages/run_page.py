@@ -8,16 +8,13 @@ import numpy as np
 from bokeh.layouts import column, gridplot, row
 from bokeh.models import CheckboxGroup, ColumnDataSource, CustomJS, Div, HoverTool, Range1d
 
-from analysis.figures.spacetime import STILL, largest_afar, moving_part
-from analysis.gauges.forces import Readings
+from analysis.figures.spacetime import RootScale
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves
-from analysis.trajectory import Flags, Floats, Integers, mirrored_bead
+from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
-from workflow.measures.base import Measurement
-from workflow.measures.gauges import ForceMeasurement
-from workflow.plugins.pages.downsample import Thinned, Units, units_of
+from workflow.plugins.pages.downsample import Thinned, units_of
 from workflow.plugins.pages.map_choice import map_choice
 from workflow.plugins.pages.measured import plots_of
 from workflow.plugins.pages.moving import moving_beads
@@ -38,8 +35,9 @@ from workflow.plugins.pages.plots import (
 )
 from workflow.plugins.pages.save_data import add_tool_of_curves
 from workflow.plugins.pages.selection import selection
-from workflow.plugins.pages.theory import draw_lines, lines_of, peaks_of
+from workflow.plugins.pages.theory import along, draw_lines, lines_of, peaks_of
 from workflow.plugins.pages.traces import TracePlot
+from workflow.plugins.pages.units import Units
 
 # --- graphs over beads ------------------------------------------------------------------------------------------------
 
@@ -68,7 +66,7 @@ def distances(problem: Problem, part: Thinned, survey: Survey, bead_range: Range
         graphs.append(_draw_over_beads(plot, problem, "time", lags, units))
     shared = survey.shared
     if shared.of_impulses:
-        bead = shared.bead if survey.direction > 0 else mirrored_bead(problem, shared.bead)
+        bead = along(survey, shared.bead)
         impulses = {chain: (bead, shared.amplitude[:, chain - 1] * velocity.worth) for chain in part.chains}
         title = "impulse of the first contact, over the mass"
         plot = graph(title, "impulses", units, "velocity", bead_range, "bead")
@@ -183,8 +181,16 @@ class ForceLine:
     item: int
 
 
-def forces(problem: Problem, part: Thinned, readings: Readings | None, time_range: Range1d, units: Units) -> list[Any]:
-    """Forces that gauges read, a line for each and each chain that is shown, and those that push and drive beads."""
+def forces(problem: Problem, part: Thinned, readings: Any, time_range: Range1d, units: Units) -> list[Any]:
+    """Forces that gauges read, a line for each and each chain that is shown, and those that push and drive beads.
+
+    Args:
+        problem: what was run.
+        part: of its frames, in units of the page.
+        readings: of the measurement ``forces``; None where there are no gauges.
+        time_range: of the axis.
+        units: of the page.
+    """
     graphs, time = [], part.time / units["time"].worth
     if readings is not None:
         title = "total force at gauges" if readings.loaded else "force at gauges"
@@ -250,7 +256,7 @@ def layout(
     survey: Survey | None,
     shown: list[int],
     *,
-    measurements: Mapping[str, Measurement] | None = None,
+    measurements: Mapping[str, Any] | None = None,
     radius: Floats | None = None,
 ) -> Any:
     """The plots of a page.
@@ -266,12 +272,11 @@ def layout(
     units = units_of(problem, part)
     part, measured = part.measured(units), measurements or {}
     images = [image_source(part, place) for place in range(len(part.chains))]
-    limit = largest_afar(problem, part.beads, part.velocity)
-    moves = np.nanmax(np.abs(part.velocity), axis=(0, 1), initial=0.0) > STILL * limit
+    scale = RootScale.of(problem, part.beads, part.velocity)
     all_places = ends(part.places, part.spacing)
-    place_range = Range1d(*moving_part(part.places, moves, all_places), bounds=all_places)
+    place_range = Range1d(*scale.moving_part(part.velocity, part.places, all_places), bounds=all_places)
     time_range = Range1d(*ends(part.time, part.every), bounds=ends(part.time, part.every))
-    of_maps = root_colours(limit)
+    of_maps = root_colours(scale.limit)
     maps = maps_of(problem, part, images, of_maps, units, (place_range, time_range))
     every_map = [plot for line in maps for plot in line]
     grid = _side_by_side(maps)
@@ -279,17 +284,19 @@ def layout(
     if survey is not None and (lines := lines_of(problem, part.chains, survey, measured)):
         above.append(draw_lines(lines, part, every_map, units))
     phase = part.frame_stride == 1 and not problem.system.holds(Fact.PULSE)
-    traces = TracePlot(part, _that_move(part, moves, shown), time_range, units, phase=phase)
+    moving = part.beads[scale.moves(part.velocity)]
+    first_shown = _that_move(moving if len(moving) else part.beads, shown)
+    traces = TracePlot(part, first_shown, time_range, units, phase=phase)
     traces.follow(every_map, images)
     below = [*traces.plots, *_graphs(problem, part, survey, measured, (place_range, time_range), units)]
     for plot in below:
         add_tool_of_curves(plot, problem.name)
-    further = plots_of(problem, part, measured.values(), time_range, units)
+    further = plots_of(problem, part, measured, time_range, units)
     plots = [*every_map, *below, *further]
     now = dict.fromkeys(line for plot in plots for line in plot.center if line.name == NOW)
     every = np.ones((problem.chains, problem.beads)) if radius is None else radius / np.max(radius)
     sizes = every[np.ix_(np.array(part.chains) - 1, part.beads - 1)]
-    moving, controls = moving_beads(problem, part, images, list(now), root_colours(limit), units, sizes)
+    moving, controls = moving_beads(problem, part, images, list(now), root_colours(scale.limit), units, sizes)
     slider = controls.select_one({"name": "time"})
     link, readout = selection(part, units, every_map, slider, traces.bead, traces.chain)
     chosen = row(traces.choices, link, sizing_mode="stretch_width", styles={"flex-wrap": "wrap", "align-items": "end"})
@@ -305,7 +312,7 @@ def _graphs(
     problem: Problem,
     part: Thinned,
     survey: Survey | None,
-    measurements: Mapping[str, Measurement],
+    measurements: Mapping[str, Any],
     ranges: tuple[Range1d, Range1d],
     units: Units,
 ) -> list[Any]:
@@ -320,9 +327,8 @@ def _graphs(
         units: of the page.
     """
     place_range, time_range = ranges
-    gauges = measurements.get(ForceMeasurement.key)
-    readings = gauges.readings if isinstance(gauges, ForceMeasurement) else None
-    graphs = forces(problem, part, readings, time_range, units)
+    gauges = measurements.get("forces")
+    graphs = forces(problem, part, None if gauges is None else gauges.readings, time_range, units)
     if survey is not None and problem.system.holds(Fact.PULSE):
         all_beads = (float(part.beads[0]) - 1.0, float(part.beads[-1]) + 1.0)
         bead_range = place_range if part.even else Range1d(*all_beads, bounds=all_beads)
@@ -332,9 +338,8 @@ def _graphs(
     return graphs
 
 
-def _that_move(part: Thinned, moves: Flags, shown: Sequence[int]) -> list[int]:
+def _that_move(beads: Integers, shown: Sequence[int]) -> list[int]:
     """Beads to show at first: those asked for that move, or others that do in their place."""
-    beads = part.beads[moves] if moves.any() else part.beads
     at = [
         bead if bead in beads else int(beads[share * (len(beads) - 1) // 6])
         for bead, share in zip(shown, (1, 3, 5), strict=False)

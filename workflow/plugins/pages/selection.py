@@ -5,10 +5,10 @@ from typing import Any
 
 from bokeh.models import Button, ColumnDataSource, CustomJS, Div, Select, Slider
 
-from analysis.figures.style import AxisUnit
-from workflow.plugins.pages.downsample import Thinned, Units, behind
+from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import DARK_CONTROL, MAPPED, lists, shown_quantities
 from workflow.plugins.pages.traces import ALL
+from workflow.plugins.pages.units import PageUnit, Units
 
 _READ = """
 const i = beads.indexOf(Number(bead.value));
@@ -99,7 +99,7 @@ def selection(
             {"name": name, "words": MAPPED[name].of_cursor, "unit": in_brackets(units[MAPPED[name].unit])}
             for name in shown_quantities(part)
         ],
-        "time_unit": behind(units["time"]),
+        "time_unit": units["time"].behind,
     }
     read = CustomJS(args=arguments, code=_READ)
     for control in filter(None, (slider, bead, chain)):
@@ -120,7 +120,7 @@ def open_link(root: Any) -> CustomJS:
     return CustomJS(args=choices, code=_OPEN)
 
 
-def in_brackets(unit: AxisUnit) -> str:
+def in_brackets(unit: PageUnit) -> str:
     """What stands behind a quantity: ``" (mm/s)"``, or nothing."""
     return f" ({unit.symbol})" if unit.symbol else ""
 

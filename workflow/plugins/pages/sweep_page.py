@@ -33,11 +33,9 @@ from bokeh.models import (
 from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
-from analysis.figures.studies import edges, logarithmic
-from analysis.figures.style import AxisUnit
 from workflow.plugins.pages.plots import CHAIN_COLOURS, TICK, TOOLS, choice, label, number
-from workflow.quantities.columns import QUANTITIES, UNCERTAINTIES
-from workflow.sweep.collect import SHOWN, SweepTable, quantity_axis
+from workflow.plugins.pages.units import PageUnit
+from workflow.sweep.collect import SweepTable
 
 _LINK = '<% if (link) { %><a href="<%= link %>"><%- value %></a><% } else { %><%- value %><% } %>'
 
@@ -220,7 +218,7 @@ def layout(
     drawn = {key: points(table, key) for key in numbers}
     source = ColumnDataSource(name="cases", data={**data, **_at_first(drawn[over], drawn[quantity])})
     labels = {key: table.label(key).plain for key in table.columns}
-    kinds = {key: "log" if logarithmic(_drawn(data[key])) else "linear" for key in numbers}
+    kinds = {key: "log" if table.axis(key).logarithmic else "linear" for key in numbers}
     axes, colours = _map_axes(table, kinds), _colours(table, data)
     choices = _choices(table, data, numbers, (over, quantity), list(colours), can_be_map=len(axes) > 1)
     integers = [key for key in numbers if all(isinstance(value, int | None) for value in data[key])]
@@ -293,10 +291,10 @@ def _name_chosen(drawing: "_Drawing", words: list[str], arguments: dict[str, Any
 def points(table: SweepTable, key: str) -> dict[str, list[float]]:
     """A column of a table as points: value, uncertainty, ends of the bar of that (NaN: none), 0 for a hollow mark.
 
-    What `granchain collect --plot` does not draw, as cases that are not done, has no value; fields always have one.
+    What `granchain collect --plot` does not draw, as cases that are not done, has no value; varied fields always have.
     """
-    axis = quantity_axis(table, key)
-    value = table.numbers(key) if key in table.fields else axis.values
+    axis = table.axis(key)
+    value = axis.values
     error = np.full(len(value), np.nan) if axis.error is None else axis.error
     half = np.where(error > 0.0, error, np.nan)
     solid = 1.0 - axis.open
@@ -311,7 +309,7 @@ def _map_axes(table: SweepTable, kinds: dict[str, str]) -> dict[str, dict[str, A
         values = table.numbers(name)
         distinct = np.unique(values)
         if name in kinds and np.all(np.isfinite(values)) and len(distinct) > 1:
-            ends, cells = edges(distinct), np.searchsorted(distinct, values)
+            ends, cells = table.axis(name).edges, np.searchsorted(distinct, values)
             axes[name] = {"kind": kinds[name], "low": ends[cells].tolist(), "high": ends[cells + 1].tolist()}
     return axes
 
@@ -447,16 +445,17 @@ def _columns(table: SweepTable, data: dict[str, list[Any]]) -> list[TableColumn]
     Uncertainties stand behind their numbers; a ring marks those of chains that are not settled.
     """
     columns = []
-    first = ["case", *table.fields, "outcome", *SHOWN]
+    first = ["case", *table.summary]
+    uncertainties = {key: table.uncertainty(key) for key in table.columns}
     for key in sorted(table.columns, key=lambda key: first.index(key) if key in first else len(first)):
-        if all(value in (None, "") for value in data[key]) or key in UNCERTAINTIES.values():
+        if all(value in (None, "") for value in data[key]) or key in uncertainties.values():
             continue
         heading = table.heading(key)
-        error, template = UNCERTAINTIES.get(key), _LINK if key == "case" else _NUMBER
+        error, template = uncertainties[key], _LINK if key == "case" else _NUMBER
         letters = max(map(len, [heading, *map(_shown, data[key])]))
-        if error is not None:
+        if error:
             template, letters = _WITH_UNCERTAINTY.replace("{error}", error), letters + len(" +- 0.00012")
-        if key in QUANTITIES and QUANTITIES[key].label and table.unsettled(key).any():
+        if np.isfinite(table.numbers(key)).any() and table.unsettled(key).any():
             template, letters = template + _NOT_SETTLED, letters + 2
         width = min(_WIDEST, 30 + _LETTER * letters)
         formatter = HTMLTemplateFormatter(template=template)
@@ -504,7 +503,7 @@ def _colours(table: SweepTable, data: dict[str, list[Any]]) -> dict[str, tuple[A
             palette = [CHAIN_COLOURS[k % len(CHAIN_COLOURS)] for k in range(len(texts))]
             bar.color_mapper = CategoricalColorMapper(factors=texts, palette=palette)
         else:
-            kind = LogColorMapper if logarithmic(values) else LinearColorMapper
+            kind = LogColorMapper if table.axis(name).logarithmic else LinearColorMapper
             bar.color_mapper = kind(palette=Viridis256[70:230], low=min(values), high=max(values))
             bar.formatter = CustomJSTickFormatter(code=TICK)
             if len(texts) <= _FEW:
@@ -597,7 +596,7 @@ def _answer(plot: Any, drawn: Any, drawing: _Drawing) -> None:
     ring = {"size": 22, "fill_color": None, "line_color": "#cc79a7", "line_width": 2.5, "name": "ring"}
     plot.scatter("x", "y", source=drawing.marked, **ring)
     tips = [("case", "@case"), ("over", "@x{custom}"), ("quantity", "@y{custom}"), ("uncertainty", "@error{custom}")]
-    formatters = {f"@{key}": number(AxisUnit(1.0, "")) for key in ("x", "y", "error")}
+    formatters = {f"@{key}": number(PageUnit(1.0, "")) for key in ("x", "y", "error")}
     plot.add_tools(HoverTool(renderers=[drawn], tooltips=tips, formatters=formatters))
     open_case = CustomJS(args={"source": drawing.source}, code=_OPEN)
     plot.add_tools(TapTool(renderers=[drawn], callback=open_case))

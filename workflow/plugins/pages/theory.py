@@ -3,21 +3,18 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from bokeh.models import CheckboxGroup, CustomJS
 
-from analysis.shape.exact_wave import wave_of
-from analysis.shape.long_waves import sound_speed
-from analysis.sharing.equipartition import runs_exact_waves
+from analysis.sharing.equipartition import exact_speed
 from analysis.sharing.survey import Survey
-from analysis.trajectory import Floats, along_the_way
+from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
-from workflow.measures.base import Measurement
-from workflow.measures.sound import SoundMeasurement
-from workflow.plugins.pages.downsample import Thinned, Units
+from workflow.plugins.pages.downsample import Thinned
+from workflow.plugins.pages.units import Units
 from workflow.verdicts.analysis_report import last_clear_bead
 
 _COLOURS = ("#2fc774", "#d85cf0", "#ff9f1c")
@@ -40,8 +37,16 @@ class TheoryLine:
     of_chains: Mapping[int, tuple[Floats, Floats]]
 
 
+Number = TypeVar("Number", int, Integers)
+
+
+def along(survey: Survey, bead: Number) -> Number:
+    """Number of a bead counted along the way of the leading pulse, or in the scene of one that is counted so."""
+    return bead if survey.direction > 0 else survey.problem.beads + 1 - bead
+
+
 def lines_of(
-    problem: Problem, chains: Sequence[int], survey: Survey, measurements: Mapping[str, Measurement]
+    problem: Problem, chains: Sequence[int], survey: Survey, measurements: Mapping[str, Any]
 ) -> list[TheoryLine]:
     """Exact solitary wave of the asymptotic amplitude; under a static load sound, and the theory's solitary wave.
 
@@ -55,14 +60,15 @@ def lines_of(
         return []
     final = survey.shared.followed.final
     lines, per_time = [], problem.scale.each("beads")
-    if final is not None and runs_exact_waves(problem.system):
-        speed = float(wave_of(problem.system).speed_at(final.value))
+    speed = None if final is None else exact_speed(problem.system, final.value)
+    if final is not None and speed is not None:
         name = f"exact solitary wave of {final.value:.5f} V: {speed / problem.scale.time:.6g}{per_time}"
         lines.append(TheoryLine(name, _through_waves(problem, chains, survey, speed)))
-    sound = measurements.get(SoundMeasurement.key)
-    if isinstance(sound, SoundMeasurement) and sound.values.speed is not None:
+    sound = measurements.get("sound")
+    if sound is not None and sound.values.speed is not None:
         speeds = dict.fromkeys(f"{speed / problem.scale.time:.6g}" for speed in sound.values.speed)
-        lines.append(TheoryLine(f"sound: c0 = {' to '.join(speeds)}{per_time}", _sound(problem, chains)))
+        points = _sound(problem, chains, survey, sound.local_speed)
+        lines.append(TheoryLine(f"sound: c0 = {' to '.join(speeds)}{per_time}", points))
         pulse = sound.values.pulse
         if pulse is not None and math.isfinite(pulse.theory) and len(speeds) == 1:
             name = f"solitary wave of the long-wave theory: {pulse.theory:.5f} c0"
@@ -81,8 +87,8 @@ def _through_waves(
         if len(waves) == 0:
             continue
         last = last_clear_bead(waves, problem)
-        distance = along_the_way(problem, np.array([1, problem.beads]))
-        time = waves.arrival[last] + (distance - along_the_way(problem, int(waves.bead[last]))) / speed
+        distance = along(survey, np.array([1, problem.beads]))
+        time = waves.arrival[last] + (distance - along(survey, int(waves.bead[last]))) / speed
         if not np.isfinite(time).all():
             continue
         beads = np.array([1.0, problem.beads])
@@ -94,12 +100,19 @@ def _through_waves(
     return lines
 
 
-def _sound(problem: Problem, chains: Sequence[int]) -> dict[int, tuple[Floats, Floats]]:
-    """Chain -> points of sound that leaves the kicked bead at the start, along the way of the pulse."""
-    kicked = along_the_way(problem, physics.largest_excitation(problem.system)[1])
+def _sound(problem: Problem, chains: Sequence[int], survey: Survey, speed: Floats) -> dict[int, tuple[Floats, Floats]]:
+    """Chain -> points of sound that leaves the kicked bead at the start, along the way of the pulse.
+
+    Args:
+        problem: what was run.
+        chains: that are shown.
+        survey: the waves of the run.
+        speed: of sound, [chain, bead] in beads / T.
+    """
+    kicked = along(survey, physics.largest_excitation(problem.system)[1])
     distance = np.arange(kicked, problem.beads + 1)
-    beads = along_the_way(problem, distance)
-    slowness = 1.0 / sound_speed(problem.system)[:, beads - 1]
+    beads = along(survey, distance)
+    slowness = 1.0 / speed[:, beads - 1]
     time = np.cumsum(np.insert(0.5 * (slowness[:, 1:] + slowness[:, :-1]), 0, 0.0, axis=1), axis=1)
     return {chain: (beads.astype(float), time[chain - 1]) for chain in chains}
 
@@ -160,8 +173,8 @@ def peaks_of(problem: Problem, survey: Survey) -> dict[str, tuple[Floats, Floats
         name = "asymptotic amplitude"
         lines[name] = (np.array([1.0, problem.beads]), np.full(2, shared.final.value))
     if decay is not None:
-        kicked = along_the_way(problem, physics.largest_excitation(problem.system)[1])
+        kicked = along(survey, physics.largest_excitation(problem.system)[1])
         distance = np.arange(decay.first, decay.last + 1)
         law = decay.v0 * np.maximum(1.0 - (distance - kicked) / decay.n_star, 0.0) ** 2.5
-        lines["decay as (1 - n / n*)^2.5"] = (along_the_way(problem, distance).astype(float), law)
+        lines["decay as (1 - n / n*)^2.5"] = (along(survey, distance).astype(float), law)
     return lines

@@ -6,9 +6,9 @@ from typing import Any
 from bokeh.layouts import row
 from bokeh.models import Button, CustomJS, CustomJSTickFormatter, Slider, Toggle
 
-from analysis.figures.style import AxisUnit
-from workflow.plugins.pages.downsample import Thinned, behind
+from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import DARK_CONTROL, choice
+from workflow.plugins.pages.units import PageUnit
 
 SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "4", "10")
 """Speeds of play, over that at which a run takes some 16 s."""
@@ -34,7 +34,7 @@ slider.value = slider.start + Math.max(0, Math.min(last, k)) * slider.step;
 _TIME = "return tick.toFixed(digits) + unit"
 
 
-def time_bar(part: Thinned, unit: AxisUnit) -> tuple[Slider, Any]:
+def time_bar(part: Thinned, unit: PageUnit) -> tuple[Slider, Any]:
     """A slider whose values are times, and the bar in which it stands with what moves it.
 
     Args:
@@ -56,10 +56,10 @@ def time_bar(part: Thinned, unit: AxisUnit) -> tuple[Slider, Any]:
     return slider, bar
 
 
-def _slider(part: Thinned, unit: AxisUnit) -> Slider:
+def _slider(part: Thinned, unit: PageUnit) -> Slider:
     """A slider whose values are times, written to a tenth of the time between frames."""
     digits = max(0, 1 - math.floor(math.log10(part.every)))
-    written = CustomJSTickFormatter(args={"digits": digits, "unit": behind(unit)}, code=_TIME)
+    written = CustomJSTickFormatter(args={"digits": digits, "unit": unit.behind}, code=_TIME)
     start = float(part.time[0])
     end = start + max(1, len(part.time) - 1) * part.every
     slider = Slider(start=start, end=end, value=start, step=part.every, title="time", name="time", format=written)

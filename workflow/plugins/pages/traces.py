@@ -8,7 +8,7 @@ from bokeh.events import Tap
 from bokeh.layouts import row
 from bokeh.models import BasicTicker, ColumnDataSource, CustomJS, DataRange1d, Legend, Range1d, Select
 
-from workflow.plugins.pages.downsample import Thinned, Units
+from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import (
     MARKS,
     add_legend,
@@ -21,6 +21,7 @@ from workflow.plugins.pages.plots import (
     look,
     mark,
 )
+from workflow.plugins.pages.units import Units
 
 MOST_TRACES = len(MARKS)
 """Lines that are drawn at most; those of one bead where there are more chains."""

@@ -1,6 +1,5 @@
 """The page of a directory, of a run or of a sweep: files of HTML that need no other."""
 
-import warnings
 from collections.abc import Iterable
 from html import escape
 from pathlib import Path
@@ -12,18 +11,14 @@ from bokeh.events import DocumentReady
 from bokeh.models import CustomJS, GridPlot, Plot, SaveTool, Slider
 from bokeh.resources import INLINE
 
-from analysis.figures.style import axis_unit, shown_chains
-from analysis.files.binary_dump import CutDumpWarning
+from analysis.figures.style import shown_chains
 from lammps_inputs import InputError, Problem, file_names, references, strict_yaml
 from lammps_inputs.ingredients.unequal import radii
 from workflow import provenance
-from workflow.formats import in_any_format
 from workflow.plugins.pages import compare_page
 from workflow.plugins.pages.compared import (
     compared_lines,
     compared_tables,
-    pairs_of_reference,
-    pairs_of_runs,
     setting_table,
 )
 from workflow.plugins.pages.downsample import Thinned, thinned
@@ -31,20 +26,25 @@ from workflow.plugins.pages.results import results, sentence
 from workflow.plugins.pages.run_page import layout
 from workflow.plugins.pages.selection import open_link
 from workflow.plugins.pages.sweep_page import layout as sweep_layout
-from workflow.runs.engines import ENGINES, LAMMPS, RIGID
+from workflow.plugins.pages.units import page_unit
+from workflow.runs.engines import ENGINES
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import record_files
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import PrintedTable
 from workflow.sweep.collect import collect
-from workflow.verdicts.analyse import FIGURES, analyse, default_beads
+from workflow.verdicts.analyse import analyse, default_beads, figures_in
 from workflow.verdicts.analysis_lines import lines as analysis_lines
+from workflow.verdicts.compared_pairs import compared_pairs
 from workflow.verdicts.validate import Validation
-from workflow.verdicts.validate_run import compare_runs, refuse_other_beads
+from workflow.verdicts.validate_run import compare_runs
 
 # --- HTML -------------------------------------------------------------------------------------------------------------
 
 MOST_BYTES = 10_000_000
+
+LAMMPS = "lammps"
+"""Engine whose version a page states."""
 
 _DARK = """
 if (!window.matchMedia('(prefers-color-scheme: dark)').matches) return;
@@ -227,9 +227,7 @@ def _run(path: Path) -> Path:
     if check is not None and check.velocity is not None:
         lines.append(f"Error against the reference: velocities {check.velocity:.1e} V.")
     deforms = ENGINES[directory.engine].deforms
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", CutDumpWarning)  # that the run is incomplete is said in words
-        part = thinned(problem, directory.blocks(), shown_chains(problem), deforms=deforms)
+    part = thinned(problem, directory.blocks_so_far(), shown_chains(problem), deforms=deforms)
     lines += _left_out(problem, part)
     texts = {"scene": strict_yaml.dump(scene.plain())}
     if (path / file_names.DECK).is_file():
@@ -256,9 +254,9 @@ def _cited(runs: Iterable[RunDirectory]) -> list[str]:
     keys: dict[str, None] = {}
     for run in runs:
         cited = references.of_scene(run.scene)
-        if run.engine != LAMMPS.name:
+        if run.engine != LAMMPS:
             del cited[references.OF_ENGINE]
-        if run.engine == RIGID.name:
+        if not ENGINES[run.engine].deforms:
             del cited[references.OF_REFERENCE]
         keys |= dict.fromkeys(key for of_subject in cited.values() for key in of_subject)
     return list(keys)
@@ -267,7 +265,7 @@ def _cited(runs: Iterable[RunDirectory]) -> list[str]:
 def _computed(directory: RunDirectory) -> str:
     """Sentence on the engine, time and machine by which a run was computed, as far as it recorded them."""
     job, engine = directory.job, ENGINES[directory.engine].title
-    if directory.engine == LAMMPS.name:
+    if directory.engine == LAMMPS:
         engine = f"{engine} {job.lammps or job.versions.get('lammps', '')}".rstrip()
     granchain = job.versions.get("granchain")
     parts = [engine, f"granchain {granchain}" if granchain else "", job.started or "", job.machine or ""]
@@ -277,7 +275,7 @@ def _computed(directory: RunDirectory) -> str:
 def _shown(problem: Problem, part: Thinned) -> list[str]:
     """Which part of its frames a page shows of a run, in words; empty where it shows all."""
     apart = problem.every * part.frame_stride
-    time = axis_unit(problem, "time", apart)
+    time = page_unit(problem, "time", apart)
     distance = f"{apart * time.worth:.3g} {time.symbol}" if problem.scale.si else f"{apart:.3g} T"
     parts = [
         f"{len(part.chains)} of {problem.chains} chains" if len(part.chains) < problem.chains else "",
@@ -290,7 +288,7 @@ def _shown(problem: Problem, part: Thinned) -> list[str]:
 def _left_out(problem: Problem, part: Thinned) -> list[str]:
     """What a page does not show of a run, in words."""
     apart = problem.every * part.frame_stride
-    time = axis_unit(problem, "time", apart)
+    time = page_unit(problem, "time", apart)
     distance = f"{apart * time.worth:.3g} {time.symbol}" if problem.scale.si else f"{apart:.3g} T"
     lines = _shown(problem, part)
     if part.frame_stride > 1:
@@ -322,7 +320,6 @@ def write_comparison(directory: RunDirectory, against: RunDirectory) -> Path:
         InputError: they have other numbers of chains or beads, other units, or no bead or time in common.
     """
     runs = directory, against
-    refuse_other_beads(runs)
     comparison, _ = compare_runs(runs)
     return _compared(runs, comparison, f"against-{against.path.resolve().name}.html")
 
@@ -348,7 +345,7 @@ def _compared(runs: tuple[RunDirectory, ...], comparison: Validation, file: str)
     """
     directory, problem = runs[0], comparison.problem
     first, second = [*(run.path.resolve().name for run in runs), comparison.against][:2]
-    pairs = pairs_of_runs(runs) if len(runs) == 2 else pairs_of_reference(directory, comparison)
+    pairs = compared_pairs(runs, comparison)
     frames = compare_page.compared_frames(problem, pairs, shown_chains(problem))
     root, choose = compare_page.layout(problem, frames, (first, second), default_beads(problem)[0])
     lines = [*compared_lines(runs, comparison), *_shown(problem, frames.first)]
@@ -390,8 +387,10 @@ def _html_table(table: PrintedTable) -> str:
 def _sweep(directory: Path) -> Path:
     table = collect(directory)
     title = table.scene or directory.name
-    wanted = (VIEW, *in_any_format(*FIGURES))
-    files = {row["case"]: [file for file in wanted if (directory / row["case"] / file).is_file()] for row in table.rows}
+    files = {}
+    for case in (row["case"] for row in table.rows):
+        page = [VIEW] if (directory / case / VIEW).is_file() else []
+        files[case] = [*page, *figures_in(directory / case)]
     root, ready = sweep_layout(table, files, title, directory.resolve().name)
     made = render(
         f"{title}: {len(table.rows)} cases",

@@ -8,13 +8,12 @@ import functools
 import importlib
 import re
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel
 
-from lammps_inputs import Scene, installed_scenes, plugins
-from lammps_inputs.complaints import model_in
+from lammps_inputs import Scene, complaints, installed_scenes, plugins
 from lammps_inputs.materials import CATALOGUE
 from workflow import cli
 from workflow.study_kit.options import example_file
@@ -53,7 +52,7 @@ def words_of(model: type[BaseModel]) -> Iterator[str]:
     """Words that fields of a model, and of its parts, take in place of numbers."""
     for field in model.model_fields.values():
         yield from _words_in(field.annotation)
-        part = model_in(field.annotation)
+        part = complaints.model_in(field.annotation)
         if part is not None and part is not model:
             yield from words_of(part)
 
@@ -123,32 +122,36 @@ def _of_materials() -> Iterator[tuple[str, WordMeaning]]:
 
 # --- files ------------------------------------------------------------------------------------------------------------
 
-FILES = {"sweep": "workflow.sweep.file", "design": "workflow.plugins.design.file"}
-"""Kind of a file that is no scene -> module that has an example in its docstring."""
+
+def kinds() -> dict[str, str]:
+    """Kind of a file that a command of that name takes -> module that has an example in its docstring."""
+    points = plugins.declared("schemas")
+    return {name: points[name].module for name in cli.COMMANDS if name in points}
 
 
 @functools.cache
 def keys_of_files() -> dict[str, tuple[str, ...]]:
     """Kind of a file -> its keys, also within others."""
-    return {kind: tuple(_keys(plugins.load("schemas", kind)())) for kind in FILES if kind in cli.COMMANDS}
+    of_scene = plugins.load("schemas", "scene")()["$defs"]
+    return {kind: tuple(_keys(plugins.load("schemas", kind)(), of_scene)) for kind in kinds()}
 
 
-def _keys(schema: Mapping[str, object]) -> Iterator[str]:
-    """Keys of a file by its JSON schema, but for those of its scene."""
+def _keys(schema: Mapping[str, object], of_scene: Collection[str]) -> Iterator[str]:
+    """Keys of a file by its JSON schema, but for those of its scene, whose definitions have these names."""
     properties = schema.get("properties", {})
     assert isinstance(properties, dict)
     for key, part in properties.items():
         yield key
         if isinstance(part, dict) and key not in ("scene", "beside"):
-            yield from _keys(part)
+            yield from _keys(part, of_scene)
     definitions = schema.get("$defs", {})
     assert isinstance(definitions, dict)
-    for name in ("SpacedValues", "Search", "Manufacture", "Limit", "_Bounds", "_Choices"):
-        if name in definitions:
-            yield from _keys(definitions[name])
+    for name, definition in definitions.items():
+        if name not in of_scene:
+            yield from _keys(definition, of_scene)
 
 
 def of_file(kind: str) -> str:
     """Example of a file of a kind, below a heading."""
-    example = textwrap.indent(example_file(importlib.import_module(FILES[kind])), " " * 6)
+    example = textwrap.indent(example_file(importlib.import_module(kinds()[kind])), " " * 6)
     return f"    in a {kind} file, which `granchain {kind} FILE -o DIR` takes:\n{example}"

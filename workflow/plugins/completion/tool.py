@@ -6,6 +6,8 @@ import shtab
 
 from workflow import cli
 
+JOB = "Setting up"
+PRINTS = True
 EXAMPLES = (
     "completion bash > ~/.local/share/bash-completion/completions/granchain",
     "completion zsh > ~/.zfunc/_granchain",

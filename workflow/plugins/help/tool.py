@@ -4,8 +4,9 @@ import argparse
 import textwrap
 from collections.abc import Iterator
 
-from lammps_inputs import InputError, Scene, complaints, handbook
-from workflow import cli, vocabulary
+from lammps_inputs import InputError, Scene, complaints
+from workflow import cli
+from workflow.plugins.help import handbook, vocabulary
 
 MOST_SHOWN = 6
 """Places that have a phrase and whose explanation is printed; of further ones the names."""
@@ -13,6 +14,9 @@ MOST_SHOWN = 6
 _LEAST_LETTERS = 3
 """Length of a phrase that is searched for in explanations; shorter ones are symbols."""
 
+JOB = "Scenes"
+PRINTS = True
+TAKES_WORDS = True
 EXAMPLES = (
     "help scene                # all keys; units: reduced, or SI with a material",
     "help coupling.rows",
@@ -50,7 +54,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
 def _explanations(word: str) -> str:
     """What a symbol, term, quantity or word of the manual means, one below the other; empty where it is none."""
-    from workflow.verdicts.quantities import explained  # numpy and more, which keys do not need
+    from workflow.plugins.help.quantities import explained  # numpy and more, which keys do not need
 
     names = dict.fromkeys([word, word.replace(" ", "_"), word.replace(" ", ".")])
     quantities = [explained(name) for name in names]

@@ -1,44 +1,17 @@
-"""What `granchain help` prints is the scene reference, whose tables are those of the types."""
+"""What `granchain help` prints is the scene reference, section by section."""
 
-import importlib.resources
 import re
-import tomllib
-from pathlib import Path
 
-import key_tables
 import pytest
-import yaml
 
-import lammps_inputs
-from lammps_inputs import handbook, installed_scenes, library, references
+from lammps_inputs import library, references
 from lammps_inputs.ingredients.registry import INGREDIENTS
 from lammps_inputs.scene import BaseScene, Scene
+from workflow.plugins.help import handbook
 
 
 def test_every_key_of_a_scene_has_a_section():
     assert set(Scene.model_fields) - set(handbook.keys()) == set()
-
-
-@pytest.mark.parametrize("name", key_tables.PAGES)
-def test_tables_of_keys_are_those_of_the_types_and_references_those_of_the_bibliography(name):
-    page = (Path(lammps_inputs.__file__).parent / name).read_text(encoding="utf-8")
-    assert key_tables.renewed(page) == page, "run `python tests/support/key_tables.py`"
-
-
-@pytest.mark.parametrize("name", installed_scenes.installed())
-def test_what_a_scene_cites_is_in_the_bibliography(name):
-    cited = references.of_scene(library.find(name))
-    assert {key for keys in cited.values() for key in keys} <= set(references.bibtex())
-
-
-def test_a_damped_scene_cites_the_source_of_its_law():
-    assert references.of_scene(library.find("restitution"))["damping"] == ["tsuji1992", "antypov2011"]
-    assert references.text("antypov2011").endswith("EPL 94, 50004 (2011), doi:10.1209/0295-5075/94/50004")
-
-
-@pytest.mark.parametrize("name", [*key_tables.PARTS, " ".join(BaseScene.model_fields)])
-def test_every_key_has_a_meaning(name):
-    assert all(row.split(" | ")[-1].strip(" |") for row in key_tables.table(name).splitlines())
 
 
 @pytest.mark.parametrize("key", ["coupling", "coupling.rows", "coupling.stiffness.from"])
@@ -118,26 +91,3 @@ def test_examples_are_valid_scenes(example, tmp_path):
     base |= {"walls": {"left": "bead", "right": "bead"}} if "between walls" in example else {}
     scene = base | library.load_plain(tmp_path / "scene.yaml")
     assert library.from_plain(scene, "SCENES.md").beads
-
-
-def test_the_software_is_cited_alike_by_hosts_of_repositories_and_by_the_command():
-    root = Path(lammps_inputs.__file__).parents[1]
-    project = tomllib.loads((root / "pyproject.toml").read_text())["project"]
-    cff = yaml.safe_load((root / "CITATION.cff").read_text())
-    assert (cff["title"], cff["version"], cff["license"]) == (project["name"], project["version"], project["license"])
-    entry = references.software(project["version"])
-    assert f"version = {{{cff['version']}}}" in entry
-    assert cff["authors"][0]["name"] in entry
-    assert str(references.YEAR) in (root / "LICENSE").read_text()
-    assert references.address() == cff["url"]
-
-
-@pytest.mark.parametrize("address", ["", "https://example.org/granchain"])
-def test_the_address_of_the_software_is_cited_where_the_citation_file_has_one(address, tmp_path, monkeypatch):
-    (tmp_path / "CITATION.cff").write_text(f'title: granchain\nurl: "{address}"\n')
-    folders = {"lammps_inputs": tmp_path}
-    read = importlib.resources.files
-    monkeypatch.setattr(references.importlib.resources, "files", lambda name: folders.get(name) or read(name))
-    text, entry = references.software_text("1.0"), references.software("1.0")
-    assert text == "The granchain authors, granchain 1.0, " + ", ".join(filter(None, (references.TITLE, address)))
-    assert re.findall(r"  url = {(.*)},", entry) == list(filter(None, [address]))

@@ -3,10 +3,11 @@
 import argparse
 from pathlib import Path
 
-from workflow.plugins.pages import need_bokeh
+from workflow.plugins.pages import need_bokeh, open_in_browser
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import one_line, open_in_browser
+from workflow.screen import one_line
 
+JOB = "Analysis"
 EXAMPLES = (
     "view demo                 # writes demo/view.html, and opens it where there is a screen",
     "view demo --against finer  # compares two runs: writes demo/against-finer.html",

@@ -4,8 +4,11 @@ import argparse
 from importlib.metadata import version
 
 from lammps_inputs import library, references
+from workflow.plugins.cite import software
 from workflow.screen import CommandResult
 
+JOB = "Scenes"
+PRINTS = True
 ANSWERS = "subject -> keys of the publications"
 EXAMPLES = ("cite two-chains", "cite my.yaml --bibtex > references.bib")
 
@@ -21,9 +24,9 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     cited = references.of_scene(library.find(arguments.scene))
     if arguments.bibtex:
         wanted = dict.fromkeys(key for keys in cited.values() for key in keys)
-        print("\n".join([references.software(version("granchain")), *(references.bibtex()[key] for key in wanted)]))
+        print("\n".join([software.bibtex(version("granchain")), *(references.bibtex()[key] for key in wanted)]))
         return CommandResult(0, cited)
-    print(f"software: {references.software_text(version('granchain'))}")
+    print(f"software: {software.in_a_line(version('granchain'))}")
     for subject, keys in cited.items():
         for key in keys:
             print(f"{subject}: {references.text(key)}")

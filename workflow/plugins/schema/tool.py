@@ -5,6 +5,8 @@ import argparse
 from lammps_inputs import plugins
 from workflow.runs.files import as_json
 
+JOB = "Setting up"
+PRINTS = True
 EXAMPLES = (
     "schema > scene.schema.json",
     "schema sweep",

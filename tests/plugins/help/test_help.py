@@ -7,16 +7,16 @@ import sys
 from types import SimpleNamespace
 
 import pytest
-import yaml
 from processes import HANGS
 
-from lammps_inputs import InputError, Scene, handbook
-from workflow import cli, vocabulary
-from workflow.cli import COMMANDS, PRINTED, main
-from workflow.commands import help as helping
+from lammps_inputs import InputError, Scene
+from workflow import cli
+from workflow.cli import COMMANDS, main
+from workflow.plugins.help import handbook, vocabulary
+from workflow.plugins.help import tool as helping
 from workflow.quantities.columns import QUANTITIES
 from workflow.study_kit.options import example_file
-from workflow.sweep import fields, file
+from workflow.sweep import fields
 from workflow.verdicts.places import places
 
 OPTIONS = sorted(
@@ -99,27 +99,6 @@ def test_every_near_miss_is_explained_or_suggested(kind, capsys):
     assert bare == []
 
 
-def test_the_program_alone_prints_its_help(capsys):
-    assert main([]) == 0
-    alone = capsys.readouterr().out
-    assert main(["help"]) == 0
-    assert capsys.readouterr().out == alone
-    assert all(f"  {name} " in alone for name in COMMANDS)
-
-
-ARGUMENTS = {"show": ["one-chain"], "cite": ["one-chain"], "help": ["kappa"], "status": ["."], "completion": ["bash"]}
-ARGUMENTS |= {"gallery": ["--list"]}
-
-
-@pytest.mark.parametrize("name", [*PRINTED, *{"gallery"}.intersection(COMMANDS)])
-def test_quiet_does_not_silence_what_a_command_is_for(name, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    main([name, *ARGUMENTS.get(name, [])])
-    printed = capsys.readouterr().out
-    main([name, *ARGUMENTS.get(name, []), "-q"])
-    assert capsys.readouterr().out == printed != ""
-
-
 @pytest.mark.parametrize("name", ["sweep", "design"])
 def test_help_of_a_command_shows_the_file_that_it_takes(name, capsys):
     with pytest.raises(SystemExit):
@@ -127,25 +106,16 @@ def test_help_of_a_command_shows_the_file_that_it_takes(name, capsys):
     usage = capsys.readouterr().out
     assert main(["help", "vary"]) == 0
     lines = capsys.readouterr().out
-    for line in example_file(sys.modules[vocabulary.FILES[name]]).splitlines():
+    for line in example_file(sys.modules[vocabulary.kinds()[name]]).splitlines():
         assert line in usage
         assert line in lines
 
 
-def test_the_sweep_file_of_the_help_is_one(tmp_path):
-    definition = file.from_plain(yaml.safe_load(example_file(file)), tmp_path / "sweep.yaml")
-    assert len(file.all_cases(definition)) == 15
-    assert {case.values["coupling.stiffness"] for case in file.all_cases(definition)} == {0.05, 0.1, 0.2}
-
-
-@pytest.mark.parametrize("command", ["analyze", "collect", "export --to csv", "validate", "view"])
-def test_a_directory_that_is_not_there_is_named_as_the_user_did(command, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    name, *options = command.split()
-    assert main([name, "nope", *options]) == 2
-    error = capsys.readouterr().err
-    assert "nope" in error
-    assert "-o" not in error.split()
+def test_help_without_a_word_prints_what_the_program_alone_does(capsys):
+    assert main([]) == 0
+    alone = capsys.readouterr().out
+    assert main(["help"]) == 0
+    assert capsys.readouterr().out == alone
 
 
 def test_the_module_runs_as_the_program_does():

@@ -1,0 +1,1 @@
+"""`granchain completion`: scripts by which shells complete the command line."""

@@ -1,0 +1,1 @@
+"""`granchain help`: explains keys, quantities, terms, options and commands, from the pages that declare them."""

@@ -1,0 +1,1 @@
+"""`granchain schema`: JSON schemas of the files that users write, for editors."""
