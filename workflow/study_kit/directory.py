@@ -37,7 +37,7 @@ from lammps_inputs.scene import DEFAULT_ACCURACY
 from lammps_inputs.units import DIMENSIONLESS, Scale
 from workflow.formats import figure_files
 from workflow.runs import job
-from workflow.runs.engines import ENGINES
+from workflow.runs.engines import engine_called
 from workflow.runs.files import alone, write_figure, write_text
 from workflow.runs.output_directory import claim, make_directory
 from workflow.runs.run import run
@@ -237,15 +237,14 @@ def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
         return None
     directory = RunDirectory(path)
     job = directory.job
-    checked = ENGINES[engine].errors(job) is not None or not ENGINES[engine].deforms
-    done = checked and job.outcome == "done" and job.engine == engine
+    done = job.engine == engine and engine_called(engine).is_complete(job)
     return directory if done and _is_of(directory, scene) else None
 
 
 def _is_of(directory: RunDirectory, scene: Scene) -> bool:
     """Whether a run is of this scene, with a time step for the same accuracy where the scene names none."""
     settings, chosen_keys = directory.job.settings, set()
-    if scene.timestep is None and ENGINES[directory.engine].own_step:
+    if scene.timestep is None and engine_called(directory.engine).own_step:
         if settings is None or settings.accuracy != (scene.accuracy or DEFAULT_ACCURACY):
             return False
         chosen_keys = {"accuracy", "timestep"}
