@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from analysis import quantity
+from analysis.conservation import Conservation
 from analysis.sharing.run_error import UNMEASURED, MeasuredError
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, Scene
@@ -90,6 +91,18 @@ class Measurement:
     def meter(cls, run: Recorded) -> "FrameMeter | None":
         """Meter of the frames of a run; None where the run has none of it, or it follows from other measurements."""
         del run
+        return None
+
+    @classmethod
+    def of_energies(cls, run: Recorded, conservation: Conservation, between_frames: float) -> "Measurement | None":
+        """Measurement that follows from the energies of all frames; None where the run has none of it.
+
+        Args:
+            run: the run.
+            conservation: its energy over all frames.
+            between_frames: uncertainty of what was exchanged between frames, in units of m V**2.
+        """
+        del run, conservation, between_frames
         return None
 
 

@@ -20,6 +20,7 @@ from workflow.runs.files import RECORD
 from workflow.runs.job import Job
 
 if TYPE_CHECKING:
+    from analysis.conservation import FrameAccountant
     from analysis.sharing.impulses import Impulses
 
 Progress = Callable[[int, int], None]
@@ -141,6 +142,17 @@ class Engine(ABC):
         """Sentences on numbers with which a run was computed, and that differ from those of its problem."""
         del path, problem
         return []
+
+    def accountant(self, frames: Problem, run: Problem, job: Job) -> "FrameAccountant | None":
+        """Accountant that follows frames of any engine with this one; None where it cannot.
+
+        Args:
+            frames: problem of the frames, all of a run or some.
+            run: problem of that run.
+            job: its record.
+        """
+        del frames, run, job
+        return None
 
     def rounded_from(self, job: Job) -> float | None:
         """Time in the scene's unit from which rounding decides the motion; None where it does not."""

@@ -7,12 +7,12 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
+from analysis.files.dump_layout import sizes
 from lammps_inputs import InputError, Problem, Scene, physics
 from lammps_inputs.limits import rates
 from lammps_inputs.numbers import size_text, time_text
 from lammps_inputs.output import Limits
 from lammps_inputs.window import LEAST_WINDOW
-from workflow import cost_model as model
 from workflow.plugins.jobs import site
 from workflow.runs.engines import Engine
 
@@ -64,7 +64,7 @@ def size_of(problem: Problem, engine: Engine, ranks: int = 1) -> Size:
     return Size(
         steps=problem.steps if engine.own_step else None,
         frames=problem.frames + 1,
-        bytes=model.cost(problem, 1).frames,
+        bytes=sizes(problem)[1],
         seconds=engine.seconds(problem, ranks),
     )
 

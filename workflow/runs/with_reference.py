@@ -5,9 +5,9 @@ import time
 from dataclasses import asdict
 from typing import Any
 
+from analysis.conservation import FrameAccountant
 from lammps_inputs import Problem, file_names
 from workflow import cost_model
-from workflow.runs.check import closing, references_of
 from workflow.runs.engines import Engine, Work, write_frames
 from workflow.runs.job import Job
 
@@ -27,6 +27,8 @@ class ReferenceEngine(Engine):
 
     def compute(self, work: Work) -> dict[str, Any]:
         """Compute to the accuracy if one is asked for; else, where energy is exchanged, until its budget is closed."""
+        from workflow.runs.check import closing, references_of
+
         problem, settings, started = work.problem, work.settings, time.perf_counter()
         for halving in closing(problem) if settings is None else references_of(problem, settings):
             ending = write_frames(work.path / file_names.DUMP, problem, halving.blocks(), work.progress)
@@ -37,6 +39,17 @@ class ReferenceEngine(Engine):
                 break
         seconds = time.perf_counter() - started
         return {**ending, "engine_seconds": seconds, "uncertainty": asdict(uncertainty)}
+
+    def accountant(self, frames: Problem, run: Problem, job: Job) -> FrameAccountant:
+        """Accountant of frames of a run, with the steps that the run itself took if it is the reference's."""
+        from workflow.engines.reference import energy_exchange, engine, step_halving
+
+        uncertainty = job.uncertainty  # only the reference's runs have one
+        if uncertainty is None:
+            return energy_exchange.Accountant(frames)
+        most_steps = 2**step_halving.MOST_HALVINGS * engine.default_steps_per_frame(frames)
+        steps = uncertainty.steps_per_frame * round(frames.every / run.every)
+        return energy_exchange.Accountant(frames, min(steps, most_steps))
 
     def sentence(self, job: Job) -> str:
         """Time and uncertainty."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from analysis.conservation import Conservation
+from analysis.conservation import Conservation, FrameAccountant
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.quantity import csv_of, plain
 from analysis.sharing.equipartition import runs_exact_waves
@@ -23,12 +23,11 @@ from analysis.trajectory import Trajectory, along_the_way, direction_of
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.output import too_far_apart
-from workflow.engines.reference.energy_exchange import Accountant
 from workflow.formats import figure_files, in_any_format
-from workflow.measures import MEASUREMENTS, energy
+from workflow.measures import MEASUREMENTS
 from workflow.measures.base import Measurement, Recorded
-from workflow.runs.check import accountant
 from workflow.runs.engines import engine_called
+from workflow.runs.exchange import accountant
 from workflow.runs.files import write_figure, write_json, write_text
 from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
@@ -234,7 +233,8 @@ def measure(
         of_all_beads, exchange = _read_snapshots(directory, fingerprint, spacetime)
         spacetime = spacetime if of_all_beads.frames > 1 else None
     _take_over(conservation, of_all_beads)
-    measured = (*(meter.finish(results) for meter in meters), energy.closed(directory, conservation, exchange))
+    of_energies = (kind.of_energies(run, conservation, exchange.uncertainty) for kind in MEASUREMENTS)
+    measured = (*(meter.finish(results) for meter in meters), *of_energies)
     measurements = {measurement.key: measurement for measurement in measured if measurement is not None}
     return MeasuredFrames(
         survey=results,
@@ -269,7 +269,7 @@ def _meters(run: Recorded) -> list[Any]:
 
 def _read_snapshots(
     directory: RunDirectory, fingerprint: Fingerprint, spacetime: Any
-) -> tuple[Conservation, Accountant]:
+) -> tuple[Conservation, FrameAccountant]:
     """Conservation over the snapshots of a run, and what counted their exchange; shows them to other watchers, too."""
     exchange = accountant(directory, directory.problem.snapshots())
     conservation = Conservation(exchange.of)

@@ -16,8 +16,8 @@ from analysis.sharing.chain_differences import ChainDifference, ChainMeter
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene
 from lammps_inputs.facts import Fact
-from workflow.runs.check import accountant
 from workflow.runs.engines import engine_called
+from workflow.runs.exchange import accountant
 from workflow.runs.files import RECORD
 from workflow.runs.run_directory import Fingerprint, RunDirectory, states
 from workflow.verdicts.validate import (
