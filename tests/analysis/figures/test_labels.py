@@ -10,14 +10,13 @@ from stock_lammps import scene
 from synthetic_waves import of_keys
 
 from analysis.compare.difference import Deviation, ErrorMap
-from analysis.dispersion import Map, UnitCell
 from analysis.figures import periodic_states
 from analysis.figures.energy import energy_figure
 from analysis.figures.engines import EngineCurve, PublishedPoint, engines_figure, relative_mode_figure, scan_figure
 from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figure
 from analysis.figures.forces import force_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
-from analysis.figures.spectra import dispersion_figure, spectra_figure
+from analysis.figures.spectra import spectra_figure
 from analysis.figures.studies import Objective, front_figure, history_figure, logarithmic
 from analysis.figures.style import CHAIN_COLOURS, head, new_figure, shown_chains, title
 from analysis.figures.waves import distance_figure, response_figure, shape_figure
@@ -26,6 +25,7 @@ from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges
 from analysis.gauges.spectra import VelocitySpectra
 from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.unit_cell import UnitCell
 from analysis.shape.waveforms import Passages
 from analysis.sharing.energies import EnergyShares, Flow
 from analysis.sharing.equipartition import Sharing
@@ -33,6 +33,8 @@ from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, physics
 from lammps_inputs.units import Label
+from workflow.plugins.sound.dispersion import Map
+from workflow.plugins.sound.figure import dispersion_figure
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 

@@ -10,15 +10,15 @@ from ingredient_scenes import COLUMN, HELD, STEEL
 from plain_scene import scene
 from wrong_runs import causes
 
-from analysis.dispersion import Dispersion
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
-from analysis.loaded_pulse import LoadedPulse
 from analysis.sharing.impulses import measure
 from lammps_inputs import InputError, laws, library
 from lammps_inputs.limits import rates
 from workflow.cli import main
 from workflow.engines.reference import engine
+from workflow.plugins.sound.dispersion import Dispersion
+from workflow.plugins.sound.loaded_pulse import LoadedPulse
 from workflow.prepare import pilot
 from workflow.prepare.settings import settle
 from workflow.runs.run import run

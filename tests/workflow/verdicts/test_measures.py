@@ -10,17 +10,19 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from analysis.dispersion import Map, UnitCell
 from analysis.gauges.far_end import Transmitted
 from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges as places_of
 from analysis.gauges.spectra import VelocitySpectra
-from analysis.loaded_pulse import LoadedWave
-from analysis.loaded_pulse import Sound as Measured
 from analysis.quantity import csv_of
+from analysis.shape.unit_cell import UnitCell
 from analysis.sharing.energies import Flow
 from lammps_inputs import Kick, Material, library
-from workflow.measures import energy, gauges, sound
+from workflow.measures import energy, gauges
+from workflow.plugins.sound import measure as sound
+from workflow.plugins.sound.dispersion import Map
+from workflow.plugins.sound.loaded_pulse import LoadedWave
+from workflow.plugins.sound.loaded_pulse import Sound as Measured
 from workflow.screen import print_table
 
 STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}

@@ -13,7 +13,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.dispersion import Dispersion, Map
 from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, label_log_axis, new_figure, styled
 from analysis.gauges.forces import ForceMeter, Readings
 from analysis.gauges.gauge import gauges
@@ -25,6 +24,7 @@ from analysis.tracking.peaks import Peaks, find_peaks
 from analysis.tracking.pulses import Pulse, Train, track_pulses, train_of
 from analysis.trajectory import Floats, Trajectory, watch
 from lammps_inputs import library
+from workflow.plugins.sound.dispersion import Dispersion, Map
 from workflow.runs.engines import engine_called
 from workflow.runs.run_directory import RunDirectory
 from workflow.study_kit.directory import kept_run
