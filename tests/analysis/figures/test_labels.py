@@ -1,6 +1,5 @@
 """Which bead, chain and time is where in a figure, in which unit, under which label: numbers made by hand."""
 
-import math
 import re
 from types import SimpleNamespace
 
@@ -17,7 +16,7 @@ from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figur
 from analysis.figures.forces import force_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
 from analysis.figures.spectra import spectra_figure
-from analysis.figures.studies import Objective, front_figure, history_figure, logarithmic
+from analysis.figures.studies import logarithmic
 from analysis.figures.style import CHAIN_COLOURS, head, new_figure, shown_chains, title
 from analysis.figures.waves import distance_figure, response_figure, shape_figure
 from analysis.files.traces import Channel, Traces
@@ -25,16 +24,12 @@ from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges
 from analysis.gauges.spectra import VelocitySpectra
 from analysis.shape.exact_wave import solitary_wave
-from analysis.shape.unit_cell import UnitCell
 from analysis.shape.waveforms import Passages
 from analysis.sharing.energies import EnergyShares, Flow
 from analysis.sharing.equipartition import Sharing
 from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, physics
-from lammps_inputs.units import Label
-from workflow.plugins.sound.dispersion import Map
-from workflow.plugins.sound.figure import dispersion_figure
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
@@ -142,29 +137,6 @@ def test_amplitudes_below_the_axis_of_a_spectrum_are_not_drawn_at_its_end(proble
         assert np.all(line.get_ydata()[1:] < axis.get_ylim()[0])
 
 
-def test_the_dispersion_figure_has_power_and_branches_where_its_axes_say(problem):
-    cell = UnitCell(np.array([[1.0]]), np.array([[2.25]]), np.zeros((1, 1, 1)))  # omega = 3 |sin(q / 2)|
-    wavenumber = np.arange(-4, 4) * math.pi / 4.0
-    frequency = 0.5 * np.arange(8)
-    power = np.zeros((8, 8))
-    power[4, 6] = 1.0
-    nothing = np.zeros((1, 1))
-    found = Map(7, wavenumber, frequency, power, cell, nothing[0], nothing, nothing)
-    figure = dispersion_figure(problem, found)
-    axis = figure.axes[0]
-    worth = 1.0 / problem.scale.time / unit_on(axis.get_ylabel(), problem, "rad/s")
-    (image,) = axis.get_images()
-    values, (left, right, bottom, top) = np.asarray(image.get_array()), image.get_extent()
-    assert left < -math.pi < math.pi < right  # the edges of the zone are covered
-    row, column = np.unravel_index(np.argmax(values), values.shape)
-    assert left + (column + 0.5) * (right - left) / values.shape[1] == pytest.approx(wavenumber[6])
-    assert bottom + (row + 0.5) * (top - bottom) / values.shape[0] == pytest.approx(frequency[4] * worth)
-    q, branch = axis.get_lines()[0].get_data()
-    assert np.asarray(branch) == pytest.approx(3.0 * worth * np.abs(np.sin(np.asarray(q) / 2.0)), abs=1e-9 * worth)
-    assert "chain 7" in figure.get_suptitle()
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["exact branches", "edges of bands"]
-
-
 def test_what_is_left_of_a_trace_is_data_minus_run_in_units_of_the_noise(problem):
     scale, time = problem.scale, np.array([0.0, 1.0])
     channels = (Channel("contact", 3, 2), Channel("velocity", 1, 5))
@@ -231,24 +203,6 @@ def test_samples_from_before_the_peak_are_drawn_ahead_of_it():
         assert np.array(ahead) == pytest.approx(solitary_wave().speed_at(1.0) * np.array([1.0, 0.0, -1.0]))
         assert velocity == pytest.approx(np.array([0.3, 0.2, 0.1]) / chain)
     assert below.get_lines()[1].get_ydata()[1] == pytest.approx(0.2 - 1.0)
-
-
-@pytest.mark.parametrize(("sign", "best"), [(1.0, [3.0, 3.0, 1.0, 1.0]), (-1.0, [3.0, 3.0, 3.0, 5.0])])
-def test_the_best_so_far_is_the_smallest_or_largest_of_what_keeps_the_limits(sign, best):
-    (axis,) = history_figure(Objective(Label("force", "", "N"), sign, 4.0), np.array([3.0, np.nan, 1.0, 5.0])).axes
-    lines = {line.get_label(): line for line in axis.get_lines()}
-    assert lines["best so far"].get_ydata().tolist() == best
-    assert lines["best so far"].get_xdata().tolist() == [1, 2, 3, 4]
-    assert set(lines["set against"].get_ydata()) == {4.0}
-    assert axis.get_ylabel() == "force (N)"
-
-
-def test_each_front_is_of_what_its_legend_says():
-    force, mass = np.array([1.0, 2.0, 3.0, 4.0]), np.array([5.0, 3.0, 9.0, 6.0])
-    (axis,) = front_figure(Objective(Label("force"), 1.0, None), force, Label("mass"), mass).axes
-    lines = {line.get_label(): line for line in axis.get_lines()}
-    assert lines["front to the left"].get_xydata().tolist() == [[3.0, 2.0], [5.0, 1.0]]
-    assert lines["front to the right"].get_xydata().tolist() == [[5.0, 1.0], [9.0, 3.0]]
 
 
 def test_a_scan_has_a_panel_for_each_row_that_it_names_with_the_published_point():
