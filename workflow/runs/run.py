@@ -21,9 +21,9 @@ from workflow.runs import contacts
 from workflow.runs.engines import Progress, Start, Work, engine_called
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import prepared, refuse_links, refuse_unusable, replacing
+from workflow.runs.resumption import onwards
 from workflow.runs.run_directory import RunDirectory, fingerprint, provenance, results
 from workflow.runs.size import refuse_beforehand, refuse_too_long
-from workflow.runs.status import onwards
 
 
 @dataclass(frozen=True)

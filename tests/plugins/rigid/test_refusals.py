@@ -2,8 +2,11 @@
 
 import pytest
 from ingredient_scenes import scene
+from refusals import assert_command_line_is_refused
+from sweeps import SMALL
 
-from lammps_inputs import InputError, from_plain
+from lammps_inputs import InputError, strict_yaml
+from lammps_inputs.library import from_plain
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
 
@@ -20,3 +23,21 @@ def test_rigid_beads_have_no_hertzian_contacts(tmp_path):
     result = run(from_plain(plain, "rigid"), tmp_path / "run", engine="collisions")
     assert result.directory.job.contacts is None
     assert "contacts" not in analyse(result.directory, figures=False).measurements
+
+
+FILES = {"sweep.yaml": strict_yaml.dump({"scene": SMALL, "vary": {"beads": [20]}, "engine": "collisions"})}
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (
+            "run two-chains -o out --engine collisions",
+            "--engine: `collisions` moves rigid beads, which need a gap",
+        ),
+        ("run two-chains-gapped -o out --engine collisions --ranks 2", "--ranks"),
+        ("sweep sweep.yaml -o out", "rigid beads"),
+    ],
+)
+def test_a_command_that_asks_for_what_rigid_beads_cannot_do_is_refused_in_one_line(words, says, tmp_path, capsys):
+    assert_command_line_is_refused(words, says, FILES, tmp_path, capsys)
