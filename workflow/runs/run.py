@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypedDict, Unpack
+from typing import TypedDict, Unpack
 
 from analysis.trajectory import FramesInUnits, Trajectory
 from lammps_inputs import InputError, Problem, Scene, file_names, html
@@ -63,19 +63,6 @@ class CompletedRun:
             (3, True)
         """
         return self.trajectory.measured()
-
-    @property
-    def dataset(self) -> Any:
-        """All frames as an ``xarray.Dataset`` in the scene's units: what ``granchain export --to netcdf`` writes.
-
-        Its dimensions are ``time``, ``chain`` and ``bead``; its attributes are the scene, versions and the error.
-
-        Raises:
-            InputError: xarray is not installed.
-        """
-        from workflow.runs.labelled import dataset  # for those who have xarray
-
-        return dataset(self.directory, self.trajectory)
 
     def __repr__(self) -> str:
         problem = self.directory.problem

@@ -19,7 +19,7 @@ from analysis.sharing import impulses
 from analysis.sharing.impulses import Impulses, relative_difference
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem, System, physics
-from lammps_inputs.ingredients import coupled_chains
+from lammps_inputs.chains import coupled_chains
 from lammps_inputs.limits.closing import THETA_OF_EQ_5
 from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines.reference import engine as reference
