@@ -213,8 +213,7 @@ def measure(
     shown = default_beads(problem) if beads is None else beads
     _refuse_frames(directory, shown)
     by_snapshots = problem.frames_per_snapshot is not None
-    engine = engine_called(directory.engine)
-    run, exchange = recorded(directory), accountant(directory, problem)
+    engine, run, exchange = engine_called(directory.engine), recorded(directory), accountant(directory, problem)
     conservation, fingerprint = Conservation(), Fingerprint()
     meters = _meters(run)
     spacetime, history = _pictures(problem, shown) if figures else (None, None)
