@@ -13,14 +13,13 @@ of messages is assumed. Larger runs are extrapolated, taking for granted that
 import math
 from dataclasses import dataclass
 
+from analysis.files.dump_layout import sizes
 from lammps_inputs import Problem
 from workflow.step_time import MESSAGES, frame_seconds, step_seconds
 
 MEMORY = 1000
 """Memory in bytes a bead of a single chain at the start, when it is largest; 600 to 700 for coupled chains."""
 
-HEADER = 154
-"""Size in bytes of the header of a frame."""
 
 REFERENCE_FORCE = 1e-9
 """Seconds of the reference integrator for the forces on a bead; measured: 0.7e-9 to 3e-9."""
@@ -45,11 +44,7 @@ class Cost:
 
 def cost(problem: Problem, ranks: int) -> Cost:
     """Cost of a run on a number of ranks, by the model."""
-    columns = 3 if problem.window is None else 4
-    frame = HEADER + 8.0 * columns * problem.chains * problem.rows_a_frame
-    frames = frame * (problem.frames + 1)
-    if problem.frames_per_snapshot is not None:
-        frames += (HEADER + 24.0 * problem.chains * problem.rows) * (1 + problem.frames // problem.frames_per_snapshot)
+    frame, frames = sizes(problem)
     largest = math.ceil(problem.rows / ranks) * problem.chains
     fixed, bead = step_seconds(problem)
     step = fixed + bead * largest + MESSAGES * (ranks > 1)

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from lammps_inputs import file_names, strict_yaml
+from lammps_inputs import file_names
 from lammps_inputs.decks import deck
-from lammps_inputs.ingredients.registry import NEEDED, NEEDS
+from lammps_inputs.library import render_scene
 from lammps_inputs.problem import Problem
 from lammps_inputs.scene import Scene
 
@@ -17,13 +17,6 @@ def render(scene: Scene, problem: Problem | None = None) -> dict[str, str]:
     """
     problem = scene.problem() if problem is None else problem
     return {file_names.SCENE: render_scene(scene), **deck.files_of(problem)}
-
-
-def render_scene(scene: Scene) -> str:
-    """The text of ``scene.yaml``, every default written out; comments name modules that its ingredients need."""
-    plain = scene.resolved().plain()
-    needed = dict.fromkeys(NEEDS[key] for key in plain if key in NEEDS)
-    return "".join(f"{NEEDED}{words}\n" for words in needed) + strict_yaml.dump(plain)
 
 
 def write(scene: Scene, directory: Path) -> None:

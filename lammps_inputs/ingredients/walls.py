@@ -106,7 +106,8 @@ class Walls(Ingredient):
                 strength = np.zeros((setting.chains, setting.beads))
                 strength[:, last] = _strength(kind, setting, last)
                 law = _yielding(kind, strength, setting, last) or _law(key, strength, setting)
-                walls.append(Wall(f"{key}_wall", law, side, setting.gap / setting.scale.length))
+                gap = setting.gap / setting.scale.length
+                walls.append(Wall(f"{key}_wall", law, side, gap, curved=kind == "bead"))
         return tuple(walls)
 
 

@@ -3,8 +3,9 @@
 import random
 from typing import Any
 
-from lammps_inputs import Coupling, Kick, Material, Output, Scene
+from lammps_inputs import Kick, Material, Output, Scene
 from lammps_inputs.formulas import expression
+from lammps_inputs.ingredients.coupling import Coupling
 
 
 def draw(chance: random.Random, number: int | str) -> Scene:

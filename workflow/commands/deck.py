@@ -6,6 +6,7 @@ from pathlib import Path
 from lammps_inputs import file_names, library
 from workflow.runs import contacts
 from workflow.runs.deck_directory import FurtherFiles, WrittenDeck, write_deck
+from workflow.runs.engines import engine_called
 from workflow.runs.size import size_of, too_large
 from workflow.screen import one_line, print_files, print_heading
 
@@ -23,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Write deck, data and scene."""
     written = write(arguments)
-    print(f"a run on one core has {size_of(written.scene.problem()).sentence()}")
+    print(f"a run on one core has {size_of(written.scene.problem(), engine_called('lammps')).sentence()}")
     print_files(arguments.output, written.files)
     directory = one_line(arguments.output)
     print(f"`lmp -in {file_names.DECK}` there runs the deck; then `granchain analyze {directory}` analyses it")
@@ -42,7 +43,7 @@ def write(arguments: argparse.Namespace, further: FurtherFiles | None = None) ->
     )
     scene = written.scene
     print_heading(scene.name, scene.units)
-    size = size_of(scene.problem())
+    size = size_of(scene.problem(), engine_called("lammps"))
     for why in filter(None, [*scene.unlikely, too_large(scene, size)]):
         print(f"warning: {why}")
     if written.step is not None:

@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from lammps_inputs import file_names, plugins
 from workflow.arguments import AnyRun, AnyScene, load, source_of
 from workflow.checked import Between, checked
+from workflow.engines.registry import EngineName
 from workflow.runs import check as checking
 from workflow.runs import resume as resuming
 from workflow.runs import run as running
@@ -55,6 +56,19 @@ class Run(running.CompletedRun):
         """
         return analysing.results_of(self.directory, analysing.measure(self.directory, figures=False))
 
+    @property
+    def dataset(self) -> Any:
+        """All frames as an ``xarray.Dataset`` in the scene's units: what ``granchain export --to netcdf`` writes.
+
+        Its dimensions are ``time``, ``chain`` and ``bead``; its attributes are the scene, versions and the error.
+
+        Raises:
+            InputError: xarray is not installed.
+        """
+        from workflow.runs.labelled import dataset  # for those who have xarray
+
+        return dataset(self.directory, self.trajectory)
+
     def view(self) -> Any:
         """Write its page, see `view`; needs Bokeh.
 
@@ -73,7 +87,7 @@ def run(
     scene: AnyScene,
     directory: Path | str,
     *,
-    engine: Literal["lammps", "reference", "collisions"] = "lammps",
+    engine: EngineName = "lammps",
     ranks: Ranks = 1,
     overwrite: bool = False,
     force: bool = False,

@@ -9,7 +9,7 @@ from typing import Any
 
 from analysis.quantity import QuantityColumn
 from lammps_inputs import InputError, complaints
-from workflow.measures import MEASUREMENTS
+from workflow.measures.registry import MEASUREMENTS
 from workflow.verdicts.analysis_report import REPORT, WAVES
 from workflow.verdicts.places import CollectColumn, collect_columns
 

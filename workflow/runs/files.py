@@ -22,16 +22,15 @@ from typing import Any
 from lammps_inputs import InputError, file_names
 from workflow.errors import EndedError
 
-EVENTS = "events.csv"
 RECORD = "run.json"
 
 OWN_FILES = (
     *(file_names.SCENE, file_names.DECK, file_names.TABLES, file_names.DATA, file_names.DUMP, file_names.LOG),
-    *(EVENTS, RECORD),
+    RECORD,
     *(file_names.CONTINUE, file_names.RESTART, file_names.RESTART_SUMS, file_names.UNFINISHED),
     file_names.SNAPSHOTS,
 )
-LAMMPS_FILES = tuple(name for name in OWN_FILES if name != EVENTS)
+LAMMPS_FILES = OWN_FILES
 """What the deck for LAMMPS, and a run of it, may leave in a directory before it is analysed."""
 
 _PART = re.compile(r"chains\.(dump|snapshots)(?:\.([1-9][0-9]{0,8}))?\.bin")

@@ -2,30 +2,27 @@
 
 import contextlib
 import contextvars
-import functools
 import signal
 import threading
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypedDict, Unpack
+from typing import TypedDict, Unpack
 
 from analysis.trajectory import FramesInUnits, Trajectory
 from lammps_inputs import InputError, Problem, Scene, file_names, html
-from workflow.cost_model import MEMORY
-from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
 from workflow.prepare.settings import refuse_too_large, refuse_unanalysable, settle
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
 from workflow.runs import contacts
-from workflow.runs.engines import ENGINES, LAMMPS, Progress, Start, Work, engine_called
+from workflow.runs.engines import Progress, Start, Work, engine_called
 from workflow.runs.output_directory import prepared, refuse_links, refuse_unusable
+from workflow.runs.resumption import onwards
 from workflow.runs.run_directory import RunDirectory, fingerprint, provenance, results
 from workflow.runs.size import refuse_beforehand, refuse_too_long
-from workflow.runs.status import onwards
 
 
 @dataclass(frozen=True)
@@ -65,19 +62,6 @@ class CompletedRun:
             (3, True)
         """
         return self.trajectory.measured()
-
-    @property
-    def dataset(self) -> Any:
-        """All frames as an ``xarray.Dataset`` in the scene's units: what ``granchain export --to netcdf`` writes.
-
-        Its dimensions are ``time``, ``chain`` and ``bead``; its attributes are the scene, versions and the error.
-
-        Raises:
-            InputError: xarray is not installed.
-        """
-        from workflow.runs.labelled import dataset  # for those who have xarray
-
-        return dataset(self.directory, self.trajectory)
 
     def __repr__(self) -> str:
         problem = self.directory.problem
@@ -145,7 +129,7 @@ def prepare_run(
     Args:
         scene: what to compute.
         directory: new or empty, or an earlier run's with ``overwrite``.
-        engine: "lammps", "reference" for the in-house integrator, or "collisions" for rigid beads.
+        engine: name of the engine, such as "lammps", or "reference" for the in-house integrator.
         ranks: MPI ranks of LAMMPS.
         overwrite: whether an earlier run's files may be replaced.
         force: whether LAMMPS may run with a time step above the stability bound.
@@ -167,13 +151,13 @@ def prepare_run(
     refuse_unanalysable(scene, source)
     refuse_unusable(path, chosen.files, overwrite=overwrite)
     refuse_beforehand(scene, source, chosen, ranks)
-    if chosen is LAMMPS:
-        refuse_too_large(scene, source, MEMORY, "LAMMPS")
+    if chosen.bytes_a_bead:
+        refuse_too_large(scene, source, chosen.bytes_a_bead, chosen.title)
     settled, step = settle(scene, source=source, force=force, own_step=chosen.own_step)
     if step is not None and not chosen.own_step and not step.asked:
         step = None
     resolved = settled.resolved()
-    problem = resolved.problem()
+    problem = chosen.problem(resolved)
     refuse_too_long(resolved, source, chosen, ranks, problem)
     return PreparedRun(resolved, problem, step, path, engine, ranks, overwrite)
 
@@ -242,10 +226,17 @@ def run_prepared(
     }
     with prepared(path, files, chosen.files, overwrite=ready.overwrite, **record) as lock:
         run_directory = RunDirectory.begun_with(path, ready.scene, ready.problem)
-        every = options.get("restart_every", lammps_engine.RESTART_EVERY)
-        begin = options.get("lammps") or functools.partial(lammps_engine.run, restart_every=every, lock=lock)
-        start, check = functools.partial(begin, ranks=ready.ranks), options.get("check", True)
-        return carry_out(run_directory, start=start, settings=ready.step, check=check, progress=progress)
+        work = Work(
+            path,
+            ready.problem,
+            ready.step,
+            progress,
+            ranks=ready.ranks,
+            restart_every=options.get("restart_every"),
+            lock=lock,
+            lammps=options.get("lammps"),
+        )
+        return carry_out(run_directory, work, check=options.get("check", True))
 
 
 @contextlib.contextmanager
@@ -273,23 +264,13 @@ def _interrupted_once() -> Iterator[None]:
 
 
 @_interrupted_once()
-def carry_out(
-    result: RunDirectory,
-    *,
-    start: Start,
-    settings: ChosenStep | None,
-    check: bool,
-    progress: Progress | None,
-    spent: float = 0.0,
-) -> CompletedRun:
+def carry_out(result: RunDirectory, work: Work, *, check: bool, spent: float = 0.0) -> CompletedRun:
     """Compute what a directory was prepared for, and record how it ended.
 
     Args:
         result: the directory, with its record.
-        start: how LAMMPS is run.
-        settings: as of `run`.
+        work: what its engine is to compute in it.
         check: as of `run`.
-        progress: as of `run`.
         spent: wall time of earlier attempts, which this one continues.
 
     Returns:
@@ -299,7 +280,7 @@ def carry_out(
         InputError: something in the directory that it would write to is a link.
         RunError: the run failed; ``run.json`` says why, where the disk takes it.
     """
-    path, engine = result.path, ENGINES[result.engine]
+    path, engine = result.path, engine_called(result.engine)
     refuse_links(path)
     started = time.perf_counter() - spent
     loading = None
@@ -307,7 +288,7 @@ def carry_out(
         loading = threading.Thread(target=contextvars.copy_context().run, args=(reference.load,), daemon=True)
         loading.start()
     try:
-        ending = engine.compute(Work(result, settings, progress, start))
+        ending = engine.compute(work)
         if ending["outcome"] == "done":
             ending["results"] = results(result)
             overlaps = contacts.measure(result)
@@ -328,12 +309,12 @@ def carry_out(
         return CompletedRun(result, ending["outcome"])
     for name in (file_names.RESTART, file_names.RESTART_SUMS):
         (path / name).unlink(missing_ok=True)
-    return CompletedRun(result, "done", measure_error(result, settings) if check else None)
+    return CompletedRun(result, "done", measure_error(result, work.settings) if check else None)
 
 
 def measure_error(result: RunDirectory, settings: ChosenStep | None) -> checking.Check | None:
     """Compare a run that is done with the reference, and record what was found; None where LAMMPS did not run."""
-    if not ENGINES[result.engine].own_step:
+    if not engine_called(result.engine).own_step:
         return None
     measured = checking.check(result, settings)
     result.update(check=measured.plain())

@@ -13,6 +13,7 @@ from run_states import CASE, STEPS, aged, alps, with_deck, with_frames, with_rec
 from lammps_inputs import file_names
 from lammps_inputs.decks import continuation
 from workflow.cli import main
+from workflow.engines.registry import engine_names
 from workflow.runs.files import RECORD, write_json
 from workflow.runs.status import MEANING, Queued, status, statuses
 from workflow.study_kit.directory import Study
@@ -112,7 +113,7 @@ def test_a_directory_of_runs_stands_for_them_all(tmp_path):
         ({"outcome": "interrupted", "steps_done": 300}, "incomplete", 300, "interrupted; `granchain run --resume "),
         *(
             ({"outcome": "interrupted", "engine": other}, "incomplete", None, "interrupted; `granchain run --resume ")
-            for other in ("reference", "collisions")
+            for other in engine_names()[1:]
         ),
     ],
 )

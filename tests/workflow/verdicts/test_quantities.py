@@ -4,7 +4,7 @@ import pytest
 
 from analysis.quantity import walk
 from lammps_inputs.units import SI
-from workflow.measures import MEASUREMENTS
+from workflow.measures.registry import MEASUREMENTS
 from workflow.verdicts.places import OWN, collect_columns, places
 
 LITERAL = {

@@ -13,13 +13,13 @@ import numpy as np
 
 from analysis.trajectory import Floats
 from lammps_inputs import InputError
+from lammps_inputs.facts import Fact
 from lammps_inputs.numbers import known
 from lammps_inputs.units import REDUCED
 from workflow.plugins.derivatives.derivative import Derivative
 from workflow.plugins.derivatives.motion import DerivativesOfMotion
 from workflow.plugins.derivatives.varied_scene import JUMP, VariedScene
 from workflow.quantities.columns import column_called, refuse_unknown
-from workflow.runs.engines import ENGINES
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import record_files
 from workflow.runs.run_directory import RunDirectory
@@ -210,7 +210,7 @@ def with_derivatives(
     """
     if not quantities:
         raise InputError("--by: names fields for --gradient, which is missing")
-    if not ENGINES[directory.engine].deforms:
+    if not directory.problem.system.holds(Fact.OVERLAPS):
         raise InputError(f"--gradient: {directory.path} is a run of rigid beads, which has no derivatives")
     derivatives = tuple(gradient(directory.scene.plain(), quantities, by, str(directory.path)))
     analysis = analyse()

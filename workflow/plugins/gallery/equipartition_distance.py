@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 from analysis.figures.style import STYLE
 from analysis.sharing.equipartition import sharing
 from analysis.tracking.leading_waves import Waves
-from lammps_inputs import Coupling, Kick, Problem, Scene
+from lammps_inputs import Kick, Problem, Scene
+from lammps_inputs.ingredients.coupling import Coupling
 from workflow.engines.reference.engine import passages
 
 MOST_BEADS = 12_000

@@ -13,7 +13,6 @@ from workflow.plugins.jobs.registry import JOB_FILES, SCHEDULERS, SCRIPTS
 from workflow.plugins.jobs.schedulers import Scheduler
 from workflow.plugins.jobs.site import JobOptions
 from workflow.prepare.settings import settle
-from workflow.runs.engines import LAMMPS
 from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text
 from workflow.runs.job import Job
 from workflow.runs.output_directory import listed, record_files
@@ -55,7 +54,7 @@ def write_array(definition: Sweep, directory: Path, options: JobOptions) -> Writ
     Raises:
         InputError: as `workflow.sweep.run_sweep.plan`; or the list of cases would change under an array in the queue.
     """
-    if definition.engine != LAMMPS.name:
+    if definition.engine != "lammps":
         raise InputError(f"{definition.source}: engine: a job runs lammps, not {definition.engine}")
     with planned(definition, directory) as cases:
         queue = cluster_queue()

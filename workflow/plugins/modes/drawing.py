@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from analysis.loaded_pulse import bands
+from analysis.shape.unit_cell import bands
 from lammps_inputs.units import Label
 from workflow.plugins.modes.tables import BranchOfMode, ModesResult
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from analysis.loaded_pulse import bands
 from analysis.quantity import declare, plain, result
+from analysis.shape.unit_cell import bands
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 from workflow.plugins.modes.linear import LinearModes, centre

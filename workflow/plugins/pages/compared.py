@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from workflow.runs.engines import ENGINES
+from workflow.runs.engines import engine_called
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import PrintedTable
 from workflow.sweep.collect import table_of
@@ -17,7 +17,9 @@ from workflow.verdicts.validate_run import scene_changes
 
 def compared_lines(runs: tuple[RunDirectory, ...], comparison: Validation) -> list[str]:
     """Sentences on what was compared, and whether it agrees."""
-    letters = [f"{letter} is {run.path} ({ENGINES[run.engine].title})" for letter, run in zip("AB", runs, strict=False)]
+    letters = [
+        f"{letter} is {run.path} ({engine_called(run.engine).title})" for letter, run in zip("AB", runs, strict=False)
+    ]
     if len(runs) == 1:
         letters.append("B is the reference integrator")
     lines = [

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from analysis import motion
-from analysis.loaded_pulse import bands
+from analysis.shape.unit_cell import bands
 from analysis.trajectory import Floats
 from lammps_inputs.laws.contact import Hertz
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state

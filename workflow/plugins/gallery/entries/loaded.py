@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.loaded_pulse import LoadedPulse, LoadedWave
 from analysis.shape.long_waves import speed_over_sound
 from analysis.trajectory import watch
 from workflow.plugins.gallery.criteria import MeasuredQuantity, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, exponent
+from workflow.plugins.sound.loaded_pulse import LoadedPulse, LoadedWave
 
 
 def _weakly_kicked(beads: int, duration: float, **keys: object) -> dict[str, object]:
