@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
 from lammps_inputs import strict_yaml
-from lammps_inputs.ingredients.base import Positive, SceneContext, ScenePart
+from lammps_inputs.ingredients.base import Positive, ScenePart
 from lammps_inputs.units import Label, Unit
 
 _PIECE = re.compile(r"(\d{1,10})(?:-(\d{1,10})(?::(\d{1,10}))?)?")
@@ -38,20 +38,18 @@ class DeckAtoms(ScenePart):
 
     _from_list = field_validator("atoms", mode="before")(strict_yaml.as_tuple)
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, chains: int, beads: int) -> None:
         """Refuse atoms that are not those of the scene's beads.
 
         Raises:
             ValueError: naming the key.
         """
-        if len(self.atoms) != scene.chains:
-            raise ValueError(f"adopted.atoms: has {len(self.atoms)} entries; one for each of {scene.chains} chains")
+        if len(self.atoms) != chains:
+            raise ValueError(f"adopted.atoms: has {len(self.atoms)} entries; one for each of {chains} chains")
         for number, text in enumerate(self.atoms, 1):
             count = sum(len(piece) for piece in _pieces(text))
-            if count != scene.beads:
-                raise ValueError(
-                    f"adopted.atoms: chain {number} has {count} atoms, not {scene.beads}; such as '1-{scene.beads}'"
-                )
+            if count != beads:
+                raise ValueError(f"adopted.atoms: chain {number} has {count} atoms, not {beads}; such as '1-{beads}'")
 
     @property
     def numbers(self) -> NDArray[np.int64]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,113 +10,119 @@ from numpy.typing import NDArray
 from lammps_inputs import engine_limits
 from lammps_inputs.numbers import text
 
+PLACES = "places"
+"""Fix of LAMMPS that has noted where beads rest, where that is no formula of their numbers."""
 
-class ChainLinks(Protocol):
-    """Links with one law, as a law's spelling sees them (`lammps_inputs.links`)."""
+
+@dataclass(frozen=True)
+class LinksAcross:
+    """Links between atoms of one row in two lines, for the LAMMPS commands of their law.
+
+    Attributes:
+        name: name in the deck, such as "coupling".
+        edges: pairs of lines, the chains first, counted from 0, the lower number first.
+        open_row: whether the lines stand in a row, each tied to the next.
+        tie: whether they tie atoms beside the beads.
+        alone: whether no other links couple chains, or tie such atoms.
+        number: their place among the dashpots of the system, from 1; 0 of springs.
+    """
+
+    name: str
+    edges: tuple[tuple[int, int], ...]
+    open_row: bool = True
+    tie: bool = False
+    alone: bool = True
+    number: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class WallLinks:
+    """Links of the last bead of each chain, or the first, with a wall, for their LAMMPS commands.
+
+    Attributes:
+        name: name in the deck, such as "right_wall".
+        law: law of the links; its parameters are 0 of all other beads.
+        side: 1 for a wall behind the last bead, -1 for one before the first.
+        gap: displacement at which the bead touches the wall, in units of L.
+        loss: dashpot law of the wall (`lammps_inputs.laws.dashpot`); None if it is undamped.
+    """
+
+    name: str
+    law: Any
+    side: float
+    gap: float
+    loss: Any = None
+
+
+@dataclass(frozen=True, eq=False)
+class BeadLayout:
+    """Size and places of the beads in LAMMPS, and the laws beside a law, for its LAMMPS commands.
+
+    The dynamics do not depend on any of it; `lammps_inputs.layout` makes one of a system. Lengths are in units of L.
+
+    Attributes:
+        chains: number of chains.
+        beads: number of beads of each chain.
+        rows: rows of beads that exist in LAMMPS.
+        gap: clear distance between neighbouring beads; 0 where they touch.
+        diameter: diameter of all beads.
+        rest: overlap of neighbours at rest, a number or [chain, contact].
+        even: whether all neighbouring beads are equally far apart at rest.
+        farthest: how much farther apart than at rest neighbours that act at a distance come, at most; 0 where none do.
+        group: LAMMPS's group of all beads.
+        heaviest: largest mass of a bead.
+        contact_loss: dashpot law of the contacts (`lammps_inputs.laws.dashpot`); None if they are undamped.
+        walls: walls of the chains.
+        velocity_at_full_steps: whether LAMMPS's step is of order 2 by masses that are larger
+            (`lammps_inputs.laws.dashpot.Dashpot`).
+    """
+
+    chains: int
+    beads: int
+    rows: int
+    gap: float
+    diameter: float
+    rest: float | NDArray[np.float64]
+    even: bool
+    farthest: float
+    group: str
+    heaviest: float
+    contact_loss: Any
+    walls: tuple[WallLinks, ...]
+    velocity_at_full_steps: bool
+
+    def atom(self, chain: int, bead: int) -> int:
+        """Number of a bead's atom in LAMMPS; all counted from 1."""
+        return (chain - 1) * self.rows + bead
 
     @property
-    def name(self) -> str:
-        """Name in the deck, such as "coupling"."""
-
-    @property
-    def law(self) -> Any:
-        """Law of every link."""
-
-
-class LinksAcross(ChainLinks, Protocol):
-    """Links between beads of one row in two chains."""
-
-    @property
-    def edges(self) -> tuple[tuple[int, int], ...]:
-        """Pairs of chains, counted from 0, the lower number first."""
-
-    @property
-    def open_row(self) -> bool:
-        """Whether the chains stand in a row, each tied to the next."""
-
-
-class WallLinks(ChainLinks, Protocol):
-    """Links of the last bead of each chain, or the first, with a wall."""
-
-    @property
-    def side(self) -> float:
-        """1 for a wall behind the last bead, -1 for one before the first."""
-
-    @property
-    def gap(self) -> float:
-        """Displacement at which the bead touches the wall."""
-
-
-class ContactModel(Protocol):
-    """Dashpots of contacts, as LAMMPS's granular styles name them."""
-
-    def granular(self, layout: "BeadLayout") -> tuple[Any, str]:
-        """Coefficient and model of the dashpots in LAMMPS."""
-
-
-class BeadLayout(Protocol):
-    """Beads in LAMMPS, and the laws beside a law, as its spelling sees them (`lammps_inputs.layout`)."""
-
-    @property
-    def system(self) -> Any:
-        """System of the beads (`lammps_inputs.system`)."""
-
-    @property
-    def chains(self) -> int:
-        """Number of chains."""
-
-    @property
-    def beads(self) -> int:
-        """Number of beads of each chain."""
-
-    @property
-    def rows(self) -> int:
-        """Rows of beads that exist in LAMMPS."""
-
-    @property
-    def gap(self) -> float:
-        """Clear distance between neighbouring beads."""
-
-    @property
-    def diameter(self) -> float:
-        """Diameter of all beads."""
+    def diameter_of_others(self) -> float:
+        """Diameter of atoms that are no beads, so small that those of two rows, as far apart as beads, never touch."""
+        return self.diameter / 8.0
 
     @property
     def spacing(self) -> float:
         """Distance between the centres of neighbouring beads at rest; without load if that differs."""
+        return self.diameter + self.gap - (float(self.rest) if self.even else 0.0)
 
-    @property
-    def farthest(self) -> float:
-        """How much farther apart than at rest neighbours that act at a distance come, at most."""
-
-    @property
-    def group(self) -> str:
-        """LAMMPS's group of all beads."""
+    def apart(self, edge: tuple[int, int]) -> float:
+        """Lateral distance of the centres of two chains, the lower number first."""
+        return 2.0 * (self.diameter + self.gap) * (edge[1] - edge[0])
 
     @property
     def places(self) -> NDArray[np.float64]:
-        """Places at rest, [chain, bead]."""
+        """Places of the beads at rest, [chain, bead], in units of L, to the last bit."""
+        if self.even:
+            row = np.arange(1, self.beads + 1) * self.spacing
+            return np.broadcast_to(row, (self.chains, self.beads))
+        places = np.full((self.chains, self.beads), self.spacing)
+        places[:, 1:] -= self.rest
+        return np.asarray(np.cumsum(places, axis=1))
 
     @property
     def place_formula(self) -> str:
-        """Place at rest as a formula of LAMMPS."""
-
-    @property
-    def contact_loss(self) -> ContactModel | None:
-        """Dashpot law of the contacts; None if they are undamped."""
-
-    @property
-    def velocity_at_full_steps(self) -> bool:
-        """Whether LAMMPS's step is of order 2 by masses that are larger."""
-
-    def wall_loss(self, side: float) -> ContactModel | None:
-        """Dashpot law of the walls on a side; None if they are undamped."""
-
-    def atom(self, chain: int, bead: int) -> int:
-        """Number of a bead's atom."""
-
-    def apart(self, edge: tuple[int, int]) -> float:
-        """Lateral distance of two chains, the lower number first."""
+        """Place at rest as a formula of LAMMPS in the number of the atom; where there is none, a fix has stored it."""
+        return f"((id-1)%{self.rows}+1)*{text(self.spacing)}" if self.even else f"f_{PLACES}"
 
 
 @dataclass(frozen=True)
@@ -292,13 +298,13 @@ def bonds_by_value(law: Iterable[Any], shape: tuple[int, int]) -> tuple[list[tup
     return [tuple(value) for value in values[nothing:].tolist()], (kind + 1 - nothing).reshape(shape)
 
 
-def whole_contacts(link: LinksAcross, *, tie: bool = False) -> tuple[str, ...]:
+def whole_contacts(link: LinksAcross) -> tuple[str, ...]:
     """Command that keeps contacts between beads tied by bonds, which LAMMPS leaves out by default; none if not needed.
 
     Bonds of an open row of chains never lead to a bead within reach; ties of other atoms to beads may.
     """
     return (
         ()
-        if link.open_row and not tie
+        if link.open_row and not link.tie
         else ("special_bonds lj/coul 1 1 1      # contacts between bonded beads are kept",)
     )

@@ -5,7 +5,7 @@ any time step, also where the force begins and ends within one; the error still 
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -33,11 +33,11 @@ class Load:
 
     def __eq__(self, other: object) -> bool:
         """Whether all is the same, to the last number of every array."""
-        return (
-            isinstance(other, Load)
-            and (self.chain, self.bead, type(self.law)) == (other.chain, other.bead, type(other.law))
-            and all(map(np.array_equal, tuple(self.law), tuple(other.law)))
-        )
+        if not isinstance(other, Load):
+            return False
+        alike = (self.chain, self.bead, type(self.law)) == (other.chain, other.bead, type(other.law))
+        parameters: Any = zip(self.law, other.law, strict=False)
+        return alike and all(np.array_equal(mine, theirs) for mine, theirs in parameters)
 
     def __hash__(self) -> int:
         return hash((self.chain, self.bead, type(self.law)))
@@ -144,15 +144,14 @@ def _long_tables(system: Any) -> Iterator[tuple[str, TabulatedForce]]:
             yield f"push{number}", load.law
 
 
-def lines(layout: BeadLayout) -> list[DeckLines]:
+def lines(loads: Sequence[Load], motions: Sequence[Motion], layout: BeadLayout) -> list[DeckLines]:
     """LAMMPS commands of the loads and of the beads of prescribed motion, one after the other.
 
     Raises:
         ValueError: LAMMPS has no command for it.
     """
-    system = layout.system
-    pushes = [_push_lines(load, f"push{number}", layout) for number, load in enumerate(system.loads, 1)]
-    return pushes + [_motion_lines(motion, f"drive{n}", layout) for n, motion in enumerate(system.motions, 1)]
+    pushes = [_push_lines(load, f"push{number}", layout) for number, load in enumerate(loads, 1)]
+    return pushes + [_motion_lines(motion, f"drive{n}", layout) for n, motion in enumerate(motions, 1)]
 
 
 def _motion_lines(motion: Motion, name: str, layout: BeadLayout) -> DeckLines:
@@ -175,12 +174,12 @@ def _motion_lines(motion: Motion, name: str, layout: BeadLayout) -> DeckLines:
     )
 
 
-def start_lines(layout: BeadLayout) -> list[str]:
+def start_lines(motions: Sequence[Motion], layout: BeadLayout) -> list[str]:
     """LAMMPS commands that set the initial velocities of beads of prescribed motion."""
     return [
         f"set atom {layout.atom(motion.chain, motion.bead)} "
         f"vx $(v_drive{number}amplitude*v_drive{number}omega*cos(v_drive{number}phase):%.17g)"
-        for number, motion in enumerate(layout.system.motions, 1)
+        for number, motion in enumerate(motions, 1)
     ]
 
 

@@ -6,8 +6,12 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, field_validator
 
 from lammps_inputs import physics, strict_yaml
-from lammps_inputs.ingredients.base import Count, Positive, SceneContext, ScenePart
+from lammps_inputs.ingredients.base import Count, Positive, ScenePart
+from lammps_inputs.system import System
 from lammps_inputs.units import Label, Scale, Unit
+
+Recorded = Literal["all"] | tuple[Count, ...]
+"""Numbers of the recorded beads of every chain, or all."""
 
 FARTHEST = 2.0
 """Time between frames from which on a wave, which passes a bead in 2 T, is missed; until then peaks state their
@@ -54,18 +58,23 @@ class Forces(ScenePart):
     def _ascending(cls, value: Any) -> Any:
         return None if value is None else tuple(sorted(each_once(value, ", or leave it out")))
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, system: System, recorded: Recorded, *, window: bool) -> None:
         """Refuse places that do not exist, or whose beads are not recorded.
+
+        Args:
+            system: beads and walls of the scene.
+            recorded: beads that are recorded.
+            window: whether the scene has a window.
 
         Raises:
             ValueError: naming the key, what was found and what to do.
         """
-        beads = scene.beads
+        beads = system.beads
         if self.wall is None and self.contacts is None and self.sensors is None:
             raise ValueError("output.forces: name wall: true, contacts or sensors")
-        if scene.window is not None:
+        if window:
             raise ValueError("output.forces: a window removes the beads behind it; leave one of them out")
-        walls = physics.walls(scene.system) if self.wall else ()
+        walls = physics.walls(system) if self.wall else ()
         if self.wall and not walls:
             raise ValueError("output.forces.wall: the chains have no wall; name one in walls, or leave this out")
         contacts, sensors = self.contacts or (), self.sensors or ()
@@ -83,13 +92,12 @@ class Forces(ScenePart):
             "sensors": {bead + beside for bead in sensors for beside in (-1, 0, 1)},
         }
         for key, wanted in needed.items():
-            if missing := _not_recorded(scene, wanted):
+            if missing := _not_recorded(recorded, wanted):
                 raise ValueError(f"output.forces.{key}: needs beads {missing} too; add them to output.beads")
 
 
-def _not_recorded(scene: SceneContext, beads: Iterable[int]) -> str:
-    """Ten at most of these that the scene does not record; empty where there are none."""
-    recorded = scene.output.beads
+def _not_recorded(recorded: Recorded, beads: Iterable[int]) -> str:
+    """Ten at most of these that are not recorded; empty where there are none."""
     return "" if recorded == "all" else ", ".join(map(str, sorted(set(beads) - set(recorded))[:10]))
 
 
@@ -110,20 +118,26 @@ class Spectra(ScenePart):
     def _named(cls, value: Any) -> Any:
         return each_once(value)
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, beads: int, recorded: Recorded, duration: float | None, *, window: bool) -> None:
         """Refuse beads that do not exist or are not recorded, and times after the end.
+
+        Args:
+            beads: number of beads of each chain.
+            recorded: beads that are recorded.
+            duration: time of the end, in the scene's units; None where a bead ends the run.
+            window: whether the scene has a window.
 
         Raises:
             ValueError: naming the key, what was found and what to do.
         """
-        if scene.window is not None:
+        if window:
             raise ValueError("output.spectra: a window removes the beads behind it; leave one of them out")
-        if max(self.beads) > scene.beads:
-            raise ValueError(f"output.spectra.beads: {max(self.beads)} is outside the array (beads 1 to {scene.beads})")
-        if missing := _not_recorded(scene, self.beads):
+        if max(self.beads) > beads:
+            raise ValueError(f"output.spectra.beads: {max(self.beads)} is outside the array (beads 1 to {beads})")
+        if missing := _not_recorded(recorded, self.beads):
             raise ValueError(f"output.spectra.beads: {missing} not recorded; add to output.beads")
-        if self.after is not None and scene.duration is not None and self.after >= scene.duration:
-            raise ValueError(f"output.spectra.after: {self.after:g} is after the end at {scene.duration:g}")
+        if self.after is not None and duration is not None and self.after >= duration:
+            raise ValueError(f"output.spectra.after: {self.after:g} is after the end at {duration:g}")
 
 
 class Limits(ScenePart):
@@ -144,7 +158,7 @@ class Output(ScenePart):
 
     every: Annotated[Annotated[Positive, Unit("s")] | None, Label("time between frames")] = None
     """Time between frames; 0.1 T if omitted, or the nearest whole number of time steps below that."""
-    beads: Literal["all"] | tuple[Count, ...] = "all"
+    beads: Recorded = "all"
     """Recorded beads of every chain."""
     snapshots: Annotated[Positive, Unit("s")] | None = None
     """Time between snapshots of all beads, in addition to the frames of the recorded ones."""
@@ -160,18 +174,23 @@ class Output(ScenePart):
     def _ascending(cls, value: Any) -> Any:
         return value if value == "all" else tuple(sorted(each_once(value, ", or `all`")))
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, system: System, duration: float | None, *, window: bool) -> None:
         """Refuse what the scene does not have, and what needs more to be recorded.
+
+        Args:
+            system: beads and walls of the scene.
+            duration: time of the end, in the scene's units; None where a bead ends the run.
+            window: whether the scene has a window.
 
         Raises:
             ValueError: naming the key, what was found and what to do.
         """
-        if self.beads != "all" and self.beads[-1] > scene.beads:
-            raise ValueError(f"output.beads: {self.beads[-1]} is outside the array (beads 1 to {scene.beads})")
+        if self.beads != "all" and self.beads[-1] > system.beads:
+            raise ValueError(f"output.beads: {self.beads[-1]} is outside the array (beads 1 to {system.beads})")
         if self.forces is not None:
-            self.forces.refuse(scene)
+            self.forces.refuse(system, self.beads, window=window)
         if self.spectra is not None:
-            self.spectra.refuse(scene)
+            self.spectra.refuse(system.beads, self.beads, duration, window=window)
 
     def refuse_times(self, every: float, duration: float | None) -> None:
         """Refuse snapshots that do not fit in with frames so far apart.

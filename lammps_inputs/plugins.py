@@ -3,6 +3,7 @@
 Those of granchain itself are declared in its ``pyproject.toml`` like those of anybody else:
 
 - ``granchain.ingredients``: key of a scene = class derived from `lammps_inputs.ingredients.Ingredient`;
+- ``granchain.laws``: key of ingredients that names a law, ``force`` = module that makes laws of it;
 - ``granchain.materials``: any name = dictionary from names to `lammps_inputs.materials.Solid`;
 - ``granchain.scenes``: any name = package in whose folder scenes stand as ``*.yaml``;
 - ``granchain.quantities``: place in the printed analysis, and name = class derived from

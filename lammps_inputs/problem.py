@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import physics
+from lammps_inputs.deck_lines import BeadLayout
 from lammps_inputs.facts import Fact
-from lammps_inputs.layout import Layout
+from lammps_inputs.layout import layout_of
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.system import System
 from lammps_inputs.units import Scale
@@ -50,9 +51,10 @@ class Problem:
         return self.system.beads
 
     @cached_property
-    def layout(self) -> Layout:
+    def layout(self) -> BeadLayout:
         """Diameter and places of the beads in LAMMPS."""
-        return Layout(self.system, self.window)
+        layout = layout_of(self.system)
+        return layout if self.window is None else replace(layout, rows=self.window)
 
     @property
     def steps(self) -> int:

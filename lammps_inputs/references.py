@@ -124,7 +124,7 @@ def of_scene(scene: "BaseScene") -> dict[str, list[str]]:
     names = [kind.material for kind in kinds] + ([scene.material.name] if scene.material else [])
     if solids := [materials.CATALOGUE[name].source for name in names if name]:
         sources["material"] = list(dict.fromkeys(solids))
-    if plastic.key(scene) == "material.yield_strength":
+    if plastic.key(scene.setting) == "material.yield_strength":
         used = [(kind.material, kind.yield_strength) for kind in kinds]
         used += [(scene.material.name, scene.material.yield_strength)] if scene.material else []
         named = any(name and materials.CATALOGUE[name].yield_strength == value for name, value in used if value)

@@ -4,7 +4,8 @@ No default depends on anything but the scene, and `Scene.resolved` fills every o
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -18,9 +19,10 @@ from lammps_inputs.deck_atoms import DeckAtoms
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import contacts, plastic
-from lammps_inputs.ingredients.base import Count, FurtherAtoms, Ingredient, Positive, ScenePart, refuse_outside
+from lammps_inputs.ingredients.base import Count, FurtherAtoms, Ingredient, Positive, ScenePart, Setting, refuse_outside
 from lammps_inputs.ingredients.material import Material
 from lammps_inputs.ingredients.registry import INGREDIENTS, OWN_INGREDIENTS, SEVERAL
+from lammps_inputs.ingredients.unequal import KEYS as KEYS_OF_UNEQUAL
 from lammps_inputs.ingredients.unequal import (
     Disorder,
     Kinds,
@@ -77,6 +79,15 @@ UNCOUPLED = 1e-3
 
 MAX_LENGTH = 1e9
 """Dimensionless; positions up to here resolve overlaps of order 1 to 1e-7."""
+
+_OF_BEADS = ("gap", "material", "window", *KEYS_OF_UNEQUAL)
+"""Keys beside those of ingredients on which masses, links and loads depend (`Setting.parts`)."""
+
+_OF_THE_RUN = {"name", "description", "duration", "until_bead", "timestep", "accuracy", "scheme", "limits", "output"}
+"""Keys on which no system depends, as ingredients do not see them: a copy with others has the same."""
+
+_BUILT = {"setting", "system", "_problem"}
+"""What is built of a scene once."""
 
 _EXCITATIONS = {
     "kick": "kick velocity",
@@ -202,7 +213,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
             missing = "" if "kick" in self.model_fields_set else "is missing; "
             raise ValueError(f"kick: {missing}at least one bead must be kicked, or a striker, a push or a drive named")
         for number, kick in enumerate(self.kicks):
-            refuse_outside(_kick_key(self, number), kick, self)
+            refuse_outside(_kick_key(self, number), kick, self.chains, self.beads)
         if len({(kick.chain, kick.bead) for kick in self.kicks}) < len(self.kicks):
             raise ValueError("kick: one bead is kicked twice; add the velocities")
         if (self.duration is None) == (self.until_bead is None):
@@ -215,28 +226,28 @@ class BaseScene(ScenePart, metaclass=SceneType):
         self._check_window()
         self._check_numbers()
         self._check_materials()
+        setting = self.setting
         for ingredient in self.ingredients:
-            ingredient.refuse(self)
+            ingredient.refuse(setting)
         self._check_wanted()
-        plastic.refuse(self)
+        forces_of_some = self.output.forces is not None and self.output.beads != "all"
+        plastic.refuse(setting, self.scheme, forces_of_some=forces_of_some)
         system = self.system
         for ingredient in self.ingredients:
-            ingredient.refuse_system(self, system)
+            ingredient.refuse_system(setting, system)
         self._check_further_atoms()
         self._check_motion(system)
-        self.output.refuse(self)
+        self.output.refuse(system, self.duration, window=self.window is not None)
         if self.adopted is not None:
-            self.adopted.refuse(self)
+            self.adopted.refuse(self.chains, self.beads)
         self._check_times()
         return self
 
     def _check_further_atoms(self) -> None:
         """Refuse what is not known beside lines of atoms that are no beads."""
         for key, _ in self._further_atoms:
-            if plastic.key(self):
-                raise ValueError(
-                    f"{plastic.key(self)}: contacts that yield are not known beside {key}; leave one of them out"
-                )
+            if yields := plastic.key(self.setting):
+                raise ValueError(f"{yields}: contacts that yield are not known beside {key}; leave one of them out")
             if self.window is not None:
                 raise ValueError(f"window: {key} behind it keep moving; leave the window out")
 
@@ -273,7 +284,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
         """Refuse choices that build on what an ingredient takes away."""
         wanted = self.wanted
         for key, ingredient in self.named if wanted else ():
-            for fact in ingredient.lacks(self) & wanted.keys():
+            for fact in ingredient.lacks(self.setting) & wanted.keys():
                 reason = ingredient.why.get(fact, f"takes away that {fact.value}")
                 raise ValueError(f"{key}: {reason}; leave the {wanted[fact]} out")
 
@@ -511,21 +522,6 @@ class BaseScene(ScenePart, metaclass=SceneType):
         """Part of the scene under a key; None where it names none."""
         return getattr(self, key, None)
 
-    def key_of(self, ingredient: Ingredient) -> str:
-        """Key of an ingredient of the scene in messages, with its number where there is a list of several."""
-        for key in INGREDIENTS:
-            named = getattr(self, key)
-            parts = named if isinstance(named, tuple) else (named,)
-            for number, part in enumerate(parts, 1):
-                if part is ingredient:
-                    return f"{key}[{number}]" if len(parts) > 1 else key
-        raise KeyError("no ingredient of the scene")
-
-    def contact_law(self, strength: laws.Parameter) -> laws.Law | None:
-        """The dimensionless law of contacts of this strength (`Ingredient.contact_law`); None where it is Hertz's."""
-        named = (ingredient.contact_law(strength) for ingredient in self.ingredients)
-        return next((laws.dimensionless(law, self.scale) for law in named if law is not None), None)
-
     @property
     def ingredients(self) -> tuple[Ingredient, ...]:
         """Ingredients that the scene names."""
@@ -539,20 +535,35 @@ class BaseScene(ScenePart, metaclass=SceneType):
             for ingredient in named if isinstance(named, tuple) else () if named is None else (named,):
                 yield key, ingredient
 
-    @property
+    @cached_property
+    def setting(self) -> Setting:
+        """What the ingredients see of the scene: all on which its system depends."""
+        return Setting(
+            chains=self.chains,
+            beads=self.beads,
+            gap=self.gap,
+            material=self.material,
+            kicks=self.kicks,
+            scale=self.scale,
+            contact_scale=self.contact_scale,
+            parts={key: self.part(key) for key in (*_OF_BEADS, *INGREDIENTS)},
+            named=tuple(self.named),
+        )
+
+    @cached_property
     def system(self) -> System:
-        """Beads, links and kicks, dimensionless at V = 1."""
-        scale = self.scale
-        mass, strength = masses_and_strengths(self)
-        law = plastic.between(self, strength) or self.contact_law(strength)
+        """Beads, links and kicks, dimensionless at V = 1; built once, as the scene is frozen."""
+        setting, scale = self.setting, self.scale
+        mass, strength = masses_and_strengths(setting)
+        law = plastic.between(setting, strength) or setting.contact_law(strength)
         touching = contacts(self.gap / scale.length, strength, law and laws.for_all(law, (self.chains, self.beads - 1)))
-        links = [link for ingredient in self.ingredients for link in ingredient.links(self)]
-        loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
-        motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))
-        taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(self)}
+        links = [link for ingredient in self.ingredients for link in ingredient.links(setting)]
+        loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(setting))
+        motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(setting))
+        taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(setting)}
         taken |= {Fact.SECOND_ORDER} if any(in_time.jumps(load.law) for load in loads) else set()
         further_mass, ties, dashpots = self._in_lines([atoms for _, atoms in self._further_atoms])
-        taken |= plastic.taken_away(self, touching[0].law)
+        taken |= plastic.taken_away(setting, touching[0].law)
         system = System(
             chains=self.chains,
             beads=self.beads,
@@ -563,10 +574,10 @@ class BaseScene(ScenePart, metaclass=SceneType):
             lacks=frozenset(taken),
             loads=loads,
             motions=motions,
-            dampers=(*(link for ingredient in self.ingredients for link in ingredient.dampers(self)), *dashpots),
+            dampers=(*(link for ingredient in self.ingredients for link in ingredient.dampers(setting)), *dashpots),
         )
         borne = physics.mass_with_tied(system)
-        static = sum((ingredient.static(self, borne) for ingredient in self.ingredients), np.float64(0.0))
+        static = sum((ingredient.static(setting, borne) for ingredient in self.ingredients), np.float64(0.0))
         if not np.any(static):
             return system
         try:
@@ -577,7 +588,7 @@ class BaseScene(ScenePart, metaclass=SceneType):
     @property
     def _further_atoms(self) -> list[tuple[str, FurtherAtoms]]:
         """Lines of atoms that ingredients add to the chains, each with the key of its ingredient."""
-        each = [(key, ingredient.further_atoms(self)) for key, ingredient in self.named]
+        each = [(key, ingredient.further_atoms(self.setting)) for key, ingredient in self.named]
         return [(key, atoms) for key, atoms in each if atoms is not None]
 
     def _in_lines(self, each: list[FurtherAtoms]) -> tuple[Floats | None, tuple[Across, ...], tuple[Across, ...]]:
@@ -601,8 +612,8 @@ class BaseScene(ScenePart, metaclass=SceneType):
     @property
     def _loaded_by(self) -> str:
         """Key of the first static load."""
-        mass, _ = masses_and_strengths(self)
-        return next(key for key, ingredient in self.named if np.any(ingredient.static(self, mass)))
+        mass, _ = masses_and_strengths(self.setting)
+        return next(key for key, ingredient in self.named if np.any(ingredient.static(self.setting, mass)))
 
     def _cadence(self) -> tuple[float, int]:
         """Time between frames in the scene's units, and time steps in it."""
@@ -662,6 +673,10 @@ class BaseScene(ScenePart, metaclass=SceneType):
             >>> granchain.load("two-chains").problem().frames
             1920
         """
+        return self._problem
+
+    @cached_property
+    def _problem(self) -> Problem:
         if self.duration is None:
             raise ValueError(
                 "this scene ends at a bead; workflow.prepare.extent.with_duration(scene) finds its duration"
@@ -686,6 +701,22 @@ class BaseScene(ScenePart, metaclass=SceneType):
             scheme=self.scheme or "verlet",
             window=None if self.window is None or self.window >= self.beads else self.window,
         )
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Copy of the scene with other values, which are not checked.
+
+        What was built of the scene is built anew of the copy, but for a system that does not depend on these values.
+        """
+        copy = super().model_copy(update=update, deep=deep)
+        stale = {"_problem"} if (update or {}).keys() <= _OF_THE_RUN else _BUILT
+        for name in stale:
+            copy.__dict__.pop(name, None)
+        return copy
+
+    def __getstate__(self) -> dict[Any, Any]:
+        state = super().__getstate__()
+        values = {name: value for name, value in state["__dict__"].items() if name not in _BUILT}
+        return {**state, "__dict__": values}
 
     def __repr__(self) -> str:
         chains = "1 chain" if self.chains == 1 else f"{self.chains} chains"

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws, physics
+from lammps_inputs.deck_lines import PLACES
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws.preloaded import Contact, rest_under, under
-from lammps_inputs.layout import PLACES, Layout
+from lammps_inputs.layout import layout_of
 from lammps_inputs.links import Along, Link, Wall
 from lammps_inputs.numbers import power_of_two_at_least
 from lammps_inputs.system import System
@@ -70,7 +71,7 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
 def _grid(system: System, rest: float) -> float:
     """The difference of two numbers of LAMMPS as large as the last bead's place may be, with overlaps up to this."""
     alone = max(laws.max_strain(link.law, physics.energy(system)) for link in (*system.along, *physics.walls(system)))
-    diameter = power_of_two_at_least(max(Layout(system).diameter, 4.0, 2.0 * (rest + alone)))
+    diameter = power_of_two_at_least(max(layout_of(system).diameter, 4.0, 2.0 * (rest + alone)))
     return float(np.spacing(0.75 * power_of_two_at_least((system.beads + 1) * diameter)))
 
 

@@ -52,16 +52,18 @@ def plain(table: list[BeadColumn]) -> dict[str, list[list[float | None]]]:
 
 
 def _of_beads(scene: "BaseScene") -> Iterator[BeadColumn]:
-    if not unequal.unlike(scene):
+    if not unequal.unlike(scene.setting):
         return
     ball, scale = scene.material, scene.scale
     shape = (scene.chains, scene.beads)
-    mass, _ = unequal.masses_and_strengths(scene)
+    mass, _ = unequal.masses_and_strengths(scene.setting)
     radius = 1.0 if ball is None else ball.radius
     plane_modulus = 1.0 if ball is None else ball.youngs_modulus / (1.0 - ball.poisson_ratio**2)
     yield BeadColumn(scale.heading("mass", "mass"), scale.mass * np.broadcast_to(mass, shape))
-    yield BeadColumn(scale.heading("radius", "length"), radius * unequal.radii(scene))
-    yield BeadColumn("plane_modulus (Pa)" if scale.si else "plane_modulus", plane_modulus * unequal.moduli(scene))
+    yield BeadColumn(scale.heading("radius", "length"), radius * unequal.radii(scene.setting))
+    yield BeadColumn(
+        "plane_modulus (Pa)" if scale.si else "plane_modulus", plane_modulus * unequal.moduli(scene.setting)
+    )
 
 
 def _of_link(link: Link, scene: "BaseScene") -> Iterator[BeadColumn]:

@@ -29,7 +29,7 @@ from processes import HANGS
 
 from workflow.cli import main
 from workflow.engines.lammps import engine
-from workflow.runs.files import write_figure
+from workflow.runs.figures import write_figure
 
 # a busy machine is no failure
 settings.register_profile(
@@ -42,7 +42,7 @@ settings.register_profile(
 settings.load_profile("granchain")
 
 AS_LONG_AS = 300
-"""Other tests, a slow one counts; rather too much, so that files with slow tests come first."""
+"""Other tests, a long one counts; rather too much, so that files with slow tests come first."""
 
 for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGQUIT, signal.SIG_DFL)):
     if signal.getsignal(number) == signal.SIG_IGN:  # of a suite in the background; commands would inherit it
@@ -62,12 +62,16 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The longest files first, so that no worker waits long for the last of another; slow tests may take longer."""
+    """The longest files first, so that no worker waits long for the last of another; slow tests may take longer.
+
+    Tests that are slow or have a limit of time beside them count as long.
+    """
     weight: Counter[Path] = Counter()
     for item in items:
         slow = item.get_closest_marker("slow") is not None
-        weight[item.path] += AS_LONG_AS if slow else 1
-        if slow and item.get_closest_marker("timeout") is None:
+        limited = item.get_closest_marker("timeout") is not None
+        weight[item.path] += AS_LONG_AS if slow or limited else 1
+        if slow and not limited:
             item.add_marker(pytest.mark.timeout(HANGS))
     items.sort(key=lambda item: -weight[item.path])
 

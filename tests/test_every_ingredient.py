@@ -18,6 +18,7 @@ from analysis.trajectory import mirrored_problem
 from lammps_inputs import InputError, laws, physics
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.registry import INGREDIENTS
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
 from workflow.runs.run import run
@@ -106,6 +107,11 @@ def done(tmp_path_factory):
 
 def error(result, name):
     return float(np.max(np.abs(result.trajectory.velocity - exact(name))))
+
+
+def test_every_ingredient_has_a_case():
+    """A new one has its line in `CASES` of `ingredient_scenes.py`."""
+    assert INGREDIENTS.keys() <= {key for keys in CASES.values() for key in keys}
 
 
 @pytest.mark.parametrize("name", ALL)

@@ -16,7 +16,7 @@ BELOW = {
     "workflow": {"lammps_inputs", "analysis"},
 }
 LAYERS = {  # the lowest first
-    "lammps_inputs": ("laws", "ingredients", "limits", "decks"),
+    "lammps_inputs": ("laws", "ingredients", "formulas", "limits", "decks"),
     "analysis": ("files", "shape", "tracking", "mda", "compare", "sharing", "gauges", "figures"),
     "workflow": (
         "engines",

@@ -55,3 +55,9 @@ def test_no_symbol_has_two_rows_in_the_table_of_notation():
     cells = re.findall(r"^\| (\$[^|]*) \|", page.partition("## Notation")[2], re.M)
     names = [name for cell in cells for name in re.findall(r"\$([^$]+)\$", cell)]
     assert len(names) == len(set(names))
+
+
+def test_no_text_is_left_to_be_filled():
+    """`tests/support/new_ingredient.py` writes the word where a text is missing."""
+    scenes = (ROOT / "lammps_inputs" / "scenes").glob("*.yaml")
+    assert [page.name for page in (*MANUAL, *scenes) if "FILL" in page.read_text(encoding="utf-8")] == []

@@ -446,7 +446,7 @@ def _other_course(equations: MomentumEquations, load: Load, noise: float) -> Exp
         departures = (
             other_parameters(
                 name_of_load(load),
-                load.law._asdict(),  # type: ignore[attr-defined]
+                load.law._asdict(),
                 lambda *parameters: np.diff(load.law.impulse(times, *parameters)),
                 np.diff(load.impulse(times)) + residual,
                 max(NOISE * noise, EXPLAINED * _norm(residual)),

@@ -1,4 +1,4 @@
-"""LAMMPS input for a scene: ``in.chains`` and ``data.chains``, rendered and written once.
+"""LAMMPS input for a problem: ``in.chains`` and ``data.chains``.
 
 The deck is the equation of motion and nothing else: what the scene does not name leaves no line. It runs with a stock
 ``lmp`` (GRANULAR; MOLECULE for coupled chains, CLASS2 for cubic springs, DPD-BASIC for damped ones) from the 29Sep2021
@@ -18,26 +18,20 @@ import io
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import engine_limits, file_names, laws, loads, physics, scheme, static_load, strict_yaml, window
-from lammps_inputs.deck_lines import AtomTypes, DeckLines
-from lammps_inputs.ingredients.registry import NEEDED, NEEDS
+from lammps_inputs import engine_limits, file_names, laws, loads, physics, scheme, static_load, window
+from lammps_inputs.deck_lines import AtomTypes, BeadLayout, DeckLines
 from lammps_inputs.laws import dashpot, plastic_lines, spring
 from lammps_inputs.laws.contact import wall_lines
-from lammps_inputs.layout import Layout
+from lammps_inputs.layout import across_of, layout_of, wall_of
 from lammps_inputs.links import Across, Along, Link, Wall
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.system import System
 from lammps_inputs.units import Scale, sphere_density
-
-if TYPE_CHECKING:
-    from lammps_inputs.scene import Scene
 
 START = (
     "units lj                         # dimensionless",
@@ -50,16 +44,6 @@ STATED = "info variables out log           # the log states the values; granchai
 """Command after the last parameter of a deck and of its continuation, see `lammps_inputs.decks.parameters`."""
 
 
-def render(scene: "Scene", problem: Problem | None = None) -> dict[str, str]:
-    """File name -> text of everything LAMMPS needs, and the scene itself; the problem is the scene's.
-
-    Raises:
-        ValueError: the scene ends at a bead, not at a time (see `Scene.problem`).
-    """
-    problem = scene.problem() if problem is None else problem
-    return {file_names.SCENE: render_scene(scene), **files_of(problem)}
-
-
 def files_of(problem: Problem) -> dict[str, str]:
     """File name -> text of what LAMMPS needs; the data come last, so that all is there where they are."""
     tables = loads.tables(problem.system)
@@ -68,19 +52,6 @@ def files_of(problem: Problem) -> dict[str, str]:
         **({file_names.TABLES: tables} if tables else {}),
         file_names.DATA: render_data(problem),
     }
-
-
-def render_scene(scene: "Scene") -> str:
-    """The text of ``scene.yaml``, every default written out; comments name modules that its ingredients need."""
-    plain = scene.resolved().plain()
-    needed = dict.fromkeys(NEEDS[key] for key in plain if key in NEEDS)
-    return "".join(f"{NEEDED}{words}\n" for words in needed) + strict_yaml.dump(plain)
-
-
-def write(scene: "Scene", directory: Path) -> None:
-    """Write the deck of a scene into an existing directory."""
-    for name, content in render(scene).items():
-        (directory / name).write_text(content, encoding="utf-8", newline="\n")
 
 
 def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.0) -> str:
@@ -119,7 +90,7 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
     elif system.kicks or system.motions:
         sections.append(
             [
-                *loads.start_lines(problem.layout),
+                *loads.start_lines(system.motions, problem.layout),
                 *(
                     f"set atom {problem.layout.atom(chain, bead)} vx ${{kick{number}}}"
                     for number, (chain, bead, _) in enumerate(system.kicks, 1)
@@ -138,7 +109,7 @@ def render_deck(problem: Problem, start: Sequence[str] = (), opening: float = 0.
 def neighbour_lines(problem: Problem, opening: float = 0.0) -> list[str]:
     """The neighbour list, built once: with the beads at rest, or with neighbours farther apart by an opening.
 
-    Second neighbours may be in it, but exert no force: beads are so large that they never touch (`Layout.diameter`).
+    Second neighbours may be in it, but exert no force: beads are so large that they never touch (`layout.layout_of`).
     """
     return [
         "atom_modify sort 0 0",
@@ -160,7 +131,7 @@ def spelling(problem: Problem) -> list[DeckLines]:
     Raises:
         EngineLimitError: LAMMPS cannot compute one of them.
     """
-    return [*link_lines(problem), *loads.lines(problem.layout)]
+    return [*link_lines(problem), *_load_lines(problem.system, problem.layout)]
 
 
 def _spelled(system: System) -> tuple[Link, ...]:
@@ -179,29 +150,35 @@ def link_lines(problem: Problem) -> tuple[DeckLines, ...]:
     return _lines_of(problem.system, problem.layout)
 
 
-def _lines_of(system: System, layout: Layout) -> tuple[DeckLines, ...]:
-    return tuple(_of_link(link, layout) for link in _spelled(system))
+def _lines_of(system: System, layout: BeadLayout) -> tuple[DeckLines, ...]:
+    return tuple(_of_link(link, system, layout) for link in _spelled(system))
 
 
-def _of_link(link: Link, layout: Layout) -> DeckLines:
+def _load_lines(system: System, layout: BeadLayout) -> list[DeckLines]:
+    return loads.lines(system.loads, system.motions, layout)
+
+
+def _of_link(link: Link, system: System, layout: BeadLayout) -> DeckLines:
     """The law's own lines; contacts whose law spells no dashpots of its own have them beside."""
     if not hasattr(link.law, _kind(link)):
         raise engine_limits.FORCES.error(link.name)
     if isinstance(link, Wall) and _kind(link) != "at_wall":
-        return wall_lines(link, layout)
-    lines: DeckLines = getattr(link.law, _kind(link))(link if isinstance(link, Across) else link.name, layout)
+        return wall_lines(wall_of(link, system), layout)
+    lines: DeckLines = getattr(link.law, _kind(link))(
+        across_of(link, system) if isinstance(link, Across) else link.name, layout
+    )
     damped = isinstance(link, Along) and layout.contact_loss is not None
     return dashpot.beside(lines, layout) if damped and not lines.damped else lines
 
 
 def refusal(system: System) -> str:
     """Why LAMMPS cannot compute the forces of a system, see `lammps_inputs.engine_limits`; empty where it can."""
-    layout = Layout(system)
+    layout = layout_of(system)
     try:
         parts = (
             [link.name for link in _spelled(system)] + ["push"] * len(system.loads) + ["drive"] * len(system.motions)
         )
-        lines = [*_lines_of(system, layout), *loads.lines(layout)]
+        lines = [*_lines_of(system, layout), *_load_lines(system, layout)]
         _refuse_groups(parts, lines)
     except ValueError as error:  # also of a law that a user has written
         return str(error)
@@ -244,7 +221,7 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
         *(line for part in link_lines(problem) for line in part.motion),
         *static_load.hold_lines(system),
         *loads.include_lines(system),
-        *(line for part in loads.lines(problem.layout) for line in part.motion),
+        *(line for part in _load_lines(system, problem.layout) for line in part.motion),
     ]
     if _tied(system):
         lines.append("fix line all lineforce 1 0 0     # beads move along their chains only")

@@ -1,8 +1,9 @@
 """What an ingredient of a scene is: keys that a user may write, and what becomes of them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, NamedTuple, Protocol, TypeVar, cast
+from typing import Annotated, Any, ClassVar, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
-from lammps_inputs.laws import Law, Parameter
+from lammps_inputs.laws import Law, Parameter, dimensionless
 from lammps_inputs.links import Across, Link
 from lammps_inputs.loads import Load, Motion
 from lammps_inputs.system import System
@@ -41,93 +42,47 @@ class ScenePart(BaseModel):
     """A valid value in YAML, shown where something else than keys and values is given."""
 
 
-class SceneContext(Protocol):
-    """A scene as its ingredients see it: counts, units and its other parts (`lammps_inputs.scene.BaseScene`)."""
+@dataclass(frozen=True)
+class Setting:
+    """What ingredients see of the scene that names them: all on which its beads, links and loads depend.
 
-    @property
-    def chains(self) -> int:
-        """Number of chains."""
+    Attributes:
+        chains: number of chains.
+        beads: number of beads of each chain.
+        gap: clear distance between neighbouring beads, in the units of the scene.
+        material: material of the beads; None where numbers have no units.
+        kicks: initial velocities, those of strikers included.
+        scale: dimensionless units in those of the scene.
+        contact_scale: exponent and constant of the contacts' force, by which lengths are measured.
+        parts: what the scene names, by key; of keys on which forces may depend.
+        named: every ingredient, with its key in a scene.
+    """
 
-    @property
-    def beads(self) -> int:
-        """Number of beads of each chain."""
-
-    @property
-    def gap(self) -> float:
-        """Clear distance between neighbouring beads, in the units of the scene."""
-
-    @property
-    def material(self) -> Any:
-        """Material of the beads; None where numbers have no units."""
-
-    @property
-    def kinds(self) -> Any:
-        """Kinds of beads by name."""
-
-    @property
-    def pattern(self) -> Any:
-        """Kinds along the chains."""
-
-    @property
-    def replace(self) -> Any:
-        """Single beads of another kind."""
-
-    @property
-    def taper(self) -> Any:
-        """Fraction by which each radius is smaller than that before."""
-
-    @property
-    def disorder(self) -> Any:
-        """Random differences between the beads."""
-
-    @property
-    def striker(self) -> Any:
-        """First bead with its own mass and velocity."""
-
-    @property
-    def duration(self) -> float | None:
-        """Time at which the run ends; None where a bead ends it."""
-
-    @property
-    def scheme(self) -> str | None:
-        """Integration scheme; None for the default."""
-
-    @property
-    def window(self) -> Any:
-        """Rows near the front that are simulated; None for all."""
-
-    @property
-    def output(self) -> Any:
-        """What is recorded, and how often."""
-
-    @property
-    def scale(self) -> Scale:
-        """Dimensionless units in those of the scene."""
-
-    @property
-    def contact_scale(self) -> tuple[float, float | None]:
-        """Exponent and constant of the contacts' force, by which lengths are measured."""
-
-    @property
-    def kicks(self) -> tuple[Any, ...]:
-        """Initial velocities, those of strikers included."""
-
-    @property
-    def system(self) -> System:
-        """Beads, links and kicks, dimensionless."""
-
-    @property
-    def ingredients(self) -> "tuple[Ingredient, ...]":
-        """Every ingredient that the scene names."""
+    chains: int
+    beads: int
+    gap: float
+    material: Any
+    kicks: tuple[Any, ...]
+    scale: Scale
+    contact_scale: tuple[float, float | None]
+    parts: Mapping[str, Any]
+    named: "tuple[tuple[str, Ingredient], ...]"
 
     def part(self, key: str) -> Any:
         """Part of the scene under a key; None where it names none."""
+        return self.parts.get(key)
 
     def key_of(self, ingredient: "Ingredient") -> str:
-        """Key of an ingredient in messages."""
+        """Key of an ingredient of the scene in messages, with its number where there is a list of several."""
+        key = next(key for key, part in self.named if part is ingredient)
+        alike = [part for other, part in self.named if other == key]
+        number = next(number for number, part in enumerate(alike, 1) if part is ingredient)
+        return f"{key}[{number}]" if len(alike) > 1 else key
 
     def contact_law(self, strength: Parameter) -> Law | None:
-        """Dimensionless law of contacts of a strength; None where it is Hertz's."""
+        """The dimensionless law of contacts of this strength (`Ingredient.contact_law`); None where it is Hertz's."""
+        named = (ingredient.contact_law(strength) for _, ingredient in self.named)
+        return next((dimensionless(law, self.scale) for law in named if law is not None), None)
 
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -172,13 +127,13 @@ def refuse_other_count(key: str, values: Any, chains: int, *, noun: str = "numbe
         raise ValueError(f"{key}: {len(values)} {noun} for {chains} chains; one, or one for each")
 
 
-def refuse_outside(key: str, place: Any, scene: SceneContext) -> None:
+def refuse_outside(key: str, place: Any, chains: int, beads: int) -> None:
     """Refuse a bead, of attributes ``chain`` and ``bead``, outside the array.
 
     Raises:
         ValueError: naming the key.
     """
-    for name, number, last in (("chain", place.chain, scene.chains), ("bead", place.bead, scene.beads)):
+    for name, number, last in (("chain", place.chain, chains), ("bead", place.bead, beads)):
         if number > last:
             raise ValueError(f"{key}.{name}: {number} is outside the array ({name}s 1 to {last})")
 
@@ -223,14 +178,14 @@ class Ingredient(ScenePart):
         """Content of a scene's file with that of the files that it names, which are beside it, in the folder."""
         return value
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, setting: Setting) -> None:
         """Refuse what the scene's other parts make impossible.
 
         Raises:
             ValueError: naming the key, what was found and what to do.
         """
 
-    def refuse_system(self, scene: SceneContext, system: System) -> None:
+    def refuse_system(self, setting: Setting, system: System) -> None:
         """Refuse what all ingredients together make impossible, after each has passed `refuse` alone.
 
         Raises:
@@ -241,7 +196,7 @@ class Ingredient(ScenePart):
         """Publications of the models that it has chosen."""
         return self.sources
 
-    def links(self, scene: SceneContext) -> tuple[Link, ...]:  # noqa: ARG002
+    def links(self, setting: Setting) -> tuple[Link, ...]:  # noqa: ARG002
         """The links that it makes, dimensionless; none where its numbers come to nothing."""
         return ()
 
@@ -267,39 +222,39 @@ class Ingredient(ScenePart):
         """Key that changes the strength of the contacts along the chains; empty where none does."""
         return ""
 
-    def strengths(self, scene: SceneContext) -> Parameter:  # noqa: ARG002
+    def strengths(self, setting: Setting) -> Parameter:  # noqa: ARG002
         """Factors on the strengths of the contacts, a number or [chain, contact]."""
         return 1.0
 
-    def dampers(self, scene: SceneContext) -> tuple[Link, ...]:  # noqa: ARG002
+    def dampers(self, setting: Setting) -> tuple[Link, ...]:  # noqa: ARG002
         """Links with laws of damping (`lammps_inputs.laws.dashpot`), dimensionless; they store no energy."""
         return ()
 
-    def further_atoms(self, scene: SceneContext) -> FurtherAtoms | None:  # noqa: ARG002
+    def further_atoms(self, setting: Setting) -> FurtherAtoms | None:  # noqa: ARG002
         """Lines of atoms beside the chains that it adds, dimensionless."""
         return None
 
-    def lacks(self, scene: SceneContext) -> frozenset[Fact]:
+    def lacks(self, setting: Setting) -> frozenset[Fact]:
         """Facts that no longer hold in this scene."""
-        return self.takes_away if self.links(scene) else frozenset()
+        return self.takes_away if self.links(setting) else frozenset()
 
     def speed(self, mass: float) -> float:  # noqa: ARG002
         """Speed of a bead of this mass that it sets in motion, in the scene's units: a measure of V."""
         return 0.0
 
-    def static(self, scene: SceneContext, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
+    def static(self, setting: Setting, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
         """Force at rest, dimensionless: a number, or [chain, bead + 1] from before the first bead to behind the last.
 
         Args:
-            scene: scene that it is part of.
+            setting: the scene that it is part of.
             mass: dimensionless masses of the beads, a number or [chain, bead].
         """
         return 0.0
 
-    def loads(self, scene: SceneContext) -> tuple[Load, ...]:  # noqa: ARG002
+    def loads(self, setting: Setting) -> tuple[Load, ...]:  # noqa: ARG002
         """The forces from outside that it makes, dimensionless."""
         return ()
 
-    def motions(self, scene: SceneContext) -> tuple[Motion, ...]:  # noqa: ARG002
+    def motions(self, setting: Setting) -> tuple[Motion, ...]:  # noqa: ARG002
         """The beads whose motion it gives, dimensionless."""
         return ()

@@ -17,12 +17,12 @@ from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import base, by_formula, plastic
-from lammps_inputs.ingredients.base import Phase, Positive, Rows, SceneContext, ScenePart, Seed, Spread
+from lammps_inputs.ingredients import base, plastic
+from lammps_inputs.ingredients.base import Phase, Positive, Rows, ScenePart, Seed, Setting, Spread
+from lammps_inputs.ingredients.by_formula import MOST_EXPONENT, ByFormula, formulas
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power
-from lammps_inputs.laws.formula_law import AlongChains, Force, FormulaKind
 from lammps_inputs.links import Along
 from lammps_inputs.numbers import random_shares
 from lammps_inputs.system import System
@@ -120,7 +120,7 @@ Strength = Annotated[
 """A number for all contacts, a profile, a list with one for each contact, or a list of such lists, one a chain."""
 
 
-_Power = Annotated[float, Field(ge=1, le=by_formula.MOST_EXPONENT), PURE]
+_Power = Annotated[float, Field(ge=1, le=MOST_EXPONENT), PURE]
 Exponent = Annotated[
     Annotated[_Power, Tag("<plain>")]
     | Annotated[tuple[_Power, ...], Tag("<row>")]
@@ -130,23 +130,23 @@ Exponent = Annotated[
 """A number for all contacts, a list with one for each, or a list of such lists, one a chain."""
 
 
-def _refuse_values(key: str, strength: Any, scene: SceneContext) -> None:
+def _refuse_values(key: str, strength: Any, setting: Setting) -> None:
     """Refuse a strength that does not fit the chains.
 
     Raises:
         ValueError: naming the key, what was found and what to do.
     """
-    contacts = scene.beads - 1
+    contacts = setting.beads - 1
     if isinstance(strength, Profile):
         strength.refuse(key, contacts)
     if not isinstance(strength, tuple):
         return
     rows = strength if isinstance(strength[0] if strength else None, tuple) else (strength,)
     if len(rows) != 1:
-        base.refuse_other_count(key, rows, scene.chains, noun="lists")
+        base.refuse_other_count(key, rows, setting.chains, noun="lists")
     for row in rows:
         if len(row) != contacts:
-            raise ValueError(f"{key}: {len(row)} numbers for the {contacts} contacts of {scene.beads} beads")
+            raise ValueError(f"{key}: {len(row)} numbers for the {contacts} contacts of {setting.beads} beads")
 
 
 @base.with_keys(
@@ -157,7 +157,7 @@ def _refuse_values(key: str, strength: Any, scene: SceneContext) -> None:
         )
     }
 )
-class Contact(by_formula.ByFormula):
+class Contact(ByFormula):
     """A force ``stiffness * overlap**exponent``, or any that grows as beads come closer."""
 
     example: ClassVar[str] = "{exponent: 2}"
@@ -199,23 +199,23 @@ class Contact(by_formula.ByFormula):
             raise ValueError("should have one number for each contact of each chain")
         return value
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, setting: Setting) -> None:
         """Refuse units that do not fit, what is known of spheres only, and profiles that do not fit the chains."""
         if not self.model_fields_set:
             raise ValueError(f"contact: names nothing; valid: `contact: {self.example}`")
         if self.formula is not None:
-            self._refuse_formula(self.formula, scene)
+            self._refuse_formula(self.formula, setting)
             return
         if self.tension is not None:
             raise ValueError("contact.tension: is that of a formula; give contact.force, too, or leave it out")
-        _refuse_values("contact.exponent", self.exponent, scene)
+        _refuse_values("contact.exponent", self.exponent, setting)
         if self._powers is not None:
-            self._refuse_exponents(scene)
+            self._refuse_exponents(setting)
         if self.yields is not None and "exponent" in self.model_fields_set and self.exponent != self._power:
             raise ValueError(f"contact.exponent: {self._power:g} with the law {self.yields.law}; leave it out")
-        if scene.material is not None and self._power == HERTZ and self.stiffness is not None:
+        if setting.material is not None and self._power == HERTZ and self.stiffness is not None:
             raise ValueError("contact.stiffness: the material determines it for contacts of exponent 1.5; leave it out")
-        if scene.material is not None and self._power != HERTZ and self.stiffness is None:
+        if setting.material is not None and self._power != HERTZ and self.stiffness is None:
             raise ValueError(f"contact.stiffness: is missing; the force at an overlap of 1 m, in N/m^{self._power:g}")
 
     @property
@@ -236,12 +236,12 @@ class Contact(by_formula.ByFormula):
             return HERTZ if self._powers is not None else float(np.max(self.exponent))
         return 1.0 if self.yields.linear else HERTZ
 
-    def _refuse_exponents(self, scene: SceneContext) -> None:
+    def _refuse_exponents(self, setting: Setting) -> None:
         """Refuse what is said for contacts of one exponent only."""
         keys = ("material", "walls", "gravity", "precompression", "window", "taper")
-        others = [key for key in keys if scene.part(key)]
+        others = [key for key in keys if setting.part(key)]
         others += ["contact.stiffness"] * (self.stiffness is not None)
-        damping = scene.part("damping")
+        damping = setting.part("damping")
         if damping is not None and damping.contact:
             others += ["damping.law"] * (damping.law not in (None, "linear"))
             others += ["damping.tension"] * (damping.tension == "cut")
@@ -251,45 +251,45 @@ class Contact(by_formula.ByFormula):
                 "them out"
             )
 
-    def _refuse_formula(self, force: Force, scene: SceneContext) -> None:
+    def _refuse_formula(self, force: Any, setting: Setting) -> None:
         """Refuse what is said twice, and forces at rest that nothing holds."""
         self.refuse_beside("contact", "exponent", "stiffness", "yield")
-        kind = self._kind
+        kind = formulas().kind_of_contact(force, self.tension)
         rest = force.at_rest
         if kind.cut and rest:
             raise ValueError(f"contact.tension: the force is {rest:.6g} at s = 0, where it would be cut; leave it out")
-        damping = scene.part("damping")
+        damping = setting.part("damping")
         if not kind.cut and damping is not None and damping.contact:
             raise ValueError(
                 "damping.contact: is that of contacts that touch, and contact.force acts at a distance; take "
                 "damping.beads, or leave it out"
             )
         if rest:
-            walls = scene.part("walls")
+            walls = setting.part("walls")
             if walls is None or None in (walls.left, walls.right):
                 raise ValueError(
                     f"contact.force: pushes neighbours apart with {rest:.6g} at rest, and nothing holds the beads at "
                     "the ends; give `walls: {left: bead, right: bead}`"
                 )
-            loads = [key for key in ("gap", "precompression", "gravity") if scene.part(key)]
+            loads = [key for key in ("gap", "precompression", "gravity") if setting.part(key)]
             loads += ["contact.strength"] * (self.strength is not None)
             if loads:
                 raise ValueError(
                     f"{loads[0]}: contact.force is {rest:.6g} at s = 0, the force of every contact at rest; leave one "
                     "of them out"
                 )
-        elif not kind.cut and scene.gap:
+        elif not kind.cut and setting.gap:
             raise ValueError(
                 "gap: contact.force acts at a distance, so that beads a gap apart pull each other at rest; leave "
                 "the gap or contact.tension out"
             )
 
-    def refuse_system(self, scene: SceneContext, system: System) -> None:
+    def refuse_system(self, setting: Setting, system: System) -> None:
         """Refuse what is known of spheres only, and formulas where they have no value."""
-        for link in system.along:
-            if isinstance(link.law, AlongChains):
-                by_formula.refuse_reach("contact", link.law, system, scene.scale.length, pressed=True)
-        if not any(np.any(np.not_equal(ratios, 1.0)) for ratios in sizes_and_moduli(scene)):
+        for link in system.along if self.formula is not None else ():
+            if isinstance(link.law, formulas().AlongChains):
+                formulas().refuse_reach("contact", link.law, system, setting.scale.length, pressed=True)
+        if not any(np.any(np.not_equal(ratios, 1.0)) for ratios in sizes_and_moduli(setting)):
             return
         if self.formula is not None:
             raise ValueError(
@@ -307,8 +307,8 @@ class Contact(by_formula.ByFormula):
         """Law of the contacts; Hertz's where it is that."""
         exponent, _, is_power = self._begins
         if not is_power:
-            assert self.formula is not None
-            law: Law = self.formula.law(AlongChains, self._kind, strength)
+            kind = formulas().kind_of_contact(self.formula, self.tension)
+            law: Law = self.formula.law(formulas().AlongChains, kind, strength)
             return law
         if self._powers is not None:
             return Power(strength * np.ones_like(self._powers), self._powers)
@@ -317,7 +317,7 @@ class Contact(by_formula.ByFormula):
     def cited(self) -> tuple[str, ...]:
         """Publications of the profile, of a law that yields, and of exponents that differ."""
         law: tuple[str, ...] = () if self.yields is None else plastic.SOURCES[self.yields.law]
-        if not self._kind.cut:
+        if not self._cut:
             law = ("moleron2014",)
         if self._powers is not None:
             law = ("nesterenko2001", "spadoni2010")
@@ -329,12 +329,12 @@ class Contact(by_formula.ByFormula):
         values = {"contact.strength": self.strength, "contact.force": self.force, "contact.exponent": self._powers}
         return next((key for key, value in values.items() if value is not None), "")
 
-    def strengths(self, scene: SceneContext) -> Parameter:
+    def strengths(self, setting: Setting) -> Parameter:
         """Strengths of the profile, at the overlap by which lengths are measured."""
         factors: Parameter = 1.0
         if self.strength is not None:
-            _refuse_values("contact.strength", self.strength, scene)
-            shape = (scene.chains, scene.beads - 1)
+            _refuse_values("contact.strength", self.strength, setting)
+            shape = (setting.chains, setting.beads - 1)
             if isinstance(self.strength, Profile):
                 factors = self.strength.of(*shape)
             elif isinstance(self.strength, tuple):
@@ -342,7 +342,7 @@ class Contact(by_formula.ByFormula):
             else:
                 factors = self.strength
         if self._powers is not None:
-            factors = factors * scene.scale.length ** (self._powers - HERTZ)
+            factors = factors * setting.scale.length ** (self._powers - HERTZ)
         return factors
 
     def contact_scale(self) -> tuple[float, float | None]:
@@ -354,20 +354,22 @@ class Contact(by_formula.ByFormula):
         """Exponent p and constant A of the force ``A overlap^p`` of small overlaps, and whether it is that of all."""
         if self.formula is None:
             return self._power, self.stiffness, True
-        return by_formula.power_of_contact(self.formula, self._kind)
+        kind = formulas().kind_of_contact(self.formula, self.tension)
+        begins: tuple[float, float, bool] = formulas().power_of_contact(self.formula, kind)
+        return begins
 
     @property
-    def _kind(self) -> FormulaKind:
-        """How a formula counts s, and whether it is cut where beads are apart, as other contacts are."""
-        return FormulaKind(cut=True) if self.formula is None else by_formula.kind_of_contact(self.formula, self.tension)
+    def _cut(self) -> bool:
+        """Whether there is no force where beads are apart."""
+        return self.formula is None or bool(formulas().kind_of_contact(self.formula, self.tension).cut)
 
-    def lacks(self, scene: SceneContext) -> frozenset[Fact]:  # noqa: ARG002
+    def lacks(self, setting: Setting) -> frozenset[Fact]:  # noqa: ARG002
         """Linear contacts disperse any pulse; all that are harder at first than spheres begin abruptly.
 
         What acts at a distance transmits sound.
         """
         exponent = self.contact_scale()[0] if self._powers is None else float(np.min(self._powers))
-        if not self._kind.cut:
+        if not self._cut:
             return frozenset({Fact.SONIC_VACUUM, Fact.FRONT, Fact.PULSE})
         taken = {Fact.REVERSIBLE} if exponent < HERTZ else set()
         return frozenset(taken | {Fact.PULSE} if exponent < LEAST_OF_PULSES else taken)

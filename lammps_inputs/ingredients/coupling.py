@@ -7,23 +7,22 @@ from numpy.typing import NDArray
 from pydantic import Discriminator, Tag, field_validator
 
 from lammps_inputs import laws, strict_yaml
-from lammps_inputs.ingredients import by_formula
 from lammps_inputs.ingredients.base import (
     Cubic,
     Row,
     Rows,
-    SceneContext,
     ScenePart,
+    Setting,
     Stiffness,
     ends,
     in_rows,
     refuse_range,
     with_keys,
 )
+from lammps_inputs.ingredients.by_formula import ByFormula, formulas
 from lammps_inputs.laws import Law
-from lammps_inputs.laws.formula_law import AcrossChains, Force
 from lammps_inputs.laws.spring import Duffing, Linear
-from lammps_inputs.layout import Layout
+from lammps_inputs.layout import layout_of
 from lammps_inputs.links import Across
 from lammps_inputs.system import System
 from lammps_inputs.units import Label
@@ -72,7 +71,7 @@ _Name = Literal["open", "ring"]
 _Topology = Annotated[Annotated[_Name, Tag("<plain>")] | Annotated[Graph, Tag("<keys>")], _distinguished(Graph)]
 
 
-class Coupling(by_formula.ByFormula):
+class Coupling(ByFormula):
     """Springs between chains: a force ``stiffness s + cubic s**3``, or any, for beads of a row that are s apart."""
 
     example: ClassVar[str] = "{stiffness: 0.1}"
@@ -91,7 +90,7 @@ class Coupling(by_formula.ByFormula):
     force: str | None = None
     """Force as a formula of s, odd, with its parameters as keys beside it; in place of `stiffness` and `cubic`."""
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, setting: Setting) -> None:
         """Refuse what does not fit the chains, springs that are practically rigid, and rows that differ in a window."""
         by_edge = bool(self._named) and all(len(edge) == 3 for edge in self._named)
         if self.formula is not None:
@@ -102,39 +101,39 @@ class Coupling(by_formula.ByFormula):
             raise ValueError("coupling.stiffness: every edge has a stiffness of its own; leave this one out")
         ramp = self.stiffness if isinstance(self.stiffness, Ramp) else None
         for key, rows, least in (("rows", self.rows, 0), ("stiffness.rows", None if ramp is None else ramp.rows, 1)):
-            refuse_range(f"coupling.{key}", rows, scene.beads, least=least)
-        self._refuse_edges(scene.chains)
-        edges = self._edges(scene.chains)
-        for key, values in (("stiffness", self._stiffness(edges, scene)), ("cubic", self._cubic(edges, scene))):
+            refuse_range(f"coupling.{key}", rows, setting.beads, least=least)
+        self._refuse_edges(setting.chains)
+        edges = self._edges(setting.chains)
+        for key, values in (("stiffness", self._stiffness(edges, setting)), ("cubic", self._cubic(edges, setting))):
             if (largest := float(np.max(values, initial=0.0))) > MOST:
                 raise ValueError(
                     f"coupling.{key}: {largest:.3g} in dimensionless units, so stiff that the rows are rigid; "
                     "at most 1e12"
                 )
-        if scene.window is not None and (self.rows is not None or ramp is not None):
+        if setting.part("window") is not None and (self.rows is not None or ramp is not None):
             raise ValueError(
                 f"coupling.{'stiffness' if self.rows is None else 'rows'}: a window takes rows from its tail to its "
                 "head with the springs they have, so all must have the same; leave the window out"
             )
 
-    def _refuse_formula(self, force: Force) -> None:
+    def _refuse_formula(self, force: Any) -> None:
         self.refuse_beside("coupling", "stiffness", "cubic")
         if any(len(edge) == 3 for edge in self._named):
             raise ValueError(
                 "coupling.topology.edges: a stiffness is that of linear springs; leave the third number out"
             )
-        by_formula.refuse_unrest("coupling", force)
-        by_formula.refuse_even("coupling", force)
+        formulas().refuse_unrest("coupling", force)
+        formulas().refuse_even("coupling", force)
 
-    def refuse_system(self, scene: SceneContext, system: System) -> None:
+    def refuse_system(self, setting: Setting, system: System) -> None:
         """Refuse cubic springs over distances at which LAMMPS's lose their digits, and formulas without a value."""
-        for link in system.couplings:
-            if isinstance(link.law, AcrossChains):
-                by_formula.refuse_reach("coupling", link.law, system, scene.scale.length)
-        edges = self._edges(scene.chains)
+        for link in system.couplings if self.formula is not None else ():
+            if isinstance(link.law, formulas().AcrossChains):
+                formulas().refuse_reach("coupling", link.law, system, setting.scale.length)
+        edges = self._edges(setting.chains)
         farthest = max((higher - lower for lower, higher, _ in edges), default=0)
-        lateral = Layout(system).apart((0, farthest))
-        if np.max(self._cubic(edges, scene), initial=0.0) * lateral**2 * np.finfo(float).eps > _ROUNDED:
+        lateral = layout_of(system).apart((0, farthest))
+        if np.max(self._cubic(edges, setting), initial=0.0) * lateral**2 * np.finfo(float).eps > _ROUNDED:
             raise ValueError(
                 f"coupling.cubic: tied chains are so far from each other ({farthest} chains, {lateral:.3g} L) that "
                 "LAMMPS's springs, which have their cube from the length, lose their digits; weaker or nearer ones"
@@ -159,12 +158,12 @@ class Coupling(by_formula.ByFormula):
                 raise ValueError(f"{key}: chains {pair[0]} and {pair[1]} are tied twice; add the stiffnesses up")
             pairs.add(pair)
 
-    def links(self, scene: SceneContext) -> tuple[Across, ...]:
+    def links(self, setting: Setting) -> tuple[Across, ...]:
         """Links across the chains; none where no two chains are tied by any spring."""
-        edges = self._edges(scene.chains)
-        if self.formula is not None and by_formula.multiple_of_strain(self.formula) is None:
-            return self._by_formula(self.formula, edges, scene)
-        spring, cubic = self._stiffness(edges, scene), self._cubic(edges, scene)
+        edges = self._edges(setting.chains)
+        if self.formula is not None and formulas().multiple_of_strain(self.formula) is None:
+            return self._by_formula(self.formula, edges, setting)
+        spring, cubic = self._stiffness(edges, setting), self._cubic(edges, setting)
         holds = np.zeros(len(edges), dtype=bool)
         for values in (spring, cubic):
             holds |= np.any(values, axis=1) if isinstance(values, np.ndarray) else values != 0.0
@@ -175,11 +174,11 @@ class Coupling(by_formula.ByFormula):
         pairs = tuple((lower, higher) for (lower, higher, _), tied in zip(edges, holds, strict=True) if tied)
         return (Across("coupling", law, edges=pairs, grid=self._grid),)
 
-    def _by_formula(self, force: Force, edges: list[Any], scene: SceneContext) -> tuple[Across, ...]:
+    def _by_formula(self, force: Any, edges: list[Any], setting: Setting) -> tuple[Across, ...]:
         if not edges:
             return ()
-        strength = 1.0 if self.rows is None else in_rows(1.0, self.rows, (len(edges), scene.beads))
-        law = laws.dimensionless(force.law(AcrossChains, strength=strength), scene.scale)
+        strength = 1.0 if self.rows is None else in_rows(1.0, self.rows, (len(edges), setting.beads))
+        law = laws.dimensionless(force.law(formulas().AcrossChains, strength=strength), setting.scale)
         return (Across("coupling", law, edges=tuple(edge[:2] for edge in edges), grid=self._grid),)
 
     @property
@@ -207,24 +206,24 @@ class Coupling(by_formula.ByFormula):
             pairs += [(0, chains - 1)] if self.topology == "ring" and chains > 2 else []
         return [(lower, higher, None) for lower, higher in sorted(pairs)]
 
-    def _stiffness(self, edges: list[tuple[int, int, float | None]], scene: SceneContext) -> float | Floats:
+    def _stiffness(self, edges: list[tuple[int, int, float | None]], setting: Setting) -> float | Floats:
         """Dimensionless linear stiffness: a number, or [edge, row] where it differs."""
         shared: Any = 0.0 if self.stiffness is None else self.stiffness
         if self.formula is not None:
-            shared = by_formula.multiple_of_strain(self.formula) or 0.0
+            shared = formulas().multiple_of_strain(self.formula) or 0.0
         if isinstance(shared, Ramp):
             values = [getattr(shared, key) for key in ("from", "to")]
-            shared = np.interp(np.arange(1, scene.beads + 1), shared.rows, values)
+            shared = np.interp(np.arange(1, setting.beads + 1), shared.rows, values)
         by_edge = [shared if stiffness is None else stiffness for _, _, stiffness in edges]
-        return self._table(by_edge if any(edge[2] is not None for edge in edges) else [shared], edges, scene, 1.0)
+        return self._table(by_edge if any(edge[2] is not None for edge in edges) else [shared], edges, setting, 1.0)
 
-    def _cubic(self, edges: list[tuple[int, int, float | None]], scene: SceneContext) -> float | Floats:
+    def _cubic(self, edges: list[tuple[int, int, float | None]], setting: Setting) -> float | Floats:
         """Dimensionless cubic stiffness: a number, or [edge, row] where it differs."""
-        return self._table([self.cubic or 0.0], edges, scene, 1.0 / scene.scale.length**2)
+        return self._table([self.cubic or 0.0], edges, setting, 1.0 / setting.scale.length**2)
 
-    def _table(self, values: list[Any], edges: list[Any], scene: SceneContext, unit: float) -> float | Floats:
+    def _table(self, values: list[Any], edges: list[Any], setting: Setting, unit: float) -> float | Floats:
         """Dimensionless values of all edges, or of each, a number or [row], in the rows that have springs."""
-        table = np.reshape(np.stack(np.broadcast_arrays(*values)) / (unit * scene.scale.stiffness), (len(values), -1))
-        if self.rows in (None, (1, scene.beads)) and np.ptp(table) == 0.0:
+        table = np.reshape(np.stack(np.broadcast_arrays(*values)) / (unit * setting.scale.stiffness), (len(values), -1))
+        if self.rows in (None, (1, setting.beads)) and np.ptp(table) == 0.0:
             return float(table[0, 0])
-        return in_rows(table, self.rows, (len(edges), scene.beads))
+        return in_rows(table, self.rows, (len(edges), setting.beads))

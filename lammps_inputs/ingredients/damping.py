@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws, physics
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Coefficient, Ingredient, NotNegative, SceneContext
+from lammps_inputs.ingredients.base import Coefficient, Ingredient, NotNegative, Setting
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import masses_and_strengths
 from lammps_inputs.laws import Parameter
@@ -80,7 +80,7 @@ class Damping(Ingredient):
     coupling: Annotated[Coefficient | None, Label("damping coefficient of the coupling", "\\gamma_{12}")] = None
     """Coefficient gamma_12 of a dashpot parallel to every spring between chains."""
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, setting: Setting) -> None:
         """Refuse what says nothing, or more than there is, and what runs in pieces that start again."""
         if self.contact is None:
             for key in ("law", "tension"):
@@ -93,19 +93,19 @@ class Damping(Ingredient):
                 raise ValueError(f"damping.contact: {self.contact:g} is no restitution; above 0, and at most 1")
             if self.tension == "cut":
                 raise ValueError("damping.tension: the law restitution needs tensile forces; leave `cut` out")
-            if scene.contact_scale[0] not in RESTITUTIONS:
+            if setting.contact_scale[0] not in RESTITUTIONS:
                 raise ValueError(
                     "damping.law: restitution needs dashpots that grow as overlap^((p - 1) / 2), which LAMMPS has for "
-                    f"contacts of exponent 1, 1.5 and 2, not {scene.contact_scale[0]:g}; take linear or viscoelastic"
+                    f"contacts of exponent 1, 1.5 and 2, not {setting.contact_scale[0]:g}; take linear or viscoelastic"
                 )
-        elif self.tension == "cut" and scene.contact_scale[0] != HERTZ:
+        elif self.tension == "cut" and setting.contact_scale[0] != HERTZ:
             raise ValueError(
                 "damping.tension: LAMMPS cuts tension where dashpots pull harder than contacts of spheres push, of "
-                f"exponent 1.5, not {scene.contact_scale[0]:g}; leave it out"
+                f"exponent 1.5, not {setting.contact_scale[0]:g}; leave it out"
             )
-        if self.coupling and not any(isinstance(link, Across) for link in _springs(scene)):
+        if self.coupling and not any(isinstance(link, Across) for link in _springs(setting)):
             raise ValueError("damping.coupling: there is no coupling between chains that it could damp")
-        for link in self.dampers(scene):
+        for link in self.dampers(setting):
             largest = float(np.max(link.law.coefficient))  # type: ignore[attr-defined]
             if largest > MOST:
                 where = f" at the {link.name.split('_')[0]} wall" if isinstance(link, Wall) else ""
@@ -113,7 +113,7 @@ class Damping(Ingredient):
                     f"damping: {largest:.3g} in dimensionless units{where}; at most {MOST:g}, where beads stick"
                 )
 
-    def refuse_system(self, scene: SceneContext, system: System) -> None:  # noqa: ARG002
+    def refuse_system(self, setting: Setting, system: System) -> None:  # noqa: ARG002
         """Refuse contacts and masses with which LAMMPS's dashpots are others."""
         if self.contact and not isinstance(system.mass, float):
             if self.law == "viscoelastic":
@@ -149,25 +149,25 @@ class Damping(Ingredient):
         """Publications of the law of the contacts' dashpots."""
         return () if self.contact is None else SOURCES[self.law or "linear"]
 
-    def dampers(self, scene: SceneContext) -> tuple[Link, ...]:
+    def dampers(self, setting: Setting) -> tuple[Link, ...]:
         """Dashpots of contacts, springs and beads."""
         dampers: list[Link] = []
-        loss = self._loss(scene)
+        loss = self._loss(setting)
         if loss is not None:
-            dampers.append(Along("contact_damping", loss, gap=scene.gap / scene.scale.length))  # type: ignore[arg-type]
-            for wall in _walls(scene):
-                law: Any = self._at_wall(wall, scene)
+            dampers.append(Along("contact_damping", loss, gap=setting.gap / setting.scale.length))  # type: ignore[arg-type]
+            for wall in _walls(setting):
+                law: Any = self._at_wall(wall, setting)
                 dampers.append(replace(wall, name=f"{wall.name}_damping", law=law))
         if self.coupling:
-            law = laws.dimensionless(Dashpot(self.coupling), scene.scale)
-            dampers += [replace(link, name="coupling_damping", law=law) for link in _springs(scene)]
+            law = laws.dimensionless(Dashpot(self.coupling), setting.scale)
+            dampers += [replace(link, name="coupling_damping", law=law) for link in _springs(setting)]
         if self.beads:
-            dampers.append(Ground("bead_damping", laws.dimensionless(Dashpot(self.beads), scene.scale)))
+            dampers.append(Ground("bead_damping", laws.dimensionless(Dashpot(self.beads), setting.scale)))
         return tuple(dampers)
 
-    def lacks(self, scene: SceneContext) -> frozenset[Fact]:
+    def lacks(self, setting: Setting) -> frozenset[Fact]:
         """Energy, and what goes with it; momentum by drag on beads; order 2 by all other dashpots."""
-        dampers = self.dampers(scene)
+        dampers = self.dampers(setting)
         taken = {Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE} if dampers else set()
         if any(isinstance(link, Ground) for link in dampers):
             taken.add(Fact.MOMENTUM)
@@ -175,17 +175,17 @@ class Damping(Ingredient):
             taken.add(Fact.SECOND_ORDER)
         return frozenset(taken)
 
-    def _loss(self, scene: SceneContext) -> ContactLoss | None:
+    def _loss(self, setting: Setting) -> ContactLoss | None:
         """Dimensionless dashpot law of the contacts; None if they are undamped."""
         if not self.contact or (self.law == "restitution" and self.contact >= 1.0):
             return None
-        mass, strength = masses_and_strengths(scene)
-        scale = scene.scale
+        mass, strength = masses_and_strengths(setting)
+        scale = setting.scale
         if self.law == "restitution":
             reduced: Parameter = 0.5
             if not isinstance(mass, float):
                 reduced = 1.0 / (1.0 / mass[:, :-1] + 1.0 / mass[:, 1:])
-            exponent = scene.contact_scale[0]
+            exponent = setting.contact_scale[0]
             coefficient = alpha(self.contact, exponent) * np.sqrt(reduced * strength)
             return RESTITUTIONS[exponent](coefficient, self.contact)
         unit = scale.force / scale.velocity
@@ -194,33 +194,33 @@ class Damping(Ingredient):
             return Viscoelastic(self.contact / unit * scale.length**0.5, tensile_limit)
         return ContactDashpot(self.contact / unit, tensile_limit)
 
-    def _at_wall(self, wall: Wall, scene: SceneContext) -> WallDashpot:
+    def _at_wall(self, wall: Wall, setting: Setting) -> WallDashpot:
         """Dashpot of a wall: it dissipates the share of the speed, or has the share of the force, that contacts do.
 
         The dashpot of a viscoelastic contact is in proportion to its stiffness (Brilliantov et al. 1996).
         """
         assert self.contact is not None
-        mass, _ = masses_and_strengths(scene)
+        mass, _ = masses_and_strengths(setting)
         strength: NDArray[np.float64] = np.asarray(laws.strength(wall.law))
-        exponent, unit = scene.contact_scale[0], scene.scale.force / scene.scale.velocity
+        exponent, unit = setting.contact_scale[0], setting.scale.force / setting.scale.velocity
         of: dict[float, Parameter] = {1.0: 0.0, HERTZ: 0.0, 2.0: 0.0}  # as in `RESTITUTIONS`
         if self.law == "restitution":
             critical: NDArray[np.float64] = np.sqrt(mass * strength)
             of[exponent] = alpha(self.contact, exponent) * critical
         elif self.law == "viscoelastic":
-            of[2.0] = float(self.contact / unit * scene.scale.length**0.5) * strength
+            of[2.0] = float(self.contact / unit * setting.scale.length**0.5) * strength
         else:
             of[1.0] = np.where(strength > 0.0, float(self.contact / unit), 0.0)
         tensile_limit = strength if self.tension == "cut" else NO_LIMIT
         return WallDashpot(of[1.0], of[2.0], of[HERTZ], tensile_limit)
 
 
-def _walls(scene: SceneContext) -> tuple[Wall, ...]:
-    walls = scene.part("walls")
-    return () if walls is None else walls.links(scene)
+def _walls(setting: Setting) -> tuple[Wall, ...]:
+    walls = setting.part("walls")
+    return () if walls is None else walls.links(setting)
 
 
-def _springs(scene: SceneContext) -> tuple[Across, ...]:
-    coupling = scene.part("coupling")
-    links = () if coupling is None else coupling.links(scene)
+def _springs(setting: Setting) -> tuple[Across, ...]:
+    coupling = setting.part("coupling")
+    links = () if coupling is None else coupling.links(setting)
     return tuple(link for link in links if isinstance(link, Across))

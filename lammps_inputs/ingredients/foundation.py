@@ -14,9 +14,9 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator
 
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import base, by_formula
-from lammps_inputs.ingredients.base import Cubic, Phase, Positive, Rows, SceneContext, ScenePart, Stiffness
-from lammps_inputs.laws.formula_law import ToGround
+from lammps_inputs.ingredients import base
+from lammps_inputs.ingredients.base import Cubic, Phase, Positive, Rows, ScenePart, Setting, Stiffness
+from lammps_inputs.ingredients.by_formula import STIFFEST, ByFormula, formulas
 from lammps_inputs.laws.spring import Duffing, Linear, Varying
 from lammps_inputs.links import Ground
 from lammps_inputs.numbers import number_or_array
@@ -84,7 +84,7 @@ _Stiffness = Annotated[
 ]
 
 
-class Foundation(by_formula.ByFormula):
+class Foundation(ByFormula):
     """Springs from the beads to the ground: a force ``-stiffness x - cubic x**3``, or any against the displacement."""
 
     example: ClassVar[str] = "{stiffness: 0.1}"
@@ -118,30 +118,30 @@ class Foundation(by_formula.ByFormula):
         parametric = ("landau1976",) if self.modulation is not None else ()
         return (*self.sources, *(("zener1932", "novotny2010") if ramps else ()), *parametric)
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, setting: Setting) -> None:
         """Refuse what does not fit the chains."""
         if self.formula is not None:
             self.refuse_beside("foundation", "stiffness", "cubic", "modulation")
-            by_formula.refuse_unrest("foundation", self.formula)
+            formulas().refuse_unrest("foundation", self.formula)
         for key in ("stiffness", "cubic"):
             values = getattr(self, key)
-            base.refuse_other_count(f"foundation.{key}", values, scene.chains)
+            base.refuse_other_count(f"foundation.{key}", values, setting.chains)
         if self.modulation is not None and "stiffness" not in self.model_fields_set:
             raise ValueError("foundation.stiffness: is missing beside modulation")
         for key, ramp in self._ramps():
-            ramp.refuse(key, scene.beads)
-        if self.modulation is not None and self.modulation.frequency * scene.scale.time > by_formula.STIFFEST:
+            ramp.refuse(key, setting.beads)
+        if self.modulation is not None and self.modulation.frequency * setting.scale.time > STIFFEST:
             raise ValueError("foundation.modulation.frequency: at most 1e12, dimensionless")
-        for link in self.links(scene):
-            if isinstance(link.law, ToGround):
+        for link in self.links(setting):
+            if self.formula is not None and isinstance(link.law, formulas().ToGround):
                 continue
             largest = {
                 "stiffness": laws.stiffest(link.law, 0.0),
                 "cubic": np.max(link.law.cubic if isinstance(link.law, Duffing) else 0.0),
             }
-            for key in (key for key, value in largest.items() if value > by_formula.STIFFEST):
+            for key in (key for key, value in largest.items() if value > STIFFEST):
                 raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
-        base.refuse_range("foundation.rows", self.rows, scene.beads)
+        base.refuse_range("foundation.rows", self.rows, setting.beads)
 
     @property
     def _of_chains(self) -> tuple[float | GroundRamp, ...]:
@@ -155,37 +155,37 @@ class Foundation(by_formula.ByFormula):
             if isinstance(stiffness, GroundRamp):
                 yield f"foundation.stiffness{f'[{number}]' * several}", stiffness
 
-    def links(self, scene: SceneContext) -> tuple[Ground, ...]:
+    def links(self, setting: Setting) -> tuple[Ground, ...]:
         """Springs of the beads to the ground; cubic ones are separate from those that ramp or are modulated."""
-        cubic = self._values(self.cubic, scene)
+        cubic = self._values(self.cubic, setting)
         named: dict[str, Any]
-        k = None if self.formula is None else by_formula.multiple_of_strain(self.formula)
+        k = None if self.formula is None else formulas().multiple_of_strain(self.formula)
         if self.formula is not None and k is None:
-            named = {"foundation": self.formula.law(ToGround, strength=self._values(1.0, scene))}
+            named = {"foundation": self.formula.law(formulas().ToGround, strength=self._values(1.0, setting))}
         elif self.modulation is not None or any(self._ramps()):
-            named = {"foundation": self._in_space_and_time(scene), "cubic_foundation": Duffing(0.0 * cubic, cubic)}
+            named = {"foundation": self._in_space_and_time(setting), "cubic_foundation": Duffing(0.0 * cubic, cubic)}
         else:
-            stiffness = self._values(self.stiffness if k is None else k, scene)
+            stiffness = self._values(self.stiffness if k is None else k, setting)
             named = {"foundation": Duffing(stiffness, cubic) if np.any(cubic) else Linear(stiffness)}
         # the first two parameters of each law, all that Linear and Duffing have, are 0 where there are no springs
         present = {name: law for name, law in named.items() if any(map(np.any, law[:2]))}
-        return tuple(Ground(name, laws.dimensionless(law, scene.scale)) for name, law in present.items())
+        return tuple(Ground(name, laws.dimensionless(law, setting.scale)) for name, law in present.items())
 
-    def refuse_system(self, scene: SceneContext, system: System) -> None:
+    def refuse_system(self, setting: Setting, system: System) -> None:
         """Refuse formulas where they have no value."""
-        for link in system.ground:
-            if isinstance(link.law, ToGround):
-                by_formula.refuse_reach("foundation", link.law, system, scene.scale.length)
+        for link in system.ground if self.formula is not None else ():
+            if isinstance(link.law, formulas().ToGround):
+                formulas().refuse_reach("foundation", link.law, system, setting.scale.length)
 
-    def lacks(self, scene: SceneContext) -> frozenset[Fact]:
+    def lacks(self, setting: Setting) -> frozenset[Fact]:
         """Facts of `takes_away`, and that a scheme may step back in time, where the stiffness depends on time."""
-        varies = any(laws.varies(link.law) for link in self.links(scene))
-        return super().lacks(scene) | (frozenset({Fact.REVERSIBLE}) if varies else frozenset())
+        varies = any(laws.varies(link.law) for link in self.links(setting))
+        return super().lacks(setting) | (frozenset({Fact.REVERSIBLE}) if varies else frozenset())
 
-    def _in_space_and_time(self, scene: SceneContext) -> Linear | Varying:
+    def _in_space_and_time(self, setting: Setting) -> Linear | Varying:
         """Linear springs that ramp or are modulated, in the scene's units."""
-        of_chains = np.stack([_start_of_ramp(stiffness, scene.beads) for stiffness in self._of_chains], axis=1)
-        table = base.in_rows(of_chains, self.rows, (4, scene.chains, scene.beads))
+        of_chains = np.stack([_start_of_ramp(stiffness, setting.beads) for stiffness in self._of_chains], axis=1)
+        table = base.in_rows(of_chains, self.rows, (4, setting.chains, setting.beads))
         spring, rate, begin, end = map(number_or_array, table)
         depth = self.modulation.depth if self.modulation is not None else 0.0
         if not np.any(rate) and not depth:
@@ -194,11 +194,11 @@ class Foundation(by_formula.ByFormula):
         phase = math.radians(self.modulation.phase) if self.modulation is not None and depth else 0.0
         return Varying(spring, rate, begin, end, depth, omega, phase)
 
-    def _values(self, stiffness: Any, scene: SceneContext) -> float | NDArray[np.float64]:
+    def _values(self, stiffness: Any, setting: Setting) -> float | NDArray[np.float64]:
         """A number, or [chain, bead] where it differs, in the scene's units."""
         if self.rows is None and (not isinstance(stiffness, tuple) or len(set(stiffness)) == 1):
             return float(np.max(stiffness))
-        return base.in_rows(np.reshape(stiffness, (-1, 1)), self.rows, (scene.chains, scene.beads))
+        return base.in_rows(np.reshape(stiffness, (-1, 1)), self.rows, (setting.chains, setting.beads))
 
 
 def _start_of_ramp(stiffness: float | GroundRamp, beads: int) -> NDArray[np.float64]:

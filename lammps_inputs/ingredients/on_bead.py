@@ -15,7 +15,7 @@ from pydantic import Field, field_serializer, field_validator, model_validator
 
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Count, Ingredient, NotNegative, Phase, Positive, SceneContext, refuse_outside
+from lammps_inputs.ingredients.base import Count, Ingredient, NotNegative, Phase, Positive, Setting, refuse_outside
 from lammps_inputs.laws.in_time import MOST_IN_FORMULA, HalfSine, Rectangular, Sine, TimeLaw, make_table
 from lammps_inputs.loads import Load, Motion
 from lammps_inputs.system import System
@@ -49,9 +49,9 @@ class OnBead(Ingredient):
     bead: Count = 1
     """Number of the bead."""
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, setting: Setting) -> None:
         """Refuse a bead outside the array."""
-        refuse_outside(scene.key_of(self), self, scene)
+        refuse_outside(setting.key_of(self), self, setting.chains, setting.beads)
 
 
 class Push(OnBead):
@@ -133,7 +133,7 @@ class Push(OnBead):
             raise ValueError(f"peak: a push needs a force (at least 1e-30) ({self.peak:g} given)")
         return self
 
-    def lacks(self, scene: SceneContext) -> frozenset[Fact]:  # noqa: ARG002
+    def lacks(self, setting: Setting) -> frozenset[Fact]:  # noqa: ARG002
         """Facts that do not hold: the force depends on time, and on the place of the bead."""
         return frozenset({Fact.FRONT, Fact.REVERSIBLE})
 
@@ -141,9 +141,9 @@ class Push(OnBead):
         """Speed of a free bead after the impulse of the force's size."""
         return self._law(1.0, 1.0).total / mass
 
-    def loads(self, scene: SceneContext) -> tuple[Load, ...]:
+    def loads(self, setting: Setting) -> tuple[Load, ...]:
         """The push, dimensionless."""
-        return (Load(self.chain, self.bead, self._law(scene.scale.time, scene.scale.force)),)
+        return (Load(self.chain, self.bead, self._law(setting.scale.time, setting.scale.force)),)
 
     def _law(self, time: float, force: float) -> TimeLaw:
         """Law of the force, in these units of time and force."""
@@ -180,29 +180,29 @@ class Drive(OnBead):
             raise ValueError(f"displacement: give either displacement or force ({reason})")
         return self
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, setting: Setting) -> None:
         """Refuse a bead outside the array, too, and what does not go with motion for ever."""
-        super().refuse(scene)
+        super().refuse(setting)
         if self.displacement is not None and any(
-            (kick.chain, kick.bead) == (self.chain, self.bead) for kick in scene.kicks
+            (kick.chain, kick.bead) == (self.chain, self.bead) for kick in setting.kicks
         ):
-            key = scene.key_of(self)
+            key = setting.key_of(self)
             raise ValueError(f"{key}.displacement: prescribes the motion of the bead; drive or kick another")
 
-    def refuse_system(self, scene: SceneContext, system: System) -> None:
+    def refuse_system(self, setting: Setting, system: System) -> None:
         """Refuse what else would move a bead whose motion is given."""
         if self.displacement is None:
             return
         places = [(load.chain, load.bead) for load in system.loads]
         places += [(motion.chain, motion.bead) for motion in system.motions]
         if places.count((self.chain, self.bead)) > 1:
-            key = scene.key_of(self)
+            key = setting.key_of(self)
             raise ValueError(
                 f"{key}.displacement: bead {self.bead} of chain {self.chain} is moved or pushed otherwise, too; leave "
                 "one of them out"
             )
 
-    def lacks(self, scene: SceneContext) -> frozenset[Fact]:  # noqa: ARG002
+    def lacks(self, setting: Setting) -> frozenset[Fact]:  # noqa: ARG002
         """Facts that do not hold: no pulse leads, time matters, and what moves a bead takes up any momentum."""
         taken = {Fact.PULSE, Fact.FRONT, Fact.REVERSIBLE}
         return frozenset(taken if self.displacement is None else {*taken, Fact.MOMENTUM})
@@ -213,18 +213,18 @@ class Drive(OnBead):
             return self.displacement * self._omega
         return (self.force or 0.0) / (mass * self._omega)
 
-    def loads(self, scene: SceneContext) -> tuple[Load, ...]:
+    def loads(self, setting: Setting) -> tuple[Load, ...]:
         """The force, dimensionless."""
         if self.force is None:
             return ()
-        law = Sine(self.force / scene.scale.force, self._omega * scene.scale.time, math.radians(self.phase))
+        law = Sine(self.force / setting.scale.force, self._omega * setting.scale.time, math.radians(self.phase))
         return (Load(self.chain, self.bead, law),)
 
-    def motions(self, scene: SceneContext) -> tuple[Motion, ...]:
+    def motions(self, setting: Setting) -> tuple[Motion, ...]:
         """The motion, dimensionless."""
         if self.displacement is None:
             return ()
-        amplitude, omega = self.displacement / scene.scale.length, self._omega * scene.scale.time
+        amplitude, omega = self.displacement / setting.scale.length, self._omega * setting.scale.time
         return (Motion(self.chain, self.bead, amplitude, omega, math.radians(self.phase)),)
 
     @property

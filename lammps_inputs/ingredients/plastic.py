@@ -13,7 +13,7 @@ from pydantic import Field
 
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Positive, SceneContext, ScenePart
+from lammps_inputs.ingredients.base import Positive, ScenePart, Setting
 from lammps_inputs.ingredients.material import Material
 from lammps_inputs.ingredients.unequal import sizes_and_moduli, yield_strengths
 from lammps_inputs.laws import Law, Parameter
@@ -62,29 +62,35 @@ class Yield(ScenePart):
             raise ValueError(f"contact.yield.{wanted}: is missing; valid: `yield: {example}`")
 
 
-def given(scene: SceneContext) -> Yield | None:
+def given(setting: Setting) -> Yield | None:
     """Law of contacts that yield by `contact.yield`; None where the scene names none."""
-    contact = scene.part("contact")
+    contact = setting.part("contact")
     return None if contact is None else contact.yields
 
 
-def key(scene: SceneContext) -> str:
+def key(setting: Setting) -> str:
     """Key that makes contacts yield; empty where none does."""
-    if scene.material is not None and scene.material.yield_strength is not None:
+    if setting.material is not None and setting.material.yield_strength is not None:
         return "material.yield_strength"
-    return "contact.yield" if given(scene) is not None else ""
+    return "contact.yield" if given(setting) is not None else ""
 
 
-def refuse(scene: SceneContext) -> None:
+def refuse(setting: Setting, scheme: str | None, *, forces_of_some: bool) -> None:
     """Refuse what is not known of contacts that yield.
+
+    Args:
+        setting: the scene.
+        scheme: its integration scheme; None for the default.
+        forces_of_some: whether forces are evaluated where not all beads are recorded.
 
     Raises:
         ValueError: naming the key, what was found and what to do.
     """
-    named, yields = key(scene), given(scene)
-    strengths = {f"kinds.{name}": kind for name, kind in (scene.kinds or {}).items()}
-    strengths |= {} if scene.striker is None else {"striker": scene.striker}
-    ball = scene.material
+    named, yields = key(setting), given(setting)
+    strengths = {f"kinds.{name}": kind for name, kind in (setting.part("kinds") or {}).items()}
+    striker = setting.part("striker")
+    strengths |= {} if striker is None else {"striker": striker}
+    ball = setting.material
     for place, kind in strengths.items():
         other = kind.material is not None or kind.youngs_modulus is not None
         if kind.yield_strength is not None and (ball is None or ball.yield_strength is None):
@@ -99,27 +105,27 @@ def refuse(scene: SceneContext) -> None:
         yields.refuse()
         if named != "contact.yield":
             raise ValueError("contact.yield: material.yield_strength makes the contacts yield; leave one of them out")
-    contact = scene.part("contact")
-    if yields is None and (scene.contact_scale[0] != 1.5 or (contact is not None and contact.force is not None)):
+    contact = setting.part("contact")
+    if yields is None and (setting.contact_scale[0] != 1.5 or (contact is not None and contact.force is not None)):
         raise ValueError(f"contact: other contacts than spheres, which alone yield by {named}; leave one of them out")
     reference = overlap_at_yield(ball) if yields is None else yields.overlap
-    if reference is not None and not reference / scene.scale.length >= SMALLEST:
+    if reference is not None and not reference / setting.scale.length >= SMALLEST:
         place, meant = ("contact.yield.overlap", "") if yields is not None else (named, "; is it in Pa?")
         raise ValueError(
-            f"{place}: contacts yield at once, at an overlap of {reference / scene.scale.length:.3g} in dimensionless "
-            f"units; at least {SMALLEST:g}{meant}"
+            f"{place}: contacts yield at once, at an overlap of {reference / setting.scale.length:.3g} in "
+            f"dimensionless units; at least {SMALLEST:g}{meant}"
         )
-    if scene.window is not None:
+    if setting.part("window") is not None:
         raise ValueError(f"{named}: unloading waves run faster than the front, past a window; leave the window out")
-    if scene.scheme not in (None, "verlet"):
-        raise ValueError(f"{named}: {scene.scheme} steps back in time within each cycle; leave the scheme out")
-    damping = scene.part("damping")
+    if scheme not in (None, "verlet"):
+        raise ValueError(f"{named}: {scheme} steps back in time within each cycle; leave the scheme out")
+    damping = setting.part("damping")
     if damping is not None and damping.contact:
         raise ValueError("damping.contact: contacts that yield have no dashpots; leave one of them out")
-    if scene.output.forces is not None and scene.output.beads != "all":
+    if forces_of_some:
         raise ValueError("output.beads: frames of all beads hold the memory on which forces depend; leave it out")
     for side in ("left", "right"):
-        wall = getattr(scene.part("walls"), side, None)
+        wall = getattr(setting.part("walls"), side, None)
         stiffness = None if wall is None or isinstance(wall, str) else wall.stiffness
         if stiffness is not None and not (yields is not None and yields.linear):
             raise ValueError(
@@ -128,23 +134,23 @@ def refuse(scene: SceneContext) -> None:
             )
 
 
-def law_of(scene: SceneContext, strength: Parameter, size: Parameter, modulus: Parameter, softer: Parameter) -> Law:
+def law_of(setting: Setting, strength: Parameter, size: Parameter, modulus: Parameter, softer: Parameter) -> Law:
     """The dimensionless law of contacts that yield.
 
     Args:
-        scene: scene that names them.
+        setting: the scene that names them.
         strength: strength over that of two reference beads.
         size, modulus: radius and plane modulus of two equal beads whose contact it is, in the reference bead's.
         softer: lower yield strength of the two, in the reference bead's.
     """
-    yields = given(scene)
+    yields = given(setting)
     if yields is not None and yields.linear:
         assert yields.restitution is not None
         return WaltonBraun(strength, yields.restitution)
-    reference = yields.overlap if yields is not None else overlap_at_yield(scene.material)
+    reference = yields.overlap if yields is not None else overlap_at_yield(setting.material)
     assert reference is not None
     ratio = np.asarray(softer) / modulus
-    onset = reference / scene.scale.length * size * ratio * ratio
+    onset = reference / setting.scale.length * size * ratio * ratio
     return Thornton(strength, number_or_array(onset))
 
 
@@ -156,7 +162,7 @@ def overlap_at_yield(ball: Material | None) -> float | None:
     return (math.pi * YIELD_PRESSURE * ball.yield_strength / (2.0 * modulus)) ** 2 * 0.5 * ball.radius
 
 
-def taken_away(scene: SceneContext, law: Law) -> frozenset[Fact]:
+def taken_away(setting: Setting, law: Law) -> frozenset[Fact]:
     """Facts that do not hold where the force of contacts depends on the past; none for other laws.
 
     Raises:
@@ -166,15 +172,15 @@ def taken_away(scene: SceneContext, law: Law) -> frozenset[Fact]:
     if not laws.has_state(law):
         return frozenset()
     facts = {Fact.FRAMES, Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE}
-    return frozenset(facts if key(scene) else {*facts, Fact.MOMENTUM})
+    return frozenset(facts if key(setting) else {*facts, Fact.MOMENTUM})
 
 
-def between(scene: SceneContext, strength: Parameter) -> Law | None:
+def between(setting: Setting, strength: Parameter) -> Law | None:
     """Law of the contacts between beads; None where they do not yield."""
-    if not key(scene):
+    if not key(setting):
         return None
-    soft = yield_strengths(scene)
-    size, modulus = sizes_and_moduli(scene)
+    soft = yield_strengths(setting)
+    size, modulus = sizes_and_moduli(setting)
     if not isinstance(soft, float):
         soft = np.minimum(soft[:, :-1], soft[:, 1:])
-    return law_of(scene, strength, size, modulus, soft)
+    return law_of(setting, strength, size, modulus, soft)

@@ -15,8 +15,8 @@ from pydantic_core import CoreSchema
 
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient, Positive, SceneContext
-from lammps_inputs.layout import Layout
+from lammps_inputs.ingredients.base import Ingredient, Positive, Setting
+from lammps_inputs.layout import layout_of
 from lammps_inputs.system import System
 from lammps_inputs.units import Label, Unit
 
@@ -27,21 +27,21 @@ class _Load(Ingredient):
     key: ClassVar[str]
     why: ClassVar[dict[Fact, str]] = {Fact.FRONT: "a window lets go of rows from which sound would come back"}
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, setting: Setting) -> None:
         """Refuse gaps, which no load leaves."""
-        if scene.gap > 0.0:
+        if setting.gap > 0.0:
             raise ValueError(f"gap: beads under a static load touch; leave the gap or `{self.key}` out")
 
-    def refuse_system(self, scene: SceneContext, system: System) -> None:  # noqa: ARG002
+    def refuse_system(self, setting: Setting, system: System) -> None:  # noqa: ARG002
         """Refuse springs between chains that differ: they would be stretched at rest; and walls without number."""
-        layout = Layout(system)
+        layout = layout_of(system)
         if physics.coupled(system) and not physics.even(system) and np.any(np.ptp(layout.places, axis=0) > 0.0):
             raise ValueError(
                 f"{self.key}: chains that differ are compressed differently, which would stretch the springs between "
                 "them; make the chains alike, or leave one out"
             )
 
-    def lacks(self, scene: SceneContext) -> frozenset[Fact]:  # noqa: ARG002
+    def lacks(self, setting: Setting) -> frozenset[Fact]:  # noqa: ARG002
         """Facts that do not hold where there is sound."""
         return frozenset({Fact.SONIC_VACUUM, Fact.FRONT})
 
@@ -57,9 +57,9 @@ class Precompression(_Load):
     force: Annotated[Positive, Unit("N"), Label("precompression", "F_0")]
     """Static force F0 at both ends of every chain."""
 
-    def static(self, scene: SceneContext, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
+    def static(self, setting: Setting, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
         """Force at rest, dimensionless: a number for all contacts; masses, [chain, bead], do not matter."""
-        return self.force / float(scene.scale.force)
+        return self.force / float(setting.scale.force)
 
 
 class Gravity(_Load):
@@ -86,16 +86,16 @@ class Gravity(_Load):
     def _as_number(self) -> float:
         return self.acceleration
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, setting: Setting) -> None:
         """Refuse also a column that nothing holds."""
-        super().refuse(scene)
-        walls = scene.part("walls")
+        super().refuse(setting)
+        walls = setting.part("walls")
         if walls is None or walls.right is None:
             raise ValueError("gravity: nothing holds the column; give `walls: {right: flat}` or another wall there")
 
-    def static(self, scene: SceneContext, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
+    def static(self, setting: Setting, mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
         """Weight of the beads before each contact, dimensionless, [chain, bead + 1]; masses are [chain, bead]."""
-        weight = self.acceleration * scene.scale.time**2 / scene.scale.length * np.asarray(mass)
-        force = np.zeros((scene.chains, scene.beads + 1))
-        force[:, 1:] = np.cumsum(np.broadcast_to(weight, (scene.chains, scene.beads)), axis=1)
+        weight = self.acceleration * setting.scale.time**2 / setting.scale.length * np.asarray(mass)
+        force = np.zeros((setting.chains, setting.beads + 1))
+        force[:, 1:] = np.cumsum(np.broadcast_to(weight, (setting.chains, setting.beads)), axis=1)
         return force

@@ -20,7 +20,7 @@ from lammps_inputs.ingredients.base import (
     Ingredient,
     NotNegative,
     Rows,
-    SceneContext,
+    Setting,
     Stiffness,
 )
 from lammps_inputs.ingredients.damping import MOST
@@ -65,13 +65,13 @@ class Resonators(Ingredient):
 
     _from_list = field_validator("mass", "stiffness", "damping", mode="before")(strict_yaml.as_tuple)
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, setting: Setting) -> None:
         """Refuse what does not fit the chains, masses that are none, and those beside which a bead is at rest."""
-        part = scene.key_of(self)
+        part = setting.key_of(self)
         for key in ("mass", "stiffness", "damping"):
-            base.refuse_other_count(f"{part}.{key}", getattr(self, key), scene.chains)
-        base.refuse_range(f"{part}.rows", self.rows, scene.beads)
-        mass, stiffness, damping = self._of_chains(scene)
+            base.refuse_other_count(f"{part}.{key}", getattr(self, key), setting.chains)
+        base.refuse_range(f"{part}.rows", self.rows, setting.beads)
+        mass, stiffness, damping = self._of_chains(setting)
         if np.any((damping > 0.0) & (mass > 0.0) & (stiffness == 0.0)):
             raise ValueError(f"{part}.stiffness: is 0 beside a damping; give a stiffness, or leave the damping out")
         present = (mass > 0.0) & (stiffness > 0.0)
@@ -98,23 +98,23 @@ class Resonators(Ingredient):
                 f"{FASTEST:g}, where it moves with its bead"
             )
 
-    def further_atoms(self, scene: SceneContext) -> FurtherAtoms | None:
+    def further_atoms(self, setting: Setting) -> FurtherAtoms | None:
         """A line of masses for each chain."""
-        mass, stiffness, damping = self._of_chains(scene)
+        mass, stiffness, damping = self._of_chains(setting)
         present = (mass > 0.0) & (stiffness > 0.0)
         if not np.any(present):
             return None
-        table = self._in_rows(np.where(present, mass, 0.0), scene)
-        edges = tuple((chain, scene.chains + chain) for chain in range(scene.chains))
-        spring = Linear(number_or_array(self._in_rows(np.where(present, stiffness, 0.0), scene)))
-        dashpot: Any = Dashpot(number_or_array(self._in_rows(np.where(present, damping, 0.0), scene)))
+        table = self._in_rows(np.where(present, mass, 0.0), setting)
+        edges = tuple((chain, setting.chains + chain) for chain in range(setting.chains))
+        spring = Linear(number_or_array(self._in_rows(np.where(present, stiffness, 0.0), setting)))
+        dashpot: Any = Dashpot(number_or_array(self._in_rows(np.where(present, damping, 0.0), setting)))
         dampers = (Across("resonator_damping", dashpot, edges=edges),) if np.any(damping[present]) else ()
-        name = scene.key_of(self).replace("[", "_").rstrip("]")
+        name = setting.key_of(self).replace("[", "_").rstrip("]")
         return FurtherAtoms(table, (Across(name, spring, edges=edges),), dampers)
 
-    def lacks(self, scene: SceneContext) -> frozenset[Fact]:
+    def lacks(self, setting: Setting) -> frozenset[Fact]:
         """Exact solitary waves; a leading pulse where resonators are too slow; with dashpots what these take."""
-        resonators = self.further_atoms(scene)
+        resonators = self.further_atoms(setting)
         if resonators is None:
             return frozenset()
         taken = {Fact.SONIC_VACUUM, Fact.FRONT}
@@ -126,16 +126,16 @@ class Resonators(Ingredient):
             taken |= {Fact.ENERGY, Fact.REVERSIBLE, Fact.SECOND_ORDER}
         return frozenset(taken)
 
-    def _of_chains(self, scene: SceneContext) -> tuple[Floats, Floats, Floats]:
+    def _of_chains(self, setting: Setting) -> tuple[Floats, Floats, Floats]:
         """Dimensionless mass, stiffness and damping, each [chain]."""
-        scale = scene.scale
+        scale = setting.scale
         of = [
-            np.array(np.broadcast_to(values, scene.chains), dtype=np.float64)
+            np.array(np.broadcast_to(values, setting.chains), dtype=np.float64)
             for values in (self.mass, self.stiffness, self.damping)
         ]
         damping: Floats = np.asarray(laws.dimensionless(Dashpot(of[2]), scale).coefficient)
         return of[0] / scale.mass, of[1] / scale.stiffness, damping
 
-    def _in_rows(self, of_chain: Floats, scene: SceneContext) -> Floats:
+    def _in_rows(self, of_chain: Floats, setting: Setting) -> Floats:
         """[chain, bead], 0 where no resonator is."""
-        return base.in_rows(of_chain[:, np.newaxis], self.rows, (scene.chains, scene.beads))
+        return base.in_rows(of_chain[:, np.newaxis], self.rows, (setting.chains, setting.beads))

@@ -15,9 +15,9 @@ from lammps_inputs import materials
 from lammps_inputs.ingredients.base import (
     Count,
     Positive,
-    SceneContext,
     ScenePart,
     Seed,
+    Setting,
     Spread,
     refuse_other_count,
     refuse_outside,
@@ -171,12 +171,12 @@ Taper = Annotated[float, Field(ge=0, lt=1), PURE]
 """Share by which each bead's radius is smaller than that of the one before; masses follow as the cube."""
 
 
-def unlike(scene: SceneContext) -> bool:
+def unlike(setting: Setting) -> bool:
     """Whether the scene says how beads differ."""
-    return any(scene.part(key) is not None for key in KEYS)
+    return any(setting.part(key) is not None for key in KEYS)
 
 
-def masses_and_strengths(scene: SceneContext) -> tuple[float | Floats, float | Floats]:
+def masses_and_strengths(setting: Setting) -> tuple[float | Floats, float | Floats]:
     """Masses of the beads, [chain, bead], and strengths of the contacts, [chain, contact], in the reference bead's.
 
     Numbers where all are the same; only masses that are all 1 are.
@@ -184,27 +184,27 @@ def masses_and_strengths(scene: SceneContext) -> tuple[float | Floats, float | F
     Raises:
         ValueError: naming the key, what was found and what to do.
     """
-    factors = {part.strength_key: part.strengths(scene) for part in scene.ingredients if part.strength_key}
+    factors = {part.strength_key: part.strengths(setting) for _, part in setting.named if part.strength_key}
     mass: float | Floats = 1.0
     strength: float | Floats = 1.0
-    if unlike(scene):
-        _refuse(scene)
-        mass, *_ = _beads(scene)
-        size, modulus = sizes_and_moduli(scene)
+    if unlike(setting):
+        _refuse(setting)
+        mass, *_ = _beads(setting)
+        size, modulus = sizes_and_moduli(setting)
         strength = np.asarray(modulus * np.sqrt(size))
     for factor in factors.values():
         strength = strength * factor
     for name, values in (("mass", mass), ("contact strength", strength)):
         least, largest = float(np.min(values)), float(np.max(values))
         if not (least >= 1.0 / MOST and largest <= MOST):
-            keys = [key for key in KEYS if scene.part(key) is not None]
+            keys = [key for key in KEYS if setting.part(key) is not None]
             key = [*keys, *([] if name == "mass" else factors)][-1]
             raise ValueError(
                 f"{key}: the {name} goes from {least:.3g} to {largest:.3g} of the reference bead's; at most a million "
                 "times, or one in a million"
             )
-    if scene.window is not None and not (np.all(mass == 1.0) and np.ptp(strength) == 0.0):
-        which = "beads" if unlike(scene) else "contacts"
+    if setting.part("window") is not None and not (np.all(mass == 1.0) and np.ptp(strength) == 0.0):
+        which = "beads" if unlike(setting) else "contacts"
         raise ValueError(f"window: its rows represent one row after another, and the {which} differ; leave it out")
     return (
         1.0 if np.all(mass == 1.0) else mass,
@@ -212,102 +212,107 @@ def masses_and_strengths(scene: SceneContext) -> tuple[float | Floats, float | F
     )
 
 
-def sizes_and_moduli(scene: SceneContext) -> tuple[float | Floats, float | Floats]:
+def sizes_and_moduli(setting: Setting) -> tuple[float | Floats, float | Floats]:
     """Radius and plane modulus of two equal beads whose contact is as that of two neighbours, [chain, contact]."""
-    if not unlike(scene):
+    if not unlike(setting):
         return 1.0, 1.0
-    _, radius, modulus, _ = _beads(scene)
+    _, radius, modulus, _ = _beads(setting)
     size = 2.0 * radius[:, :-1] * radius[:, 1:] / (radius[:, :-1] + radius[:, 1:])
     return size, 2.0 / (1.0 / modulus[:, :-1] + 1.0 / modulus[:, 1:])
 
 
-def with_its_like(scene: SceneContext, bead: int) -> float | Floats:
+def with_its_like(setting: Setting, bead: int) -> float | Floats:
     """Strength of the contact of a bead (from 0, or the end) of every chain, [chain], with another like it."""
-    if not unlike(scene):
+    if not unlike(setting):
         return 1.0
-    _, radius, modulus, _ = _beads(scene)
+    _, radius, modulus, _ = _beads(setting)
     return np.asarray(modulus[:, bead] * np.sqrt(radius[:, bead]))
 
 
-def modulus(scene: SceneContext, bead: int) -> float | Floats:
+def modulus(setting: Setting, bead: int) -> float | Floats:
     """Plane modulus of a bead (from 0, or the end) of every chain, [chain], in the reference bead's."""
-    return _beads(scene)[2][:, bead] if unlike(scene) else 1.0
+    return _beads(setting)[2][:, bead] if unlike(setting) else 1.0
 
 
-def yield_strengths(scene: SceneContext) -> float | Floats:
+def yield_strengths(setting: Setting) -> float | Floats:
     """Yield strength of the beads, [chain, bead], in the reference bead's; 1 where all are the same."""
-    strengths = _beads(scene)[3]
+    strengths = _beads(setting)[3]
     return 1.0 if np.all(strengths == 1.0) else strengths
 
 
-def _refuse(scene: SceneContext) -> None:
-    kinds = scene.kinds or {}
+def _refuse(setting: Setting) -> None:
+    kinds, pattern, striker = setting.part("kinds") or {}, setting.part("pattern"), setting.part("striker")
+    replacements = _replacements(setting)
     for kind_name, kind in kinds.items():
-        kind.refuse(f"kinds.{kind_name}", scene.material)
-    if scene.striker is not None:
-        scene.striker.refuse("striker", scene.material)
-    if kinds and not scene.pattern and not scene.replace:
+        kind.refuse(f"kinds.{kind_name}", setting.material)
+    if striker is not None:
+        striker.refuse("striker", setting.material)
+    if kinds and not pattern and not replacements:
         raise ValueError("kinds: neither pattern nor replace names any of them")
-    if scene.pattern and isinstance(scene.pattern[0], tuple):
-        refuse_other_count("pattern", scene.pattern, scene.chains, noun="lists")
-    used = [("pattern", name) for row in _rows(scene) for name in row]
-    used += [(_key_of_replacement(scene, number), change.kind) for number, change in enumerate(scene.replace or (), 1)]
+    if pattern and isinstance(pattern[0], tuple):
+        refuse_other_count("pattern", pattern, setting.chains, noun="lists")
+    used = [("pattern", name) for row in _rows(setting) for name in row]
+    used += [(key, change.kind) for key, change in replacements]
     for key, name in used:
         if name not in kinds:
             names = ", ".join(kinds) or "none"
             raise ValueError(f"{key}: {name!r} is not among the kinds ({names})")
-    for number, change in enumerate(scene.replace or (), 1):
-        refuse_outside(_key_of_replacement(scene, number), change, scene)
-    places = [(change.chain, change.bead) for change in scene.replace or ()]
-    if scene.striker is not None:
-        places.append((scene.striker.chain, 1))
+    for key, change in replacements:
+        refuse_outside(key, change, setting.chains, setting.beads)
+    places = [(change.chain, change.bead) for _, change in replacements]
+    if striker is not None:
+        places.append((striker.chain, 1))
     if len(set(places)) < len(places):
         raise ValueError("replace: one bead is replaced twice (a striker is bead 1 of its chain)")
 
 
-def _key_of_replacement(scene: SceneContext, number: int) -> str:
-    """Key in messages, with a number where there is a list of several."""
-    return f"replace[{number}]" if len(scene.replace or ()) > 1 else "replace"
+def _replacements(setting: Setting) -> list[tuple[str, Replacement]]:
+    """Replacements, each with its key in messages, which has a number where there is a list of several."""
+    changes = setting.part("replace") or ()
+    keys = (f"replace[{number}]" for number in range(1, len(changes) + 1)) if len(changes) > 1 else ("replace",)
+    return list(zip(keys, changes, strict=False))
 
 
-def _rows(scene: SceneContext) -> tuple[tuple[str, ...], ...]:
+def _rows(setting: Setting) -> tuple[tuple[str, ...], ...]:
     """The pattern of each chain; none without."""
-    if not scene.pattern:
+    pattern = setting.part("pattern")
+    if not pattern:
         return ()
-    return scene.pattern if isinstance(scene.pattern[0], tuple) else (scene.pattern,) * scene.chains
+    return pattern if isinstance(pattern[0], tuple) else (pattern,) * setting.chains
 
 
-def radii(scene: SceneContext) -> Floats:
+def radii(setting: Setting) -> Floats:
     """Radius of each bead, [chain, bead], over that of the reference bead."""
-    return _beads(scene)[1]
+    return _beads(setting)[1]
 
 
-def moduli(scene: SceneContext) -> Floats:
+def moduli(setting: Setting) -> Floats:
     """Plane modulus of each bead, [chain, bead], over that of the reference bead."""
-    return _beads(scene)[2]
+    return _beads(setting)[2]
 
 
-def _beads(scene: SceneContext) -> tuple[Floats, Floats, Floats, Floats]:
+def _beads(setting: Setting) -> tuple[Floats, Floats, Floats, Floats]:
     """Masses, radii, plane moduli and yield strengths, each [chain, bead]."""
-    shape = (scene.chains, scene.beads)
+    shape = (setting.chains, setting.beads)
+    taper, disorder, striker = (setting.part(key) for key in ("taper", "disorder", "striker"))
     numbers = np.ones((4, *shape))
-    relative = {name: kind.relative(scene.material) for name, kind in (scene.kinds or {}).items()}
-    for chain, row in enumerate(_rows(scene)):
+    relative = {name: kind.relative(setting.material) for name, kind in (setting.part("kinds") or {}).items()}
+    for chain, row in enumerate(_rows(setting)):
         for place, name in enumerate(row):
             numbers[:, chain, place :: len(row)] = np.array(relative[name])[:, np.newaxis]
-    for change in scene.replace or ():
+    for _, change in _replacements(setting):
         numbers[:, change.chain - 1, change.bead - 1] = relative[change.kind]
     mass, radius, modulus, yields = numbers
-    if scene.taper:
+    if taper:
         # factor by factor: a power may be rounded otherwise on another machine
-        size = np.cumprod(np.r_[1.0, np.full(scene.beads - 1, 1.0 - scene.taper)])
+        size = np.cumprod(np.r_[1.0, np.full(setting.beads - 1, 1.0 - taper)])
         radius *= size
         mass *= size * size * size
-    if scene.disorder is not None:
-        factor = scene.disorder.factors("radius", shape)
+    if disorder is not None:
+        factor = disorder.factors("radius", shape)
         radius *= factor
-        mass *= factor * factor * factor * scene.disorder.factors("mass", shape)
-        modulus *= scene.disorder.factors("stiffness", shape)
-    if scene.striker is not None:
-        numbers[:, scene.striker.chain - 1, 0] = scene.striker.relative(scene.material)
+        mass *= factor * factor * factor * disorder.factors("mass", shape)
+        modulus *= disorder.factors("stiffness", shape)
+    if striker is not None:
+        numbers[:, striker.chain - 1, 0] = striker.relative(setting.material)
     return mass, radius, modulus, yields

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lammps_inputs import laws, materials
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import plastic
-from lammps_inputs.ingredients.base import Ingredient, Positive, SceneContext, ScenePart
+from lammps_inputs.ingredients.base import Ingredient, Positive, ScenePart, Setting
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import BeadKind as Bead
 from lammps_inputs.ingredients.unequal import modulus, radii, unlike, with_its_like, yield_strengths
@@ -32,9 +32,9 @@ MOST, LEAST = 1e6, 1e-6
 """Force over that of two beads; beyond them a wall is practically rigid, or absent."""
 
 
-def _of_exponent(scene: Mapping[str, Any]) -> str:
+def _of_exponent(setting: Mapping[str, Any]) -> str:
     """Unit of force over ``overlap**p``."""
-    return "N/m^1.5" if scene.get("contact") is None else "N/m^p"
+    return "N/m^1.5" if setting.get("contact") is None else "N/m^p"
 
 
 class Face(ScenePart):
@@ -65,11 +65,11 @@ class Walls(Ingredient):
     right: Annotated[Kind | None, Label("right wall")] = None
     """Wall behind the last beads; none if omitted."""
 
-    def refuse(self, scene: SceneContext) -> None:
+    def refuse(self, setting: Setting) -> None:
         """Refuse what is no wall."""
         if self.left is None and self.right is None:
             raise ValueError("walls: name left, right or both: bead, flat, rigid, {stiffness: ...} or {material: ...}")
-        contact = scene.contact_law(1.0)
+        contact = setting.contact_law(1.0)
         if contact is not None and laws.has_state(contact):
             raise ValueError("walls: are not available with own contacts that depend on the past; leave them out")
         no_power = contact is not None and not hasattr(contact, "exponent")
@@ -78,15 +78,15 @@ class Walls(Ingredient):
             block = isinstance(kind, Face) and kind.material is not None
             if isinstance(kind, Face) and (kind.stiffness is None) == (kind.material is None):
                 raise ValueError(f"walls.{key}: give either stiffness or material")
-            if block and scene.material is None:
+            if block and setting.material is None:
                 raise ValueError(f"walls.{key}.material: is in SI units; give the beads a `material`, too")
-            if isinstance(kind, Face) and not block and not LEAST <= (strength := _strength(kind, scene, 0)) <= MOST:
+            if isinstance(kind, Face) and not block and not LEAST <= (strength := _strength(kind, setting, 0)) <= MOST:
                 raise ValueError(
                     f"walls.{key}.stiffness: {strength:.3g} times that of two beads; from {LEAST:g} to {MOST:g} times"
                 )
             if kind not in (None, "bead") and no_power:
                 raise ValueError(f"walls.{key}: is known for contacts whose force is a power of the overlap; take bead")
-            if (block or kind in ("flat", "rigid")) and (exponent := scene.contact_scale[0]) != HERTZ:
+            if (block or kind in ("flat", "rigid")) and (exponent := setting.contact_scale[0]) != HERTZ:
                 raise ValueError(
                     f"walls.{key}: the contact constant of such a wall is known for spheres, of exponent {HERTZ:g}, "
                     f"not {exponent:g}; take bead or {{stiffness: ...}}"
@@ -97,45 +97,45 @@ class Walls(Ingredient):
         blocks = (kind.material for kind in (self.left, self.right) if isinstance(kind, Face))
         return (*self.sources, *dict.fromkeys(materials.CATALOGUE[name].source for name in blocks if name))
 
-    def links(self, scene: SceneContext) -> tuple[Wall, ...]:
+    def links(self, setting: Setting) -> tuple[Wall, ...]:
         """Links of the beads at the ends with each wall."""
         walls = []
         for key, side, last in (("left", -1.0, 0), ("right", 1.0, -1)):
             kind = getattr(self, key)
             if kind is not None:
-                strength = np.zeros((scene.chains, scene.beads))
-                strength[:, last] = _strength(kind, scene, last)
-                law = _yielding(kind, strength, scene, last) or _law(key, strength, scene)
-                walls.append(Wall(f"{key}_wall", law, side, scene.gap / scene.scale.length))
+                strength = np.zeros((setting.chains, setting.beads))
+                strength[:, last] = _strength(kind, setting, last)
+                law = _yielding(kind, strength, setting, last) or _law(key, strength, setting)
+                walls.append(Wall(f"{key}_wall", law, side, setting.gap / setting.scale.length))
         return tuple(walls)
 
 
-def _yielding(kind: Kind, strength: NDArray[np.float64], scene: SceneContext, bead: int) -> Law | None:
+def _yielding(kind: Kind, strength: NDArray[np.float64], setting: Setting, bead: int) -> Law | None:
     """Law of a wall beside a bead (from 0, or the end) whose contacts yield; None where contacts are elastic."""
-    if not plastic.key(scene):
+    if not plastic.key(setting):
         return None
-    radius, plane_modulus, soft = np.ones((3, scene.chains, scene.beads))
+    radius, plane_modulus, soft = np.ones((3, setting.chains, setting.beads))
     radius[:, bead] = 2.0 if kind != "bead" else 1.0
-    if unlike(scene):
-        radius[:, bead] *= radii(scene)[:, bead]
-    plane_modulus[:, bead] = modulus(scene, bead)
+    if unlike(setting):
+        radius[:, bead] *= radii(setting)[:, bead]
+    plane_modulus[:, bead] = modulus(setting, bead)
     if kind == "rigid":
         plane_modulus[:, bead] *= 2.0
     elif isinstance(kind, Face) and kind.material is not None:
-        block = Bead(material=kind.material).relative(scene.material)[2]
+        block = Bead(material=kind.material).relative(setting.material)[2]
         plane_modulus[:, bead] *= 2.0 * block / (block + plane_modulus[:, bead])
-    strengths = yield_strengths(scene)
+    strengths = yield_strengths(setting)
     soft[:, bead] = strengths if np.ndim(strengths) == 0 else strengths[:, bead]  # type: ignore[index]
-    return plastic.law_of(scene, strength, radius, plane_modulus, soft)
+    return plastic.law_of(setting, strength, radius, plane_modulus, soft)
 
 
-def _law(key: str, strength: NDArray[np.float64], scene: SceneContext) -> Law:
+def _law(key: str, strength: NDArray[np.float64], setting: Setting) -> Law:
     """Law of the contacts, with this strength.
 
     Raises:
         ValueError: it does not vanish where the strength is 0.
     """
-    law = scene.contact_law(strength) or Hertz(strength)
+    law = setting.contact_law(strength) or Hertz(strength)
     with np.errstate(all="ignore"):
         if not np.all(np.isfinite(law.max_strain(1.0, *law))):
             raise ValueError(
@@ -145,11 +145,11 @@ def _law(key: str, strength: NDArray[np.float64], scene: SceneContext) -> Law:
     return law
 
 
-def _strength(kind: Kind, scene: SceneContext, bead: int) -> float | NDArray[np.float64]:
+def _strength(kind: Kind, setting: Setting, bead: int) -> float | NDArray[np.float64]:
     """Dimensionless strength of a wall beside a bead (from 0, or the end), [chain] where the beads there differ."""
     if not isinstance(kind, Face):
-        return STRENGTHS[kind] * with_its_like(scene, bead)
+        return STRENGTHS[kind] * with_its_like(setting, bead)
     if kind.stiffness is not None:
-        return kind.stiffness / float(scene.scale.force / scene.scale.length ** scene.contact_scale[0])
-    block, bead_modulus = Bead(material=kind.material).relative(scene.material)[2], modulus(scene, bead)
-    return STRENGTHS["rigid"] * block / (block + bead_modulus) * with_its_like(scene, bead)
+        return kind.stiffness / float(setting.scale.force / setting.scale.length ** setting.contact_scale[0])
+    block, bead_modulus = Bead(material=kind.material).relative(setting.material)[2], modulus(setting, bead)
+    return STRENGTHS["rigid"] * block / (block + bead_modulus) * with_its_like(setting, bead)

@@ -9,6 +9,8 @@ in which the law has them, as scalars or arrays:
 - ``energy(s, ...)``: stored by it, whose slope the force is;
 - ``stiffness(s, ...)``: slope of the force;
 - ``max_strain(energy, ...)``: largest strain to which an energy can bring it;
+- ``one_number``, only where some parameters are the same for all links, and keep their value where there is no link:
+  their names;
 - ``stiffest(energy, ...)``, only where `stiffest_of_each` would not find it: largest stiffness at such an energy.
 
 A law whose force depends on the past declares one of its parameters as the state of each contact, by a `ContactState`
@@ -28,13 +30,13 @@ A law that depends on time takes the time ``t`` after the strain in all of these
 
 They are written without branches, so that NumPy takes them as they are and the reference's kernel compiles them into
 vector instructions. Methods ``along``, ``across`` and ``ground``, where a law has them, spell it in LAMMPS on that kind
-of link (`lammps_inputs.links`). They take the link's name, ``across`` the link itself, whose edges become bonds, and
-the layout of the beads in LAMMPS. Nothing here depends on scenes or problems.
+of link (`lammps_inputs.links`). They take the link's name, ``across`` a `LinksAcross` whose edges become bonds, and the
+`BeadLayout`, both of `lammps_inputs.deck_lines`. Nothing here depends on scenes or problems.
 """
 
 import functools
 from collections.abc import Hashable, Iterator
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, get_args, get_type_hints, runtime_checkable
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, get_args, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,14 +71,6 @@ class Law(Protocol):
 
     def __iter__(self) -> Iterator[Any]:
         """Iterate over the parameters."""
-
-
-@runtime_checkable
-class WithOneNumber(Protocol):
-    """A law with parameters that are the same for all links, and keep their value where there is no link."""
-
-    one_number: tuple[str, ...]
-    """Names of these parameters."""
 
 
 def force(law: Law, strain: Any) -> Any:
@@ -229,12 +223,12 @@ def on_branch(law: Any, closing: Any) -> Any:
 
 def rest(law: Law) -> Any:
     """Overlap at rest: a number, or an array where it differs; 0 where beads just touch."""
-    return getattr(law, "rest", 0.0)
+    return law.rest if hasattr(law, "rest") else 0.0
 
 
 def load(law: Law) -> Any:
     """Force at rest, which `force` leaves out: a number, or an array where it differs; 0 where beads just touch."""
-    return getattr(law, "load", 0.0)
+    return law.load if hasattr(law, "load") else 0.0
 
 
 def whole_force(law: Law, overlap: Any) -> Any:
@@ -251,7 +245,7 @@ def strength(law: Law) -> Any:
 
 def exponent(law: Law) -> Any:
     """Exponent of the overlap in the force of a contact: a number, or [chain, contact]; None where it is no power."""
-    return getattr(law, "exponent", None)
+    return law.exponent if hasattr(law, "exponent") else None
 
 
 def dimensionless(law: Any, scale: "Scale") -> Any:

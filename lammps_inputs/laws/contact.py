@@ -209,7 +209,7 @@ def wall_lines(link: WallLinks, layout: BeadLayout) -> DeckLines:
     The fixes act only on the beads that can reach the walls, for every bead of a group costs time. All beads have the
     same radius in LAMMPS, so chains whose walls differ in strength or position have separate fixes.
     """
-    name, exponent, loss = link.name, laws.exponent(link.law), layout.wall_loss(link.side)
+    name, exponent, loss = link.name, laws.exponent(link.law), link.loss
     lost, model = ([0.0] * layout.chains, "damping velocity") if loss is None else loss.granular(layout)
     end = layout.beads if link.side > 0.0 else 1
     walls = [(*face, g) for face, g in zip(faces(link, layout), lost, strict=True)]

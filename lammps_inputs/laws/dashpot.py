@@ -20,7 +20,7 @@ The dashpot of a wall is one of the contacts': any of the three, so that coeffic
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any, NamedTuple, Protocol, runtime_checkable
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -76,10 +76,10 @@ class Dashpot(NamedTuple):
         Beads of neighbouring chains differ by their type; the cutoff is between that of a row and those beside it.
         """
         name = link.name
-        if layout.system.is_tie(link):
+        if link.tie:
             return self._tie(link, layout)
         types = np.repeat(1 + np.arange(layout.chains)[:, np.newaxis] % 2, layout.beads, axis=1)
-        pressed = float(np.max(laws.rest(layout.system.along[0].law)))
+        pressed = float(np.max(layout.rest))
         apart = layout.diameter + layout.gap
         cutoff = text(4.25**0.5 * apart if pressed == 0.0 else math.hypot(2.0 * apart, 0.5 * (apart - pressed)))
         return DeckLines(
@@ -98,13 +98,12 @@ class Dashpot(NamedTuple):
 
         LAMMPS has no dashpots in bonds. The two are a chunk of atoms, of which the sum of the velocities is known.
         """
-        number = 1 + next(n for n, damper in enumerate(layout.system.dampers) if damper is link)
         beads, apart = layout.beads, link.edges[0][1] - link.edges[0][0]
         lines = [
             "# dashpots inside the beads: of a bead and its inner atom, a chunk, the sum of both velocities is known"
         ]
         for kind, ((coefficient,), atoms) in enumerate(atoms_by_value(link.name, self, (len(link.edges), beads)), 1):
-            name, ranges = f"{link.name}{number}_{kind}", [list(map(int, ids.split(":"))) for ids in atoms.split()]
+            name, ranges = f"{link.name}{link.number}_{kind}", [list(map(int, ids.split(":"))) for ids in atoms.split()]
             tied = " ".join(f"{first + apart * beads}:{last + apart * beads}" for first, last in ranges)
             lines += [
                 f"group {name} id {atoms} {tied}",
@@ -251,14 +250,6 @@ def alpha(share: float, exponent: float = 1.5) -> float:
     return float(np.sqrt(2.0 * (exponent + 1.0))) * loss / float(np.hypot(np.pi, loss))
 
 
-@runtime_checkable
-class LimitedInTension(Protocol):
-    """A law of damping of contacts, whose tensile force may be limited."""
-
-    tensile_limit: Parameter
-    """Strength of the contact where tension is cut, else `NO_LIMIT`."""
-
-
 def damping(law: Any, strain: Any, rate: Any) -> Any:
     """Force of a law of damping on links."""
     return law.damping(strain, rate, *law)
@@ -271,7 +262,7 @@ def resistance(law: Any, strain: Any) -> Any:
 
 def cut(law: Any) -> bool:
     """Whether a law of damping cuts tension, so that its force does not follow from the strain and its rate alone."""
-    return isinstance(law, LimitedInTension) and bool(np.min(law.tensile_limit) < NO_LIMIT)
+    return hasattr(law, "tensile_limit") and bool(np.min(law.tensile_limit) < NO_LIMIT)
 
 
 def lets_go(law: Any, strain: Any, rate: Any) -> Any:
@@ -397,5 +388,5 @@ class WallDashpot(NamedTuple):
         elif "restitution" in model:
             of_chain = np.full(layout.chains, share)
         elif "viscoelastic" in model:
-            of_chain = of_chain / (np.max(layout.system.mass) * np.sqrt(layout.diameter / 2.0))
+            of_chain = of_chain / (layout.heaviest * np.sqrt(layout.diameter / 2.0))
         return of_chain.tolist(), model

@@ -7,14 +7,15 @@ as scalars or arrays, and are written without branches:
 - ``impulse(t, ...)``: integral of the force from the start, which the reference's kernel compiles, and
 - ``travel(t, ...)``: integral of the impulse: how far a free bead of mass 1 has gone.
 
+``kinks`` are the times between which the force is smooth, from the first at which it acts to the last, which may be
+infinite; ``total`` is the integral of the force's size, of one that never ends over half a period.
 ``formula`` is the mean force over the time from ``v_NAMEfrom`` to ``v_NAMEto`` in LAMMPS, times that time; both are
 within the time in which the force acts.
 """
 
 # ruff: noqa: ARG004  every function of a law takes all of its parameters
 import math
-from collections.abc import Iterator
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,36 +28,6 @@ MOST_IN_FORMULA = 50
 """Largest number of points of a table that is a formula of LAMMPS, which reads it again at every step; longer tables
 are vectors (`lammps_inputs.laws.table_lines`).
 """
-
-
-class TimeLaw(Protocol):
-    """Functions that every law in time has beside its parameters; a law is a tuple of those."""
-
-    def force(self, *args: Any, **kwargs: Any) -> Any:
-        """Force at a time."""
-
-    def rate(self, *args: Any, **kwargs: Any) -> Any:
-        """Slope of the force over time; after a jump, the slope on its right."""
-
-    def impulse(self, *args: Any, **kwargs: Any) -> Any:
-        """Integral of the force from the start to a time."""
-
-    def travel(self, *args: Any, **kwargs: Any) -> Any:
-        """Distance that a free bead of mass 1 has gone at a time: the integral of the impulse."""
-
-    def __iter__(self) -> Iterator[Any]:
-        """Iterate over the parameters."""
-
-    @property
-    def kinks(self) -> tuple[float, ...]:
-        """Times between which the force is smooth, from the first at which it acts to the last, which may be never."""
-
-    @property
-    def total(self) -> float:
-        """Integral of the force's size; of one that never ends, over half a period."""
-
-    def formula(self, name: str) -> str:
-        """Integral of the force over a step, as a formula of LAMMPS's variables that begin with the name."""
 
 
 class HalfSine(NamedTuple):
@@ -275,6 +246,9 @@ class TabulatedForce(NamedTuple):
 
         # beyond the last point both are the total impulse, but for rounding
         return f"({until(after)}-{until(before)})*({before}<{text(float(self.time[-1]))})"
+
+
+TimeLaw = HalfSine | Rectangular | Sine | TabulatedForce
 
 
 def make_table(time: Floats, value: Floats) -> TabulatedForce:

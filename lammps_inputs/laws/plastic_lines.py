@@ -28,7 +28,7 @@ def contacts(law: Any, name: str, layout: BeadLayout) -> DeckLines:
     Raises:
         EngineLimitError: more beads than are worth while, or walls that are not at one place for all chains.
     """
-    walls, loaded = _walls(layout.system), bool(np.any(laws.load(law)))
+    walls, loaded = _walls(layout), bool(np.any(laws.load(law)))
     engine_limits.YIELDING_BEADS.check(name, layout.chains * layout.beads)
     if any(len({face for _, face in faces(wall, layout)}) > 1 for wall in walls):
         raise engine_limits.YIELDING_WALLS.error(name)
@@ -55,7 +55,7 @@ def contacts(law: Any, name: str, layout: BeadLayout) -> DeckLines:
         variables=variables,
         interactions=_no_forces(layout),
         motion=tuple(lines),
-        numbers=_columns(layout) if differ else None,
+        numbers=_columns(law, layout) if differ else None,
     )
 
 
@@ -71,7 +71,7 @@ is 1 where the first holds a force already.
 """
 
 
-def _overlaps(walls: list[Any], layout: BeadLayout, *, differ: bool) -> list[str]:
+def _overlaps(walls: list[WallLinks], layout: BeadLayout, *, differ: bool) -> list[str]:
     """The pairs, and variables of the two overlaps of each bead."""
     beads = layout.beads
     pairs = beads // 2 + 1
@@ -137,31 +137,29 @@ def _no_forces(layout: BeadLayout) -> tuple[str, ...]:
     )
 
 
-def _walls(system: Any) -> list[Any]:
+def _walls(layout: BeadLayout) -> list[WallLinks]:
     """The walls that yield."""
-    return [link for link in system.ground if laws.has_state(link.law)]
+    return [wall for wall in layout.walls if laws.has_state(wall.law)]
 
 
-def _columns(layout: BeadLayout) -> NDArray[np.float64]:
+def _columns(law: Any, layout: BeadLayout) -> NDArray[np.float64]:
     """[column, chain, bead] `COLUMNS`; a strength of 0 where there is no contact."""
-    table = _strength_and_onset(layout)
+    table = _strength_and_onset(law, layout)
     odd, before, behind = np.arange(layout.beads) % 2 == 1, table[..., :-1], table[..., 1:]
     pairs = np.stack([np.where(odd, before, behind), np.where(odd, behind, before)], axis=1)
     return pairs.reshape(4, layout.chains, layout.beads)
 
 
-def _strength_and_onset(layout: BeadLayout) -> NDArray[np.float64]:
+def _strength_and_onset(law: Any, layout: BeadLayout) -> NDArray[np.float64]:
     """Strength and onset of each contact, [strength or onset, chain, contact], the first and the last with walls.
 
     A strength of 0 stands where there is no contact.
     """
-    system = layout.system
-    law = system.along[0].law
     numbers = np.zeros((2, layout.chains, layout.beads + 1))
     numbers[1] = 1.0
     for row, value in zip(numbers, (law.strength, law.onset), strict=True):
         row[:, 1:-1] = value
-    for wall in _walls(system):
+    for wall in _walls(layout):
         end = -1 if wall.side > 0.0 else 0
         for row, value in zip(numbers, (wall.law.strength, wall.law.onset), strict=True):
             row[:, end] = np.broadcast_to(value, (layout.chains, layout.beads))[:, end]

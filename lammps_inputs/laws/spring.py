@@ -77,9 +77,8 @@ class Linear(NamedTuple):
         relative displacement at any lateral distance. (With r0 = the distance it would be cubic.)
         """
         values, bonds = bonds_by_value(self, (len(link.edges), layout.beads))
-        tie = layout.system.is_tie(link)
-        kind, place = (link.name, f"of the {link.name}") if tie else ("kappa", "between chains")
-        equal = len(values) == 1 and (link,) in (layout.system.couplings, layout.system.ties)
+        kind, place = (link.name, f"of the {link.name}") if link.tie else ("kappa", "between chains")
+        equal = len(values) == 1 and link.alone
         stiffness = [f"$(v_{kind}/2:%.17g)"] if equal else [text(spring / 2.0) for (spring,) in values]
         return DeckLines(
             bonds=bonds,
@@ -88,7 +87,7 @@ class Linear(NamedTuple):
             variables=(f"variable {kind} index {text(values[0][0])}",) if equal else (),
             interactions=(
                 f"# springs {place}: with r0 = 0 linear along the chain at any lateral distance",
-                *whole_contacts(link, tie=tie),
+                *whole_contacts(link),
             ),
         )
 

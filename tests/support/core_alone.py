@@ -1,61 +1,120 @@
-"""Runs the tests of the core without plug-ins: ``python tests/support/core_alone.py [ARGUMENT OF PYTEST...]``.
+"""Test the tree without some plug-ins: ``python tests/support/core_alone.py [NAME...] [-- ARGUMENT OF PYTEST...]``.
 
-Studies and tools are plug-ins. The tests run in a copy of the tree that has neither ``workflow/studies`` and
-``workflow/tools`` nor their tests, and declares none of them.
+A plug-in is a folder of ``workflow/plugins``, with its tests in ``tests/plugins``. Without names, or with ``all``, all
+plug-ins are deleted. The tests, the fast ones unless arguments say otherwise, run in a copy of the tree that has
+neither the folders of these plug-ins nor their tests, and does not declare them in ``pyproject.toml``. A plug-in that
+imports a deleted one is deleted, too. ``--list`` prints which plug-ins import which, and the files of the core and
+tests of other parts that import one: these break without it.
 """
 
+import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
-import tomllib
+from collections.abc import Iterator
 from pathlib import Path
+
+from tree_metadata import write_metadata
 
 ROOT = Path(__file__).parents[2]
 
-PLUG_INS = ("workflow/studies", "workflow/tools", "tests/workflow/studies", "tests/workflow/tools")
+PLUG_INS = "workflow/plugins"
 
-DECLARED = ('= "workflow.studies.', '= "workflow.tools.')
-"""What lines of ``pyproject.toml`` that declare them hold."""
+TESTS = "tests/plugins"
 
 
-def copy_without_plug_ins(copy: Path) -> None:
-    """Write what git does not ignore, but plug-ins, and the metadata that an installation of it would have."""
+def plug_ins() -> list[str]:
+    """Names of all plug-ins."""
+    folders = (ROOT / PLUG_INS).iterdir()
+    return sorted(folder.name for folder in folders if folder.is_dir() and folder.name != "__pycache__")
+
+
+def imported_by(path: Path) -> set[str]:
+    """Names of the plug-ins that a module imports, anywhere in it."""
+    modules = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            modules |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            modules |= {f"{node.module}.{alias.name}" for alias in node.names}
+    prefix = PLUG_INS.replace("/", ".") + "."
+    return {module.removeprefix(prefix).partition(".")[0] for module in modules if module.startswith(prefix)}
+
+
+def imports() -> dict[str, set[str]]:
+    """Plug-in -> the others that its modules import."""
+    return {
+        name: {other for path in (ROOT / PLUG_INS / name).rglob("*.py") for other in imported_by(path)} - {name}
+        for name in plug_ins()
+    }
+
+
+def with_those_that_stand_on(names: set[str]) -> set[str]:
+    """These plug-ins and all that import one of them, directly or not."""
+    deleted = set(names)
+    while more := {name for name, others in imports().items() if others & deleted} - deleted:
+        deleted |= more
+    return deleted
+
+
+def foreign_imports() -> Iterator[tuple[str, set[str]]]:
+    """Files outside a plug-in and its tests, and the plug-ins that they import."""
+    for path in tracked():
+        package, _, rest = path.partition("/plugins/")
+        home = rest.partition("/")[0] if package in ("workflow", "tests") else ""
+        if path.endswith(".py") and (others := imported_by(ROOT / path) - {home}) and package != "workflow":
+            yield path, others
+
+
+def tracked() -> Iterator[str]:
+    """Files of the tree that git does not ignore."""
     words = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
     listed = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    for name in filter(None, listed.split("\0")):
-        if not name.startswith(tuple(f"{folder}/" for folder in PLUG_INS)) and (ROOT / name).exists():
+    yield from (name for name in listed.split("\0") if name and (ROOT / name).exists())
+
+
+def copy_without(names: set[str], copy: Path) -> None:
+    """Write the tree without some plug-ins, and the metadata that an installation of it would have."""
+    folders = tuple(f"{parent}/{name}/" for parent in (PLUG_INS, TESTS) for name in names)
+    if names == set(plug_ins()):
+        folders += (f"{PLUG_INS}/", f"{TESTS}/")
+    for name in tracked():
+        if not name.startswith(folders):
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, copy / name)
     project_file = copy / "pyproject.toml"
+    declared = re.compile(rf'["/]{PLUG_INS.replace("/", "[./]")}[./]({"|".join(names)})\b')
     lines = project_file.read_text(encoding="utf-8").splitlines(keepends=True)
-    project_file.write_text(
-        "".join(line for line in lines if not any(words in line for words in DECLARED)), encoding="utf-8"
-    )
-    project = tomllib.loads(project_file.read_text(encoding="utf-8"))["project"]
-    metadata = copy / f"{project['name']}-{project['version']}.dist-info"
-    metadata.mkdir()
-    (metadata / "METADATA").write_text(
-        f"Metadata-Version: 2.3\nName: {project['name']}\nVersion: {project['version']}\n", encoding="utf-8"
-    )
-    groups = {"console_scripts": project["scripts"], **project["entry-points"]}
-    sections = [
-        f"[{group}]\n" + "".join(f"{name} = {value}\n" for name, value in points.items())
-        for group, points in groups.items()
-    ]
-    (metadata / "entry_points.txt").write_text("\n".join(sections), encoding="utf-8")
+    project_file.write_text("".join(line for line in lines if not declared.search(line)), encoding="utf-8")
+    write_metadata(project_file, copy)
 
 
 def main(arguments: list[str]) -> int:
-    """Exit code of pytest with these arguments on such a copy."""
+    """Exit code of pytest on such a copy."""
+    if arguments == ["--list"]:
+        for name, others in imports().items():
+            print(name, "imports", ", ".join(sorted(others)) or "no other plug-in")
+        for path, others in foreign_imports():
+            print(path, "imports", ", ".join(sorted(others)))
+        return 0
+    end = arguments.index("--") if "--" in arguments else len(arguments)
+    words, rest = arguments[:end], arguments[end + 1 :]
+    names = set(plug_ins()) if words in ([], ["all"]) else set(words)
+    if unknown := names - set(plug_ins()):
+        print(f"no plug-in {', '.join(sorted(unknown))}; there are {', '.join(plug_ins())}", file=sys.stderr)
+        return 2
+    deleted = with_those_that_stand_on(names)
+    print("without", ", ".join(sorted(deleted)), flush=True)
     with tempfile.TemporaryDirectory() as directory:
         copy = Path(directory)
         copy.chmod(0o755)  # tests that give up root still read it
-        copy_without_plug_ins(copy)
+        copy_without(deleted, copy)
         # before the installation in the order of imports, and so are its entry points
-        environment = {**os.environ, "PYTHONPATH": str(copy)}
-        return subprocess.run([sys.executable, "-m", "pytest", *arguments], cwd=copy, env=environment).returncode
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(copy), str(copy / "workflow" / "python")])}
+        return subprocess.run([sys.executable, "-m", "pytest", *rest], cwd=copy, env=environment).returncode
 
 
 if __name__ == "__main__":

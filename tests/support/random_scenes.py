@@ -4,7 +4,7 @@ import random
 from typing import Any
 
 from lammps_inputs import Coupling, Kick, Material, Output, Scene
-from lammps_inputs.laws import expression
+from lammps_inputs.formulas import expression
 
 
 def draw(chance: random.Random, number: int | str) -> Scene:

@@ -10,7 +10,7 @@ from stock_lammps import scene
 
 from analysis.files.recording import Writer
 from lammps_inputs import file_names, physics
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.runs.files import RECORD, write_json
 from workflow.runs.status import Queue
 
@@ -20,7 +20,7 @@ STEPS = CASE.problem().steps
 
 def with_deck(directory, **changes):
     directory.mkdir(exist_ok=True)
-    deck.write(CASE.model_copy(update=changes), directory)
+    scene_files.write(CASE.model_copy(update=changes), directory)
     return directory
 
 

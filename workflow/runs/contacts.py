@@ -129,7 +129,7 @@ def _contacts(scene: Scene, overlap: Any, walls: Sequence[Any], *, measured: boo
     ball = scene.material
     if ball is None:
         return None
-    size, modulus = sizes_and_moduli(scene)
+    size, modulus = sizes_and_moduli(scene.setting)
     metres = overlap * scene.scale.length / size
     pressures = modulus * solids.peak_pressure(metres, ball.radius, ball.youngs_modulus, ball.poisson_ratio)
     force = float(np.max(laws.whole_force(scene.system.along[0].law, overlap))) * scene.scale.force
@@ -157,7 +157,8 @@ def _at_wall(scene: Scene, link: Wall, overlap: Any) -> tuple[float, float, floa
     place = _place(link, scene.system)
     chain = np.arange(scene.system.chains)
     force = laws.whole_force(laws.at(link.law, chain, place), overlap) * scene.scale.force
-    radius = scene.material.radius * (radii(scene)[:, place] if unlike(scene) else np.ones(len(chain)))
+    of_beads = radii(scene.setting)[:, place] if unlike(scene.setting) else np.ones(len(chain))
+    radius = scene.material.radius * of_beads
     wall = next(ingredient for ingredient in scene.ingredients if isinstance(ingredient, Walls))
     kind = wall.right if link.side > 0.0 else wall.left
     relative = 0.5 * radius if kind == "bead" else radius

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lammps_inputs import InputError, Scene
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import deck, scene_files
 from workflow.prepare.settings import refuse_unanalysable, settle
 from workflow.prepare.step_choice import ChosenStep
-from workflow.runs.files import LAMMPS_FILES, write_text
-from workflow.runs.output_directory import prepared, refuse_to_overwrite, replacing
+from workflow.runs.files import LAMMPS_FILES
+from workflow.runs.output_directory import prepared, refuse_to_overwrite
 
 FurtherFiles = Callable[[Scene], Mapping[str, str | None]]
 """Files beside a deck, by the scene with nothing left open: name -> text; None of one that is written later."""
@@ -60,10 +60,8 @@ def write_deck(
     refuse_unanalysable(scene, source)
     settled, step = settle(scene, source=source, force=force)
     beside = {} if further is None else further(settled)
-    files = deck.render(settled) | {name: text for name, text in beside.items() if text is not None}
+    files = scene_files.render(settled) | {name: text for name, text in beside.items() if text is not None}
     refuse_to_overwrite(source, directory)
     names = (*LAMMPS_FILES, *beside)
-    with prepared(directory, names, overwrite=overwrite), replacing(directory, names):
-        for name, content in files.items():
-            write_text(directory / name, content)
-    return WrittenDeck(settled, step, tuple(files))
+    with prepared(directory, files, names, overwrite=overwrite):
+        return WrittenDeck(settled, step, tuple(files))

@@ -15,7 +15,7 @@ from analysis.files.recording import Writer
 from analysis.quantity import csv_of
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene, file_names, physics
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import deck, scene_files
 from lammps_inputs.system import System
 from workflow import cost_model as model
 from workflow.engines.lammps import engine as lammps_engine
@@ -78,7 +78,7 @@ class Engine(ABC):
 
     def begins_with(self, scene: Scene, problem: Problem | None = None) -> dict[str, str]:  # noqa: ARG002  decks need it
         """Name and text of the files that it begins with; the problem is the scene's."""
-        return {file_names.SCENE: deck.render_scene(scene)}
+        return {file_names.SCENE: scene_files.render_scene(scene)}
 
     def seconds(self, problem: Problem, ranks: int) -> float | None:  # noqa: ARG002  those that have an estimate use both
         """Estimated time of a run; None where there is no estimate."""
@@ -116,7 +116,7 @@ class _Lammps(Engine):
         return lammps_engine.refused_ranks(ranks, system.beads)
 
     def begins_with(self, scene: Scene, problem: Problem | None = None) -> dict[str, str]:
-        return deck.render(scene, problem)
+        return scene_files.render(scene, problem)
 
     def seconds(self, problem: Problem, ranks: int) -> float | None:
         return model.cost(problem, ranks).seconds

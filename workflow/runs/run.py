@@ -22,8 +22,7 @@ from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
 from workflow.runs import contacts
 from workflow.runs.engines import ENGINES, LAMMPS, Progress, Start, Work, engine_called
-from workflow.runs.files import write_text
-from workflow.runs.output_directory import prepared, refuse_links, refuse_unusable, replacing
+from workflow.runs.output_directory import prepared, refuse_links, refuse_unusable
 from workflow.runs.run_directory import RunDirectory, fingerprint, provenance, results
 from workflow.runs.size import refuse_beforehand, refuse_too_long
 from workflow.runs.status import onwards
@@ -232,21 +231,17 @@ def run_prepared(
     """
     chosen, path = engine_called(ready.engine), ready.path
     files = chosen.begins_with(ready.scene, ready.problem)
-    with prepared(path, chosen.files, overwrite=ready.overwrite) as lock:
-        with replacing(path, chosen.files):
-            write_text(path / file_names.SCENE, files[file_names.SCENE])
-            run_directory = RunDirectory.begun_with(path, ready.scene, ready.problem)
-            run_directory.update(
-                outcome="running",
-                engine=ready.engine,
-                ranks=ready.ranks,
-                steps=ready.problem.steps,
-                **provenance(),
-                files_sha256=fingerprint(files),
-                **({"settings": ready.step.plain()} if ready.step is not None else {}),
-            )
-            for name, text in files.items():
-                write_text(path / name, text)
+    record = {
+        "outcome": "running",
+        "engine": ready.engine,
+        "ranks": ready.ranks,
+        "steps": ready.problem.steps,
+        **provenance(),
+        "files_sha256": fingerprint(files),
+        "settings": None if ready.step is None else ready.step.plain(),
+    }
+    with prepared(path, files, chosen.files, overwrite=ready.overwrite, **record) as lock:
+        run_directory = RunDirectory.begun_with(path, ready.scene, ready.problem)
         every = options.get("restart_every", lammps_engine.RESTART_EVERY)
         begin = options.get("lammps") or functools.partial(lammps_engine.run, restart_every=every, lock=lock)
         start, check = functools.partial(begin, ranks=ready.ranks), options.get("check", True)

@@ -35,8 +35,9 @@ from analysis.trajectory import Floats
 from lammps_inputs.units import DIMENSIONLESS, Scale
 from workflow.formats import figure_files
 from workflow.runs import job
-from workflow.runs.files import alone, write_figure, write_text
-from workflow.runs.output_directory import claim, make_directory
+from workflow.runs.figures import write_figure
+from workflow.runs.files import alone, write_text
+from workflow.runs.output_directory import make_directory, record_files
 from workflow.screen import count_bar, print_table
 from workflow.workers.evaluate import Computation, StoredResults, values
 from workflow.workers.pool import Pool
@@ -89,7 +90,7 @@ class Study:
             return
         make_directory(directory)
         with alone(directory):
-            claim(directory, self.files)
+            record_files(directory, self.files)
             self.mark(directory, done=False)
             with StoredResults(directory / self.cache if self.cache else None) as cache:
                 yield cache

@@ -14,7 +14,7 @@ from analysis.figures.style import picture as content_of
 from lammps_inputs import references
 from workflow.provenance import foot
 from workflow.runs.files import write_bytes, write_text
-from workflow.runs.output_directory import claim
+from workflow.runs.output_directory import record_files
 
 SECTION = "section.json"
 
@@ -93,7 +93,7 @@ def keep(section: Section, folder: Path) -> None:
     Raises:
         InputError: the folder holds a file of such a name that is not a section's.
     """
-    claim(folder, (SECTION, *(f"{picture.name}.png" for picture in section.pictures)))
+    record_files(folder, (SECTION, *(f"{picture.name}.png" for picture in section.pictures)))
     for picture in section.pictures:
         write_bytes(folder / f"{picture.name}.png", picture.image)
     captions = [{"name": picture.name, "caption": picture.caption} for picture in section.pictures]

@@ -18,7 +18,7 @@ from typing import Any
 from pydantic_core import from_json
 
 from lammps_inputs import InputError, Scene, file_names, library, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow import formats
 from workflow.engines.lammps import hosted
 from workflow.errors import RunError
@@ -26,7 +26,7 @@ from workflow.prepare.settings import found_beforehand, refuse_unanalysable, ref
 from workflow.runs import job
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import RECORD, alone, write_json, write_text
-from workflow.runs.output_directory import claim, make_directory, others, remove_leftovers
+from workflow.runs.output_directory import complete_replacement, make_directory, others, record_files
 from workflow.runs.resume import resume
 from workflow.runs.run import CompletedRun, run
 from workflow.runs.run_directory import RunDirectory
@@ -87,10 +87,9 @@ def asked(path: Path) -> Asked | None:
 def begin(path: Path, wanted: Asked, scene: Scene) -> None:
     """Make a case's directory; from then on it is a run directory that may be overwritten."""
     path.mkdir(parents=True, exist_ok=True)
-    remove_leftovers(path)  # of a sweep that was killed
-    claim(path, (file_names.SCENE,))
+    record_files(path, (file_names.SCENE,))
     job.update(path, request=wanted.plain())
-    write_text(path / file_names.SCENE, deck.render_scene(scene))
+    write_text(path / file_names.SCENE, scene_files.render_scene(scene))
 
 
 def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
@@ -99,6 +98,7 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
     Raises:
         InputError: it holds something else, or the same case of another scene or engine.
     """
+    complete_replacement(path)  # of a sweep that was killed
     earlier = asked(path)
     if earlier is None:
         if path.is_dir() and (not (rest := others(path)) or (rest == {RECORD} and RECORD in job.account(path).files)):

@@ -31,9 +31,10 @@ from workflow.measures import MEASUREMENTS, energy
 from workflow.measures.base import Measurement, Recorded
 from workflow.runs.check import accountant
 from workflow.runs.engines import ENGINES
-from workflow.runs.files import EVENTS, write_figure, write_json, write_text
+from workflow.runs.figures import write_figure
+from workflow.runs.files import EVENTS, write_json, write_text
 from workflow.runs.job import RoundingRecord
-from workflow.runs.output_directory import claim, retire
+from workflow.runs.output_directory import record_files
 from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, WavesTable, report, waves_table
 from workflow.verdicts.pulse_table import pulse_table
@@ -355,9 +356,8 @@ def _tables(results: Survey, measurements: dict[str, Measurement]) -> dict[str, 
 def _write(directory: RunDirectory, frames: MeasuredFrames) -> tuple[Path, ...]:
     """Write tables, the report, and figures; returns the files of the figures."""
     files = figure_files(*frames.figures)
-    claim(directory.path, (*frames.tables, REPORT, *files))
-    if frames.figures:
-        retire(directory.path, set(in_any_format(*FIGURES)).difference(files))
+    outdated = in_any_format(*FIGURES) if frames.figures else ()
+    record_files(directory.path, (*frames.tables, REPORT, *files), outdated)
     drawn = tuple(path for name, make in frames.figures.items() for path in write_figure(directory.path, name, make()))
     for name, text in frames.tables.items():
         write_text(directory.path / name, text)

@@ -13,7 +13,7 @@ import lammps_inputs
 from analysis import trajectory
 from analysis.files.recording import atom_ids, blocks, rest_positions
 from lammps_inputs import Output, Scene, file_names
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 
 TEXT = "frames.lammpstrj"
 THREE = scene(chains=3, beads=10, kappa=0.1, duration=6.0, every=0.1)
@@ -213,7 +213,7 @@ def test_chains_are_segments_beads_are_residues_springs_are_bonds_and_masses_are
 
 def test_chains_of_a_window_are_segments_and_its_rows_are_residues(tmp_path: Path) -> None:
     for coupling in (None, THREE.coupling):
-        deck.write(THREE.model_copy(update={"beads": 80, "window": 64, "coupling": coupling}), tmp_path)
+        scene_files.write(THREE.model_copy(update={"beads": 80, "window": 64, "coupling": coupling}), tmp_path)
         with formats.ChainsParser(tmp_path / file_names.DATA) as parser:
             universe = mda.Universe(parser.parse())
         assert universe.atoms.segids.tolist() == ["C1"] * 64 + ["C2"] * 64 + ["C3"] * 64
@@ -227,7 +227,7 @@ def test_beads_that_differ_are_atoms_with_their_masses(
 ) -> None:
     scene = lammps_inputs.find(name)
     scene = scene.model_copy(update={"output": scene.output.model_copy(update={"beads": beads})})
-    deck.write(scene, tmp_path)
+    scene_files.write(scene, tmp_path)
     problem = scene.problem()
     with formats.ChainsParser(tmp_path / file_names.DATA) as parser:
         universe = mda.Universe(parser.parse())

@@ -9,7 +9,7 @@ from processes import HANGS
 from stock_lammps import MPIEXEC, scene
 
 from lammps_inputs import Kick, file_names
-from lammps_inputs.decks import continuation, deck
+from lammps_inputs.decks import continuation, deck, scene_files
 from lammps_inputs.ingredients.damping import Damping
 from workflow.engines.lammps import files_on_disk, mpi
 from workflow.runs.files import parts
@@ -71,7 +71,7 @@ def test_stock_lammps_goes_on_twice_bit_for_bit(case, release, ranks, lmp, tmp_p
     problem = one.problem()
     for name in ("whole", "cut"):
         (tmp_path / name).mkdir()
-        deck.write(one, tmp_path / name)
+        scene_files.write(one, tmp_path / name)
     lmp(release, ranks[0], tmp_path / "whole", "-in", file_names.DECK)
     cut = tmp_path / "cut"
     restart = [*continuation.restart_lines(problem), f"shell mv {file_names.UNFINISHED} {file_names.RESTART}"]

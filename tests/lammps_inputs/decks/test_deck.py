@@ -15,7 +15,7 @@ from strategies import scenes
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import Kick, Output, file_names, find, installed_scenes, physics
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import deck, scene_files
 from workflow.engines.lammps import worker
 
 CONTACT_TIME = 2 * (5 / 8) ** 0.4 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
@@ -187,7 +187,7 @@ def test_every_contact_of_a_chain_is_a_neighbour_and_nothing_else_nor_an_image(g
 
 
 def test_every_frame_is_in_the_file_when_lammps_is_killed(tmp_path):
-    deck.write(scene(), tmp_path)
+    scene_files.write(scene(), tmp_path)
     path = tmp_path / file_names.DECK
     path.write_text(path.read_text() + "shell 'kill -9 $PPID'\n")
     done = subprocess.run([WHEEL, "-in", file_names.DECK], cwd=tmp_path, capture_output=True)
@@ -236,7 +236,7 @@ def test_each_kick_goes_to_its_own_chain_and_bead_also_from_the_command_line(tmp
 def test_the_longest_run_that_a_scene_may_ask_for_fits_the_integers_of_lammps(release, lmp_of, tmp_path):
     longest = scene(timestep=0.01, every=1e6, duration=1e10)
     assert (longest.problem().steps, longest.problem().steps_per_frame) == (10**12, 10**8)
-    deck.write(longest, tmp_path)
+    scene_files.write(longest, tmp_path)
     words = [lmp_of(release), "-in", file_names.DECK, "-skiprun"]
     subprocess.run(words, cwd=tmp_path, check=True, capture_output=True)
 
@@ -246,7 +246,7 @@ def test_the_longest_run_that_a_scene_may_ask_for_fits_the_integers_of_lammps(re
 
 @given(scenes(ends=False))
 def test_the_deck_names_what_the_scene_needs_and_nothing_else(case):
-    files, coupled = deck.render(case), physics.coupled(case.problem().system)
+    files, coupled = scene_files.render(case), physics.coupled(case.problem().system)
     text = files[file_names.DECK].replace(f"# {case.name}:", "#").lower()
     of_springs, of_others = ("bond", "spring", "kappa", "lineforce"), ("setforce", "damp", "visc", "addforce")
     assert [word for word in (*of_springs, *of_others) if word in text] == list(of_springs if coupled else ())
@@ -298,7 +298,7 @@ def test_the_log_holds_kinetic_energy_and_momentum(tmp_path):
 
 @pytest.mark.parametrize("name", installed_scenes.installed())
 def test_the_decks_of_installed_scenes_are_read_by_lammps(name, tmp_path, monkeypatch):
-    deck.write(find(name), tmp_path)
+    scene_files.write(find(name), tmp_path)
     monkeypatch.chdir(tmp_path)
     worker.instance(part=1).close()
     warnings = [line for line in (tmp_path / file_names.LOG).read_text().splitlines() if "WARNING" in line]
@@ -313,14 +313,14 @@ def test_every_line_of_the_deck_can_be_read_on_a_page():
 
 def test_a_scene_that_ends_at_a_bead_has_no_deck_and_nothing_is_written(tmp_path):
     with pytest.raises(ValueError, match="ends at a bead"):
-        deck.write(scene(duration=None, until_bead=2), tmp_path)
+        scene_files.write(scene(duration=None, until_bead=2), tmp_path)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_the_scene_written_beside_the_deck_gives_the_same_deck_again(tmp_path):
-    deck.write(find("two-chains-steel"), tmp_path)
+    scene_files.write(find("two-chains-steel"), tmp_path)
     again = find(str(tmp_path / file_names.SCENE))
-    assert deck.render(again) == {path.name: path.read_text() for path in tmp_path.iterdir()}
+    assert scene_files.render(again) == {path.name: path.read_text() for path in tmp_path.iterdir()}
 
 
 # --- snapshots --------------------------------------------------------------------------------------------------------

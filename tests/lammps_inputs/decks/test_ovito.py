@@ -10,7 +10,7 @@ from stock_lammps import WHEEL, scene
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import file_names
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 
 PYTHON = os.environ.get("OVITO_PYTHON")
 
@@ -42,7 +42,7 @@ pytestmark = pytest.mark.skipif(PYTHON is None, reason="OVITO_PYTHON names no Py
 @pytest.mark.parametrize("window", COLUMNS)
 def test_ovito_reads_data_file_and_binary_dump_as_we_do(window, tmp_path):
     case = scene(chains=2, beads=80, kappa=0.1, duration=100.0, every=1.0, timestep=0.02, window=window)
-    deck.write(case, tmp_path)
+    scene_files.write(case, tmp_path)
     subprocess.run(
         [WHEEL, "-in", file_names.DECK, "-screen", "none", "-nocite"], cwd=tmp_path, check=True, timeout=HANGS
     )

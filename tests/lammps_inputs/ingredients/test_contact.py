@@ -10,7 +10,7 @@ from processes import HANGS
 from analysis.dispersion import cell_of
 from analysis.shape.exact_wave import solitary_wave
 from lammps_inputs import InputError, Scene, file_names, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
 from workflow.cli import main
@@ -66,7 +66,7 @@ def test_the_2021_release_says_in_one_line_what_it_cannot_do_and_does_linear_con
     for exponent in (1.0, 2.0):
         folder = tmp_path / str(exponent)
         folder.mkdir()
-        deck.write(touching(exponent), folder)
+        scene_files.write(touching(exponent), folder)
         words = [lmp_of("2021"), "-in", file_names.DECK]
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=HANGS)
         said[exponent] = done.stdout

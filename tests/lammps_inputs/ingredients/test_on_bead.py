@@ -12,7 +12,7 @@ from plain_scene import scene
 from wrong_runs import causes
 
 from lammps_inputs import InputError, file_names, library, physics, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.on_bead import MOST_POINTS
 from lammps_inputs.scene import DEFAULT_ACCURACY
@@ -98,7 +98,7 @@ def test_a_table_of_any_length_survives_being_written_down():
     one = library.from_plain(
         {"name": "long", "beads": 20, "duration": 10, "push": {"table": [*points, [99.0, 0.0]]}}, "x"
     )
-    assert library.from_plain(strict_yaml.parse(deck.render_scene(one), "x"), "x") == one.resolved()
+    assert library.from_plain(strict_yaml.parse(scene_files.render_scene(one), "x"), "x") == one.resolved()
 
 
 def test_lines_of_a_table_in_a_scene_that_are_no_points_are_named():
@@ -107,7 +107,7 @@ def test_lines_of_a_table_in_a_scene_that_are_no_points_are_named():
 
 
 def test_the_formula_of_a_table_names_steps_not_variables_that_lammps_reads_again_at_each_place():
-    deck_text = deck.render(pushed("{table: [[0, 0], [1, 1], [2, 0.5], [3, 0]]}"))[file_names.DECK]
+    deck_text = scene_files.render(pushed("{table: [[0, 0], [1, 1], [2, 0.5], [3, 0]]}"))[file_names.DECK]
     (line,) = [line for line in deck_text.splitlines() if line.startswith("variable push1 equal")]
     assert "v_push1" not in line
 

@@ -23,7 +23,7 @@ from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import blocks
 from lammps_inputs import file_names, find, library, physics
 from lammps_inputs.deck_lines import types_by_contact
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import deck, scene_files
 from lammps_inputs.ingredients.unequal import Disorder
 from lammps_inputs.laws import contact
 from lammps_inputs.limits.rates import stability_bound
@@ -96,7 +96,7 @@ def test_beads_in_si_press_as_hard_as_their_own_contact_says(tmp_path):
 
 
 def test_masses_alone_need_no_other_contacts():
-    texts = deck.render(scene(**DIMER))
+    texts = scene_files.render(scene(**DIMER))
     assert "pair_style gran/hertz/history" in texts[file_names.DECK]
     assert "set group all mass" not in texts[file_names.DECK]
 
@@ -210,7 +210,7 @@ def test_a_striker_makes_a_train_of_pulses(mass, train):
 def test_types_that_tell_contacts_apart_are_found_once_for_a_deck(monkeypatch):
     found = []
     monkeypatch.setattr(contact, "types_by_contact", lambda strength: found.append(1) or types_by_contact(strength))
-    deck.render(scene(disorder={"radius": 0.1, "seed": 7}, timestep=0.005))
+    scene_files.render(scene(disorder={"radius": 0.1, "seed": 7}, timestep=0.005))
     assert found == [1]
 
 

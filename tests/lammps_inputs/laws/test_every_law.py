@@ -24,8 +24,8 @@ from lammps_inputs.laws.dashpot import (
 )
 from lammps_inputs.laws.preloaded import pressed, under
 from lammps_inputs.laws.spring import Duffing, Linear
-from lammps_inputs.layout import Layout
-from lammps_inputs.links import Across, Wall
+from lammps_inputs.layout import across_of, layout_of
+from lammps_inputs.links import Wall
 
 LOADED = np.array([0.0, 0.0, 0.4])
 """A wall holds the last bead of a chain only."""
@@ -220,7 +220,7 @@ ENERGIES = st.floats(1e-9, 1e9)
 
 @given(ENERGIES, st.floats(0.0, 1.0))
 def test_beads_in_lammps_are_too_large_for_any_share_of_the_energy_to_let_second_neighbours_meet(energy, share):
-    diameter = Layout(system(energy)).diameter
+    diameter = layout_of(system(energy)).diameter
     two = laws.max_strain(Hertz(), share * energy) + laws.max_strain(Hertz(), (1 - share) * energy)
     assert max(two, 2.0 * laws.max_strain(Hertz(), energy), 4.0) <= diameter
     assert math.frexp(diameter)[0] == 0.5  # a power of two
@@ -229,7 +229,7 @@ def test_beads_in_lammps_are_too_large_for_any_share_of_the_energy_to_let_second
 @given(ENERGIES)
 def test_lammps_is_given_the_constant_that_makes_its_force_ours(energy):
     """LAMMPS: force = Kn sqrt(overlap) sqrt(R_eff) overlap with R_eff = diameter / 4."""
-    layout = Layout(system(energy))
+    layout = layout_of(system(energy))
     _, style, coefficients = Hertz().along("contacts", layout).interactions
     kn = float(style.split()[2])
     assert (style.split()[1], style.split()[3:], coefficients) == ("gran/hertz/history", ["0"] * 5, "pair_coeff * *")
@@ -237,7 +237,9 @@ def test_lammps_is_given_the_constant_that_makes_its_force_ours(energy):
 
 
 def test_a_bond_has_half_the_stiffness_with_17_digits_and_no_rest_length():
-    bonds = Linear(0.1).across(Across("coupling", Linear(0.1), edges=((0, 1),)), Layout(system(0.5, 0.1, 2)))
+    two_chains = system(0.5, 0.1, 2)
+    link = across_of(two_chains.couplings[0], two_chains)
+    bonds = Linear(0.1).across(link, layout_of(two_chains))
     assert (bonds.style, bonds.coefficients) == ("harmonic", ("$(v_kappa/2:%.17g) 0",))
 
 

@@ -7,7 +7,7 @@ import pytest
 from plain_scene import scene
 
 from lammps_inputs import file_names
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from lammps_inputs.laws import in_time, table_lines
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
@@ -66,7 +66,7 @@ def test_lammps_moves_beads_as_its_scheme_does_with_the_impulse_of_the_table(tim
 def test_a_short_table_stands_in_the_deck_and_a_long_one_beside_it():
     for count, long in ((in_time.MOST_IN_FORMULA, False), (in_time.MOST_IN_FORMULA + 1, True)):
         points = [[0.1 * k, float(k % 2 and k < count - 1)] for k in range(count)]
-        files = deck.render(scene(chains=1, coupling=None, kick=None, push={"table": points}, timestep=0.01))
+        files = scene_files.render(scene(chains=1, coupling=None, kick=None, push={"table": points}, timestep=0.01))
         assert (file_names.TABLES in files) == long
         assert (f"\ninclude {file_names.TABLES}\n" in files[file_names.DECK]) == long
         assert ("need LAMMPS of 17Apr2024" in files[file_names.DECK].partition("units lj")[0]) == long
@@ -76,6 +76,6 @@ def test_the_deck_of_a_long_table_is_as_long_as_that_of_any_other():
     decks = []
     for count in (100, 10_000):
         points = [[0.01 * k, float(0 < k < count - 1)] for k in range(count)]
-        files = deck.render(scene(chains=1, coupling=None, kick=None, push={"table": points}, timestep=0.01))
+        files = scene_files.render(scene(chains=1, coupling=None, kick=None, push={"table": points}, timestep=0.01))
         decks.append(re.sub(r"[0-9.e+-]+", "0", files[file_names.DECK]))
     assert decks[0] == decks[1]

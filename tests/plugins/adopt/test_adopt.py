@@ -8,7 +8,7 @@ import pytest
 from lammps_in_fork import lammps_in_fork
 
 from lammps_inputs import InputError, Scene, library
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from lammps_inputs.installed_scenes import installed
 from workflow import cli
 from workflow.errors import RunError
@@ -68,7 +68,7 @@ def adopted(path: Path, *variables: tuple[str, str], data: Path | None = None) -
 def of_scene(scene: Scene, folder: Path) -> Adopted:
     """What is read of the deck of a scene."""
     folder.mkdir()
-    deck.write(scene, folder)
+    scene_files.write(scene, folder)
     return adopted(folder / "in.chains")
 
 

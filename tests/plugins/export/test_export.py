@@ -136,3 +136,9 @@ def test_the_command_loads_no_package_of_a_format_that_is_not_asked_for():
     code = f"import sys, workflow.plugins.export.tool; print([name for name in {packages} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=HANGS)
     assert done.stdout == "[]\n"
+
+
+def test_a_rate_of_no_pictures_is_refused_by_the_function(tmp_path):
+    with pytest.raises(InputError, match=r"^rate: 0 given; a whole number, 1 to 100"):
+        granchain.export("out", "csv", rate=0)
+    assert not list(tmp_path.iterdir())

@@ -22,7 +22,7 @@ from stock_lammps import run as run_stock
 from analysis.files.recording import blocks
 from analysis.trajectory import joined
 from lammps_inputs import InputError, Output, file_names, library, window
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.engines.lammps.files_on_disk import step_of
 from workflow.plugins.jobs import job, job_files, site
 from workflow.plugins.jobs.schedulers import SLURM
@@ -61,7 +61,7 @@ def short_stretches(monkeypatch):
 def placed(case, directory, **options):
     """The deck and job of a scene in a new directory."""
     directory.mkdir()
-    deck.write(case, directory)
+    scene_files.write(case, directory)
     chosen = JobOptions(**{"lmp": str(WHEEL), "launcher": LAUNCHER, "checkpoint": 2, **options})
     for name, text in job.render_job(chosen, case.problem()).items():
         (directory / name).write_text(text)
@@ -189,7 +189,7 @@ def test_a_killed_job_goes_on_bit_for_bit(kind, release, ranks, lmp_of, executab
         launcher = f"{executable('mpirun')} --allow-run-as-root --oversubscribe -np {{ranks}}"
     case, whole = KINDS[kind], tmp_path / "whole"
     whole.mkdir()
-    deck.write(case, whole)
+    scene_files.write(case, whole)
     subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
     options = {"lmp": str(lmp_of(release)), "launcher": launcher, "ranks_per_node": ranks, "checkpoint": 1}
     directory = placed(case, tmp_path / "job", **options)
@@ -204,7 +204,7 @@ def test_a_killed_job_goes_on_bit_for_bit(kind, release, ranks, lmp_of, executab
 def test_a_job_resumes_from_the_restart_of_a_run_that_was_no_job_bit_for_bit(tmp_path):
     case, whole = KINDS["snapshots"], tmp_path / "whole"
     whole.mkdir()
-    deck.write(case, whole)
+    scene_files.write(case, whole)
     subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
     directory = placed(case, tmp_path / "job", checkpoint=1)
     restart_often(directory, case)

@@ -10,7 +10,7 @@ from small_problems import problem
 from stock_lammps import WHEEL, scene
 
 from lammps_inputs import file_names, find
-from lammps_inputs.decks import continuation, deck
+from lammps_inputs.decks import continuation, scene_files
 from lammps_inputs.library import installed
 from lammps_inputs.numbers import size_text, time_text
 from workflow.cost_model import cost
@@ -73,7 +73,7 @@ def test_a_hundred_million_beads_on_paper():
 )
 def test_bytes_of_a_frame_of_a_restart_and_of_memory_are_those_of_a_real_run(case, tmp_path):
     case = case.model_copy(update={"duration": 1.0})
-    deck.write(case, tmp_path)
+    scene_files.write(case, tmp_path)
     lines = [f"include {file_names.DECK}", *continuation.restart_lines(case.problem())]
     (tmp_path / "in.both").write_text("\n".join(lines) + "\n")
     done = subprocess.run([sys.executable, "-c", PEAK_MEMORY], cwd=tmp_path, capture_output=True, text=True, check=True)

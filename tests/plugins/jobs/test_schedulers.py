@@ -17,7 +17,7 @@ from stock_lammps import MPIEXEC, WHEEL, scene
 from stock_lammps import run as run_stock
 
 from lammps_inputs import InputError, file_names, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.cli import main
 from workflow.plugins.jobs import job, job_files, schedulers, site
 from workflow.plugins.jobs.registry import SCHEDULERS
@@ -105,7 +105,7 @@ def test_a_job_of_grid_engine_asks_for_every_option_once():
     assert grid_engine_requests(command)[1:] == ["-l h_rt=24:00:00 -pe smp 6"]
 
 
-@pytest.mark.parametrize("name", ["pbs", "sge"])
+@pytest.mark.parametrize("name", sorted(schedulers.SCHEDULERS.keys() - {"slurm"}))
 def test_a_job_is_at_most_sixty_three_lines_of_shell_beside_its_requests_and_comments(name):
     options = JobOptions(scheduler=name, modules=("gcc", "lammps"), array_limit=3, **ALL)
     script = job.render_array(options, ["a", "b"])[options.of_scheduler.script]
@@ -222,7 +222,7 @@ def options(name, **more):
 def place(case, directory):
     """A deck of which the first job computes no more than one stretch until its timer ends."""
     directory.mkdir(exist_ok=True)
-    deck.write(case, directory)
+    scene_files.write(case, directory)
     for name, text in job.case_files(case.problem()).items():
         (directory / name).write_text(text.replace("label stretch", "shell sh pause\n\nlabel stretch"))
     wait = f"[ -f {file_names.RESTART} ] || until grep stop {job_files.FLAG}; do sleep 0.1; done\n"
@@ -233,8 +233,13 @@ NEXT = {"pbs": "18.master.site", "sge": "18"}
 NEXT_TASK = {"pbs": "18[].master.site", "sge": "18.2-2:1"}
 
 
+def test_every_scheduler_but_slurm_has_its_answers_here():
+    """A new one needs a line in NEXT, NEXT_TASK and `Shell.environment`; Slurm runs in `test_slurm.py`."""
+    assert NEXT.keys() == NEXT_TASK.keys() == schedulers.SCHEDULERS.keys() - {"slurm"}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["pbs", "sge"])
+@pytest.mark.parametrize("name", NEXT)
 def test_a_job_near_its_limit_submits_the_next_which_ends_bit_for_bit_as_one_that_was_not(name, tmp_path, monkeypatch):
     monkeypatch.setattr(job, "STRETCH", 0.005)
     shell = Shell(name, tmp_path / "job", NEXT[name])
@@ -257,7 +262,7 @@ def test_a_job_near_its_limit_submits_the_next_which_ends_bit_for_bit_as_one_tha
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["pbs", "sge"])
+@pytest.mark.parametrize("name", NEXT)
 def test_a_task_near_its_limit_submits_itself_alone_for_when_its_job_has_surely_ended(name, tmp_path, monkeypatch):
     monkeypatch.setattr(job, "STRETCH", 0.005)
     shell = Shell(name, tmp_path / "job", NEXT_TASK[name], task=2)

@@ -12,7 +12,7 @@ from stock_lammps import WHEEL, scene
 from stock_lammps import run as run_stock
 
 from lammps_inputs import file_names, library, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.cli import main
 from workflow.plugins.jobs import job, job_files
 from workflow.plugins.jobs.schedulers import SLURM
@@ -154,7 +154,7 @@ def test_in_an_array_a_case_that_fails_is_told_and_the_others_are_done(cluster, 
     for number, name in enumerate(cases):
         (tmp_path / name).mkdir(parents=True)
         case = scene(chains=2, beads=12, kappa=0.1 * (number + 1), duration=10.0)
-        deck.write(case, tmp_path / name)
+        scene_files.write(case, tmp_path / name)
         for file, text in job.case_files(case.problem()).items():
             (tmp_path / name / file).write_text(text)
     (tmp_path / cases[1] / file_names.DATA).write_text("12 atoms\n")

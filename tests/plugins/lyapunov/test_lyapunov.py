@@ -7,7 +7,9 @@ import math
 import numpy as np
 import pytest
 
+import granchain
 from analysis.figures import exponents as exponents_figure
+from lammps_inputs import InputError
 from workflow.cli import main
 from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.lyapunov import growth
@@ -167,3 +169,9 @@ def test_wrong_requests_are_refused_in_one_line(options, says, tmp_path, capsys)
     assert says in error
     assert error.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_a_duration_of_0_is_refused_by_the_function(tmp_path):
+    with pytest.raises(InputError, match=r"^duration: 0 given; a number, above 0"):
+        granchain.lyapunov(CHAOTIC, tmp_path / "new", duration=0)
+    assert not list(tmp_path.iterdir())

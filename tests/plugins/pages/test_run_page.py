@@ -337,7 +337,7 @@ def test_beads_are_drawn_at_their_sizes():
     kinds = {"a": BeadKind(radius=1.0), "b": BeadKind(radius=0.5)}
     what = scene(chains=1, beads=6, kick=(Kick(velocity=0.5),), duration=2.0, kinds=kinds, pattern=("a", "b"))
     part = thinned(what.problem(), [made(what.problem())], [0])
-    root = run_page.layout(what.problem(), part, None, [1], radius=radii(what))
+    root = run_page.layout(what.problem(), part, None, [1], radius=radii(what.setting))
     codes = [
         code for plot in root.select({"type": figure}) for one in plot.js_property_callbacks.values() for code in one
     ]

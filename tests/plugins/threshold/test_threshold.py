@@ -7,6 +7,7 @@ import shlex
 import numpy as np
 import pytest
 
+import granchain
 from lammps_inputs import InputError, strict_yaml
 from workflow.cli import main
 from workflow.plugins.threshold import study
@@ -254,3 +255,9 @@ def test_a_quantity_at_a_bead_that_is_none_is_refused(name, says):
 def test_values_of_a_second_field_that_are_no_different_ones_are_refused(text):
     with pytest.raises(InputError, match=r"--over: .*such as chains=2,3,4"):
         options.second_field(text)
+
+
+def test_no_quantity_is_refused_by_the_function(tmp_path):
+    with pytest.raises(InputError, match=r"^where: 0 entries given"):
+        granchain.threshold(CHAIN, {}, {}, tmp_path / "new")
+    assert not list(tmp_path.iterdir())

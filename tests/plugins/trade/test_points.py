@@ -23,14 +23,14 @@ from workflow.plugins.trade.points import (
     pareto,
     sentences,
 )
-from workflow.plugins.trade.settings import RANKS, Setting, Truth
+from workflow.plugins.trade.settings import RANKS, EngineSetting, Truth
 
 OWN = problem()
 
 
 def by_step(*steps, method="LAMMPS verlet"):
     """Settings of so many steps; their effort."""
-    return [Setting(method, 1.0 / n, replace(OWN, timestep=1.0 / n, steps_per_frame=n, frames=1)) for n in steps]
+    return [EngineSetting(method, 1.0 / n, replace(OWN, timestep=1.0 / n, steps_per_frame=n, frames=1)) for n in steps]
 
 
 class Machine:
@@ -125,7 +125,7 @@ def test_progress_counts_to_its_total_also_where_calls_are_left_out():
 
 
 def point(error, seconds, step=1.0, first=1e6):
-    return MeasuredSetting(Setting("LAMMPS verlet", step, OWN), {"velocity": error}, [first, seconds], first)
+    return MeasuredSetting(EngineSetting("LAMMPS verlet", step, OWN), {"velocity": error}, [first, seconds], first)
 
 
 def law(steps, power, factor=1.0):
@@ -165,7 +165,7 @@ def test_two_steps_have_an_order_without_an_error_and_one_has_none():
 
 
 def test_settings_that_are_no_steps_have_no_order():
-    ranks = [MeasuredSetting(Setting(RANKS, count, OWN), {"velocity": 0.01 * count}, [1.0]) for count in (1, 2)]
+    ranks = [MeasuredSetting(EngineSetting(RANKS, count, OWN), {"velocity": 0.01 * count}, [1.0]) for count in (1, 2)]
     assert Findings(OWN, points=ranks).orders() == []
 
 

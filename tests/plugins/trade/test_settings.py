@@ -109,7 +109,10 @@ def test_a_window_has_the_errors_of_all_rows_near_the_front(tmp_path):
     own = problem(beads=100, frames=1000)
     truth = make_truth(own, tmp_path, seconds=HANGS)
     found = []
-    for setting in [*of_method(choices.settings(own), "LAMMPS window"), choices.Setting("LAMMPS verlet", 0.0, own)]:
+    for setting in [
+        *of_method(choices.settings(own), "LAMMPS window"),
+        choices.EngineSetting("LAMMPS verlet", 0.0, own),
+    ]:
         choices.run(setting, tmp_path)
         found.append(truth.errors(recording.blocks([tmp_path / file_names.DUMP], setting.problem)))
     assert len(found) >= 2

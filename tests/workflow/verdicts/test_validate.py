@@ -13,7 +13,7 @@ from stock_lammps import scene
 from analysis.compare.difference import Deviation
 from analysis.files.recording import Writer
 from lammps_inputs import Kick, file_names, find
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run
@@ -192,7 +192,7 @@ def test_a_directory_that_cannot_be_validated_ends_in_one_line_and_exit_code_2(c
     if case == "no dump":
         (directory.path / file_names.DUMP).unlink()
     else:
-        deck.write(SCENE.model_copy(update={"beads": 41}), directory.path)
+        scene_files.write(SCENE.model_copy(update={"beads": 41}), directory.path)
     assert words in refusal(["validate", directory.path], capsys)
     assert not (directory.path / REPORT).exists()
 

@@ -251,7 +251,7 @@ class _Parameters:
 
 def _one_number(law: Any) -> tuple[str, ...]:
     """Parameters of a law that are one number for all links, also for lines without links."""
-    return law.one_number if isinstance(law, laws.WithOneNumber) else ()
+    return law.one_number if hasattr(law, "one_number") else ()
 
 
 def _relative(apart: str) -> tuple[str, str]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import InputError, Scene, file_names, library
-from lammps_inputs.decks import deck as scene_deck
+from lammps_inputs.decks import scene_files
 from workflow.errors import RunError
 from workflow.plugins.adopt import differences, evaluate
 from workflow.plugins.adopt.chains import TIME, Measured, NotMeasuredError
@@ -262,7 +262,7 @@ def _beside(workplace: Workplace, scene: Scene, measured: Measured, steps: int) 
         raise InputError(f"{executed.commands[-1].place}: {evaluate.explained(executed.error)}")
     folder = workplace.folder / "scene"
     folder.mkdir()
-    scene_deck.write(scene, folder)
+    scene_files.write(scene, folder)
     options = [("steps", str(compared)), ("every", str(every)), ("thermo", str(compared))]
     error = workplace.lammps(folder / file_names.DECK, folder / file_names.LOG, folder, options)
     if error:

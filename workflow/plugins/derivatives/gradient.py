@@ -20,7 +20,7 @@ from workflow.plugins.derivatives.motion import DerivativesOfMotion
 from workflow.plugins.derivatives.varied_scene import JUMP, VariedScene
 from workflow.runs.engines import ENGINES
 from workflow.runs.files import write_text
-from workflow.runs.output_directory import claim
+from workflow.runs.output_directory import record_files
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar
 from workflow.study_kit import scene_quantities
@@ -214,6 +214,6 @@ def with_derivatives(
         raise InputError(f"--gradient: {directory.path} is a run of rigid beads, which has no derivatives")
     derivatives = tuple(gradient(directory.scene.plain(), quantities, by, str(directory.path)))
     analysis = analyse()
-    claim(directory.path, [GRADIENT])
+    record_files(directory.path, [GRADIENT])
     write_text(directory.path / GRADIENT, csv_text([asdict(derivative) for derivative in derivatives]))
     return replace(analysis, tables=(*analysis.tables, GRADIENT), derivatives=derivatives)

@@ -110,7 +110,7 @@ class DrawnAtoms:
 
 
 def _atoms(request: ExportRequest) -> DrawnAtoms:
-    return DrawnAtoms(request.directory.problem, radii(request.directory.scene))
+    return DrawnAtoms(request.directory.problem, radii(request.directory.scene.setting))
 
 
 # --- OVITO ------------------------------------------------------------------------------------------------------------

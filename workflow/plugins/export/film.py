@@ -105,7 +105,7 @@ def _pictures(request: ExportRequest, name: str) -> Iterator[Picture]:
     recorded = round(spacetime.until / problem.every) + 1
     count = min(max(2, round(options.seconds * options.rate)), recorded)
     wanted = np.round(np.linspace(0, recorded - 1, count)).astype(int)
-    stage = _Stage(problem, spacetime, radii(directory.scene), options.pixels)
+    stage = _Stage(problem, spacetime, radii(directory.scene.setting), options.pixels)
     started, done, read = perf_counter(), 0, 0
     with count_bar(name) as progress:
         for block in directory.blocks():

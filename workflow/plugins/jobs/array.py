@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, file_names, library, load
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.errors import RunError
 from workflow.plugins.jobs import job, job_files
 from workflow.plugins.jobs.ranks import with_ranks
@@ -16,7 +16,7 @@ from workflow.prepare.settings import settle
 from workflow.runs.engines import LAMMPS
 from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text
 from workflow.runs.job import Job
-from workflow.runs.output_directory import claim, listed, retire
+from workflow.runs.output_directory import listed, record_files
 from workflow.runs.status import cluster_queue, status
 from workflow.screen import count_bar
 from workflow.sweep.file import Sweep, SweepCase, scene_of
@@ -82,8 +82,7 @@ def write_array(definition: Sweep, directory: Path, options: JobOptions) -> Writ
         place = {name: number for number, line in enumerate(lines) for name in line}
         tasks = [place[case.name] for case in todo]
         files = job.render_array(options, lines, name=small[0].name, tasks=tasks, directory=directory)
-        claim(directory, (*files, job_files.OUTPUT))
-        retire(directory, set(SCRIPTS).difference(files))
+        record_files(directory, (*files, job_files.OUTPUT), outdated=SCRIPTS)
         for name, text in files.items():
             write_text(directory / name, text)
     return WrittenSweep(len(cases), len(tasks), len(under_way), options.ranks, len(lines))
@@ -148,12 +147,12 @@ def _write_case(path: Path, wanted: Asked, source: str, scheduler: Scheduler) ->
         _write_deck(path, wanted, scene, source)
         written = load(path / file_names.SCENE)
     problem = written.problem()
-    for name, text in deck.render(written, problem).items():
+    for name, text in scene_files.render(written, problem).items():
         if not (path / name).is_file() or (path / name).read_bytes() != text.encode("utf-8"):  # damaged
             write_text(path / name, text)
-    retire(path, listed(path).difference(LAMMPS_FILES, JOB_FILES))  # of a run that did not end here
     files = job.case_files(problem, scheduler)
-    claim(path, JOB_FILES)
+    of_another_run = listed(path).difference(LAMMPS_FILES)  # one that did not end here
+    record_files(path, JOB_FILES, outdated=of_another_run)
     write_json(path / RECORD, Job(files=sorted(listed(path)), request=wanted.plain()).plain())
     for name, text in files.items():
         write_text(path / name, text)
@@ -162,8 +161,8 @@ def _write_case(path: Path, wanted: Asked, source: str, scheduler: Scheduler) ->
 
 def _write_deck(path: Path, wanted: Asked, scene: Scene, source: str) -> None:
     settled, _ = settle(scene, source=source)
-    files = deck.render(settled)
+    files = scene_files.render(settled)
     begin(path, wanted, scene)
-    claim(path, LAMMPS_FILES)
+    record_files(path, LAMMPS_FILES)
     for name, text in files.items():
         write_text(path / name, text)

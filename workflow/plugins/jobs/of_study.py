@@ -15,7 +15,7 @@ from workflow.plugins.jobs.job import render_command
 from workflow.plugins.jobs.options import add_job_arguments, job_options
 from workflow.plugins.jobs.registry import SCRIPTS
 from workflow.runs.files import write_text
-from workflow.runs.output_directory import claim, make_directory, retire
+from workflow.runs.output_directory import make_directory, record_files
 from workflow.screen import CommandResult
 
 Command = Callable[[argparse.Namespace], CommandResult]
@@ -50,8 +50,7 @@ class StudyJob:
         text = render_command(options, name, words, cores=cores, jobs=jobs, directory=directory)
         scheduler = options.of_scheduler
         make_directory(directory)
-        claim(directory, (scheduler.script, job_files.OUTPUT))
-        retire(directory, set(SCRIPTS).difference([scheduler.script]))
+        record_files(directory, (scheduler.script, job_files.OUTPUT), outdated=SCRIPTS)
         write_text(directory / scheduler.script, text)
         print(f"`{scheduler.by_hand}` in {directory} submits the job; {job_files.OUTPUT} holds its output")
         return CommandResult(0, {"job": str(directory / scheduler.script)})

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -49,7 +49,7 @@ def _drives(system: System) -> list[Any]:
 def at_period(problem: Problem, period: float) -> Problem:
     """The problem with all drives of another period, in units of T."""
     omega, system = 2.0 * math.pi / period, problem.system
-    loads = tuple(replace(load, law=load.law._replace(omega=omega)) for load in system.loads)  # type: ignore[attr-defined]
+    loads = tuple(replace(load, law=cast(Sine, load.law)._replace(omega=omega)) for load in system.loads)
     motions = tuple(replace(prescribed, omega=omega) for prescribed in system.motions)
     return replace(problem, system=replace(system, loads=loads, motions=motions))
 
@@ -99,8 +99,8 @@ def linear_response(problem: Problem) -> tuple[Floats, Floats]:
     force, prescribed_motion = np.zeros((2, *mass.shape), dtype=complex)
     offset = np.zeros(mass.shape)
     for load in system.loads:
-        _, _, phase = load.law
-        force[load.chain - 1, load.bead - 1] += load.law.peak * np.exp(1j * phase)  # type: ignore[attr-defined]
+        peak, _, phase = cast(Sine, load.law)
+        force[load.chain - 1, load.bead - 1] += peak * np.exp(1j * phase)
     for prescribed in system.motions:
         place = prescribed.chain - 1, prescribed.bead - 1
         prescribed_motion[place] = prescribed.amplitude * np.exp(1j * prescribed.phase)

@@ -56,7 +56,7 @@ from workflow.plugins.modes.tables import (
     StateLine,
 )
 from workflow.runs.files import write_bytes, write_text
-from workflow.runs.output_directory import retire
+from workflow.runs.output_directory import record_files
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, print_records, to_csv
@@ -175,7 +175,8 @@ def _write(directory: Path, result: ModesResult, chosen: Sequence[tuple[BranchOf
     if result.branches:
         tables[STATES] = to_csv(StateLine, result.states(), scale)
         tables[BIFURCATIONS] = to_csv(BifurcationLine, result.bifurcations(), scale)
-    retire(directory, set(STUDY.files).difference(tables, (ARRAYS, DECKS, STUDY.cache)))  # of an earlier start
+    earlier = set(STUDY.files).difference((ARRAYS, DECKS, STUDY.cache))
+    record_files(directory, tables, outdated=earlier)
     STUDY.write(directory, tables, figures(result))
     write_bytes(directory / ARRAYS, _arrays(result))
     for branch, number in chosen:

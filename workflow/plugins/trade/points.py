@@ -11,7 +11,7 @@ import numpy as np
 from analysis.quantity import declare, result
 from lammps_inputs import Problem
 from workflow.errors import RunError
-from workflow.plugins.trade.settings import LAMMPS, REFERENCE, WINDOW, Interval, Setting, Truth
+from workflow.plugins.trade.settings import LAMMPS, REFERENCE, WINDOW, EngineSetting, Interval, Truth
 
 
 @dataclass
@@ -27,7 +27,7 @@ class MeasuredSetting:
         pooled: time that the setting shares with others of its method, see `pool`; None where it shares none.
     """
 
-    setting: Setting
+    setting: EngineSetting
     errors: dict[str, float] = field(default_factory=dict)
     calls: list[float] = field(default_factory=list)
     first: float = 0.0
@@ -71,9 +71,9 @@ class TrialLimits:
 
 
 def measure(
-    settings: Sequence[Setting],
-    run: Callable[[Setting], float],
-    errors: Callable[[Setting], dict[str, float]],
+    settings: Sequence[EngineSetting],
+    run: Callable[[EngineSetting], float],
+    errors: Callable[[EngineSetting], dict[str, float]],
     limits: TrialLimits,
     follow: Callable[[Points, int, int], None] = lambda *_: None,
 ) -> list[MeasuredSetting]:
@@ -139,7 +139,7 @@ def _mean(points: Points) -> float:
     return statistics.fmean(statistics.median(point.repeats) for point in points)
 
 
-def _expected(setting: Setting, points: Points) -> float:
+def _expected(setting: EngineSetting, points: Points) -> float:
     """Estimated time of a setting, in s, in proportion to that of its engine's setting with the next smaller effort."""
     smaller = [
         point

@@ -37,7 +37,7 @@ from workflow.runs.engines import write_frames
 
 
 @dataclass(frozen=True)
-class Setting:
+class EngineSetting:
     """One setting of an engine.
 
     Attributes:
@@ -80,7 +80,7 @@ class Setting:
         return self.forces * self.problem.rows / self.problem.beads / min(self.ranks, 2)
 
 
-def run(setting: Setting, directory: Path) -> float:
+def run(setting: EngineSetting, directory: Path) -> float:
     """Run a setting in a directory, where its files replace those of the previous setting.
 
     Returns:
@@ -125,10 +125,10 @@ LAMMPS = "LAMMPS "
 RANKS, WINDOW, REFERENCE = f"{LAMMPS}ranks", f"{LAMMPS}window", "reference blanes-moan"
 
 
-def settings(problem: Problem) -> list[Setting]:
+def settings(problem: Problem) -> list[EngineSetting]:
     """All settings to measure for a problem with the scene's frames and time step; its own time step is among them."""
     by_reference = [
-        Setting(REFERENCE, variant.timestep, variant) for variant in stepped(problem, FINEST["blanes-moan"])
+        EngineSetting(REFERENCE, variant.timestep, variant) for variant in stepped(problem, FINEST["blanes-moan"])
     ]
     if deck.refusal(problem.system):
         return by_reference
@@ -138,10 +138,10 @@ def settings(problem: Problem) -> list[Setting]:
         several = stepped(replace(problem, scheme=name), FINEST[name], schemes.cycle(name))
         several += [problem] * (name == "verlet" and problem.timestep not in [variant.timestep for variant in several])
         several.sort(key=lambda variant: -variant.timestep)
-        by_lammps += [Setting(LAMMPS + name, variant.timestep, variant) for variant in several]
+        by_lammps += [EngineSetting(LAMMPS + name, variant.timestep, variant) for variant in several]
     most_ranks = 1 if mpi.launcher() is None else min(MOST_RANKS, mpi.cores(), problem.beads)
-    ranks = [Setting(RANKS, 2**power, problem, ranks=2**power) for power in range(1, most_ranks.bit_length())]
-    window = [Setting(WINDOW, rows, replace(problem, window=rows)) for rows in windows(problem)]
+    ranks = [EngineSetting(RANKS, 2**power, problem, ranks=2**power) for power in range(1, most_ranks.bit_length())]
+    window = [EngineSetting(WINDOW, rows, replace(problem, window=rows)) for rows in windows(problem)]
     return [*by_lammps, *by_reference, *ranks, *window]
 
 

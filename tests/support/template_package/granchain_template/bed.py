@@ -5,7 +5,7 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import Field
 
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient, SceneContext
+from lammps_inputs.ingredients.base import Ingredient, Setting
 from lammps_inputs.laws import Parameter, dimensionless, formula
 from lammps_inputs.links import Ground
 from lammps_inputs.units import Dimension, Unit
@@ -47,6 +47,6 @@ class Bed(Ingredient):
     quintic: Annotated[float, Field(gt=0), Unit("N/m5")]
     """Force over the fifth power of the displacement."""
 
-    def links(self, scene: SceneContext) -> tuple[Ground, ...]:
+    def links(self, setting: Setting) -> tuple[Ground, ...]:
         """One spring at each bead."""
-        return (Ground("bed", dimensionless(Quintic(self.quintic), scene.scale)),)
+        return (Ground("bed", dimensionless(Quintic(self.quintic), setting.scale)),)

@@ -12,7 +12,7 @@ from processes import wait_until, working_in
 from stock_lammps import scene
 
 from lammps_inputs import Kick, file_names, physics
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import scene_files
 from workflow.engines.lammps import engine, mpi
 from workflow.engines.lammps.worker import fault
 from workflow.errors import RunError
@@ -38,7 +38,7 @@ def failure(directory, ranks=1, case=SCENE, **options):
 
 def failure_of(old, new, directory, ranks=1):
     """The same for the deck with a change."""
-    deck.write(SCENE, directory)
+    scene_files.write(SCENE, directory)
     path = directory / file_names.DECK
     text = path.read_text()
     assert old in text
@@ -90,7 +90,7 @@ def test_an_error_that_one_rank_alone_sees_is_told(ranks, tmp_path):
 
 @pytest.mark.slow
 def test_a_missing_deck_is_told(tmp_path):
-    deck.write(SCENE, tmp_path)
+    scene_files.write(SCENE, tmp_path)
     (tmp_path / file_names.DECK).unlink()
     assert f"Cannot open input script {file_names.DECK}" in failure(tmp_path)
 
@@ -141,7 +141,7 @@ def limit_files(pid):
 
 
 def test_a_killed_process_is_told_with_its_signal_and_the_last_step(tmp_path):
-    deck.write(LONG, tmp_path)
+    scene_files.write(LONG, tmp_path)
     message = failure(tmp_path, case=LONG, progress=to_workers(tmp_path, kill))
     assert re.fullmatch(r"LAMMPS was killed by signal SIGKILL after step \d+\.", message)
 
@@ -150,7 +150,7 @@ def test_a_killed_process_is_told_with_its_signal_and_the_last_step(tmp_path):
 @pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 @pytest.mark.parametrize("which", [min, max])
 def test_a_killed_rank_ends_the_other_and_is_told(which, tmp_path):
-    deck.write(LONG, tmp_path)
+    scene_files.write(LONG, tmp_path)
     ranks = []
 
     def kill_one(pid):
@@ -174,7 +174,7 @@ def test_a_killed_run_is_recorded_as_failed_and_its_frames_are_kept(tmp_path):
 
 @pytest.mark.slow
 def test_frames_that_cannot_be_written_fail_the_run(tmp_path):
-    deck.write(LONG, tmp_path)
+    scene_files.write(LONG, tmp_path)
     message = failure(tmp_path, case=LONG, progress=to_workers(tmp_path, limit_files))
     assert message.startswith("LAMMPS: ERROR on proc 0: Error writing dump frames: File too large")
 

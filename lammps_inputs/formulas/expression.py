@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs.laws import derivation
+from lammps_inputs.formulas import derivation
 
 Floats = NDArray[np.float64]
 

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from lammps_inputs import engine_limits
 from lammps_inputs.deck_lines import BeadLayout, DeckLines, LinksAcross, atoms_by_value, whole_contacts
-from lammps_inputs.laws import Parameter, Pure, expression, formula
-from lammps_inputs.laws.expression import SQUARE, STRAIN, Derived
+from lammps_inputs.formulas import expression
+from lammps_inputs.formulas.expression import SQUARE, STRAIN, Derived
+from lammps_inputs.laws import Parameter, Pure, formula
 from lammps_inputs.laws.spring import driven_back
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension

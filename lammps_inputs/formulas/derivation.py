@@ -1,7 +1,7 @@
 """Stiffness and energy of a force that is a formula, by sympy; a program of its own, which imports nothing of ours.
 
 It reads a request from standard input and writes one line of JSON for each thing found, the fast ones first: sympy may
-never find an energy, and is stopped after some time (`lammps_inputs.laws.expression.derived`).
+never find an energy, and is stopped after some time (`lammps_inputs.formulas.expression.derived`).
 """
 
 import ast

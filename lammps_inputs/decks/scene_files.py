@@ -1,0 +1,32 @@
+"""Files of a scene: its deck, and the scene itself with every default written out."""
+
+from pathlib import Path
+
+from lammps_inputs import file_names, strict_yaml
+from lammps_inputs.decks import deck
+from lammps_inputs.ingredients.registry import NEEDED, NEEDS
+from lammps_inputs.problem import Problem
+from lammps_inputs.scene import Scene
+
+
+def render(scene: Scene, problem: Problem | None = None) -> dict[str, str]:
+    """File name -> text of everything LAMMPS needs, and the scene itself; the problem is the scene's.
+
+    Raises:
+        ValueError: the scene ends at a bead, not at a time (see `Scene.problem`).
+    """
+    problem = scene.problem() if problem is None else problem
+    return {file_names.SCENE: render_scene(scene), **deck.files_of(problem)}
+
+
+def render_scene(scene: Scene) -> str:
+    """The text of ``scene.yaml``, every default written out; comments name modules that its ingredients need."""
+    plain = scene.resolved().plain()
+    needed = dict.fromkeys(NEEDS[key] for key in plain if key in NEEDS)
+    return "".join(f"{NEEDED}{words}\n" for words in needed) + strict_yaml.dump(plain)
+
+
+def write(scene: Scene, directory: Path) -> None:
+    """Write the deck of a scene into an existing directory."""
+    for name, content in render(scene).items():
+        (directory / name).write_text(content, encoding="utf-8", newline="\n")
