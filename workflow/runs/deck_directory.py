@@ -62,5 +62,6 @@ def write_deck(
     beside = {} if further is None else further(settled)
     files = scene_files.render(settled) | {name: text for name, text in beside.items() if text is not None}
     refuse_to_overwrite(source, directory)
-    with prepared(directory, files, (*LAMMPS_FILES, *beside), overwrite=overwrite):
+    names = (*LAMMPS_FILES, *beside)
+    with prepared(directory, files, names, overwrite=overwrite):
         return WrittenDeck(settled, step, tuple(files))

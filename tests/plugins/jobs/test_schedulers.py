@@ -105,7 +105,7 @@ def test_a_job_of_grid_engine_asks_for_every_option_once():
     assert grid_engine_requests(command)[1:] == ["-l h_rt=24:00:00 -pe smp 6"]
 
 
-@pytest.mark.parametrize("name", sorted(schedulers.SCHEDULERS.keys() - {"slurm"}))
+@pytest.mark.parametrize("name", sorted(SCHEDULERS.keys() - {"slurm"}))
 def test_a_job_is_at_most_sixty_three_lines_of_shell_beside_its_requests_and_comments(name):
     options = JobOptions(scheduler=name, modules=("gcc", "lammps"), array_limit=3, **ALL)
     script = job.render_array(options, ["a", "b"])[options.of_scheduler.script]
@@ -235,7 +235,7 @@ NEXT_TASK = {"pbs": "18[].master.site", "sge": "18.2-2:1"}
 
 def test_every_scheduler_but_slurm_has_its_answers_here():
     """A new one needs a line in NEXT, NEXT_TASK and `Shell.environment`; Slurm runs in `test_slurm.py`."""
-    assert NEXT.keys() == NEXT_TASK.keys() == schedulers.SCHEDULERS.keys() - {"slurm"}
+    assert NEXT.keys() == NEXT_TASK.keys() == SCHEDULERS.keys() - {"slurm"}
 
 
 @pytest.mark.slow
