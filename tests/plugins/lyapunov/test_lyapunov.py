@@ -7,9 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from analysis.figures import exponents as exponents_figure
 from workflow.cli import main
-from workflow.plugins.lyapunov import growth
+from workflow.plugins.lyapunov import figure, growth
 from workflow.plugins.lyapunov.study import Exponent, GrowthOfRun, combined
 from workflow.study_kit.linearised import problem_of
 
@@ -23,7 +22,7 @@ CHAOTIC = {
 }
 DRAG = 0.1
 
-draw_exponents = exponents_figure.draw
+draw_exponents = figure.draw
 
 
 def exponents(scene, count, duration, refinement=1):
@@ -117,7 +116,7 @@ def test_exponents_of_the_size_of_their_uncertainty_or_of_regular_motion_are_bou
 def test_table_text_figure_and_data_say_that_regular_motion_has_no_exponent(tmp_path, capsys, monkeypatch):
     scene, out, drawn = tmp_path / "scene.yaml", str(tmp_path / "out"), []
     scene.write_text(json.dumps(CHAOTIC | {"kick": {"bead": 4, "velocity": 1e-4}}))
-    monkeypatch.setattr(exponents_figure, "draw", lambda *parts: drawn.append(parts) or draw_exponents(*parts))
+    monkeypatch.setattr(figure, "draw", lambda *parts: drawn.append(parts) or draw_exponents(*parts))
     words = ["lyapunov", str(scene), "--exponents", "2", "--duration", "2000", "-o", out]
     assert main(words) == 0
     printed = capsys.readouterr().out

@@ -323,8 +323,8 @@ def _estimates(spectrum: LyapunovResult) -> list[RunningEstimate]:
 
 
 def _figure(spectrum: LyapunovResult) -> "Figure":
-    from analysis.figures.exponents import Convergence, draw  # matplotlib takes half a second to import
-    from analysis.figures.style import title
+    from analysis.figures import style  # matplotlib takes half a second to import
+    from workflow.plugins.lyapunov import figure
 
     scale, usual = spectrum.problem.scale, growth.usual_step(spectrum.problem)
     lines = []
@@ -332,14 +332,14 @@ def _figure(spectrum: LyapunovResult) -> "Figure":
         step = scale.written(usual / run.refinement, "time", ".3g")
         name = f"step {step}, start {'nearby' if run.start else 'of the scene'}"
         exponent = scale.measured(run.growth[:, 0] / run.time, "rate")
-        lines.append(Convergence(name, scale.measured(run.time, "time"), exponent))
+        lines.append(figure.Convergence(name, scale.measured(run.time, "time"), exponent))
     results = [(exponent.exponent, exponent.uncertainty, exponent.bound) for exponent in spectrum.exponents]
     values, errors, bounds = (
         scale.measured(np.array([math.nan if number is None else number for number in part]), "rate")
         for part in zip(*results, strict=True)
     )
     unit = Label("exponent", r"\lambda", scale.symbol("rate")), Label("time", "t", scale.symbol("time"))
-    return draw(lines, values, errors, bounds, unit, title(spectrum.problem))
+    return figure.draw(lines, values, errors, bounds, unit, style.title(spectrum.problem))
 
 
 def seconds(problem: Problem, exponents: int, duration: float) -> float:

@@ -141,8 +141,8 @@ def _largest(problem: Problem, data: dict[str, Any]) -> tuple[int, int]:
 
 
 def _figure(curve: ResponseResult) -> "Figure":
-    from analysis.figures import periodic_states  # matplotlib takes half a second to import
-    from analysis.figures.style import title
+    from analysis.figures import style  # matplotlib takes half a second to import
+    from workflow.plugins.modes import branch_figures
 
     scale, lines, changes = curve.problem.scale, curve.responses(), curve.bifurcations()
 
@@ -166,7 +166,7 @@ def _figure(curve: ResponseResult) -> "Figure":
         Label(f"largest speed of bead {curve.place[1]} of chain {curve.place[0]}", "", scale.symbol("velocity")),
     )
     stable = np.array([line.stable == "yes" for line in lines])
-    return periodic_states.response_figure(points(lines), stable, marked, labels, title(curve.problem))
+    return branch_figures.response_figure(points(lines), stable, marked, labels, style.title(curve.problem))
 
 
 # --- command ----------------------------------------------------------------------------------------------------------

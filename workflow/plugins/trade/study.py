@@ -207,7 +207,7 @@ def report(findings: Findings) -> dict[str, Any]:
 
 
 def _figure(findings: Findings, truth: Truth) -> "Figure":
-    from analysis.figures.errors import work_precision_figure  # matplotlib takes a while to import
+    from workflow.plugins.trade.figure import work_precision_figure  # matplotlib takes a while to import
 
     methods: dict[str, list[dict[str, Any]]] = {}
     for record in records(findings):

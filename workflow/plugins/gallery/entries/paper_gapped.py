@@ -14,7 +14,6 @@ from functools import cache
 
 import numpy as np
 
-from analysis.figures.engines import EngineCurve, PublishedPoint, engines_figure, relative_mode_figure, scan_figure
 from analysis.files.events import Collisions
 from analysis.sharing import impulses
 from analysis.sharing.impulses import Impulses, relative_difference
@@ -26,6 +25,13 @@ from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines import collisions
 from workflow.engines.reference import engine as reference
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
+from workflow.plugins.gallery.engines_figure import (
+    EngineCurve,
+    PublishedPoint,
+    engines_figure,
+    relative_mode_figure,
+    scan_figure,
+)
 from workflow.plugins.gallery.entry import Entry, Results, Statements
 from workflow.study_kit.page import PageFigure, drawn
 
