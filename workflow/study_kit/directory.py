@@ -32,16 +32,11 @@ import numpy as np
 
 from analysis import quantity
 from analysis.trajectory import Floats
-from lammps_inputs import InputError, Scene, file_names
-from lammps_inputs.scene import DEFAULT_ACCURACY
 from lammps_inputs.units import DIMENSIONLESS, Scale
 from workflow.formats import figure_files
 from workflow.runs import job
-from workflow.runs.engines import ENGINES
 from workflow.runs.files import alone, write_figure, write_text
 from workflow.runs.output_directory import claim, make_directory
-from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar, print_table
 from workflow.workers.evaluate import Computation, StoredResults, values
 from workflow.workers.pool import Pool
@@ -206,51 +201,3 @@ def floats(values: Sequence[Any]) -> Floats:
 
 def _unbounded(value: Any) -> Any:
     return str(value) if isinstance(value, float) and math.isinf(value) else value
-
-
-# --- runs -------------------------------------------------------------------------------------------------------------
-
-
-def kept_run(scene: Scene, engine: str, path: Path) -> RunDirectory:
-    """Run a scene, or take the run that an earlier start finished.
-
-    Args:
-        scene: the scene.
-        engine: name of the engine.
-        path: run directory.
-
-    Raises:
-        RunError: the run failed.
-    """
-    finished = _finished(path, scene, engine)
-    if finished is not None:
-        return finished
-    done = run(scene, path, engine=engine, overwrite=True)
-    if done.outcome != "done":
-        raise KeyboardInterrupt
-    return done.directory
-
-
-def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
-    """An earlier run of just this scene that came to its end."""
-    if not (path / file_names.SCENE).is_file():
-        return None
-    directory = RunDirectory(path)
-    job = directory.job
-    checked = ENGINES[engine].errors(job) is not None or not ENGINES[engine].deforms
-    done = checked and job.outcome == "done" and job.engine == engine
-    return directory if done and _is_of(directory, scene) else None
-
-
-def _is_of(directory: RunDirectory, scene: Scene) -> bool:
-    """Whether a run is of this scene, with a time step for the same accuracy where the scene names none."""
-    settings, chosen_keys = directory.job.settings, set()
-    if scene.timestep is None and ENGINES[directory.engine].own_step:
-        if settings is None or settings.accuracy != (scene.accuracy or DEFAULT_ACCURACY):
-            return False
-        chosen_keys = {"accuracy", "timestep"}
-    try:
-        run_keys, scene_keys = (either.resolved().plain() for either in (directory.scene, scene))
-    except InputError:  # damaged
-        return False
-    return all(run_keys.get(key) == scene_keys.get(key) for key in {*run_keys, *scene_keys} - chosen_keys)

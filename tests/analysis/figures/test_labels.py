@@ -16,7 +16,7 @@ from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figur
 from analysis.figures.forces import force_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
 from analysis.figures.spectra import dispersion_figure, spectra_figure
-from analysis.figures.studies import Objective, front_figure, history_figure, logarithmic
+from analysis.figures.studies import logarithmic
 from analysis.figures.style import CHAIN_COLOURS, head, new_figure, shown_chains, title
 from analysis.figures.waves import distance_figure, response_figure, shape_figure
 from analysis.files.traces import Channel, Traces
@@ -30,7 +30,6 @@ from analysis.sharing.equipartition import Sharing
 from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, physics
-from lammps_inputs.units import Label
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
@@ -214,24 +213,6 @@ def test_samples_from_before_the_peak_are_drawn_ahead_of_it():
         assert np.array(ahead) == pytest.approx(solitary_wave().speed_at(1.0) * np.array([1.0, 0.0, -1.0]))
         assert velocity == pytest.approx(np.array([0.3, 0.2, 0.1]) / chain)
     assert below.get_lines()[1].get_ydata()[1] == pytest.approx(0.2 - 1.0)
-
-
-@pytest.mark.parametrize(("sign", "best"), [(1.0, [3.0, 3.0, 1.0, 1.0]), (-1.0, [3.0, 3.0, 3.0, 5.0])])
-def test_the_best_so_far_is_the_smallest_or_largest_of_what_keeps_the_limits(sign, best):
-    (axis,) = history_figure(Objective(Label("force", "", "N"), sign, 4.0), np.array([3.0, np.nan, 1.0, 5.0])).axes
-    lines = {line.get_label(): line for line in axis.get_lines()}
-    assert lines["best so far"].get_ydata().tolist() == best
-    assert lines["best so far"].get_xdata().tolist() == [1, 2, 3, 4]
-    assert set(lines["set against"].get_ydata()) == {4.0}
-    assert axis.get_ylabel() == "force (N)"
-
-
-def test_each_front_is_of_what_its_legend_says():
-    force, mass = np.array([1.0, 2.0, 3.0, 4.0]), np.array([5.0, 3.0, 9.0, 6.0])
-    (axis,) = front_figure(Objective(Label("force"), 1.0, None), force, Label("mass"), mass).axes
-    lines = {line.get_label(): line for line in axis.get_lines()}
-    assert lines["front to the left"].get_xydata().tolist() == [[3.0, 2.0], [5.0, 1.0]]
-    assert lines["front to the right"].get_xydata().tolist() == [[5.0, 1.0], [9.0, 3.0]]
 
 
 # --- places -----------------------------------------------------------------------------------------------------------

@@ -9,7 +9,6 @@ from small_problems import problem, written_down
 from synthetic_waves import of_keys
 
 from analysis import motion
-from analysis.figures.studies import front
 from analysis.gauges.far_end import FarEnd
 from analysis.gauges.gauge import at_frames, far_wall
 from analysis.trajectory import watch
@@ -50,11 +49,6 @@ def test_the_far_wall_is_the_one_that_the_blow_goes_to_and_feels_all_chains(side
     assert found.wall_force == pytest.approx(force.sum(axis=1).max(), rel=1e-3)
     assert found.wall_force_chain == pytest.approx(force.max(), rel=1e-3)
     assert found.delay == pytest.approx(run.time[force.sum(axis=1).argmax()], abs=0.02)
-
-
-def test_a_front_is_what_nothing_else_betters_in_both():
-    one, other = np.array([1.0, 2.0, 2.0, 3.0, 4.0]), np.array([5.0, 6.0, 3.0, 3.0, 1.0])
-    assert front(one, other).tolist() == [0, 2, 4]
 
 
 @pytest.mark.slow

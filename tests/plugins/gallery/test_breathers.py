@@ -9,7 +9,7 @@ from lammps_inputs import library
 from workflow.plugins.gallery.entries import breathers, periodic
 from workflow.plugins.gallery.entry import Ran, chain
 from workflow.plugins.modes.linear import linear_modes
-from workflow.study_kit.directory import kept_run
+from workflow.study_kit.kept_run import kept_run
 from workflow.study_kit.linearised import problem_of
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")

@@ -33,9 +33,10 @@ from workflow.plugins.design.result import DesignResult, Verified, sensitivity
 from workflow.plugins.design.search import RULED_OUT, Compute, DesignRecord, computed, search, worth
 from workflow.runs.files import as_json
 from workflow.screen import CommandResult, one_line, print_files, print_table
-from workflow.study_kit.directory import Study, csv_text, kept_run
+from workflow.study_kit.directory import Study, csv_text
 from workflow.study_kit.gradient import gradient as derivatives
 from workflow.study_kit.gradient import why_no_derivative
+from workflow.study_kit.kept_run import kept_run
 from workflow.study_kit.options import add_jobs, add_output, as_job, example_file, interrupted
 from workflow.study_kit.scene_quantities import by_reference, of_frames, scene_to_run
 from workflow.sweep import fields

@@ -26,7 +26,7 @@ def csv(request: ExportRequest) -> Writers:
 
 def numbers(request: ExportRequest) -> Writers:
     """Numbers behind every figure of a run, a file of CSV for each panel, and a table of their captions."""
-    from analysis.figures.numbers import captions, panels  # matplotlib takes half a second to import
+    from workflow.plugins.export.figure_numbers import captions, panels  # matplotlib takes half a second to import
 
     texts, rows = {}, []
     for name, figure in request.figures.items():

@@ -27,7 +27,7 @@ from analysis.trajectory import Floats, Trajectory, watch
 from lammps_inputs import library
 from workflow.runs.engines import ENGINES as KNOWN_ENGINES
 from workflow.runs.run_directory import RunDirectory
-from workflow.study_kit.directory import kept_run
+from workflow.study_kit.kept_run import kept_run
 from workflow.study_kit.page import PageFigure, Section, Statement, drawn
 
 ENGINES = ("lammps", "reference")

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures.numbers import panels
+from workflow.plugins.export.figure_numbers import panels
 
 TIME, SPEED = np.array([0.0, 1.0, 2.0]), np.array([3.0, np.nan, 5.0])
 
