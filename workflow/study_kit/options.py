@@ -4,13 +4,13 @@ import argparse
 import contextlib
 import sys
 import textwrap
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from lammps_inputs import InputError, complaints, file_names, strict_yaml
+from lammps_inputs import InputError, file_names, strict_yaml
 from lammps_inputs.units import Label
 from workflow.plugins.jobs.job import render_command
 from workflow.plugins.jobs.site import JobOptions
@@ -35,23 +35,6 @@ def add_output(parser: argparse.ArgumentParser) -> None:
 def add_jobs(parser: argparse.ArgumentParser, words: str = "scenes at a time (default all cores)") -> None:
     """Add the option for the number of worker processes; None by default."""
     parser.add_argument("--jobs", metavar="N", type=within(int, 1, 1024), help=words)
-
-
-def add_parts(parser: argparse.ArgumentParser, names: Iterable[str]) -> None:
-    """Add arguments for the parts of a study, of these names; all by default."""
-    parser.add_argument("parts", metavar="PART", nargs="*", help=f"of {', '.join(names)} (default all)")
-
-
-def refuse_unknown_parts(command: str, parts: Iterable[str], names: Collection[str]) -> None:
-    """Refuse what is no part of a study.
-
-    Raises:
-        InputError: a part is not among the names.
-    """
-    for name in parts:
-        if name not in names:
-            hint = complaints.suggestion(name[:60], names)
-            raise InputError(f"{command}: {name[:60]!r} given{hint}; of {', '.join(names)}")
 
 
 def within(kind: type[int] | type[float], low: float, high: float) -> Callable[[str], float]:

@@ -8,8 +8,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from lammps_inputs import InputError, html
-from lammps_inputs.complaints import suggestion
+from lammps_inputs import InputError, complaints, html
 from workflow.checked import checked
 from workflow.plugins.gallery.criteria import RULE
 from workflow.plugins.gallery.entries import ENTRIES, GROUPS
@@ -17,7 +16,6 @@ from workflow.screen import CommandResult, count_bar, one_line, print_files, pri
 from workflow.study_kit import page
 from workflow.study_kit.directory import Study
 from workflow.workers import evaluate
-from workflow.workers.pool import Task
 
 PAGE = "index.html"
 FOLDER = "entries"
@@ -102,7 +100,7 @@ def _chosen(names: Sequence[str], argument: str = "ENTRY") -> list[str]:
     for name in names:
         if name not in ENTRIES and name not in GROUPS:
             names_and_groups = (*GROUPS, *ENTRIES)
-            hint = suggestion(name, names_and_groups)
+            hint = complaints.suggestion(name, names_and_groups)
             raise InputError(f"{argument}: {name!r} is no entry{hint}; entries are {', '.join(names_and_groups)}")
     chosen = {entry for name in names for entry in GROUPS.get(name, (name,))}
     return [name for name in ENTRIES if name in chosen or not names]
@@ -110,10 +108,7 @@ def _chosen(names: Sequence[str], argument: str = "ENTRY") -> list[str]:
 
 def _side_by_side(names: Sequence[str], folder: Path, progress: evaluate.Progress | None) -> dict[str, page.Section]:
     """Run entries in parallel: name -> section; each entry uses runs of an earlier start again."""
-    cases = [
-        evaluate.Computation(name, Task(f"{__name__}:run_entry", {"name": name, "folder": str(folder)}))
-        for name in names
-    ]
+    cases = [evaluate.case(f"{__name__}:run_entry", {"name": name, "folder": str(folder)}, key=name) for name in names]
     sections = {}
     for name, answer in evaluate.evaluate(cases, progress=progress).items():
         section = None if answer.failed else page.kept(folder / name)

@@ -35,7 +35,7 @@ from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, print_records, to_csv
 from workflow.study_kit.linearised import problem_of
-from workflow.workers.evaluate import Computation, case
+from workflow.workers import evaluate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -270,7 +270,7 @@ def duration_of(problem: Problem, exponents: int, duration: float | None) -> flo
 
 def _case(
     scene: dict[str, Any], source: str, exponents: int, refinement: int, start: int, duration: float
-) -> Computation:
+) -> evaluate.Computation:
     arguments = {
         "plain": scene,
         "source": source,
@@ -279,7 +279,7 @@ def _case(
         "start": start,
         "duration": duration,
     }
-    return case("workflow.plugins.lyapunov.growth:computed", arguments, cost=float(refinement))
+    return evaluate.case("workflow.plugins.lyapunov.growth:computed", arguments, cost=float(refinement))
 
 
 def combined(runs: list[GrowthOfRun]) -> list[Exponent]:

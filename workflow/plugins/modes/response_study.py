@@ -24,7 +24,7 @@ from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, print_records, to_csv
 from workflow.study_kit.linearised import problem_of
-from workflow.workers.evaluate import case
+from workflow.workers import evaluate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -103,7 +103,9 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
         "bisections": BISECTIONS,
     }
     with STUDY.evaluating(directory) as values:
-        [data] = values([case("workflow.plugins.modes.response:computed", arguments, cost=1.0)], of=1 + sweeping)
+        [data] = values(
+            [evaluate.case("workflow.plugins.modes.response:computed", arguments, cost=1.0)], of=1 + sweeping
+        )
         curve = ResponseResult(problem, request.place or _largest(problem, data), data, [])
         _write(directory, curve)  # before LAMMPS, which may fail
         if sweeping and data["states"]:
@@ -115,7 +117,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
                 "energy": energy,
                 "decay": driven.slowest_decay(problem, source),
             }
-            [sweep] = values([case("workflow.plugins.modes.lammps_sweep:computed", sweep_arguments, cost=1.0)])
+            [sweep] = values([evaluate.case("workflow.plugins.modes.lammps_sweep:computed", sweep_arguments, cost=1.0)])
             curve = replace(curve, sweep=sweep)
             _write(directory, curve)
     return curve

@@ -60,7 +60,7 @@ from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, print_records, to_csv
 from workflow.study_kit.linearised import problem_of
-from workflow.workers.evaluate import Computation, case
+from workflow.workers import evaluate
 
 MODES, STATES, BIFURCATIONS, LAMMPS = "modes.csv", "states.csv", "bifurcations.csv", "lammps.csv"
 ARRAYS, DECKS = "states.npz", "decks"
@@ -185,7 +185,7 @@ def _write(directory: Path, result: ModesResult, chosen: Sequence[tuple[BranchOf
 
 def _branch_case(
     scene: dict[str, Any], source: str, linear: LinearModes, mode: int, request: ModesRequest
-) -> Computation:
+) -> evaluate.Computation:
     arguments = {
         "plain": scene,
         "source": source,
@@ -195,10 +195,12 @@ def _branch_case(
         "energies": list(request.energies),
         "bisections": BISECTIONS,
     }
-    return case("workflow.plugins.modes.branches:computed", arguments, cost=1.0 / float(linear.frequency[mode]))
+    return evaluate.case(
+        "workflow.plugins.modes.branches:computed", arguments, cost=1.0 / float(linear.frequency[mode])
+    )
 
 
-def _check_case(scene: dict[str, Any], source: str, branch: BranchOfMode, number: int) -> Computation:
+def _check_case(scene: dict[str, Any], source: str, branch: BranchOfMode, number: int) -> evaluate.Computation:
     state = branch.states[number - 1]
     arguments = {
         "plain": scene,
@@ -207,7 +209,7 @@ def _check_case(scene: dict[str, Any], source: str, branch: BranchOfMode, number
         "state": state,
         "steps": branch.data["steps"],
     }
-    return case("workflow.plugins.modes.lammps_check:computed", arguments, cost=state["period"])
+    return evaluate.case("workflow.plugins.modes.lammps_check:computed", arguments, cost=state["period"])
 
 
 def _checked(branches: Sequence[BranchOfMode], most: int | None) -> list[tuple[BranchOfMode, int]]:
