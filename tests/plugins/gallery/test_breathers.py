@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from lammps_inputs import library
+from workflow.engines.reference import tangent
 from workflow.plugins.gallery.entries import breathers, periodic
 from workflow.plugins.gallery.entry import Ran, chain
 from workflow.plugins.modes.linear import linear_modes
 from workflow.study_kit.kept_run import kept_run
-from workflow.study_kit.linearised import problem_of
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
 
@@ -27,7 +27,7 @@ def test_the_light_beads_mode_is_the_highest_of_a_chain_beside_a_bead_at_rest():
     plain = chain(
         30, 1.0, precompression=periodic.LOAD, walls={"left": "bead", "right": "rigid"}, name="light", **light
     )
-    highest = linear_modes(problem_of(plain, "light"), "light").frequency[-1]
+    highest = linear_modes(tangent.problem_of(plain, "light"), "light").frequency[-1]
     assert periodic._defect_frequency() == pytest.approx(highest, rel=1e-9)
     assert periodic.CUT_OFF < periodic.DRIVE < highest
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from workflow.cli import main
+from workflow.engines.reference import tangent
 from workflow.plugins.lyapunov import figure, growth
 from workflow.plugins.lyapunov.study import Exponent, GrowthOfRun, combined
-from workflow.study_kit.linearised import problem_of
 
 CHAOTIC = {
     "name": "small",
@@ -35,7 +35,7 @@ def test_deviations_of_a_chain_with_drag_decay_at_half_of_its_coefficient():
     # near rest each mode is an oscillator with x'' + gamma x' + omega^2 x = 0, omega > gamma / 2
     scene = CHAOTIC | {"damping": {"beads": DRAG}, "kick": {"velocity": 0.01}}
     values, errors = exponents(scene, 24, 1000)
-    time = problem_of(scene, "scene").scale.time
+    time = tangent.problem_of(scene, "scene").scale.time
     # an interval of 2 pi / omega adds the ratio of lengths along an ellipse, omega^2, at its ends only
     assert np.allclose(values / time, -0.5 * DRAG, rtol=0.0, atol=2e-3)
     assert np.all(errors < 2e-3)

@@ -31,7 +31,6 @@ from workflow.plugins.design.file import Design
 from workflow.plugins.design.polish import polished, refuse_no_gradient, smooth
 from workflow.plugins.design.result import DesignResult, Verified, sensitivity
 from workflow.plugins.design.search import RULED_OUT, Compute, DesignRecord, computed, search, worth
-from workflow.runs.files import as_json
 from workflow.screen import CommandResult, one_line, print_files, print_table
 from workflow.study_kit.directory import Study, csv_text
 from workflow.study_kit.gradient import gradient as derivatives
@@ -127,7 +126,7 @@ def carry_out(design: Design, directory: Path, jobs: int | None = None, *, gradi
         slopes = gradient_at(best_scene.plain(), design) if gradient else []
         timed = [record.seconds for record in records if design.objective in record.quantities]
         result = DesignResult(design, records, verified, beside, small, sum(timed) / len(timed), slopes)
-        study.write(directory, {REPORT: as_json(result.plain()) + "\n"})
+        study.write(directory, {REPORT: result.plain()})
         from workflow.plugins.design.report import page  # matplotlib takes half a second to import
 
         study.write(directory, {PAGE: page(result)})

@@ -30,7 +30,7 @@ from workflow.plugins.extremes.cells import PARTS, ReportRun, grid, refuse_unkno
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import print_files
-from workflow.study_kit.directory import Study, print_records, to_csv
+from workflow.study_kit.directory import Study
 from workflow.verdicts.validate import TOLERANCES
 from workflow.workers import evaluate
 
@@ -312,7 +312,7 @@ def carry_out(parts: Sequence[str], directory: Path | None, *, quick: bool) -> l
         results = values(plan(chosen), failed=lambda result: bool(result.failed) or result.value["kind"] == "WRONG")
         outcomes = [RunOutcome(**value) for value in results]
         if directory is not None:
-            STUDY.write(directory, {TABLE: to_csv(RunOutcome, outcomes)})
+            STUDY.write(directory, {TABLE: (RunOutcome, outcomes)})
     return outcomes
 
 
@@ -338,7 +338,7 @@ def execute(arguments: argparse.Namespace) -> int:
     """Run what is missing, print a table; exit code 1 if a cell is silently wrong."""
     outcomes = carry_out(arguments.parts, arguments.output, quick=arguments.quick)
     title = "largest error of any velocity (V), against a more accurate reference"
-    print_records(title, RunOutcome, outcomes)
+    STUDY.print_records(title, RunOutcome, outcomes)
     for outcome in outcomes:
         if outcome.kind in ("REFUSED", "STOPPED", "WRONG"):
             print(f"{outcome.kind} {outcome.axis} {outcome.value}: {outcome.why}")

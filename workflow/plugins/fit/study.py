@@ -31,7 +31,6 @@ from workflow.formats import figure_files
 from workflow.plugins.fit.estimate import FitResult, estimate
 from workflow.plugins.fit.model import NO_SCENE, Model, aligned, squares
 from workflow.plugins.fit.result import Fit, InLammps, judged
-from workflow.runs.files import as_json
 from workflow.runs.run import run
 from workflow.screen import CommandResult, one_line, print_files, print_table
 from workflow.study_kit.directory import Study
@@ -132,7 +131,7 @@ def carry_out(model: Model, directory: Path, *, lammps: bool = True) -> Fit:
             result = replace(result, lammps=_in_lammps(model, estimated, directory / LAMMPS))
         STUDY.write(
             directory,
-            {REPORT: as_json(result.plain()) + "\n"},
+            {REPORT: result.plain()},
             {FIGURE: _figure(model, estimated, rejected=result.fits is False)},
         )
     return result

@@ -11,11 +11,11 @@ import numpy as np
 
 from analysis.trajectory import Flags, Floats
 from lammps_inputs import Problem
+from workflow.engines.reference import tangent
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_most
 from workflow.plugins.modes import branches, lammps_check
 from workflow.plugins.modes.linear import LinearModes, centre, linear_modes
 from workflow.plugins.modes.tables import BranchOfMode
-from workflow.study_kit.linearised import problem_of
 
 POINTS, BISECTIONS = 100, 6
 COMPUTED = "computed"
@@ -64,7 +64,7 @@ class PeriodicFamily(BranchOfMode):
 def follow(plain: dict[str, Any], mode: int, energy: float) -> PeriodicFamily:
     """The branch of a linear mode of a scene, counted from 0, or from the last one at -1, up to an energy."""
     name = str(plain["name"])
-    problem = problem_of(plain, name)
+    problem = tangent.problem_of(plain, name)
     linear = linear_modes(problem, name)
     number = mode % len(linear.frequency)
     data = branches.computed(plain, name, number, energy, POINTS, [], BISECTIONS)

@@ -33,8 +33,7 @@ from workflow.formats import figure_files
 from workflow.plugins.lyapunov import growth
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
-from workflow.study_kit.directory import Study, print_records, to_csv
-from workflow.study_kit.linearised import problem_of
+from workflow.study_kit.directory import Study
 from workflow.workers import evaluate
 
 if TYPE_CHECKING:
@@ -226,7 +225,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, exponents: int, d
         InputError: the scene cannot be linearised, or the directory cannot be used.
         RunError: a process was killed.
     """
-    problem = problem_of(scene, source)
+    problem = tangent.problem_of(scene, source)
     plans = list(itertools.product(REFINEMENTS, STARTS))
     with STUDY.evaluating(directory) as values:
         answers = values([_case(scene, source, exponents, *plan, duration) for plan in plans])
@@ -236,13 +235,12 @@ def study(scene: dict[str, Any], source: str, directory: Path, exponents: int, d
         ]
         accuracy = scene.get("accuracy") or DEFAULT_ACCURACY
         spectrum = LyapunovResult(problem, runs, combined(runs), duration, accuracy)
-        scale = problem.scale
-        tables = {
-            TABLE: to_csv(Exponent, spectrum.exponents, scale),
-            RUNS: to_csv(RunExponent, _of_runs(spectrum), scale),
-            CONVERGENCE: to_csv(RunningEstimate, _estimates(spectrum), scale),
+        tables: dict[str, Any] = {
+            TABLE: (Exponent, spectrum.exponents),
+            RUNS: (RunExponent, _of_runs(spectrum)),
+            CONVERGENCE: (RunningEstimate, _estimates(spectrum)),
         }
-        STUDY.write(directory, tables, {FIGURE: _figure(spectrum)})
+        STUDY.write(directory, tables, {FIGURE: _figure(spectrum)}, problem.scale)
     return spectrum
 
 
@@ -387,7 +385,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     name = arguments.scene
     scene = library.find(name)
     plain_scene = scene.plain()
-    problem = problem_of(plain_scene, name)
+    problem = tangent.problem_of(plain_scene, name)
     duration = duration_of(problem, arguments.exponents, arguments.duration)
     print_heading(scene.name, scene.units)
     print(f"four runs are computed, in about {seconds(problem, arguments.exponents, duration):.2g} s")
@@ -396,7 +394,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     except KeyboardInterrupt:
         return options.interrupted()
     if len(spectrum.exponents) > 1:
-        print_records("exponents", Exponent, spectrum.exponents, problem.scale)
+        STUDY.print_records("exponents", Exponent, spectrum.exponents, problem.scale)
     for line in spectrum.sentences():
         print(line)
     print_files(arguments.output, (TABLE, RUNS, CONVERGENCE, *figure_files(FIGURE)))

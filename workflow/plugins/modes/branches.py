@@ -11,12 +11,12 @@ import numpy as np
 
 from analysis import motion
 from lammps_inputs import Problem
+from workflow.engines.reference import tangent
 from workflow.plugins.modes import shooting
 from workflow.plugins.modes.continuation import Branch, Continuable, PeriodicState, halfway
 from workflow.plugins.modes.floquet import KINDS, Multipliers, multipliers
 from workflow.plugins.modes.linear import LinearModes, linear_modes, mass_of_atoms
 from workflow.plugins.modes.shooting import Shooting
-from workflow.study_kit.linearised import problem_of
 
 STEPS_PER_PERIOD = 40.0
 """Steps of the reference in a period of the fastest linear mode, at first."""
@@ -95,7 +95,7 @@ def computed(
         branch ends early; ``states`` in order, and ``bifurcations``, see `_state` and `_bifurcation`; ``motion``,
         displacements [time, line, bead] of the last state of the continuation, at even times up to half a period.
     """
-    problem = problem_of(plain, source)
+    problem = tangent.problem_of(plain, source)
     modes = linear_modes(problem, source)
     solver, branch, uncertainty = _resolved(problem, modes, mode, energy, points)
     stability = partial(multipliers, solver)

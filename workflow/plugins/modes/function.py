@@ -7,11 +7,11 @@ from typing import Annotated, TypedDict, Unpack
 
 from workflow.arguments import AnyScene, load, source_of
 from workflow.checked import Between, checked
+from workflow.engines.reference import tangent
 from workflow.plugins.modes import response_study
 from workflow.plugins.modes.response_tables import ResponseResult
 from workflow.plugins.modes.study import modes_of, requested, study
 from workflow.plugins.modes.tables import ModesResult
-from workflow.study_kit.linearised import problem_of
 
 _Energy = Annotated[float, Between(0.0, above=True)]
 _Number = Annotated[int, Between(1)]
@@ -79,7 +79,7 @@ def modes(
     chosen = {**defaults, **of_responses, "linear": linear, "no_lammps": not lammps, **options}
     arguments = argparse.Namespace(**chosen)
     plain, source = load(scene).plain(), source_of(scene)
-    problem = problem_of(plain, source)
+    problem = tangent.problem_of(plain, source)
     responses = response_study.requested(arguments, problem)
     if responses is not None:
         response_study.refuse_unusable(problem, source, responses)

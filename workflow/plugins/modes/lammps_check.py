@@ -20,12 +20,12 @@ from lammps_inputs.decks import deck
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import text
 from workflow.engines.lammps import engine
+from workflow.engines.reference import tangent
 from workflow.plugins.modes.branches import shooting_of
 from workflow.plugins.modes.continuation import PeriodicState
 from workflow.plugins.modes.floquet import monodromy
 from workflow.plugins.modes.linear import free_atoms, linear_modes
 from workflow.plugins.modes.shooting import Shooting
-from workflow.study_kit.linearised import problem_of
 
 STEPS = 800
 """Steps of LAMMPS in a period, at least; the second run has twice as many."""
@@ -98,7 +98,7 @@ def computed(plain: dict[str, Any], source: str, mode: int, state: dict[str, Any
         state; ``growth`` and ``fitted``, its standard error, for both, and ``predicted``, rates in 1 / T of an unstable
         state; None where it is not measured.
     """
-    problem = problem_of(plain, source)
+    problem = tangent.problem_of(plain, source)
     period, x = float(state["period"]), np.array(state["x"])
     count = steps_per_period(problem, period)
     growth = math.log(state["largest"]) if not state["stable"] else 0.0

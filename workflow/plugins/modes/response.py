@@ -38,7 +38,6 @@ from workflow.plugins.modes.continuation import (
 )
 from workflow.plugins.modes.driven import at_period, linear_response, moving_atoms
 from workflow.plugins.modes.floquet import Multipliers
-from workflow.study_kit.linearised import problem_of
 
 SAMPLES = 64
 """Times in a period at which the motion is sampled; the number of steps is a multiple of it."""
@@ -185,7 +184,7 @@ def computed(
         ``steps`` in a period; ``uncertainty``, largest relative change of frequencies by twice the steps (`DIGITS`);
         ``why`` the branch ends early; ``states`` in order, see `_state`, and ``bifurcations``, see `_change`.
     """
-    problem = problem_of(plain, source)
+    problem = tangent.problem_of(plain, source)
     solver, branch, uncertainty = _resolved(problem, periods, points)
     along = [Point(float(k), "branch", state, solver.multipliers(state)) for k, state in enumerate(branch.states)]
     turns = [direction.period for direction in branch.directions]

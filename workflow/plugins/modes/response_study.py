@@ -16,14 +16,14 @@ from analysis.trajectory import Floats
 from lammps_inputs import InputError, Problem, Scene
 from lammps_inputs.decks import deck
 from lammps_inputs.units import Label
+from workflow.engines.reference import tangent
 from workflow.formats import figure_files
 from workflow.plugins.modes import driven
 from workflow.plugins.modes.linear import MOST_FREE
 from workflow.plugins.modes.response_tables import ResponseBifurcation, ResponseLine, ResponseResult, SweepLine
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
-from workflow.study_kit.directory import Study, print_records, to_csv
-from workflow.study_kit.linearised import problem_of
+from workflow.study_kit.directory import Study
 from workflow.workers import evaluate
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
         InputError: the directory cannot be used.
         RunError: LAMMPS failed, and the curve is written; or a process was killed.
     """
-    problem = problem_of(scene, source)
+    problem = tangent.problem_of(scene, source)
     sweeping = bool(request.steps) and not deck.refusal(problem.system)
     arguments = {
         "plain": scene,
@@ -125,13 +125,12 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
 
 def _write(directory: Path, curve: ResponseResult) -> None:
     """Write tables, and the figure where there are responses."""
-    scale = curve.problem.scale
-    tables = {
-        RESPONSES: to_csv(ResponseLine, curve.responses(), scale),
-        BIFURCATIONS: to_csv(ResponseBifurcation, curve.bifurcations(), scale),
-        SWEEP: to_csv(SweepLine, curve.steps(), scale),
+    tables: dict[str, Any] = {
+        RESPONSES: (ResponseLine, curve.responses()),
+        BIFURCATIONS: (ResponseBifurcation, curve.bifurcations()),
+        SWEEP: (SweepLine, curve.steps()),
     }
-    STUDY.write(directory, tables, {FIGURE: _figure(curve)} if curve.data["states"] else {})
+    STUDY.write(directory, tables, {FIGURE: _figure(curve)} if curve.data["states"] else {}, curve.problem.scale)
 
 
 def _largest(problem: Problem, data: dict[str, Any]) -> tuple[int, int]:
@@ -226,7 +225,7 @@ def requested(arguments: argparse.Namespace, problem: Problem) -> ResponseReques
 def execute(arguments: argparse.Namespace, scene: Scene, request: ResponseRequest) -> CommandResult:
     """Print the responses; exit code 1 where there are none, 130 when interrupted."""
     plain_scene, name = scene.plain(), arguments.scene
-    refuse_unusable(problem_of(plain_scene, name), name, request)
+    refuse_unusable(tangent.problem_of(plain_scene, name), name, request)
     print_heading(scene.name, scene.units)
     try:
         curve = study(plain_scene, name, arguments.output, request)
@@ -237,7 +236,7 @@ def execute(arguments: argparse.Namespace, scene: Scene, request: ResponseReques
         ("changes of stability", ResponseBifurcation, curve.bifurcations()),
         ("LAMMPS, sweep of the frequency", SweepLine, curve.steps()),
     ):
-        print_records(title, kind, records, scale)
+        STUDY.print_records(title, kind, records, scale)
     for sentence in curve.sentences():
         print(sentence)
     if request.steps and (why := deck.refusal(curve.problem.system)):

@@ -35,6 +35,7 @@ import numpy as np
 
 from lammps_inputs import InputError, Problem, library, physics
 from lammps_inputs.decks import deck
+from workflow.engines.reference import tangent
 from workflow.formats import figure_files
 from workflow.plugins.modes import lammps_check, response_study
 from workflow.plugins.modes.drawing import FIGURES, figures
@@ -54,12 +55,10 @@ from workflow.plugins.modes.tables import (
     ModesResult,
     StateLine,
 )
-from workflow.runs.files import write_bytes, write_text
-from workflow.runs.output_directory import retire
+from workflow.runs.files import write_text
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
-from workflow.study_kit.directory import Study, print_records, to_csv
-from workflow.study_kit.linearised import problem_of
+from workflow.study_kit.directory import Study
 from workflow.workers import evaluate
 
 MODES, STATES, BIFURCATIONS, LAMMPS = "modes.csv", "states.csv", "bifurcations.csv", "lammps.csv"
@@ -151,7 +150,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: ModesReq
         InputError: the scene has no such modes, or the directory cannot be used.
         RunError: LAMMPS failed, and all but its table is written; or a process was killed.
     """
-    problem = problem_of(scene, source)
+    problem = tangent.problem_of(scene, source)
     linear = modes_of(problem, source, linear_only=not request.modes)
     with STUDY.evaluating(directory) as values:
         computed = values([_branch_case(scene, source, linear, mode, request) for mode in request.modes])
@@ -164,20 +163,18 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: ModesReq
             _lammps_line(branch, number, value) for (branch, number), value in zip(chosen, values(cases), strict=True)
         ]
         if lines:
-            STUDY.write(directory, {LAMMPS: to_csv(LammpsLine, lines, problem.scale)})
+            STUDY.write(directory, {LAMMPS: (LammpsLine, lines)}, scale=problem.scale)
     return replace(result, checks=lines)
 
 
 def _write(directory: Path, result: ModesResult, chosen: Sequence[tuple[BranchOfMode, int]]) -> None:
     """Write tables, arrays and figures, and decks that start on chosen states, given by their numbers."""
-    scale = result.problem.scale
-    tables = {MODES: to_csv(LinearMode, result.modes(), scale)}
+    tables: dict[str, Any] = {MODES: (LinearMode, result.modes())}
     if result.branches:
-        tables[STATES] = to_csv(StateLine, result.states(), scale)
-        tables[BIFURCATIONS] = to_csv(BifurcationLine, result.bifurcations(), scale)
-    retire(directory, set(STUDY.files).difference(tables, (ARRAYS, DECKS, STUDY.cache)))  # of an earlier start
-    STUDY.write(directory, tables, figures(result))
-    write_bytes(directory / ARRAYS, _arrays(result))
+        tables[STATES] = (StateLine, result.states())
+        tables[BIFURCATIONS] = (BifurcationLine, result.bifurcations())
+    STUDY.remove_all_but(directory, (*tables, ARRAYS, DECKS))  # of an earlier start
+    STUDY.write(directory, {**tables, ARRAYS: _arrays(result)}, figures(result), result.problem.scale)
     for branch, number in chosen:
         name = f"mode-{branch.mode + 1}-state-{number}"
         _write_deck(result.problem, directory / DECKS / name, branch.states[number - 1])
@@ -359,7 +356,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     name = arguments.scene
     scene = library.find(name)
     plain_scene = scene.plain()
-    problem = problem_of(plain_scene, name)
+    problem = tangent.problem_of(plain_scene, name)
     request_of_responses = response_study.requested(arguments, problem)
     if request_of_responses is not None:
         return response_study.execute(arguments, scene, request_of_responses)
@@ -381,7 +378,7 @@ def _print(computed: ModesResult, request: ModesRequest) -> None:
     """Print tables of the modes that were followed, given energies, bifurcations and LAMMPS's runs, and sentences."""
     scale, numbers = computed.problem.scale, {mode + 1 for mode in request.modes}
     shown = [line for line in computed.modes() if not numbers or line.mode in numbers]
-    print_records("linear modes", LinearMode, shown, scale)
+    STUDY.print_records("linear modes", LinearMode, shown, scale)
     lines = computed.states()
     last = {branch.mode + 1: len(branch.states) for branch in computed.branches}
     ends = [line for line in lines if line.role == "energy" or line.state in (1, last[line.mode])]
@@ -390,7 +387,7 @@ def _print(computed: ModesResult, request: ModesRequest) -> None:
         ("changes of stability", BifurcationLine, computed.bifurcations()),
         ("LAMMPS", LammpsLine, computed.checks),
     ):
-        print_records(title, kind, records, scale)
+        STUDY.print_records(title, kind, records, scale)
     for sentence in computed.sentences():
         print(sentence)
     if request.lammps != 0 and (why := deck.refusal(computed.problem.system)):

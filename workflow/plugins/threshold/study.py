@@ -23,7 +23,7 @@ from workflow.formats import figure_files
 from workflow.plugins.threshold.crossings import Crossing, SearchedField, crossings, wanted
 from workflow.screen import CommandResult, cell, one_line, print_files, print_table
 from workflow.study_kit import options
-from workflow.study_kit.directory import Study, floats, to_csv
+from workflow.study_kit.directory import Study, floats
 from workflow.study_kit.scene_quantities import case, heading, label, refuse_unknown
 from workflow.sweep import fields
 from workflow.sweep.collect import UNCERTAINTIES
@@ -217,7 +217,7 @@ def carry_out(question: Question, directory: Path, jobs: int | None = None) -> T
             ],
             refused,
         )
-        tables = {TABLE: to_csv(Threshold, result.thresholds), POINTS: to_csv(ComputedPoint, result.points)}
+        tables: dict[str, Any] = {TABLE: (Threshold, result.thresholds), POINTS: (ComputedPoint, result.points)}
         STUDY.write(directory, tables, {FIGURE: _figure(result)})
     return result
 
