@@ -4,6 +4,7 @@ LAMMPS reports neither for these chains. The budget is the energy input, where i
 source: in units of m V**2, from frames of all beads. The energy exchanged between frames is in their ``exchange``.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -172,6 +173,20 @@ def _stored(system: System, x: Floats, v: Floats) -> dict[str, Floats]:
     kinds = (system.along, system.couplings, physics.ground_springs(system), physics.walls(system))
     stored = [sum((link.energy(x).sum(axis=(-2, -1)) for link in links), np.zeros(len(x))) for links in kinds]
     return dict(zip(STORED, [kinetic, *stored, resonators], strict=True))
+
+
+class FrameAccountant(ABC):
+    """Gives blocks of frames, from the first of a run on, the energy that they have exchanged.
+
+    Attributes:
+        uncertainty: of that energy, in units of m V**2, over the frames so far.
+    """
+
+    uncertainty: float
+
+    @abstractmethod
+    def of(self, block: Trajectory) -> Trajectory:
+        """The next frames, with their exchange."""
 
 
 class Conservation:

@@ -7,6 +7,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.trajectory import Floats, Integers, Trajectory
+from lammps_inputs.facts import Fact
 from lammps_inputs.links import Along
 
 
@@ -20,13 +21,12 @@ class LabelledArray(NamedTuple):
     """Key of `lammps_inputs.units.SI`; empty for numbers without a unit."""
 
 
-def dataset(block: Trajectory, attributes: Mapping[str, Any] | None = None, *, deforms: bool = True) -> Any:
+def dataset(block: Trajectory, attributes: Mapping[str, Any] | None = None) -> Any:
     """Frames as an ``xarray.Dataset`` in the scene's units: SI, or reduced units.
 
     Args:
         block: frames, dimensionless.
         attributes: attributes of the dataset.
-        deforms: whether beads deform, so that contacts have overlaps and forces.
 
     Returns:
         The dataset, with the dimensions ``time``, ``chain`` and ``bead``; see `labelled` for its variables.
@@ -38,7 +38,7 @@ def dataset(block: Trajectory, attributes: Mapping[str, Any] | None = None, *, d
 
     scale = block.problem.scale
     variables: dict[str, Any] = {}
-    for name, (dimensions, values, long_name, quantity) in labelled(block, deforms=deforms).items():
+    for name, (dimensions, values, long_name, quantity) in labelled(block).items():
         labels = {"long_name": long_name}
         if quantity:
             values, labels["units"] = scale.measured(values, quantity), scale.symbol(quantity)
@@ -51,7 +51,7 @@ COORDINATES = ("time", "chain", "bead", "contact", "resonator", "end")
 """Variables that number a dimension of their name."""
 
 
-def labelled(block: Trajectory, *, deforms: bool = True) -> dict[str, LabelledArray]:
+def labelled(block: Trajectory) -> dict[str, LabelledArray]:
     """Coordinates and variables of frames by their names, dimensionless.
 
     - ``displacement`` and ``velocity`` [time, chain, bead]; of a window at all beads: NaN at those that it has left, 0
@@ -63,7 +63,6 @@ def labelled(block: Trajectory, *, deforms: bool = True) -> dict[str, LabelledAr
 
     Args:
         block: frames.
-        deforms: whether beads deform, so that contacts have overlaps and forces.
     """
     problem = block.problem
     if problem.window is not None:
@@ -77,7 +76,7 @@ def labelled(block: Trajectory, *, deforms: bool = True) -> dict[str, LabelledAr
         "displacement": LabelledArray(at_beads, block.displacement, "displacement along the chain", "length"),
         "velocity": LabelledArray(at_beads, block.velocity, "velocity along the chain", "velocity"),
     }
-    if problem.recorded is None and deforms:
+    if problem.recorded is None and problem.system.holds(Fact.OVERLAPS):
         arrays |= _of_contacts(block)
     if block.contact_state is not None:
         ends = np.arange(problem.beads + 1)

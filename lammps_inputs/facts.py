@@ -14,4 +14,5 @@ class Fact(Enum):
     FRONT = "what happens behind the leading pulse never reaches it again, so that a window may remove it"
     REVERSIBLE = "forces are smooth and depend on neither time nor velocity, so that a scheme may step back in time"
     FRAMES = "displacements and velocities of the beads determine the forces on them"
+    OVERLAPS = "contacts close by overlapping, with forces that follow from the overlaps"
     SONIC_VACUUM = "beads at rest carry no load and transmit no sound, so that pulses are exact solitary waves"

@@ -134,3 +134,10 @@ def mistaken(data: dict[str, Any], wanted: str) -> str:
         return ""
     command = "run" if kind == "scene" else kind
     return "" if kind == wanted else f"looks like a {kind}, not a {wanted}; `granchain {command} FILE -o DIR` takes it"
+
+
+def render_scene(scene: Scene) -> str:
+    """The text of ``scene.yaml``, every default written out; comments name modules that its ingredients need."""
+    plain = scene.resolved().plain()
+    needed = dict.fromkeys(NEEDS[key] for key in plain if key in NEEDS)
+    return "".join(f"{NEEDED}{words}\n" for words in needed) + strict_yaml.dump(plain)

@@ -5,6 +5,7 @@ Those of granchain itself are declared in its ``pyproject.toml`` like those of a
 - ``granchain.ingredients``: key of a scene = class derived from `lammps_inputs.ingredients.Ingredient`;
 - ``granchain.materials``: any name = dictionary from names to `lammps_inputs.materials.Solid`;
 - ``granchain.scenes``: any name = package in whose folder scenes stand as ``*.yaml``;
+- ``granchain.engines``: place in lists, and name = instance of `workflow.runs.engines.Engine`;
 - ``granchain.quantities``: place in the printed analysis, and name = class derived from
   `workflow.measures.base.Measurement`;
 - ``granchain.studies``: command = module with ``add_arguments``, ``execute`` and ``EXAMPLES``;
@@ -22,7 +23,7 @@ from lammps_inputs.errors import InputError
 DISTRIBUTION = "granchain"
 """Distribution whose parts come first."""
 
-NEEDED = ("ingredients", "materials", "scenes", "quantities")
+NEEDED = ("ingredients", "materials", "scenes", "engines", "quantities")
 """Kinds without which nothing works; studies and tools may be absent."""
 
 

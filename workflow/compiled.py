@@ -19,7 +19,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable
 from importlib.abc import InspectLoader
-from importlib.util import module_from_spec, spec_from_file_location, spec_from_loader
+from importlib.util import find_spec, module_from_spec, spec_from_file_location, spec_from_loader
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
@@ -28,6 +28,7 @@ import numba
 from numba.core import event
 from numba.core.dispatcher import Dispatcher
 
+from lammps_inputs import plugins
 from lammps_inputs.ingredients.registry import INGREDIENTS
 from workflow import processor_time, screen
 
@@ -39,8 +40,10 @@ _SOURCES = (
     "lammps_inputs/laws",
     "workflow/engines/lammps",
     "workflow/engines/reference",
-    "workflow/engines/collisions",
 )
+
+_COMPILES_NOTHING = "workflow.runs"
+"""Package that declares LAMMPS and the reference as engines."""
 
 
 def compiled(function: F, **options: Any) -> F:
@@ -155,7 +158,7 @@ class _Hint(event.Listener):
     def on_start(self, event: Any) -> None:
         """Print which engine is compiled, and how often that happens."""
         module = str(event.data["dispatcher"].py_func.__module__)
-        name = next((name for folder, name in _ENGINES.items() if module.startswith(folder)), None)
+        name = "the reference" if module.startswith(_WRITTEN) else _engine_of(module)
         if name is None or name in self._said:
             return
         self._said.add(name)
@@ -197,8 +200,6 @@ class _Compiling(event.Listener):
 
 _WRITTEN = "granchain_program_"
 """Start of the names of modules that are made from texts."""
-
-_ENGINES = {_WRITTEN: "the reference", "workflow.engines.collisions": "the engine of rigid beads"}
 
 _events: Any = event
 for _listener in (_Hint(), _Compiling()):
@@ -243,10 +244,30 @@ def fingerprint(sources: Iterable[tuple[str, bytes]]) -> str:
     return digest.hexdigest()
 
 
+def _engine_packages() -> dict[str, str]:
+    """Package of each engine that is a plug-in -> name of the engine's entry point."""
+    packages = {point.module.rpartition(".")[0]: name for name, point in plugins.declared("engines").items()}
+    return {package: name for package, name in packages.items() if package not in ("", _COMPILES_NOTHING)}
+
+
+def _engine_of(module: str) -> str | None:
+    """What the engine that a module belongs to is called in sentences; None where it belongs to none."""
+    package = module.rpartition(".")[0]
+    entry = _engine_packages().get(package)
+    return None if entry is None else str(plugins.load("engines", entry).title)
+
+
 def sources() -> list[tuple[str, bytes]]:
     """All that is ever compiled: laws, engines, and the modules of a user's own ingredients."""
     root = Path(__file__).parents[1]
     files = [file for folder in _SOURCES for file in sorted((root / folder).rglob("*.py"))]
+    files += [
+        file
+        for package in _engine_packages()
+        if (spec := find_spec(package)) is not None
+        for folder in spec.submodule_search_locations or ()
+        for file in sorted(Path(folder).rglob("*.py"))
+    ]
     ingredient_files = {inspect.getsourcefile(ingredient) for ingredient in INGREDIENTS.values()}
     files += sorted(Path(file) for file in ingredient_files if file and root not in Path(file).parents)
     return [

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from analysis.files.dump_layout import sizes
 from lammps_inputs import InputError, Problem, physics
 from lammps_inputs.numbers import size_text, time_text
 from workflow.plugins.jobs import site
@@ -30,9 +31,6 @@ PROCESS = 40_000_000
 
 LONE_RESTART, COUPLED_RESTART = 144, 190
 """Size in bytes a bead of a restart, of a single chain and of coupled chains."""
-
-HEADER = 154
-"""Size in bytes of the header of a frame."""
 
 REFERENCE_FORCE = 1e-9
 """Seconds of the reference integrator for the forces on a bead; measured: 0.7e-9 to 3e-9."""
@@ -95,11 +93,7 @@ def advised(problem: Problem, most_ranks: int) -> int:
 def cost(problem: Problem, ranks: int) -> Cost:
     """Cost of a run on a number of ranks, by the model."""
     beads = problem.chains * problem.rows
-    columns = 3 if problem.window is None else 4
-    frame = HEADER + 8.0 * columns * problem.chains * problem.rows_a_frame
-    frames = frame * (problem.frames + 1)
-    if problem.frames_per_snapshot is not None:
-        frames += (HEADER + 24.0 * beads) * (1 + problem.frames // problem.frames_per_snapshot)
+    frame, frames = sizes(problem)
     largest = math.ceil(problem.rows / ranks) * problem.chains
     fixed, bead = step_seconds(problem)
     step = fixed + bead * largest + MESSAGES * (ranks > 1)

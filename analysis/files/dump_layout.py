@@ -22,10 +22,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from lammps_inputs import Problem
+
 MAGIC = struct.pack("<q10s", -10, b"DUMPCUSTOM")
 STEP_AT = len(MAGIC) + 8
 BOX_AT = STEP_AT + 8 + 8 + 4 + 24
 PROBE_BYTES = 512
+HEADER = 154
+"""Size in bytes of the header of a frame that LAMMPS writes on one rank."""
+
 MAX_NAMES, _MAX_RANKS = 1 << 16, 1 << 22
 
 
@@ -43,6 +48,17 @@ class DumpLayout:
     def size(self) -> int:
         """Bytes of a frame, header included."""
         return self.header + 4 * self.chunks + 8 * self.atoms * len(self.columns)
+
+
+def sizes(problem: Problem) -> tuple[float, float]:
+    """Size of a frame, and of all frames and snapshots of a run, in bytes."""
+    columns = 3 if problem.window is None else 4
+    frame = HEADER + 8.0 * columns * problem.chains * problem.rows_a_frame
+    frames = frame * (problem.frames + 1)
+    if problem.frames_per_snapshot is not None:
+        snapshot = HEADER + 24.0 * problem.chains * problem.rows
+        frames += snapshot * (1 + problem.frames // problem.frames_per_snapshot)
+    return frame, frames
 
 
 def parse(raw: bytes) -> DumpLayout:

@@ -21,6 +21,7 @@ import numpy as np
 
 from analysis import hermite
 from analysis.gauges.gauge import (
+    PULSE,
     ContactCurve,
     ContactFrames,
     Gauge,
@@ -35,10 +36,6 @@ from analysis.sharing.run_error import MeasuredError
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
 from lammps_inputs import Problem
 from lammps_inputs.limits import rates
-
-PULSE = 0.01
-"""Share of its largest value, above the static one, from which a force is that of a pulse."""
-
 
 LARGEST_UNCERTAINTY = 0.05
 """Uncertainty beyond which a number is not stated: of a largest force, as a share of its excess over the static one; of

@@ -14,14 +14,15 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from analysis import hermite, motion
-from analysis.compare import common_times
-from analysis.files.traces import Channel
 from analysis.trajectory import Floats, Integers, Trajectory
-from lammps_inputs import Problem, System, laws, physics
+from lammps_inputs import System, laws, physics
 from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Wall
 
 Kind = Literal["wall", "contact", "sensor"]
+
+PULSE = 0.01
+"""Share of its largest value, above the static one, from which a force is that of a pulse."""
 
 
 @dataclass(frozen=True)
@@ -364,72 +365,3 @@ def excursion(time: Floats, values: Floats, at: float, level: float) -> tuple[fl
     start = crossing(time, values, int(before[-1]) + 1, level) if len(before) else -np.inf
     end = crossing(time, values, k + int(after[0]), level) if len(after) else np.inf
     return start, end
-
-
-# --- traces as they would have been measured --------------------------------------------------------------------------
-
-
-def complaint(channel: Channel, problem: Problem) -> str | None:
-    """Reason why a problem has no such channel; None if it has."""
-    beads = problem.beads
-    if not 1 <= channel.chain <= problem.chains:
-        return f"the scene has chains 1 to {problem.chains}"
-    if channel.kind == "wall":
-        side = "right" if channel.right else "left"
-        exists = any(gauge.side == side for gauge in gauges(problem.system, wall=True))
-        return None if exists else f"the scene has no {side} wall"
-    first, last = {"contact": (1, beads - 1), "sensor": (2, beads - 1)}.get(channel.kind, (1, beads))
-    return None if first <= channel.bead <= last else f"beads {first} to {last} of the scene have such"
-
-
-def beads_of(channels: tuple[Channel, ...], problem: Problem) -> tuple[int, ...]:
-    """Beads whose motion the channels follow from, ascending."""
-    beads: set[int] = set()
-    for channel in channels:
-        gauge = _gauge(channel, problem)
-        probes = () if gauge is None else gauge.probes
-        beads |= {bead for probe in probes for bead in (probe.behind, probe.ahead)} - {0} or {channel.bead}
-    return tuple(sorted(beads))
-
-
-def read(trajectory: Trajectory, channels: tuple[Channel, ...]) -> Floats:
-    """Dimensionless values at the frames, [frame, channel]; the beads of `beads_of` must be recorded."""
-    problem = trajectory.problem
-    readers = [(_gauge(channel, problem), channel) for channel in channels]
-    distinct = {gauge.name: gauge for gauge, _ in readers if gauge is not None}
-    force = dict(zip(distinct, np.moveaxis(at_frames(trajectory, tuple(distinct.values())), -1, 0), strict=True))
-    values = np.empty((trajectory.frames, len(channels)))
-    for column, (gauge, channel) in enumerate(readers):
-        if gauge is None:
-            motions = trajectory.velocity if channel.kind == "velocity" else trajectory.displacement
-            values[:, column] = motions[:, channel.chain - 1, trajectory.bead(channel.bead)]
-        else:
-            above = gauge.static[channel.chain - 1] if channel.dynamic else 0.0
-            values[:, column] = force[gauge.name][:, channel.chain - 1] - above
-    return values
-
-
-def read_at(run: Trajectory, channels: tuple[Channel, ...], times: Floats) -> Floats:
-    """Values at ascending times, both in the scene's units, [time, channel]; 0 before the start.
-
-    Raises:
-        InputError: times beyond the end of the run.
-    """
-    scale = run.problem.scale
-    worth = np.array([getattr(scale, channel.quantity) for channel in channels])
-    values = np.zeros((len(times), len(channels)))
-    started = times >= 0.0
-    if started.any():
-        values[started] = read(common_times.at_times(run, times[started] / scale.time), channels) * worth
-    return values
-
-
-def _gauge(channel: Channel, problem: Problem) -> Gauge | None:
-    """The gauge of a force; None of a motion."""
-    if channel.kind == "wall":
-        return next(gauge for gauge in gauges(problem.system, wall=True) if (gauge.side == "right") == channel.right)
-    if channel.kind == "contact":
-        return gauges(problem.system, contacts=(channel.bead,))[0]
-    if channel.kind == "sensor":
-        return gauges(problem.system, sensors=(channel.bead,))[0]
-    return None

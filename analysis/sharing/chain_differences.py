@@ -10,9 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.compare.difference import Deviation, DeviationPlace, deviation_of
-from analysis.files.events import Collisions
 from analysis.sharing.energies import EnergyFlow
-from analysis.sharing.impulses import ImpulseMeter, from_events
+from analysis.sharing.impulses import ImpulseMeter, Impulses
 from analysis.trajectory import Floats, Integers, Trajectory, along_the_way, direction_of
 from lammps_inputs import Problem
 
@@ -52,30 +51,28 @@ class ChainMeter:
         self._problem = problem
         self._impulses = ImpulseMeter(problem)
         self._flows = (EnergyFlow(problem), EnergyFlow(problem)) if problem.whole else None
-        self._last_time = 0.0
+        self.last_time = 0.0
 
     def add(self, first: Trajectory, second: Trajectory) -> None:
         """Take the next frames of both, at the same times."""
         blocks = first, second
         self._impulses.add(blocks[self._elastic])
-        self._last_time = float(first.time[-1])
+        self.last_time = float(first.time[-1])
         if self._flows is not None:
             for flow, block in zip(self._flows, blocks, strict=True):
                 flow.add(block)
 
-    def result(
-        self, collisions: Collisions, tolerance: float
-    ) -> tuple[dict[str, Deviation], tuple[ChainDifference, ...]]:
+    def result(self, rigid: Impulses, tolerance: float) -> tuple[dict[str, Deviation], tuple[ChainDifference, ...]]:
         """Deviations of all chains together, by ``impulse`` and ``share``, and each chain's.
 
         Args:
-            collisions: all collisions of the rigid beads.
+            rigid: impulses of the rigid beads until `last_time`.
             tolerance: largest difference of impulses that counts as agreement.
 
         Raises:
             ValueError: there was no frame.
         """
-        bead, impulse, time = self._impulses_apart(collisions)
+        bead, impulse, time = self._impulses_apart(rigid)
         share = self._shares_apart()
         deviations = {"impulse": _size(impulse), "share": _size(share)}
         if impulse.size:
@@ -99,7 +96,7 @@ class ChainMeter:
         )
         return deviations, chains
 
-    def _impulses_apart(self, collisions: Collisions) -> tuple[Integers, Floats, Floats]:
+    def _impulses_apart(self, rigid: Impulses) -> tuple[Integers, Floats, Floats]:
         """Rows in which a contact passed something on in both runs, in any chain, in the order of the pulse's way.
 
         Returns:
@@ -107,7 +104,6 @@ class ChainMeter:
             contacts, [chain, row], infinite where neither run has one.
         """
         problem, elastic = self._problem, self._impulses.result()
-        rigid = from_events(problem, collisions.until(self._last_time))
         bead, rows, rigid_rows = np.intersect1d(elastic.bead, rigid.bead, return_indices=True)
         bead = bead if direction_of(problem) > 0 else bead - 1
         position = along_the_way(problem, bead)

@@ -2,15 +2,13 @@
 
 Row n stands for the contact of bead n with bead n - 1, so the first row has none. In units of m V: a bead
 at rest leaves such a contact with its impulse as velocity; under a static load, of the force above that.
-Two sources, one result:
-
-- frames: the force is integrated between them along a polynomial of the overlap (`ImpulseMeter`);
-- collisions of rigid beads, whose impulse is the difference of the two velocities (`from_events`).
+The force is integrated between frames along a polynomial of the overlap (`ImpulseMeter`). An engine whose frames
+hold no overlaps gives the impulses itself.
 
 By them chains with gaps are compared (`compared_by_impulses`): a bead that flies freely exchanges its velocity with
 its neighbours in the other chains, so that the peak velocities of a row level out whatever it received.
 
-The error of the first follows from the momentum of all beads ahead, which grows by what passes a row (springs are
+The error of those of frames follows from the momentum of all beads ahead, which grows by what passes a row (springs are
 within a row and cancel): `Impulses.imbalance`.
 """
 
@@ -20,7 +18,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis import hermite, motion
-from analysis.files.events import Collisions
 from analysis.trajectory import (
     Floats,
     Integers,
@@ -196,29 +193,6 @@ def meter_of(problem: Problem) -> ImpulseMeter | None:
 def measure(problem: Problem, blocks: Iterable[Trajectory]) -> Impulses:
     """Impulses in a run given as consecutive blocks of frames; see `ImpulseMeter`."""
     return watch(ImpulseMeter(problem), blocks).result()
-
-
-def from_events(problem: Problem, events: Collisions, direction: int = 1) -> Impulses:
-    """Impulses of rigid beads, a contact being one collision.
-
-    Args:
-        problem: what was run.
-        events: every collision.
-        direction: 1, or -1 for the impulses that beads receive from the bead ahead, with beads counted from the last.
-    """
-    chain, row = events.chain - 1, events.row - 1
-    if direction < 0:
-        row = problem.beads - 2 - row
-    shape = (problem.chains, problem.beads - 1)
-    first, total = np.zeros((2, *shape))
-    contacts = np.zeros(shape, dtype=np.int64)
-    time = np.full(shape, np.nan)
-    np.add.at(total, (chain, row), events.impulse)
-    np.add.at(contacts, (chain, row), 1)
-    _, index = np.unique(chain * problem.beads + row, return_index=True)  # the first of each place
-    first[chain[index], row[index]] = events.impulse[index]
-    time[chain[index], row[index]] = events.time[index]
-    return Impulses(np.arange(2, problem.beads + 1), first, total, contacts, time, 0.0)
 
 
 def _gauss(spacing: float) -> tuple[Floats, Floats]:

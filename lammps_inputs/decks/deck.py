@@ -24,12 +24,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import engine_limits, file_names, laws, loads, physics, scheme, static_load, strict_yaml, window
+from lammps_inputs import engine_limits, file_names, laws, loads, physics, scheme, static_load, window
 from lammps_inputs.deck_lines import AtomTypes, DeckLines
-from lammps_inputs.ingredients.registry import NEEDED, NEEDS
 from lammps_inputs.laws import dashpot, plastic_lines, spring
 from lammps_inputs.laws.contact import wall_lines
 from lammps_inputs.layout import Layout
+from lammps_inputs.library import render_scene
 from lammps_inputs.links import Across, Along, Link, Wall
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
@@ -68,13 +68,6 @@ def files_of(problem: Problem) -> dict[str, str]:
         **({file_names.TABLES: tables} if tables else {}),
         file_names.DATA: render_data(problem),
     }
-
-
-def render_scene(scene: "Scene") -> str:
-    """The text of ``scene.yaml``, every default written out; comments name modules that its ingredients need."""
-    plain = scene.resolved().plain()
-    needed = dict.fromkeys(NEEDS[key] for key in plain if key in NEEDS)
-    return "".join(f"{NEEDED}{words}\n" for words in needed) + strict_yaml.dump(plain)
 
 
 def write(scene: "Scene", directory: Path) -> None:

@@ -41,12 +41,12 @@ from lammps_inputs.decks import deck
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.numbers import text
 from lammps_inputs.units import DIMENSIONLESS
-from workflow.engines import collisions
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import mpi
 from workflow.engines.lammps.mpi import cores
 from workflow.engines.reference import engine as reference
 from workflow.engines.reference.step_halving import accurate_reference
+from workflow.plugins.rigid import engine as collisions
 from workflow.runs.run import run
 from workflow.screen import print_table
 

@@ -9,7 +9,7 @@ from lammps_inputs import engine_limits, strict_yaml
 from lammps_inputs.decks import deck
 from lammps_inputs.library import from_plain
 from workflow.cli import main
-from workflow.runs.engines import REFERENCE
+from workflow.runs.engines import engine_called
 from workflow.runs.run import run
 
 PUSH = {"peak": 0.5, "duration": 3.0, "shape": "half-sine"}
@@ -61,7 +61,7 @@ def test_run_and_deck_refuse_it_and_write_nothing(name, tmp_path, capsys):
         assert words in line
         assert line.endswith("; use the reference engine")
     assert tree(tmp_path) == before
-    assert REFERENCE.refusal(from_plain(plain(name), "test")) == ""
+    assert engine_called("reference").refusal(from_plain(plain(name), "test")) == ""
 
 
 def test_a_sweep_refuses_it_before_its_first_case(tmp_path, capsys):

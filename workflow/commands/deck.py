@@ -7,6 +7,7 @@ from lammps_inputs import file_names, library
 from workflow import cost_model
 from workflow.runs import contacts
 from workflow.runs.deck_directory import write_deck
+from workflow.runs.engines import engine_called
 from workflow.runs.size import size_of, too_large
 from workflow.screen import one_line, print_files, print_heading
 
@@ -39,7 +40,7 @@ def execute(arguments: argparse.Namespace) -> int:
     )
     scene = written.scene
     print_heading(scene.name, scene.units)
-    size = size_of(scene.problem())
+    size = size_of(scene.problem(), engine_called("lammps"))
     for why in filter(None, [*scene.unlikely, too_large(scene, size)]):
         print(f"warning: {why}")
     if written.step is not None:

@@ -7,12 +7,13 @@ from pathlib import Path
 
 from lammps_inputs import InputError, Problem, Scene, library
 from workflow.engines.lammps.engine import RESTART_EVERY
+from workflow.engines.registry import engine_names
 from workflow.prepare.pilot import better_timestep
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import run as running
 from workflow.runs.check import Check
 from workflow.runs.contacts import LargestContactForce
-from workflow.runs.engines import ENGINES
+from workflow.runs.engines import engine_called
 from workflow.runs.output_directory import refuse_to_overwrite
 from workflow.runs.resume import begun, resume, settings_of
 from workflow.runs.size import size_of
@@ -33,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", nargs="?", help="a YAML file, or the name of an installed scene")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="run directory to make")
     parser.add_argument("--resume", metavar="DIR", type=Path, help="resume an interrupted run; without SCENE")
-    parser.add_argument("--engine", choices=ENGINES, help="what computes (default lammps)")
+    parser.add_argument("--engine", choices=engine_names(), help="what computes (default lammps)")
     parser.add_argument("--ranks", metavar="N", type=int, help="MPI ranks of LAMMPS (default 1, or as before)")
     parser.add_argument("--overwrite", action="store_true", help="replace an earlier run's files in DIR")
     parser.add_argument("--force", action="store_true", help="run even with a time step above the stability bound")
@@ -70,7 +71,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         print(ready.step.sentence(problem), flush=True)
     for why in scene.unlikely:
         print(f"warning: {why}")
-    size = size_of(problem, ENGINES[engine], ready.ranks)
+    size = size_of(problem, engine_called(engine), ready.ranks)
     if size.large:
         print(f"the run has {size.sentence()}", flush=True)
     with progress_bar(scene.name, problem) as progress:
@@ -114,7 +115,7 @@ def _tell(result: running.CompletedRun, settings: ChosenStep | None) -> int:
         reached = f" at step {job.steps_done} of {job.steps}; its frames remain" if job.steps_done else ""
         print(f"the run was interrupted{reached}; {onwards(result.directory.path, job)}")
         return 130
-    print(ENGINES[result.directory.engine].sentence(job))
+    print(engine_called(result.directory.engine).sentence(job))
     overlaps = None if job.contacts is None else LargestContactForce(**job.contacts)
     if overlaps is not None:
         print("\n".join(overlaps.lines()))

@@ -7,7 +7,7 @@ from lammps_inputs import InputError, Problem, Scene, library, physics, strict_y
 from lammps_inputs.limits import closing
 from workflow.prepare.settings import refuse_too_large, refuse_unanalysable, settle, unstable
 from workflow.processor_time import BEFORE_RUN
-from workflow.runs.engines import LAMMPS, REFERENCE
+from workflow.runs.engines import engine_called
 from workflow.runs.size import Size, least_problem, size_beforehand, size_of, too_large
 from workflow.screen import CommandResult
 
@@ -42,7 +42,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     if arguments.values:
         return _values(scene, arguments.scene)
     refuse_unanalysable(scene, arguments.scene)
-    refused = LAMMPS.refusal(scene)
+    refused = engine_called("lammps").refusal(scene)
     return (_with_trials if arguments.pilot else _as_it_is)(scene, arguments.scene, refused)
 
 
@@ -51,7 +51,7 @@ def _with_trials(scene: Scene, source: str, refused: str) -> CommandResult:
     scene, settings = settle(scene, source=source, force=True)
     scene = scene.resolved()
     problem = scene.problem()
-    size = size_of(problem, REFERENCE if refused else LAMMPS)
+    size = size_of(problem, engine_called("reference" if refused else "lammps"))
     step = "" if settings is None else settings.sentence(problem)
     _print(scene, problem, _in_words(size, refused), _warnings(scene, refused, too_large(scene, size)), step)
     return CommandResult(0, scene.plain())
@@ -61,7 +61,7 @@ def _as_it_is(scene: Scene, source: str, refused: str) -> CommandResult:
     """Print a scene without trials: what these would find is left open, as it is in the scene."""
     refuse_too_large(scene, source)
     problem = least_problem(scene)
-    size = size_beforehand(scene, problem, REFERENCE if refused else LAMMPS)
+    size = size_beforehand(scene, problem, engine_called("reference" if refused else "lammps"))
     above = too_large(scene, replace(size, seconds=None) if size.rough else size)
     shown = scene.model_copy(update={"output": scene.resolved().output})
     left_open = {"duration": scene.until_bead is not None, "window": scene.window == "auto", "time step": size.rough}

@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from lammps_inputs import file_names, plugins
 from workflow.arguments import AnyRun, AnyScene, load, source_of
 from workflow.checked import Between, checked
+from workflow.engines.registry import EngineName
 from workflow.runs import check as checking
 from workflow.runs import resume as resuming
 from workflow.runs import run as running
@@ -73,7 +74,7 @@ def run(
     scene: AnyScene,
     directory: Path | str,
     *,
-    engine: Literal["lammps", "reference", "collisions"] = "lammps",
+    engine: EngineName = "lammps",
     ranks: Ranks = 1,
     overwrite: bool = False,
     force: bool = False,

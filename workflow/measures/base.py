@@ -1,14 +1,15 @@
 """A measurement of a run beside its waves: taken while frames pass, then written, printed and drawn."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from analysis import quantity
+from analysis.conservation import Conservation
 from analysis.sharing.run_error import UNMEASURED, MeasuredError
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, Scene
-from workflow.runs.job import RoundingRecord
+from workflow.runs.job import Job
 from workflow.screen import PrintedTable
 
 if TYPE_CHECKING:
@@ -25,16 +26,14 @@ class Recorded:
     Attributes:
         scene: what was run.
         problem: the dimensionless problem that it stands for.
-        deforms: whether beads have overlaps and forces, as those of all engines but that of rigid beads.
         error: measured error of the run.
-        rounding: where collisions of rigid beads begin to follow rounding; None where none do.
+        job: record of the run; empty where its frames are in memory.
     """
 
     scene: Scene
     problem: Problem
-    deforms: bool = True
     error: MeasuredError = UNMEASURED
-    rounding: RoundingRecord | None = None
+    job: Job = field(default_factory=Job)
 
 
 @dataclass(frozen=True, repr=False)
@@ -92,6 +91,18 @@ class Measurement:
     def meter(cls, run: Recorded) -> "FrameMeter | None":
         """Meter of the frames of a run; None where the run has none of it, or it follows from other measurements."""
         del run
+        return None
+
+    @classmethod
+    def of_energies(cls, run: Recorded, conservation: Conservation, between_frames: float) -> "Measurement | None":
+        """Measurement that follows from the energies of all frames; None where the run has none of it.
+
+        Args:
+            run: the run.
+            conservation: its energy over all frames.
+            between_frames: uncertainty of what was exchanged between frames, in units of m V**2.
+        """
+        del run, conservation, between_frames
         return None
 
 

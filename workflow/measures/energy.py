@@ -13,9 +13,7 @@ from analysis.sharing.survey import Survey
 from analysis.tracking.undisturbed import BehindWindow, Residual
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
-from workflow.engines.reference.energy_exchange import Accountant
 from workflow.measures.base import MOST_CHAINS, FrameMeter, Measurement, Recorded
-from workflow.runs.run_directory import RunDirectory
 from workflow.screen import PrintedTable
 
 if TYPE_CHECKING:
@@ -59,26 +57,22 @@ class BudgetMeasurement(Measurement):
 
         return budget_figure(self.problem, self.values)
 
-
-def closed(directory: RunDirectory, conservation: Conservation, exchange: Accountant) -> BudgetMeasurement | None:
-    """The budget of a run; None where nothing is exchanged, and where not all beads are recorded.
-
-    Args:
-        directory: the run.
-        conservation: its energy.
-        exchange: what counted there what was exchanged.
-    """
-    if conservation.budget is None:
-        return None
-    account = conservation.budget.result()
-    stated = directory.account.check or directory.account.uncertainty
-    closed_account = ClosedAccount(
-        **vars(account),
-        closed=conservation.energy_drift,
-        between_frames=exchange.uncertainty / account.most,
-        stated=None if stated is None else stated.velocity,
-    )
-    return BudgetMeasurement(directory.problem, closed_account)
+    @classmethod
+    def of_energies(
+        cls, run: Recorded, conservation: Conservation, between_frames: float
+    ) -> "BudgetMeasurement | None":
+        """The budget of a run; None where nothing is exchanged, and where not all beads are recorded."""
+        if conservation.budget is None:
+            return None
+        account = conservation.budget.result()
+        stated = run.job.check or run.job.uncertainty
+        closed_account = ClosedAccount(
+            **vars(account),
+            closed=conservation.energy_drift,
+            between_frames=between_frames / account.most,
+            stated=None if stated is None else stated.velocity,
+        )
+        return cls(run.problem, closed_account)
 
 
 @dataclass(frozen=True, repr=False)

@@ -19,6 +19,7 @@ from analysis.gauges.spectra import HighestLine, SpectralLines, SpectrumMeter, S
 from analysis.gauges.spectra import VelocitySpectra as Measured
 from analysis.sharing.survey import Survey
 from lammps_inputs import physics
+from lammps_inputs.facts import Fact
 from workflow.measures.base import MOST_CHAINS, FrameMeter, Measurement, Recorded
 from workflow.runs.contacts import LargestContactForce as ContactOverlaps
 from workflow.runs.contacts import has_contacts, of_overlap
@@ -156,7 +157,7 @@ class ForceMeasurement(Measurement):
     def meter(cls, run: Recorded) -> FrameMeter | None:
         """Forces at the gauges that the scene names; rigid beads feel none."""
         wanted, problem = run.scene.output.forces, run.problem
-        if wanted is None or not run.deforms:
+        if wanted is None or not run.problem.system.holds(Fact.OVERLAPS):
             return None
         places = gauges(
             problem.system, wall=wanted.wall is True, contacts=wanted.contacts or (), sensors=wanted.sensors or ()
@@ -255,7 +256,7 @@ class FarEndMeasurement(Measurement):
     def meter(cls, run: Recorded) -> FrameMeter | None:
         """The far end of runs of all beads, if these are elastic."""
         problem = run.problem
-        if not problem.whole or not run.deforms:
+        if not problem.whole or not run.problem.system.holds(Fact.OVERLAPS):
             return None
         end = Collected(problem)
         return FrameMeter(lambda _: cls(problem, end.result()), end.add)
@@ -277,7 +278,7 @@ class ContactMeasurement(Measurement):
     def meter(cls, run: Recorded) -> FrameMeter | None:
         """Contacts of elastic spheres with a material; where frames show no overlaps, what they may be at most."""
         problem = run.problem
-        if not has_contacts(run.scene, run.problem, deforms=run.deforms):
+        if not has_contacts(run.scene, run.problem):
             return None
         overlap = LargestOverlap()
 

@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.gauges.forces import PULSE
-from analysis.gauges.gauge import Gauge, at_frames, far_wall
+from analysis.gauges.gauge import PULSE, Gauge, at_frames, far_wall
 from analysis.tracking.leading_waves import Waves
 from lammps_inputs import InputError, Output, Problem, Scene, physics, window
 from lammps_inputs.limits import rates

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from lammps_inputs import Problem, physics
+from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.processor_time import BEFORE_RUN
 
 if TYPE_CHECKING:  # what the engine imports takes a third of a second
     from analysis.trajectory import Trajectory
-    from workflow.engines.reference.step_halving import Uncertainty
 
 
 @dataclass(frozen=True)

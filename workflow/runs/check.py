@@ -1,7 +1,6 @@
 """The error of a run, measured when it has ended, by the reference at some of its frames.
 
-Also the references that a run is compared with, or is: with ever more steps until their uncertainty is as asked for;
-and the energy that its frames have exchanged with what is outside, and with dashpots.
+Also the references that a run is compared with, or is: with ever more steps until their uncertainty is as asked for.
 """
 
 import math
@@ -14,8 +13,8 @@ from analysis.compare.difference import Deviation, DeviationPlace, errors_of
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, html, physics
 from workflow.engines.reference import engine
-from workflow.engines.reference.energy_exchange import Accountant
-from workflow.engines.reference.step_halving import MOST_HALVINGS, StepHalving, Uncertainty
+from workflow.engines.reference.step_halving import StepHalving
+from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.prepare.pilot import CADENCE, SPACING, stride
 from workflow.prepare.step_choice import ChosenStep, ReferenceFrames
 from workflow.runs.run_directory import RunDirectory
@@ -65,24 +64,6 @@ def closing(problem: Problem) -> Iterator[StepHalving]:
             return
         halving = StepHalving(problem, steps_per_frame=steps)
         yield halving
-
-
-def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
-    """Accountant of frames of a run, with the steps that the run itself took if it is the reference's.
-
-    Args:
-        directory: the run.
-        problem: of the frames, all of the run or some.
-
-    Returns:
-        Accountant that gives these frames their exchanged energy.
-    """
-    uncertainty = directory.account.uncertainty  # only the reference's runs have one
-    if uncertainty is None:
-        return Accountant(problem)
-    most_steps = 2**MOST_HALVINGS * engine.default_steps_per_frame(problem)
-    steps = uncertainty.steps_per_frame * round(problem.every / directory.problem.every)
-    return Accountant(problem, min(steps, most_steps))
 
 
 LITTLE = 100_000

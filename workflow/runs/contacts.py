@@ -11,12 +11,12 @@ from analysis.contacts import LargestOverlap, shown_by_frames
 from analysis.quantity import declare, result
 from analysis.trajectory import watch
 from lammps_inputs import Problem, Scene, System, laws, physics
+from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import radii, sizes_and_moduli, unlike
 from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.laws.plastic import YIELD_PRESSURE
 from lammps_inputs.limits import solids
 from lammps_inputs.links import Wall
-from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
 
 
@@ -100,16 +100,16 @@ def measure(directory: RunDirectory) -> LargestContactForce | None:
     Raises:
         InputError: there are no frames.
     """
-    if not has_contacts(directory.scene, directory.problem, deforms=ENGINES[directory.engine].deforms):
+    if not has_contacts(directory.scene, directory.problem):
         return None
     blocks = directory.blocks() if shown_by_frames(directory.problem) else ()
     return of_overlap(directory.scene, watch(LargestOverlap(), blocks))
 
 
-def has_contacts(scene: Scene, problem: Problem, *, deforms: bool) -> bool:
-    """Whether a run has contacts of spheres, in SI units; ``deforms`` says whether its engine has overlaps."""
+def has_contacts(scene: Scene, problem: Problem) -> bool:
+    """Whether a run has contacts of spheres, in SI units, which overlap."""
     spheres = all(_of_spheres(scene, link.law) for link in problem.system.along)
-    return scene.material is not None and spheres and deforms
+    return scene.material is not None and spheres and problem.system.holds(Fact.OVERLAPS)
 
 
 def _of_spheres(scene: Scene, law: laws.Law) -> bool:

@@ -1,34 +1,32 @@
-"""The engines: what each computes in a run directory that was prepared for it, and what it refuses."""
+"""What an engine is: what computes a run in a directory that was prepared for it, and what it refuses.
 
-import math
-import time
+Each is an entry point of the group ``granchain.engines``: place in lists, and name = instance of `Engine`.
+"""
+
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
-from analysis.files.events import Collisions
 from analysis.files.recording import Writer
-from analysis.quantity import csv_of
 from analysis.trajectory import Trajectory
-from lammps_inputs import InputError, Problem, Scene, file_names, physics
-from lammps_inputs.decks import deck
+from lammps_inputs import Problem, Scene, file_names
+from lammps_inputs.library import render_scene
 from lammps_inputs.system import System
-from workflow import cost_model as model
-from workflow.engines.lammps import engine as lammps_engine
+from workflow.engines.registry import load_engine
 from workflow.prepare.step_choice import ChosenStep
-from workflow.runs.check import closing, references_of
-from workflow.runs.files import EVENTS, LAMMPS_FILES, RECORD, write_text
-from workflow.runs.job import Job, RoundingRecord
-from workflow.runs.run_directory import RunDirectory
+from workflow.runs.files import RECORD
+from workflow.runs.job import Job
+
+if TYPE_CHECKING:
+    from analysis.conservation import FrameAccountant
+    from analysis.sharing.impulses import Impulses
 
 Progress = Callable[[int, int], None]
 
-Start = Callable[..., lammps_engine.LammpsOutcome]
-"""Runs the deck in a directory, given ``problem`` and ``progress``."""
+Start = Callable[..., Any]
+"""Runs the deck in a directory, with the arguments and the result of `workflow.engines.lammps.engine.run`."""
 
 
 @dataclass(frozen=True)
@@ -36,16 +34,28 @@ class Work:
     """What an engine is to compute.
 
     Attributes:
-        result: a directory that was prepared for it.
+        path: a directory that was prepared for it.
+        problem: what is computed.
         settings: how its time step was chosen for an accuracy, if one was asked for.
         progress: called now and then.
-        start: how LAMMPS is run.
+        ranks: number of MPI ranks.
+        part: number of the file of frames to write; 1 begins at the start, a later one at the restart in the directory.
+        restart_every: seconds of work that a kill may cost; the engine's usual ones where it is None.
+        lock: file descriptor that keeps others out of the directory, for processes that the engine starts.
+        seconds: wall time of the engine in earlier attempts, which this one continues.
+        lammps: how LAMMPS is run; in a process of its own where it is None.
     """
 
-    result: RunDirectory
-    settings: ChosenStep | None
-    progress: Progress | None
-    start: Start
+    path: Path
+    problem: Problem
+    settings: ChosenStep | None = None
+    progress: Progress | None = None
+    ranks: int = 1
+    part: int = 1
+    restart_every: float | None = None
+    lock: int | None = None
+    seconds: float = 0.0
+    lammps: Start | None = None
 
 
 class Engine(ABC):
@@ -55,17 +65,21 @@ class Engine(ABC):
         name: in commands and records.
         title: in sentences.
         own_step: whether it computes with the time step of the scene, so that its error is measured by the reference.
-        deforms: whether beads have overlaps and forces.
         inputs: names of the files that it begins with.
         files: what it may leave in a run's directory before it is analysed.
+        table: a CSV file among these, and the type whose fields declare its columns; None where there is none.
+        record: type of what ``run.json`` holds of its runs.
+        bytes_a_bead: memory in bytes that it needs for each bead; 0 where no run is refused for that.
     """
 
     name: ClassVar[str]
     title: ClassVar[str]
     own_step: ClassVar[bool] = False
-    deforms: ClassVar[bool] = True
     inputs: ClassVar[tuple[str, ...]] = (file_names.SCENE,)
-    files: ClassVar[tuple[str, ...]] = (file_names.SCENE, RECORD, file_names.DUMP, EVENTS)
+    files: ClassVar[tuple[str, ...]] = (file_names.SCENE, RECORD, file_names.DUMP)
+    table: ClassVar[tuple[str, Any] | None] = None
+    record: ClassVar[type[Job]] = Job
+    bytes_a_bead: ClassVar[float] = 0.0
 
     def refusal(self, scene: Scene) -> str:
         """Why it cannot compute a scene; empty where it can."""
@@ -78,7 +92,11 @@ class Engine(ABC):
 
     def begins_with(self, scene: Scene, problem: Problem | None = None) -> dict[str, str]:  # noqa: ARG002  decks need it
         """Name and text of the files that it begins with; the problem is the scene's."""
-        return {file_names.SCENE: deck.render_scene(scene)}
+        return {file_names.SCENE: render_scene(scene)}
+
+    def problem(self, scene: Scene) -> Problem:
+        """The dimensionless problem that it computes."""
+        return scene.problem()
 
     def seconds(self, problem: Problem, ranks: int) -> float | None:  # noqa: ARG002  those that have an estimate use both
         """Estimated time of a run; None where there is no estimate."""
@@ -101,155 +119,45 @@ class Engine(ABC):
     def errors(self, job: Job) -> tuple[float, float] | None:
         """Bounds on the errors of peak velocities (V) and of arrivals (T) by the account; None where it has none."""
 
+    def is_complete(self, job: Job) -> bool:
+        """Whether a run came to its end, and its error was measured if it has one."""
+        return job.outcome == "done" and self.errors(job) is not None
 
-class _Lammps(Engine):
-    name = "lammps"
-    title = "LAMMPS"
-    own_step = True
-    inputs = (file_names.SCENE, file_names.DECK, file_names.DATA)
-    files = LAMMPS_FILES
+    def impulses(
+        self, path: Path, problem: Problem, direction: int = 1, until: float | None = None
+    ) -> "Impulses | None":
+        """Impulses of contacts in a run whose frames hold no overlaps (`Fact.OVERLAPS`); None of all others.
 
-    def refusal(self, scene: Scene) -> str:
-        return deck.refusal(scene.system)
-
-    def refused_ranks(self, ranks: int, system: System) -> str:
-        return lammps_engine.refused_ranks(ranks, system.beads)
-
-    def begins_with(self, scene: Scene, problem: Problem | None = None) -> dict[str, str]:
-        return deck.render(scene, problem)
-
-    def seconds(self, problem: Problem, ranks: int) -> float | None:
-        return model.cost(problem, ranks).seconds
-
-    def compute(self, work: Work) -> dict[str, Any]:
-        end = work.start(work.result.path, problem=work.result.problem, progress=work.progress)
-        return {
-            "outcome": "done" if end.end == "done" else "interrupted",
-            "steps_done": end.steps,
-            "lammps": end.version,
-            "engine_seconds": end.seconds + work.result.job.engine_seconds,
-        }
-
-    def sentence(self, job: Job) -> str:
-        ranks = f"{job.ranks} rank{'' if job.ranks == 1 else 's'}"
-        if job.resumed:
-            steps = ", ".join(str(again.from_step) for again in job.resumed)
-            return (
-                f"LAMMPS {job.lammps} computed {job.steps} steps in {job.wall_seconds:.2f} s on {ranks}, "
-                f"resumed from step {steps}"
-            )
-        return f"LAMMPS {job.lammps} computed {job.steps} steps in {job.engine_seconds:.2f} s on {ranks}"
-
-    def errors(self, job: Job) -> tuple[float, float] | None:
-        return None if job.check is None else (_known(job.check.amplitude), _known(job.check.arrival))
-
-
-class _Reference(Engine):
-    name = "reference"
-    title = "the reference integrator"
-
-    def seconds(self, problem: Problem, ranks: int) -> float | None:  # noqa: ARG002  it runs on one core
-        from workflow.engines.reference import engine  # numba takes a third of a second to import
-        from workflow.prepare import pilot
-
-        return model.REFERENCE_FORCE * pilot.work(problem, 0, engine.default_steps_per_frame(problem))
-
-    def compute(self, work: Work) -> dict[str, Any]:
-        """Compute to the accuracy if one is asked for; else, where energy is exchanged, until its budget is closed."""
-        problem, settings, started = work.result.problem, work.settings, time.perf_counter()
-        for halving in closing(problem) if settings is None else references_of(problem, settings):
-            ending = write_frames(work.result.path / file_names.DUMP, problem, halving.blocks(), work.progress)
-            if ending["outcome"] != "done":
-                return ending
-            uncertainty = halving.uncertainty
-            if settings is not None and uncertainty.velocity <= settings.accuracy:
-                break
-        seconds = time.perf_counter() - started
-        return {**ending, "engine_seconds": seconds, "uncertainty": asdict(uncertainty)}
-
-    def sentence(self, job: Job) -> str:
-        errors = self.errors(job)
-        assert errors is not None
-        return (
-            f"the reference integrator computed the run in {job.engine_seconds:.2f} s; its uncertainty is "
-            f"{errors[0]:.1e} V in velocities and {errors[1]:.1e} T in arrivals"
-        )
-
-    def errors(self, job: Job) -> tuple[float, float] | None:
-        uncertainty = job.uncertainty
-        return None if uncertainty is None else (_known(uncertainty.velocity), _known(uncertainty.arrival))
-
-
-class _Collisions(Engine):
-    name = "collisions"
-    title = "the engine of rigid beads"
-    deforms = False
-
-    def refusal(self, scene: Scene) -> str:
-        system, other = scene.system, "use lammps or reference"
-        if common := super().refusal(scene):
-            return common
-        if not isinstance(system.mass, float):
-            return f"`collisions` is for beads of equal mass only; {other}"
-        if physics.acted_on(system):
-            return f"`collisions` has no push and no drive; {other}"
-        if system.dampers:
-            return f"`collisions` has no damping; {other}"
-        if not physics.simply_coupled(system):
-            return f"`collisions` is for equal linear springs between neighbouring chains only; {other}"
-        if not physics.gap(system) > 0.0:
-            return (
-                f"`collisions` moves rigid beads, which need a gap between them; give the scene `gap: ...`, or {other}"
-            )
-        return ""
-
-    def compute(self, work: Work) -> dict[str, Any]:
-        """Every collision, and the frames of the exact motion between them."""
-        # numba takes a third of a second to import
-        from workflow.engines import collisions
-
-        path, problem = work.result.path, work.result.problem
-        collisions.run(problem, max_events=0)  # loads or compiles
-        started = time.perf_counter()
-        try:
-            run = collisions.run(problem)
-        except KeyboardInterrupt:
-            return {"outcome": "interrupted", "steps_done": 0}
-        seconds = time.perf_counter() - started
-        rounded = collisions.by_rounding(run)
-        marks, first = rounded.collisions.astype(np.int64), rounded.first
-        events = Collisions(run.time, run.chain, run.row, run.striker, run.target, marks)
-        write_text(path / EVENTS, csv_of(events, problem.scale))
-        ending = write_frames(path / file_names.DUMP, problem, collisions.blocks(run), work.progress)
-        if ending["outcome"] != "done":
-            return ending
-        computed = {**ending, "engine_seconds": seconds, "collisions": len(run)}
-        if first is None:
-            return computed
-        time_of_first = problem.scale.measured(float(run.time[first]), "time")
-        return computed | {"rounding": {"collision": first + 1, "row": int(run.row[first]), "time": time_of_first}}
-
-    def sentence(self, job: Job) -> str:
-        seconds = f"{job.engine_seconds:.2g} s"
-        line = f"{job.collisions} collisions of rigid beads were computed in {seconds}; events.csv lists them"
-        return line if job.rounding is None else f"{line}\nwarning: {_of_rounding(job.rounding)}"
-
-    def errors(self, job: Job) -> tuple[float, float] | None:  # noqa: ARG002  exact between collisions
+        Args:
+            path: directory of the run.
+            problem: its problem.
+            direction: 1, or -1 for the impulses that beads receive from the bead ahead, with beads counted from the
+                last.
+            until: time of the last contacts, in units of T; None for all.
+        """
+        del path, problem, direction, until
         return None
 
+    def other_parameters(self, path: Path, problem: Problem) -> list[str]:
+        """Sentences on numbers with which a run was computed, and that differ from those of its problem."""
+        del path, problem
+        return []
 
-def _of_rounding(record: RoundingRecord) -> str:
-    """Sentence on the collisions of rigid beads that follow rounding, with the first of them."""
-    return (
-        f"from collision {record.collision} on (row {record.row}) the collisions follow rounding: "
-        "a change of the gap by 4e-15 of it changes displacements by more than 0.001 of the gap or impulses by more "
-        "than 0.001 m V; events.csv marks these, and nothing that depends on them is a property of the scene"
-    )
+    def accountant(self, frames: Problem, run: Problem, job: Job) -> "FrameAccountant | None":
+        """Accountant that follows frames of any engine with this one; None where it cannot.
 
+        Args:
+            frames: problem of the frames, all of a run or some.
+            run: problem of that run.
+            job: its record.
+        """
+        del frames, run, job
+        return None
 
-LAMMPS, REFERENCE, RIGID = _Lammps(), _Reference(), _Collisions()
-
-ENGINES: dict[str, Engine] = {engine.name: engine for engine in (LAMMPS, REFERENCE, RIGID)}
+    def rounded_from(self, job: Job) -> float | None:
+        """Time in the scene's unit from which rounding decides the motion; None where it does not."""
+        del job
+        return None
 
 
 def engine_called(name: str) -> Engine:
@@ -258,14 +166,8 @@ def engine_called(name: str) -> Engine:
     Raises:
         InputError: there is none.
     """
-    if name not in ENGINES:
-        *others, last = ENGINES
-        raise InputError(f"--engine: {name!r} given; {', '.join(others)} or {last}")
-    return ENGINES[name]
-
-
-def _known(error: float | None) -> float:
-    return math.nan if error is None else error
+    engine: Engine = load_engine(name)
+    return engine
 
 
 def write_frames(

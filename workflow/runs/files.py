@@ -27,17 +27,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure  # takes a while to import
 
 
-EVENTS = "events.csv"
 RECORD = "run.json"
 
 OWN_FILES = (
     *(file_names.SCENE, file_names.DECK, file_names.TABLES, file_names.DATA, file_names.DUMP, file_names.LOG),
-    *(EVENTS, RECORD),
+    RECORD,
     *(file_names.CONTINUE, file_names.RESTART, file_names.RESTART_SUMS, file_names.UNFINISHED),
     *file_names.JOB_FILES,
     file_names.SNAPSHOTS,
 )
-LAMMPS_FILES = tuple(name for name in OWN_FILES if name != EVENTS and name not in file_names.JOB_FILES)
+LAMMPS_FILES = tuple(name for name in OWN_FILES if name not in file_names.JOB_FILES)
 """What the deck for LAMMPS, and a run of it, may leave in a directory before it is analysed."""
 
 _PART = re.compile(r"chains\.(dump|snapshots)(?:\.([1-9][0-9]{0,8}))?\.bin")

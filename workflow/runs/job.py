@@ -13,6 +13,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from pydantic_core import from_json
 
 from lammps_inputs import InputError
+from workflow.engines.registry import EngineName, engine_names, load_engine
 from workflow.runs.files import RECORD, changing, write_json
 
 MAX_BYTES = 16 << 20
@@ -39,7 +40,7 @@ Seconds = Annotated[float, Field(ge=0.0, le=1e12)]
 Date = Annotated[str, AfterValidator(_date)]
 
 
-class _RecordPart(BaseModel):
+class RecordPart(BaseModel):
     """Keys and their values; other keys are refused."""
 
     model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False, extra="forbid")
@@ -49,14 +50,14 @@ class _RecordPart(BaseModel):
         return {key: value for key, value in self.model_dump(exclude_unset=True).items() if value is not None}
 
 
-class Resumed(_RecordPart):
+class Resumed(RecordPart):
     """One time that a run was resumed."""
 
     at: Date
     from_step: Count
 
 
-class StepChoice(_RecordPart):
+class StepChoice(RecordPart):
     """How a time step was chosen: a `workflow.prepare.step_choice.ChosenStep`."""
 
     accuracy: Number
@@ -73,7 +74,7 @@ class StepChoice(_RecordPart):
     rule_timestep: Number
 
 
-class UncertaintyRecord(_RecordPart):
+class UncertaintyRecord(RecordPart):
     """Uncertainty of a run by the reference, dimensionless."""
 
     steps_per_frame: Count
@@ -83,7 +84,7 @@ class UncertaintyRecord(_RecordPart):
     momentum: Number | None
 
 
-class ErrorPlace(_RecordPart):
+class ErrorPlace(RecordPart):
     """A bead of a chain, or a resonator at it, at a time: an `analysis.compare.difference.DeviationPlace`."""
 
     chain: Count
@@ -92,7 +93,7 @@ class ErrorPlace(_RecordPart):
     resonator: Count
 
 
-class ErrorRecord(_RecordPart):
+class ErrorRecord(RecordPart):
     """Measured error of a run, dimensionless: a `workflow.runs.check.Check`."""
 
     velocity: Number | None
@@ -103,22 +104,14 @@ class ErrorRecord(_RecordPart):
     seconds: Seconds
 
 
-class FramesRecord(_RecordPart):
+class FramesRecord(RecordPart):
     """Number of frames, and their SHA-256: `workflow.runs.run_directory.results`."""
 
     frames: Count
     sha256: str
 
 
-class RoundingRecord(_RecordPart):
-    """First collision of rigid beads that follows rounding: its number and that of the striking bead, from 1; time."""
-
-    collision: Count
-    row: Count
-    time: Number
-
-
-class StudyRecord(_RecordPart):
+class StudyRecord(RecordPart):
     """The command that made a directory of many runs or none.
 
     Attributes:
@@ -134,8 +127,8 @@ class StudyRecord(_RecordPart):
     resume: str
 
 
-class Job(_RecordPart):
-    """What a ``run.json`` holds; a key that is missing is None.
+class Job(RecordPart):
+    """What a ``run.json`` holds; a key that is missing is None. An engine may add keys in a type derived from this.
 
     Attributes:
         files: all that may be replaced or removed in the directory, by name.
@@ -147,7 +140,6 @@ class Job(_RecordPart):
         resumed: when, and from which step.
         lammps: version of LAMMPS as a date.
         engine_seconds: wall time of the engine; ``wall_seconds`` of the whole.
-        rounding: where collisions of rigid beads begin to follow rounding; time in the scene's unit.
     """
 
     files: list[Annotated[str, AfterValidator(_plain_name)]] = Field(default_factory=list)
@@ -155,7 +147,7 @@ class Job(_RecordPart):
     study: StudyRecord | None = None
     outcome: Literal["running", "done", "interrupted", "failed"] | None = None
     reason: str | None = None
-    engine: Literal["lammps", "reference", "collisions"] | None = None
+    engine: EngineName | None = None
     ranks: Annotated[int, Field(ge=1, le=10**6)] | None = None
     steps: Count | None = None
     steps_done: Count | None = None
@@ -171,8 +163,6 @@ class Job(_RecordPart):
     lammps: int | None = None
     engine_seconds: Seconds = 0.0
     wall_seconds: Seconds = 0.0
-    collisions: Count | None = None
-    rounding: RoundingRecord | None = None
     uncertainty: UncertaintyRecord | None = None
     check: ErrorRecord | None = None
     results: FramesRecord | None = None
@@ -195,13 +185,21 @@ def load(path: Path) -> Job:
     if len(raw) > MAX_BYTES:
         raise InputError(f"{path}: cannot be read (larger than {MAX_BYTES >> 20} MiB)")
     try:
-        return Job.model_validate(from_json(raw, allow_inf_nan=False))
+        data = from_json(raw, allow_inf_nan=False)
+        return _kind(data).model_validate(data)
     except ValidationError as error:
         from lammps_inputs.complaints import describe  # loads all that a scene may be
 
         raise InputError(f"{path}: cannot be read ({describe(error, Job)})") from None
     except ValueError as error:
         raise InputError(f"{path}: cannot be read ({error})") from None
+
+
+def _kind(data: Any) -> type[Job]:
+    """Type of the record of the engine that a ``run.json`` names."""
+    name = data.get("engine") if isinstance(data, dict) else None
+    kind: type[Job] = load_engine(name).record if name in engine_names() else Job
+    return kind
 
 
 def account(directory: Path) -> Job:

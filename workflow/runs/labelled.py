@@ -8,7 +8,6 @@ from typing import Any
 from analysis import labelled
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, strict_yaml
-from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
 
 EXTRA = "granchain[export]"
@@ -44,7 +43,7 @@ def dataset(directory: RunDirectory, block: Trajectory) -> Any:
         InputError: xarray is not installed.
     """
     need("dataset", "xarray")
-    return labelled.dataset(block, attributes(directory), deforms=ENGINES[directory.engine].deforms)
+    return labelled.dataset(block, attributes(directory))
 
 
 def attributes(directory: RunDirectory) -> dict[str, Any]:

@@ -1,9 +1,7 @@
 """Resume a run that was interrupted, killed, or met a full disk."""
 
-import functools
 import os
 import warnings
-from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -11,10 +9,9 @@ from analysis.files import recording
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
 from lammps_inputs import InputError, Problem, file_names
 from lammps_inputs.decks import continuation
-from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import files_on_disk
 from workflow.prepare.step_choice import ChosenStep
-from workflow.runs.engines import ENGINES, LAMMPS, Progress
+from workflow.runs.engines import Progress, Start, Work, engine_called
 from workflow.runs.files import RECORD, all_parts, alone, part_number, parts, write_text
 from workflow.runs.job import Job, restart_refused
 from workflow.runs.output_directory import refuse_links, refuse_unwritable, remove_leftovers
@@ -30,8 +27,8 @@ def resume(
     ranks: int | None = None,
     check: bool = True,
     progress: Progress | None = None,
-    restart_every: float = lammps_engine.RESTART_EVERY,
-    lammps: Callable[..., lammps_engine.LammpsOutcome] = lammps_engine.run,
+    restart_every: float | None = None,
+    lammps: Start | None = None,
 ) -> CompletedRun | None:
     """Bring a run to its end; bit for bit as if it had never been interrupted.
 
@@ -58,7 +55,7 @@ def resume(
         remove_leftovers(path)
         refuse_links(path)
         result, job = _with_its_files(path)
-        settings, engine = settings_of(job), ENGINES[result.engine]
+        settings, engine = settings_of(job), engine_called(result.engine)
         if job.outcome == "done":
             if job.check is not None or not check or not engine.own_step:
                 return None
@@ -68,7 +65,7 @@ def resume(
             raise InputError(f"--ranks: {refusal}")
         refuse_unwritable(path, all_parts(path))
         spent = _spent(path, job)
-        part, step = _next_part(result, job) if engine is LAMMPS else (1, 0)
+        part, step = _next_part(result, job) if engine.name == "lammps" else (1, 0)
         if part == 1:
             _remove_frames(path)
         else:
@@ -76,8 +73,9 @@ def resume(
         now = datetime.now(UTC).isoformat(timespec="seconds")
         resumed = [*(earlier.plain() for earlier in job.resumed), {"at": now, "from_step": step}]
         result.update(outcome="running", reason=None, resumed=resumed, wall_seconds=spent)
-        start = functools.partial(lammps, ranks=ranks, part=part, restart_every=restart_every, lock=lock)
-        return carry_out(result, start=start, settings=settings, check=check, progress=progress, spent=spent)
+        seconds = result.job.engine_seconds
+        work = Work(path, result.problem, settings, progress, ranks, part, restart_every, lock, seconds, lammps)
+        return carry_out(result, work, check=check, spent=spent)
 
 
 def settings_of(job: Job) -> ChosenStep | None:
@@ -112,7 +110,7 @@ def _with_its_files(path: Path) -> tuple[RunDirectory, Job]:
         InputError: they were changed.
     """
     result = begun(path)
-    job, engine = result.job, ENGINES[result.engine]
+    job, engine = result.job, engine_called(result.engine)
     # what is no text is not what was written either
     names = (*engine.inputs, file_names.TABLES)
     files = {name: (path / name).read_text("utf-8", "replace") for name in names if (path / name).is_file()}
@@ -195,6 +193,6 @@ def _spent(path: Path, job: Job) -> float:
     if job.outcome != "running":
         return job.wall_seconds
     begun_at = job.resumed[-1].at if job.resumed else str(job.started)
-    mine = ENGINES[job.engine or "lammps"].files
+    mine = engine_called(job.engine or "lammps").files
     written = [file.stat().st_mtime for file in path.iterdir() if file.name in mine or part_number(file)]
     return job.wall_seconds + max(0.0, max(written) - datetime.fromisoformat(begun_at).timestamp())

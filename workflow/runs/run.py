@@ -2,7 +2,6 @@
 
 import contextlib
 import contextvars
-import functools
 import signal
 import threading
 import time
@@ -13,15 +12,13 @@ from typing import Any, TypedDict, Unpack
 
 from analysis.trajectory import FramesInUnits, Trajectory
 from lammps_inputs import InputError, Problem, Scene, file_names, html
-from workflow.cost_model import MEMORY
-from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
 from workflow.prepare.settings import refuse_too_large, refuse_unanalysable, settle
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
 from workflow.runs import contacts
-from workflow.runs.engines import ENGINES, LAMMPS, Progress, Start, Work, engine_called
+from workflow.runs.engines import Progress, Start, Work, engine_called
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import prepared, refuse_links, refuse_unusable, replacing
 from workflow.runs.run_directory import RunDirectory, fingerprint, provenance, results
@@ -146,7 +143,7 @@ def prepare_run(
     Args:
         scene: what to compute.
         directory: new or empty, or an earlier run's with ``overwrite``.
-        engine: "lammps", "reference" for the in-house integrator, or "collisions" for rigid beads.
+        engine: name of the engine, such as "lammps", or "reference" for the in-house integrator.
         ranks: MPI ranks of LAMMPS.
         overwrite: whether an earlier run's files may be replaced.
         force: whether LAMMPS may run with a time step above the stability bound.
@@ -168,13 +165,13 @@ def prepare_run(
     refuse_unanalysable(scene, source)
     refuse_unusable(path, chosen.files, overwrite=overwrite)
     refuse_beforehand(scene, source, chosen, ranks)
-    if chosen is LAMMPS:
-        refuse_too_large(scene, source, MEMORY, "LAMMPS")
+    if chosen.bytes_a_bead:
+        refuse_too_large(scene, source, chosen.bytes_a_bead, chosen.title)
     settled, step = settle(scene, source=source, force=force, own_step=chosen.own_step)
     if step is not None and not chosen.own_step and not step.asked:
         step = None
     resolved = settled.resolved()
-    problem = resolved.problem()
+    problem = chosen.problem(resolved)
     refuse_too_long(resolved, source, chosen, ranks, problem)
     return PreparedRun(resolved, problem, step, path, engine, ranks, overwrite)
 
@@ -247,10 +244,17 @@ def run_prepared(
             )
             for name, text in files.items():
                 write_text(path / name, text)
-        every = options.get("restart_every", lammps_engine.RESTART_EVERY)
-        begin = options.get("lammps") or functools.partial(lammps_engine.run, restart_every=every, lock=lock)
-        start, check = functools.partial(begin, ranks=ready.ranks), options.get("check", True)
-        return carry_out(run_directory, start=start, settings=ready.step, check=check, progress=progress)
+        work = Work(
+            path,
+            ready.problem,
+            ready.step,
+            progress,
+            ranks=ready.ranks,
+            restart_every=options.get("restart_every"),
+            lock=lock,
+            lammps=options.get("lammps"),
+        )
+        return carry_out(run_directory, work, check=options.get("check", True))
 
 
 @contextlib.contextmanager
@@ -278,23 +282,13 @@ def _interrupted_once() -> Iterator[None]:
 
 
 @_interrupted_once()
-def carry_out(
-    result: RunDirectory,
-    *,
-    start: Start,
-    settings: ChosenStep | None,
-    check: bool,
-    progress: Progress | None,
-    spent: float = 0.0,
-) -> CompletedRun:
+def carry_out(result: RunDirectory, work: Work, *, check: bool, spent: float = 0.0) -> CompletedRun:
     """Compute what a directory was prepared for, and record how it ended.
 
     Args:
         result: the directory, with its record.
-        start: how LAMMPS is run.
-        settings: as of `run`.
+        work: what its engine is to compute in it.
         check: as of `run`.
-        progress: as of `run`.
         spent: wall time of earlier attempts, which this one continues.
 
     Returns:
@@ -304,7 +298,7 @@ def carry_out(
         InputError: something in the directory that it would write to is a link.
         RunError: the run failed; ``run.json`` says why, where the disk takes it.
     """
-    path, engine = result.path, ENGINES[result.engine]
+    path, engine = result.path, engine_called(result.engine)
     refuse_links(path)
     started = time.perf_counter() - spent
     loading = None
@@ -312,7 +306,7 @@ def carry_out(
         loading = threading.Thread(target=contextvars.copy_context().run, args=(reference.load,), daemon=True)
         loading.start()
     try:
-        ending = engine.compute(Work(result, settings, progress, start))
+        ending = engine.compute(work)
         if ending["outcome"] == "done":
             ending["results"] = results(result)
             overlaps = contacts.measure(result)
@@ -333,12 +327,12 @@ def carry_out(
         return CompletedRun(result, ending["outcome"])
     for name in (file_names.RESTART, file_names.RESTART_SUMS):
         (path / name).unlink(missing_ok=True)
-    return CompletedRun(result, "done", measure_error(result, settings) if check else None)
+    return CompletedRun(result, "done", measure_error(result, work.settings) if check else None)
 
 
 def measure_error(result: RunDirectory, settings: ChosenStep | None) -> checking.Check | None:
     """Compare a run that is done with the reference, and record what was found; None where LAMMPS did not run."""
-    if not ENGINES[result.engine].own_step:
+    if not engine_called(result.engine).own_step:
         return None
     measured = checking.check(result, settings)
     result.update(check=measured.plain())

@@ -8,7 +8,6 @@
 | chains.dump.bin   | frames: id, x, vx of the recorded beads; of a resumed run also in chains.dump.2.bin, .3 |
 | chains.restart, in.continue | state to resume from, and its input (LAMMPS only) |
 | log.lammps        | LAMMPS's log (LAMMPS only)                     |
-| events.csv        | collisions (engine `collisions` only)          |
 | run.json          | versions, command, host, times, outcome        |
 
 Every file is written whole, except the dump, whose frames are whole one by one, and a directory is locked while
@@ -37,8 +36,8 @@ from analysis.compare import start
 from analysis.files import recording
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, file_names, load
-from lammps_inputs.decks import parameters
 from workflow.errors import RunError
+from workflow.runs.engines import engine_called
 from workflow.runs.files import RECORD, parts
 from workflow.runs.job import Job, account, update
 from workflow.runs.job import load as load_job
@@ -80,7 +79,7 @@ class RunDirectory:
         """The dimensionless problem of the scene."""
         scene = self.scene
         try:
-            return scene.problem()
+            return engine_called(self.engine).problem(scene)
         except ValueError as error:
             raise InputError(f"{self.path / file_names.SCENE}: {error}") from None
 
@@ -163,13 +162,8 @@ class RunDirectory:
 
     @cached_property
     def _other_parameters(self) -> list[str]:
-        """Parameters of the deck that differ from the scene's, as LAMMPS's log states; none where there is no log."""
-        path = self.path / file_names.LOG
-        try:
-            log = path.read_text(encoding="utf-8", errors="replace")
-        except OSError:
-            return []
-        return parameters.differences(log, self.problem)
+        """Numbers with which the run was computed that differ from the scene's."""
+        return engine_called(self.engine).other_parameters(self.path, self.problem)
 
     def _begun_as_the_scene(self, blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
         """Frames of the scene's atoms, whose parameters, times and first state are tested as they are read."""

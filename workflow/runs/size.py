@@ -7,14 +7,14 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
+from analysis.files.dump_layout import sizes
 from lammps_inputs import InputError, Problem, Scene, physics
 from lammps_inputs.limits import rates
 from lammps_inputs.numbers import size_text, time_text
 from lammps_inputs.output import Limits
 from lammps_inputs.window import LEAST_WINDOW
-from workflow import cost_model as model
 from workflow.plugins.jobs import site
-from workflow.runs.engines import LAMMPS, Engine
+from workflow.runs.engines import Engine
 
 MOST = Limits(gigabytes=20.0, hours=24.0)
 """Limits where neither the scene nor the site's file names any."""
@@ -59,12 +59,12 @@ class Size:
         return f"{'at least ' * self.at_least}{steps}{self.frames:,} frames ({size_text(self.bytes)}){time}"
 
 
-def size_of(problem: Problem, engine: Engine = LAMMPS, ranks: int = 1) -> Size:
+def size_of(problem: Problem, engine: Engine, ranks: int = 1) -> Size:
     """Size of the run of a problem."""
     return Size(
         steps=problem.steps if engine.own_step else None,
         frames=problem.frames + 1,
-        bytes=model.cost(problem, 1).frames,
+        bytes=sizes(problem)[1],
         seconds=engine.seconds(problem, ranks),
     )
 
@@ -99,9 +99,7 @@ def too_large(scene: Scene, size: Size) -> str:
     )
 
 
-def refuse_too_long(
-    scene: Scene, source: str, engine: Engine = LAMMPS, ranks: int = 1, problem: Problem | None = None
-) -> None:
+def refuse_too_long(scene: Scene, source: str, engine: Engine, ranks: int = 1, problem: Problem | None = None) -> None:
     """Refuse a run that is larger than its limits, before anything is written.
 
     Args:
@@ -119,7 +117,7 @@ def refuse_too_long(
         raise InputError(f"{source}: duration: {above}")
 
 
-def refuse_beforehand(scene: Scene, source: str, engine: Engine = LAMMPS, ranks: int = 1) -> None:
+def refuse_beforehand(scene: Scene, source: str, engine: Engine, ranks: int = 1) -> None:
     """Refuse a scene that exceeds its limits as it was given, with the fewest frames that it can have."""
     open_step = scene.accuracy is not None or (engine.own_step and scene.timestep is None)
     if not sought(scene) and not open_step:
@@ -136,7 +134,7 @@ def sought(scene: Scene) -> bool:
     return scene.until_bead is not None or scene.window == "auto"
 
 
-def size_beforehand(scene: Scene, problem: Problem, engine: Engine = LAMMPS) -> Size:
+def size_beforehand(scene: Scene, problem: Problem, engine: Engine) -> Size:
     """Size of the run before anything is tried: that of the scene's `least_problem`."""
     size = replace(size_of(problem, engine), rough=engine.own_step and scene.timestep is None)
     return replace(size, steps=None, seconds=None, at_least=True) if sought(scene) else size

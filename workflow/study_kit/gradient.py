@@ -13,10 +13,10 @@ import numpy as np
 
 from analysis.trajectory import Floats
 from lammps_inputs import InputError
+from lammps_inputs.facts import Fact
 from lammps_inputs.numbers import known
 from lammps_inputs.units import REDUCED
 from workflow.engines.reference.derivatives import DerivativesOfMotion
-from workflow.runs.engines import ENGINES
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import claim
 from workflow.runs.run_directory import RunDirectory
@@ -208,7 +208,7 @@ def of_run(directory: RunDirectory, quantities: Sequence[str], by: Sequence[str]
         if by is not None:
             raise InputError("--by: names fields for --gradient, which is missing")
         return ()
-    if not ENGINES[directory.engine].deforms:
+    if not directory.problem.system.holds(Fact.OVERLAPS):
         raise InputError(f"--gradient: {directory.path} is a run of rigid beads, which has no derivatives")
     return tuple(gradient(directory.scene.plain(), quantities, by, str(directory.path)))
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError, Scene, file_names
 from lammps_inputs.scene import DEFAULT_ACCURACY
-from workflow.runs.engines import ENGINES
+from workflow.runs.engines import engine_called
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
@@ -35,15 +35,14 @@ def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
         return None
     directory = RunDirectory(path)
     job = directory.job
-    checked = ENGINES[engine].errors(job) is not None or not ENGINES[engine].deforms
-    done = checked and job.outcome == "done" and job.engine == engine
+    done = job.engine == engine and engine_called(engine).is_complete(job)
     return directory if done and _is_of(directory, scene) else None
 
 
 def _is_of(directory: RunDirectory, scene: Scene) -> bool:
     """Whether a run is of this scene, with a time step for the same accuracy where the scene names none."""
     settings, chosen_keys = directory.job.settings, set()
-    if scene.timestep is None and ENGINES[directory.engine].own_step:
+    if scene.timestep is None and engine_called(directory.engine).own_step:
         if settings is None or settings.accuracy != (scene.accuracy or DEFAULT_ACCURACY):
             return False
         chosen_keys = {"accuracy", "timestep"}

@@ -8,7 +8,7 @@
       kick.velocity: {from: 0.1, to: 10, count: 5, spacing: log}
       # whole numbers: {from: 2, to: 8} is each of them
     combine: product               # or zip: the first values together, then the second, ...
-    engine: lammps                 # or reference, collisions
+    engine: lammps                 # or reference, ...
 """
 
 import hashlib
@@ -27,6 +27,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidato
 
 from lammps_inputs import InputError, Scene, complaints, installed_scenes, library, schema, strict_yaml
 from lammps_inputs.numbers import text
+from workflow.engines.registry import EngineName
 from workflow.sweep import fields
 
 MAX_CASES = 100_000
@@ -131,7 +132,7 @@ class _File(SweepPart):
     scene: Any
     vary: Annotated[dict[str, Any], AfterValidator(_some)]
     combine: Literal["product", "zip"] = "product"
-    engine: Literal["lammps", "reference", "collisions"] = "lammps"
+    engine: EngineName = "lammps"
 
 
 def schema_of_file() -> dict[str, Any]:

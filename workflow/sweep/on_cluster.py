@@ -12,7 +12,6 @@ from workflow.plugins.jobs import job
 from workflow.plugins.jobs.schedulers import SCHEDULERS, Scheduler
 from workflow.plugins.jobs.site import JobOptions
 from workflow.prepare.settings import settle
-from workflow.runs.engines import LAMMPS
 from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text
 from workflow.runs.job import Job
 from workflow.runs.output_directory import claim, listed, retire
@@ -54,7 +53,7 @@ def write_array(definition: Sweep, directory: Path, options: JobOptions) -> Writ
     Raises:
         InputError: as `workflow.sweep.run_sweep.plan`; or the list of cases would change under an array in the queue.
     """
-    if definition.engine != LAMMPS.name:
+    if definition.engine != "lammps":
         raise InputError(f"{definition.source}: engine: a job runs lammps, not {definition.engine}")
     with planned(definition, directory) as cases:
         queue = cluster_queue()

@@ -18,13 +18,12 @@ from typing import Any
 from pydantic_core import from_json
 
 from lammps_inputs import InputError, Scene, file_names, library, strict_yaml
-from lammps_inputs.decks import deck
 from workflow import formats
 from workflow.engines.lammps import hosted
 from workflow.errors import RunError
 from workflow.prepare.settings import found_beforehand, refuse_unanalysable, refuse_unstable
 from workflow.runs import job
-from workflow.runs.engines import ENGINES
+from workflow.runs.engines import engine_called
 from workflow.runs.files import RECORD, alone, write_json, write_text
 from workflow.runs.output_directory import claim, make_directory, others, remove_leftovers
 from workflow.runs.resume import resume
@@ -90,7 +89,7 @@ def begin(path: Path, wanted: Asked, scene: Scene) -> None:
     remove_leftovers(path)  # of a sweep that was killed
     claim(path, (file_names.SCENE,))
     job.update(path, request=wanted.plain())
-    write_text(path / file_names.SCENE, deck.render_scene(scene))
+    write_text(path / file_names.SCENE, library.render_scene(scene))
 
 
 def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
@@ -365,11 +364,12 @@ def _refuse_what_is_not_a_sweep(directory: Path, cases: list[SweepCase]) -> None
 
 def _refuse_what_cannot_run(where: str, engine: str, scene: Scene) -> None:
     refuse_unanalysable(scene, where)
-    if refusal := ENGINES[engine].refusal(scene):
+    chosen = engine_called(engine)
+    if refusal := chosen.refusal(scene):
         raise InputError(f"{where}: engine: {refusal}")
-    if ENGINES[engine].own_step:
+    if chosen.own_step:
         refuse_unstable(scene, where)
-    refuse_beforehand(scene, where, ENGINES[engine])
+    refuse_beforehand(scene, where, chosen)
 
 
 def refuse_if_queued(directory: Path, names: Iterable[str], queue: Queue | None, advice: str) -> None:

@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from analysis.conservation import Conservation
+from analysis.conservation import Conservation, FrameAccountant
 from analysis.files.binary_dump import CutDumpWarning
-from analysis.files.events import from_csv
 from analysis.quantity import csv_of, plain
 from analysis.sharing.equipartition import runs_exact_waves
-from analysis.sharing.impulses import Impulses, from_events
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.run_error import UNMEASURED, MeasuredError, with_run_error
 from analysis.sharing.survey import Survey, survey
@@ -25,14 +23,12 @@ from analysis.trajectory import Trajectory, along_the_way, direction_of
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.output import too_far_apart
-from workflow.engines.reference.energy_exchange import Accountant
 from workflow.formats import figure_files, in_any_format
-from workflow.measures import MEASUREMENTS, energy
+from workflow.measures import MEASUREMENTS
 from workflow.measures.base import Measurement, Recorded
-from workflow.runs.check import accountant
-from workflow.runs.engines import ENGINES
-from workflow.runs.files import EVENTS, write_figure, write_json, write_text
-from workflow.runs.job import RoundingRecord
+from workflow.runs.engines import engine_called
+from workflow.runs.exchange import accountant
+from workflow.runs.files import write_figure, write_json, write_text
 from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, WavesTable, report, waves_table
@@ -216,6 +212,7 @@ def measure(
     shown = default_beads(problem) if beads is None else beads
     _refuse_frames(directory, shown)
     by_snapshots = problem.frames_per_snapshot is not None
+    engine = engine_called(directory.engine)
     run, exchange = recorded(directory), accountant(directory, problem)
     conservation, fingerprint = Conservation(), Fingerprint()
     meters = _meters(run)
@@ -228,15 +225,16 @@ def measure(
         tolerances=allowed,
         arrival=arrival,
         counted=exchange.of,
-        impulses=_of_collisions(directory, problem),
+        impulses=engine.impulses(directory.path, problem, direction_of(problem)),
     )
-    results = _without_errors_by_rounding(with_run_error(of_frames_alone, run.error), run.rounding)
+    results = _without_errors_by_rounding(with_run_error(of_frames_alone, run.error), engine.rounded_from(run.job))
     of_all_beads = conservation
     if by_snapshots:
         of_all_beads, exchange = _read_snapshots(directory, fingerprint, spacetime)
         spacetime = spacetime if of_all_beads.frames > 1 else None
     _take_over(conservation, of_all_beads)
-    measured = (*(meter.finish(results) for meter in meters), energy.closed(directory, conservation, exchange))
+    of_energies = (kind.of_energies(run, conservation, exchange.uncertainty) for kind in MEASUREMENTS)
+    measured = (*(meter.finish(results) for meter in meters), *of_energies)
     measurements = {measurement.key: measurement for measurement in measured if measurement is not None}
     return MeasuredFrames(
         survey=results,
@@ -271,7 +269,7 @@ def _meters(run: Recorded) -> list[Any]:
 
 def _read_snapshots(
     directory: RunDirectory, fingerprint: Fingerprint, spacetime: Any
-) -> tuple[Conservation, Accountant]:
+) -> tuple[Conservation, FrameAccountant]:
     """Conservation over the snapshots of a run, and what counted their exchange; shows them to other watchers, too."""
     exchange = accountant(directory, directory.problem.snapshots())
     conservation = Conservation(exchange.of)
@@ -305,9 +303,8 @@ def recorded(directory: RunDirectory) -> Recorded:
     return Recorded(
         scene=directory.scene,
         problem=directory.problem,
-        deforms=ENGINES[directory.engine].deforms,
         error=run_error(directory),
-        rounding=directory.account.rounding,
+        job=directory.account,
     )
 
 
@@ -326,19 +323,12 @@ def run_error(directory: RunDirectory) -> MeasuredError:
     return MeasuredError.of(velocity, amplitude, arrival, *of_reference)
 
 
-def _of_collisions(directory: RunDirectory, problem: Problem) -> Impulses | None:
-    """Impulses of rigid beads, whose frames hold no overlaps; None where beads deform."""
-    if ENGINES[directory.engine].deforms:
-        return None
-    return from_events(problem, from_csv(directory.path / EVENTS, problem.scale), direction_of(problem))
-
-
-def _without_errors_by_rounding(results: Survey, rounding: RoundingRecord | None) -> Survey:
-    """Results of rigid beads, without uncertainties of passages that follow rounding."""
-    if rounding is None:
+def _without_errors_by_rounding(results: Survey, rounded_from: float | None) -> Survey:
+    """Results without uncertainties of passages that rounding decides, from a time in the scene's unit on."""
+    if rounded_from is None:
         return results
     waves = results.waves
-    follows = waves.time * results.problem.scale.time >= rounding.time
+    follows = waves.time * results.problem.scale.time >= rounded_from
     arrival, velocity = (np.where(follows, np.nan, error) for error in (waves.arrival_error, waves.peak_velocity_error))
     return replace(results, waves=replace(waves, arrival_error=arrival, peak_velocity_error=velocity))
 

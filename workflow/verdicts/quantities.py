@@ -8,12 +8,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from analysis.files.events import Collisions
 from analysis.quantity import Quantity, QuantityColumn, declare, result, walk
 from analysis.statistics import Histogram, Statistics
 from lammps_inputs.units import SI, Label
+from workflow.engines.registry import engine_names
 from workflow.measures import MEASUREMENTS
-from workflow.runs.files import EVENTS, RECORD
+from workflow.runs.engines import engine_called
+from workflow.runs.files import RECORD
 from workflow.verdicts import terms
 from workflow.verdicts.analysis_report import REPORT, WAVES, Report, WavesTable
 
@@ -125,7 +126,8 @@ def tables() -> dict[str, Any]:
     of_measurements = {
         measurement.table[0]: measurement.table[1] for measurement in MEASUREMENTS if measurement.table is not None
     }
-    return {WAVES: WavesTable, **of_measurements, EVENTS: Collisions, STATISTICS: Statistics, HISTOGRAM: Histogram}
+    of_engines = dict(engine.table for name in engine_names() if (engine := engine_called(name)).table is not None)
+    return {WAVES: WavesTable, **of_measurements, **of_engines, STATISTICS: Statistics, HISTOGRAM: Histogram}
 
 
 def places() -> Iterator[QuantityPlace]:

@@ -14,9 +14,10 @@ from analysis.sharing.chain_differences import ChainDifference
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
-from workflow.engines.reference.step_halving import StepHalving, Uncertainty
+from workflow.engines.reference.step_halving import StepHalving
+from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.formats import figure_files
-from workflow.runs.check import accountant
+from workflow.runs.exchange import accountant
 from workflow.runs.files import write_figure, write_json
 from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import RunDirectory

@@ -11,14 +11,14 @@ import numpy as np
 
 from analysis.compare.common_times import near_the_front, of_recorded, on_common_rows, simultaneous
 from analysis.compare.difference import Deviation, Difference
-from analysis.files import events
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.sharing.chain_differences import ChainDifference, ChainMeter
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene
-from workflow.runs.check import accountant
-from workflow.runs.engines import ENGINES
-from workflow.runs.files import EVENTS, RECORD
+from lammps_inputs.facts import Fact
+from workflow.runs.engines import engine_called
+from workflow.runs.exchange import accountant
+from workflow.runs.files import RECORD
 from workflow.runs.run_directory import Fingerprint, RunDirectory, states
 from workflow.verdicts.validate import (
     HALF_WINDOW,
@@ -99,7 +99,7 @@ def compare_runs(runs: Runs, tolerances: dict[str, float] | None = None) -> tupl
         InputError: the runs recorded no bead or no time in common.
     """
     directory, other = runs
-    rigid = [run for run in runs if not ENGINES[run.engine].deforms]
+    rigid = [run for run in runs if not run.problem.system.holds(Fact.OVERLAPS)]
     models_differ = len(rigid) == 1
     unlimited = dict.fromkeys(_AT_AN_INSTANT, math.inf) if models_differ else {}
     limits = limits_of(directory.problem, {**unlimited, **(tolerances or {})})
@@ -109,8 +109,10 @@ def compare_runs(runs: Runs, tolerances: dict[str, float] | None = None) -> tupl
     deviations = _larger(difference.deviations(), _of_snapshots(runs, limits, fingerprints))
     chains: tuple[ChainDifference, ...] = ()
     if meter is not None:
-        collisions = events.from_csv(rigid[0].path / EVENTS, frames.problem.scale)
-        of_chains, chains = meter.result(collisions, limits["impulse"])
+        engine = engine_called(rigid[0].engine)
+        impulses = engine.impulses(rigid[0].path, frames.problem, until=meter.last_time)
+        assert impulses is not None  # frames without overlaps are of engines that give them
+        of_chains, chains = meter.result(impulses, limits["impulse"])
         deviations |= of_chains
     result = Validation(
         problem=frames.problem,
@@ -377,7 +379,7 @@ def changes(directory: RunDirectory, other: RunDirectory) -> dict[str, tuple[str
 def _computed_with(run: RunDirectory) -> dict[str, str]:
     """Settings, versions, machine and checksum of the input files of a run by name; empty where nothing says."""
     problem, job = run.problem, run.account
-    stepped = ENGINES[run.engine].own_step
+    stepped = engine_called(run.engine).own_step
     return {
         "engine": run.engine,
         "time step": problem.scale.written(problem.timestep, "time") if stepped else "",

@@ -12,7 +12,7 @@ from analysis.compare.rounding import precision, rounding_error
 from analysis.files import table, text_dump, traces
 from analysis.files.table import TrajectoryTable
 from analysis.files.traces import Channel
-from analysis.gauges.gauge import beads_of, complaint, read_at
+from analysis.gauges.channels import beads_of, complaint, read_at
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem, physics
 from lammps_inputs.deck_atoms import DeckAtoms

@@ -9,8 +9,9 @@ from small_problems import problem, written_down
 from synthetic_waves import of_keys
 
 from analysis.files.traces import Channel
+from analysis.gauges.channels import beads_of, complaint, read, read_at
 from analysis.gauges.forces import ForceMeter
-from analysis.gauges.gauge import beads_of, complaint, gauges, read, read_at
+from analysis.gauges.gauge import gauges
 from analysis.trajectory import watch
 from lammps_inputs import physics
 from workflow.engines.reference import engine

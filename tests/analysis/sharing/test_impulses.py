@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from small_problems import problem
 
-from analysis.files.events import Collisions
-from analysis.sharing.impulses import ImpulseMeter, from_events, measure, relative_difference
+from analysis.sharing.impulses import ImpulseMeter, measure, relative_difference
 from analysis.trajectory import joined, watch
-from workflow.engines import collisions
 from workflow.engines.reference import engine
+from workflow.plugins.rigid import engine as collisions
+from workflow.plugins.rigid.events import Collisions, from_events
 
 EVERY = 0.1
 STEP = 0.02

@@ -98,7 +98,7 @@ def test_a_table_of_any_length_survives_being_written_down():
     one = library.from_plain(
         {"name": "long", "beads": 20, "duration": 10, "push": {"table": [*points, [99.0, 0.0]]}}, "x"
     )
-    assert library.from_plain(strict_yaml.parse(deck.render_scene(one), "x"), "x") == one.resolved()
+    assert library.from_plain(strict_yaml.parse(library.render_scene(one), "x"), "x") == one.resolved()
 
 
 def test_lines_of_a_table_in_a_scene_that_are_no_points_are_named():

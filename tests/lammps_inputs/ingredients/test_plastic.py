@@ -21,6 +21,7 @@ from analysis.tracking.peaks import find_peaks
 from lammps_inputs import laws, library, materials, physics, references
 from lammps_inputs.decks import deck
 from lammps_inputs.laws.plastic import LargestOverlap, Thornton, WaltonBraun, restitution_of
+from lammps_inputs.library import render_scene
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
 from workflow.runs.run import run
@@ -317,7 +318,7 @@ def test_lammps_refuses_walton_and_braun_s_law_in_one_line():
 def test_lammps_refuses_more_than_4000_beads_whose_contacts_yield_in_one_line(command, tmp_path, capsys):
     few, many = (plastic(beads=beads) for beads in (4000, 4001))
     assert deck.refusal(few.system) == ""
-    (tmp_path / "many.yaml").write_text(deck.render_scene(many))
+    (tmp_path / "many.yaml").write_text(render_scene(many))
     line = refusal([*command, tmp_path / "many.yaml", "-o", tmp_path / "out"], capsys)
     assert "contacts that yield for at most 4000 beads, 4001 given; use the reference engine" in line
 

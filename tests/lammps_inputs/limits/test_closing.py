@@ -9,7 +9,7 @@ from stock_lammps import scene
 
 from lammps_inputs import Kick
 from lammps_inputs.limits.closing import never_closes
-from workflow.engines import collisions
+from workflow.plugins.rigid import engine as collisions
 
 OPEN = [
     (1, None, [Kick(bead=1, velocity=-1.0)]),

@@ -10,7 +10,7 @@ from small_problems import REDUCED, problem
 
 from lammps_inputs import Scene
 from lammps_inputs.units import Scale
-from workflow.engines.reference.step_halving import Uncertainty
+from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.errors import RunError
 from workflow.plugins.trade import settings
 from workflow.plugins.trade.points import (

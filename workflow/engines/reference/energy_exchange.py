@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.conservation import FrameAccountant
 from analysis.trajectory import EXCHANGES, Floats, Trajectory, joined
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.laws import dashpot
@@ -16,7 +17,7 @@ from workflow.engines.reference.schemes import BLANES_MOAN
 
 
 @dataclass
-class Accountant:
+class Accountant(FrameAccountant):
     """Gives blocks of frames, from the first of a run on, their exchange.
 
     Args:

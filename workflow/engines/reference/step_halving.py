@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
+from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.errors import RunError
 
 MOST_HALVINGS = 12
@@ -25,25 +26,6 @@ to the power 2.5 or faster; but the contacts' singularities fall on other parts 
 of a hundred random scenes the error of the finer run exceeded the difference, mostly less than 2.4 times; in 3246
 others the uncertainty was exceeded once by a velocity, by a quarter, and in 14 by an arrival, at most 5 times.
 """
-
-
-@dataclass(frozen=True)
-class Uncertainty:
-    """Bounds on the errors of a reference run, dimensionless.
-
-    Attributes:
-        steps_per_frame: steps of the finer run from frame to frame.
-        velocity: the largest error of any velocity, of beads and resonators, is below this, in units of V, as far as
-            `SAFETY` goes: so many times the largest difference from the run with half as many steps.
-        arrival: the same bound for arrivals of the leading pulse, in units of T, where `analysis.tracking.peaks.sharp`.
-        energy, momentum: largest deviations from the kicks'.
-    """
-
-    steps_per_frame: int
-    velocity: float
-    arrival: float
-    energy: float
-    momentum: float
 
 
 class StepHalving:

@@ -9,7 +9,7 @@ from lammps_inputs.numbers import time_text
 from workflow.engines.reference.step_halving import StepHalving
 from workflow.plugins.pages.downsample import Thinned, thinned
 from workflow.prepare.settings import refuse_unanalysable, settle
-from workflow.runs.engines import REFERENCE
+from workflow.runs.engines import engine_called
 
 MOST_SECONDS = 2.0
 """Estimated time above which a scene is not computed while its numbers are changed."""
@@ -48,7 +48,7 @@ def computed(scene: Scene) -> ComputedScene:
         InputError: the reference cannot compute it, it takes too long, or its frames are too far apart.
         RunError: its velocities grow beyond all bounds.
     """
-    if refusal := REFERENCE.refusal(scene):
+    if refusal := engine_called("reference").refusal(scene):
         raise InputError(refusal)
     scene = scene.model_copy(update={"accuracy": None})
     if scene.until_bead is not None:
@@ -68,7 +68,7 @@ def computed(scene: Scene) -> ComputedScene:
 def estimated_seconds(problem: Problem) -> float:
     """Estimated time of `computed`, by the model of the reference's cost and the numbers of its frames, in s."""
     numbers = problem.frames * problem.chains * problem.rows_a_frame
-    return HALVED * (REFERENCE.seconds(problem, 1) or 0.0) + SECONDS_A_NUMBER * numbers
+    return HALVED * (engine_called("reference").seconds(problem, 1) or 0.0) + SECONDS_A_NUMBER * numbers
 
 
 def _refuse_slow(problem: Problem) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from analysis.files import traces
 from analysis.files.traces import Channel
-from analysis.gauges.gauge import beads_of, read, read_at
+from analysis.gauges.channels import beads_of, read, read_at
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem, Scene, library
 from lammps_inputs.units import REDUCED, SI

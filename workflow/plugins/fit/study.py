@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import qmc
 
-from analysis.gauges.gauge import read_at
+from analysis.gauges.channels import read_at
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, installed_scenes, library, strict_yaml
 from workflow import formats

@@ -25,7 +25,7 @@ from analysis.tracking.peaks import Peaks, find_peaks
 from analysis.tracking.pulses import Pulse, Train, track_pulses, train_of
 from analysis.trajectory import Floats, Trajectory, watch
 from lammps_inputs import library
-from workflow.runs.engines import ENGINES as KNOWN_ENGINES
+from workflow.runs.engines import engine_called
 from workflow.runs.run_directory import RunDirectory
 from workflow.study_kit.kept_run import kept_run
 from workflow.study_kit.page import PageFigure, Section, Statement, drawn
@@ -48,7 +48,7 @@ class Ran(RunDirectory):
 
         They are the difference from the reference for LAMMPS, and the uncertainty for the reference.
         """
-        errors = KNOWN_ENGINES[self.engine].errors(self.job)
+        errors = engine_called(self.engine).errors(self.job)
         assert errors is not None
         return errors
 

@@ -11,7 +11,7 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import InputError
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import compared_rows
-from workflow.runs.engines import ENGINES
+from workflow.runs.engines import engine_called
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import PrintedTable
 from workflow.sweep.collect import QUANTITIES, UNCERTAINTIES, SweepTable, quantities
@@ -51,7 +51,9 @@ def pairs_of_reference(directory: RunDirectory, comparison: Validation) -> Pairs
 
 def compared_lines(runs: tuple[RunDirectory, ...], comparison: Validation) -> list[str]:
     """Sentences on what was compared, and whether it agrees."""
-    letters = [f"{letter} is {run.path} ({ENGINES[run.engine].title})" for letter, run in zip("AB", runs, strict=False)]
+    letters = [
+        f"{letter} is {run.path} ({engine_called(run.engine).title})" for letter, run in zip("AB", runs, strict=False)
+    ]
     if len(runs) == 1:
         letters.append("B is the reference integrator")
     lines = [

@@ -15,6 +15,7 @@ from analysis.figures.style import AxisUnit, FrameContent, axis_unit, evenly_spa
 from analysis.quantity import declared
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
 from lammps_inputs.units import REDUCED, Label
 
 MOST_BEADS = 500
@@ -101,7 +102,7 @@ def thinned(
         blocks: all of its frames.
         chains: which to keep, counted from 0.
         most_numbers: numbers that are kept of each kind, about.
-        deforms: whether beads have overlaps and forces.
+        deforms: whether overlaps and forces are shown, where beads have some.
     """
     recorded = problem.recorded_beads
     beads = slice(None, None, max(1, -(-len(recorded) // MOST_BEADS)))
@@ -160,7 +161,7 @@ def _of(frames: Trajectory, deforms: bool) -> tuple[Floats, Floats, Floats]:
     """Displacement, and overlap and force of each bead with the next, all [frame, chain, bead]."""
     problem, x = frames.problem, frames.displacement
     overlap, force = np.full_like(x, np.nan), np.full_like(x, np.nan)
-    if problem.recorded is None and deforms:
+    if problem.recorded is None and deforms and problem.system.holds(Fact.OVERLAPS):
         of_contacts = motion.overlaps(problem.system, x)
         overlap[..., :-1] = np.maximum(of_contacts, 0.0)
         force[..., :-1] = motion.contact_force(frames.system, of_contacts)

@@ -31,7 +31,7 @@ from workflow.plugins.pages.results import results, sentence
 from workflow.plugins.pages.run_page import layout
 from workflow.plugins.pages.selection import open_link
 from workflow.plugins.pages.sweep_page import layout as sweep_layout
-from workflow.runs.engines import ENGINES, LAMMPS, RIGID
+from workflow.runs.engines import engine_called
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import claim
 from workflow.runs.run_directory import RunDirectory
@@ -226,10 +226,9 @@ def _run(path: Path) -> Path:
     check = directory.job.check
     if check is not None and check.velocity is not None:
         lines.append(f"Error against the reference: velocities {check.velocity:.1e} V.")
-    deforms = ENGINES[directory.engine].deforms
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CutDumpWarning)  # that the run is incomplete is said in words
-        part = thinned(problem, directory.blocks(), shown_chains(problem), deforms=deforms)
+        part = thinned(problem, directory.blocks(), shown_chains(problem))
     lines += _left_out(problem, part)
     texts = {"scene": strict_yaml.dump(scene.plain())}
     if (path / file_names.DECK).is_file():
@@ -254,9 +253,9 @@ def _cited(runs: Iterable[RunDirectory]) -> list[str]:
     keys: dict[str, None] = {}
     for run in runs:
         cited = references.of_scene(run.scene)
-        if run.engine != LAMMPS.name:
+        if run.engine != "lammps":
             del cited[references.OF_ENGINE]
-        if run.engine == RIGID.name:
+        if run.engine not in ("lammps", "reference"):
             del cited[references.OF_REFERENCE]
         keys |= dict.fromkeys(key for of_subject in cited.values() for key in of_subject)
     return list(keys)
@@ -264,8 +263,8 @@ def _cited(runs: Iterable[RunDirectory]) -> list[str]:
 
 def _computed(directory: RunDirectory) -> str:
     """Sentence on the engine, time and machine by which a run was computed, as far as it recorded them."""
-    job, engine = directory.job, ENGINES[directory.engine].title
-    if directory.engine == LAMMPS.name:
+    job, engine = directory.job, engine_called(directory.engine).title
+    if directory.engine == "lammps":
         engine = f"{engine} {job.lammps or job.versions.get('lammps', '')}".rstrip()
     granchain = job.versions.get("granchain")
     parts = [engine, f"granchain {granchain}" if granchain else "", job.started or "", job.machine or ""]

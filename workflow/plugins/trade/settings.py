@@ -30,7 +30,8 @@ from workflow.engines.lammps import engine as lammps
 from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine as reference
 from workflow.engines.reference.schemes import BLANES_MOAN
-from workflow.engines.reference.step_halving import StepHalving, Uncertainty
+from workflow.engines.reference.step_halving import StepHalving
+from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.runs.engines import write_frames
 
 # --- runs -------------------------------------------------------------------------------------------------------------

@@ -14,7 +14,6 @@ from functools import cache
 
 import numpy as np
 
-from analysis.files.events import Collisions
 from analysis.sharing import impulses
 from analysis.sharing.impulses import Impulses, relative_difference
 from analysis.trajectory import Floats, Integers, Trajectory
@@ -22,7 +21,6 @@ from lammps_inputs import Problem, System, physics
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.limits.closing import THETA_OF_EQ_5
 from lammps_inputs.units import DIMENSIONLESS
-from workflow.engines import collisions
 from workflow.engines.reference import engine as reference
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.engines_figure import (
@@ -33,6 +31,8 @@ from workflow.plugins.gallery.engines_figure import (
     scan_figure,
 )
 from workflow.plugins.gallery.entry import Entry, Results, Statements
+from workflow.plugins.rigid import engine as collisions
+from workflow.plugins.rigid.events import Collisions, from_events
 from workflow.study_kit.page import PageFigure, drawn
 
 AGREE = 0.01
@@ -80,7 +80,7 @@ def rigid_impulses(problem: Problem) -> Impulses:
 
 
 def _impulses(problem: Problem, run: collisions.CollisionRun) -> Impulses:
-    return impulses.from_events(problem, Collisions(run.time, run.chain, run.row, run.striker, run.target))
+    return from_events(problem, Collisions(run.time, run.chain, run.row, run.striker, run.target))
 
 
 def hertz_impulses(problem: Problem) -> Impulses:

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from analysis.files import events
 from analysis.quantity import declared
-from analysis.sharing.impulses import from_events
 from analysis.trajectory import joined
 from lammps_inputs import InputError, find, strict_yaml
 from workflow.cli import main
-from workflow.engines import collisions
+from workflow.plugins.rigid import engine as collisions
+from workflow.plugins.rigid import events
+from workflow.plugins.rigid.events import from_events
+from workflow.plugins.rigid.rounding import by_rounding
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
@@ -49,7 +50,7 @@ def test_the_collisions_of_a_run_are_those_of_the_engine(directory):
         collisions.run(directory.problem),
     )
     assert directory.job.collisions == len(table) == len(exact) > 20
-    np.testing.assert_array_equal(table.rounding, collisions.by_rounding(exact).collisions)
+    np.testing.assert_array_equal(table.rounding, by_rounding(exact).collisions)
     for name in set(declared(events.Collisions)) - {"rounding"}:
         np.testing.assert_array_equal(getattr(table, name), getattr(exact, name))  # all scales are 1 here
 

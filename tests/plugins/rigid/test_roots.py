@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workflow.engines.collisions.roots import CONTACT, LOOK_AGAIN, NEVER, PairDistance, first_contact
+from workflow.plugins.rigid.roots import CONTACT, LOOK_AGAIN, NEVER, PairDistance, first_contact
 
 SAMPLES = 4001
 amplitude = st.floats(-2.0, 2.0).map(lambda a: round(a, 6))

@@ -5,9 +5,13 @@ from pathlib import Path
 import numpy as np
 
 from analysis.quantity import declare, declared, headings, result
+from analysis.sharing.impulses import Impulses
 from analysis.trajectory import Floats, Integers
-from lammps_inputs import InputError
+from lammps_inputs import InputError, Problem
 from lammps_inputs.units import Scale
+
+EVENTS = "events.csv"
+"""Name of the table in a run's directory."""
 
 
 @result
@@ -73,3 +77,26 @@ def from_csv(path: Path, scale: Scale) -> Collisions:
     velocity = scale.velocity
     chain, row, *marks = (column.astype(np.int64) for column in (chain, row, *marks))
     return Collisions(time / scale.time, chain, row, striker / velocity, target / velocity, *marks)
+
+
+def from_events(problem: Problem, events: Collisions, direction: int = 1) -> Impulses:
+    """Impulses of rigid beads, a contact being one collision.
+
+    Args:
+        problem: what was run.
+        events: every collision.
+        direction: 1, or -1 for the impulses that beads receive from the bead ahead, with beads counted from the last.
+    """
+    chain, row = events.chain - 1, events.row - 1
+    if direction < 0:
+        row = problem.beads - 2 - row
+    shape = (problem.chains, problem.beads - 1)
+    first, total = np.zeros((2, *shape))
+    contacts = np.zeros(shape, dtype=np.int64)
+    time = np.full(shape, np.nan)
+    np.add.at(total, (chain, row), events.impulse)
+    np.add.at(contacts, (chain, row), 1)
+    _, index = np.unique(chain * problem.beads + row, return_index=True)  # the first of each place
+    first[chain[index], row[index]] = events.impulse[index]
+    time[chain[index], row[index]] = events.time[index]
+    return Impulses(np.arange(2, problem.beads + 1), first, total, contacts, time, 0.0)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import Problem, physics
 from lammps_inputs.links import Along
-from workflow.engines.collisions.engine import CollisionRun, played_back, run
+from workflow.plugins.rigid.engine import CollisionRun, played_back, run
 
 CHANGE = 2.0**-48
 """Relative change of the gap, 4e-15: 16 units in the last place."""

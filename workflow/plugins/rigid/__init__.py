@@ -3,8 +3,3 @@
 The binary collision model of section 3 of the paper (Figs 7-9), event-driven: nothing is stepped, and no collision is
 missed. Contacts that last, and beads that touch at the start, are outside it.
 """
-
-from workflow.engines.collisions.engine import CollisionRun, blocks, run, sample
-from workflow.engines.collisions.rounding import by_rounding
-
-__all__ = ["CollisionRun", "blocks", "by_rounding", "run", "sample"]

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from small_problems import rigid_problem
 
-from workflow.engines.collisions import by_rounding, run
+from workflow.plugins.rigid.engine import run
+from workflow.plugins.rigid.rounding import by_rounding
 
 
 @pytest.mark.parametrize("kappa", [0.1, 0.5, 3.0])

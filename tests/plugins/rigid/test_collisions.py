@@ -12,8 +12,7 @@ from small_problems import rigid_problem
 from analysis.trajectory import joined
 from lammps_inputs import physics
 from lammps_inputs.limits import closing
-from workflow.engines.collisions import blocks, run, sample
-from workflow.engines.collisions.engine import make_heap, reschedule
+from workflow.plugins.rigid.engine import blocks, make_heap, reschedule, run, sample
 
 ABOVE = 1.0 + 4.0 * np.finfo(float).eps
 

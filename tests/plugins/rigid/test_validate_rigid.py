@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from analysis.files import events
 from analysis.sharing.energies import EnergyFlow
-from analysis.sharing.impulses import from_events, measure
+from analysis.sharing.impulses import measure
 from analysis.trajectory import watch
 from lammps_inputs import Kick, find
 from workflow.cli import main
-from workflow.runs.files import EVENTS
+from workflow.plugins.rigid import events
+from workflow.plugins.rigid.events import EVENTS, from_events
 from workflow.runs.run import run
 from workflow.verdicts.validate import AGAINST
 from workflow.verdicts.validate_run import validate_run

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from analysis.files import events
-from analysis.files.events import Collisions
 from analysis.quantity import csv_of, declared
 from lammps_inputs import InputError
 from lammps_inputs.units import make_scale
+from workflow.plugins.rigid import events
+from workflow.plugins.rigid.events import Collisions
 
 SI = make_scale(3.6e-3, 6.9e9, 0.7, si=True)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from small_problems import rigid_problem
 
 from analysis.trajectory import joined
-from workflow.engines.collisions import blocks, run, sample
+from workflow.plugins.rigid.engine import blocks, run, sample
 
 
 def final(problem):

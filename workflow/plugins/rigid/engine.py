@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import Problem, physics
 from workflow.compiled import ieee, ieee_called_by_compiled
-from workflow.engines.collisions.modes import Modes, advance, make_modes
-from workflow.engines.collisions.roots import CONTACT, NEVER, PairDistance, first_contact
+from workflow.plugins.rigid.modes import Modes, advance, make_modes
+from workflow.plugins.rigid.roots import CONTACT, NEVER, PairDistance, first_contact
 
 Ints = NDArray[np.int64]
 

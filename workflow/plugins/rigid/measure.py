@@ -4,7 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from analysis.quantity import declare, result
+from lammps_inputs.facts import Fact
 from workflow.measures.base import FrameMeter, Measurement, Recorded
+from workflow.plugins.rigid.runs import RigidRecord
 
 
 @result
@@ -42,10 +44,10 @@ class RoundingMeasurement(Measurement):
     @classmethod
     def meter(cls, run: Recorded) -> FrameMeter | None:
         """Rigid beads."""
-        if run.deforms:
+        if run.problem.system.holds(Fact.OVERLAPS):
             return None
         values = FirstByRounding(None, None, None)
-        if run.rounding is not None:
-            time = run.rounding.time / run.problem.scale.time
-            values = FirstByRounding(run.rounding.collision, run.rounding.row, time)
+        if isinstance(run.job, RigidRecord) and run.job.rounding is not None:
+            rounding = run.job.rounding
+            values = FirstByRounding(rounding.collision, rounding.row, rounding.time / run.problem.scale.time)
         return FrameMeter(lambda _: cls(run.problem, values))
