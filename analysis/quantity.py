@@ -11,6 +11,13 @@ A result is a frozen dataclass whose fields `declare` a `Quantity`; so may prope
         def doubled(self) -> float:
             "Twice the time of the passage."
 
+A field that `computed` declares is computed when it is first needed, by a function of the result::
+
+    @result
+    class Passages:
+        waves: Waves
+        last: float = computed("time of the last passage", "time", of=lambda passages: passages.waves.time[-1])
+
 Their values are dimensionless where the unit is one of the scene's, and converted in `in_units`, once.
 """
 
@@ -20,8 +27,8 @@ import typing
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from enum import Enum
-from functools import cache
-from typing import Any, TypeVar, dataclass_transform
+from functools import cache, cached_property
+from typing import Any, Literal, TypeVar, dataclass_transform
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +95,9 @@ class Quantity:
 _DECLARED = "quantity"
 """Key of a field's metadata, and attribute of a property's function."""
 
+_COMPUTED = "of"
+"""Key of a field's metadata: function that computes its value."""
+
 
 def declare(
     meaning: str,
@@ -103,6 +113,29 @@ def declare(
     return field(default=default, metadata={_DECLARED: Quantity(meaning, unit, undefined, symbol, columns, **shown)})
 
 
+def computed(
+    meaning: str,
+    unit: str = "",
+    undefined: str = "",
+    symbol: str = "",
+    columns: tuple[QuantityColumn, ...] = (),
+    *,
+    of: Callable[[Any], Any],
+    init: Literal[False] = False,
+    **shown: Any,
+) -> Any:
+    """A field of a result that is computed when it is first needed, and the `Quantity` that it holds.
+
+    Args:
+        meaning, unit, undefined, symbol, columns: see `Quantity`.
+        of: computes the value from the result.
+        init: False; no such field is an argument of the result's class.
+        shown: ``column``, ``digits`` and ``head`` of the `Quantity`.
+    """
+    quantity = Quantity(meaning, unit, undefined, symbol, columns, **shown)
+    return field(init=init, repr=False, compare=False, metadata={_DECLARED: quantity, _COMPUTED: of})
+
+
 def derived(unit: str = "", undefined: str = "", symbol: str = "", column: str | None = None) -> Callable[[Kind], Kind]:
     """A property of a result, and the `Quantity` that it holds; the docstring says the meaning."""
 
@@ -116,10 +149,16 @@ def derived(unit: str = "", undefined: str = "", symbol: str = "", column: str |
     return mark
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(declare, field))
+@dataclass_transform(frozen_default=True, field_specifiers=(declare, computed, field))
 def result(kind: type[Kind]) -> type[Kind]:
     """A frozen dataclass whose fields declare what they hold."""
-    return dataclass(frozen=True)(kind)
+    made = dataclass(frozen=True)(kind)
+    for member in fields(made):  # type: ignore[arg-type]
+        if _COMPUTED in member.metadata:
+            value = cached_property(member.metadata[_COMPUTED])
+            value.__set_name__(made, member.name)
+            setattr(made, member.name, value)
+    return made
 
 
 def _declared(kind: Any) -> dict[str, tuple[Quantity, Any]]:
@@ -186,6 +225,19 @@ def plain(value: Any, scale: Scale, unit: str = "") -> Any:
     if isinstance(value, np.generic):
         value = value.item()
     return known(in_units(value, unit, scale)) if isinstance(value, float) else value
+
+
+def plain_at(value: Any, keys: Iterable[str], scale: Scale) -> Any:
+    """The part of the `plain` data of a result that keys lead to; no other is computed. None where there is none."""
+    unit = ""
+    for key in keys:
+        if isinstance(value, Mapping):
+            value = value.get(key)
+        elif is_dataclass(value):
+            unit, value = declared(type(value))[key][0].unit, getattr(value, key)
+        else:
+            return None
+    return plain(value, scale, unit)
 
 
 def to_csv(columns: Mapping[str, Iterable[Any]]) -> str:

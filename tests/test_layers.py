@@ -25,6 +25,7 @@ LAYERS = {  # the lowest first
         "runs",
         "measures",
         "verdicts",
+        "quantities",
         "sweep",
         "study_kit",
         "interface",

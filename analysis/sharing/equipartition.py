@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
-from analysis.quantity import declare, result
+from analysis.quantity import declare, derived, result
 from analysis.shape.exact_wave import SolitaryWave, has_wave, solitary_wave, wave_of
 from analysis.shape.long_waves import LoadedSpeed, period_of, repeats_between
 from analysis.sharing.impulses import Impulses, compared_by_impulses
@@ -63,6 +63,33 @@ class Estimate:
 
     value: float = declare("the number")
     uncertainty: float = declare("its uncertainty")
+
+
+@result
+class Final(Estimate):
+    """The asymptotic amplitude."""
+
+    uncertainty: float = declare(
+        "its uncertainty: largest deviation over the last half beat, or the change still to come where that is larger; "
+        "and the error of these amplitudes by the time between frames and by the run",
+        "V",
+    )
+
+    @property
+    @derived()
+    def reduction(self) -> float:
+        """Reduction of the amplitude against V, 1 - value."""
+        return 1.0 - self.value
+
+
+@result
+class AmplitudeRange:
+    """Range of amplitudes over some beads."""
+
+    first: int = declare("first bead of the second half of the compared beads")
+    last: int = declare("last bead")
+    least: float = declare("least amplitude of any chain between them", "V")
+    largest: float = declare("largest amplitude of any chain between them", "V")
 
 
 @dataclass(frozen=True)
@@ -270,7 +297,7 @@ class Sharing:
         return min(int(np.searchsorted(self.bead, self.bead[-1] - length)), max(0, len(self) - LEAST_TAIL))
 
     @cached_property
-    def final(self) -> Estimate | None:
+    def final(self) -> Final | None:
         """Amplitude that the leading waves settle at, in V: mean over chains and the last half beat.
 
         The uncertainty is the largest deviation from it, or what is still to come where that is more, and the largest
@@ -291,20 +318,21 @@ class Sharing:
         errors = 0.0 if self.amplitude_error is None else np.nan_to_num(self.of_tied(self.amplitude_error)[self.tail :])
         error = float(np.max(errors))
         if abs(change) <= max(SETTLED * mean, 0.5 * varies):
-            return Estimate(mean, varies + error)
+            return Final(mean, varies + error)
         ratio = change / before[0] if before and before[0] != 0.0 else math.inf
         if not 0.0 <= ratio <= CONVERGES:
             return None
-        return Estimate(mean, max(varies, abs(change) * ratio / (1.0 - ratio)) + error)
+        return Final(mean, max(varies, abs(change) * ratio / (1.0 - ratio)) + error)
 
     @cached_property
-    def span(self) -> tuple[int, float, float] | None:
-        """First bead of the second half of the way, least and largest amplitude from there on; None without any."""
+    def span(self) -> AmplitudeRange | None:
+        """Range of amplitudes over the second half of the way; None without any."""
         if len(self) == 0:
             return None
         half = int(np.searchsorted(self.bead, 0.5 * (self.bead[0] + self.bead[-1])))
         amplitude = self.of_tied(self.amplitude)[half:]
-        return int(self.bead[half]), float(np.min(amplitude)), float(np.max(amplitude))
+        first, last = int(self.bead[half]), int(self.bead[-1])
+        return AmplitudeRange(first, last, float(np.min(amplitude)), float(np.max(amplitude)))
 
     def expected_agreement(self, tolerance: float) -> Estimate | None:
         """Bead from which on the amplitudes may be expected to agree, by the decay of the last few beats' mismatch.

@@ -14,39 +14,43 @@ run is added to each. Both are bounds, so they add up.
 
 import copy
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from analysis.quantity import declare, result
 from analysis.shape.waveforms import REACH
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing
 from analysis.sharing.is_solitary import Character
-from analysis.sharing.survey import Survey, numbered
+from analysis.sharing.survey import Survey, completed, numbered
 from analysis.sharing.verdict import fit_decay, verdict_on
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Floats, mirrored_problem
+from analysis.trajectory import Floats
 
 STEEPEST = 1.2
 """Power of the peak velocity by which the largest slope of the exact wave's velocity over time grows."""
 
 
-@dataclass(frozen=True)
+@result
 class MeasuredError:
-    """Bounds on the errors of a run, dimensionless; all 0 where none was measured.
+    """Error of a run by its time step and integrator, with the uncertainty of the reference that measured it.
 
-    Attributes:
-        velocity: of any velocity, in units of V.
-        amplitude: of peak velocities of the leading pulse, in units of V.
-        arrival: of arrivals of the leading pulse, in units of T.
-        measured: whether they were measured, by a check or the reference's step halving.
+    All errors are 0 where none was measured.
     """
 
-    velocity: float = 0.0
-    amplitude: float = 0.0
-    arrival: float = 0.0
+    velocity: float = declare("bound on the error of any velocity of a bead or resonator", "V", default=0.0)
+    amplitude: float = declare(
+        "bound on the error of a peak velocity of a leading pulse; ``velocity`` where no pulse leads", "V", default=0.0
+    )
+    arrival: float = declare(
+        "bound on the error of an arrival of a leading pulse; ``velocity`` over V, in units of T, where none is sharp",
+        "T",
+        default=0.0,
+    )
     measured: bool = False
+    """Whether they were measured, by a check or the reference's step halving."""
 
     @classmethod
     def of(
@@ -77,23 +81,23 @@ UNMEASURED = MeasuredError()
 """That of a run without a check: uncertainties then cover the time between frames alone."""
 
 
-def with_run_error(survey: Survey, error: MeasuredError) -> Survey:
+def with_run_error(of_frames: Survey, error: MeasuredError) -> Survey:
     """A survey whose uncertainties, and the verdict that depends on them, cover the error of the run."""
     if not error.measured:
-        return survey
-    problem = survey.problem
+        return of_frames
+    survey = completed(of_frames)
     shared, pulses = _of_shared(survey.shared, error), tuple(_of_pulse(pulse, survey, error) for pulse in survey.pulses)
-    along = problem if survey.direction > 0 else mirrored_problem(problem)
-    decay = fit_decay(shared.followed, along)
-    return replace(
-        survey,
-        waves=_of_waves(survey, error),
+    decay = fit_decay(shared.followed, survey.along)
+    waves = _of_waves(survey, error)
+    return survey.replaced(
+        passages=waves,
+        waves=waves,
         pulses=pulses,
         characters=tuple(_of_character(*each, error) for each in zip(survey.characters, pulses, strict=True)),
         shared=shared,
         energies=_of_energies(survey.energies, shared, error),
         decay=decay,
-        verdict=numbered(verdict_on(shared.followed, along, decay), survey.direction),
+        verdict=numbered(verdict_on(shared.followed, survey.along, decay), survey.direction),
     )
 
 

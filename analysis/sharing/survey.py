@@ -1,11 +1,13 @@
-"""Everything that is found in a run by reading it twice: first its peaks, then the states around them.
+"""Everything that is found in a run by reading it twice: first its peaks, then the states around them; or parts of it.
 
 A run is given as a function that reads it again, block by block, so that it need not fit into memory.
 """
 
+import copy
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +30,7 @@ from analysis.tracking.leading_waves import (
     mirrored_waves,
     of_pulses,
     opposed,
+    speeds_of_pulses,
     usual_arrival,
 )
 from analysis.tracking.peaks import PeakFinder, Peaks
@@ -43,6 +46,7 @@ from analysis.trajectory import (
     mirrored,
     mirrored_bead,
     mirrored_problem,
+    watch,
 )
 from lammps_inputs import Problem, physics
 
@@ -53,49 +57,207 @@ HALF = 2.0
 """Beads from its peak within which the exact wave has all but 1e-5 of its energy."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False, eq=False)
 class Survey:
-    """Waves, pulses and energies of a run.
+    """Waves, pulses and energies of a run: each part is computed when it is first needed, from what it needs alone.
+
+    `survey` computes all of them in two readings. Else every part that needs frames reads them, as is best where they
+    are in memory.
 
     Attributes:
         problem: what was run.
-        direction: 1 if the largest kick is towards higher bead numbers, else -1; the leading waves run that way, and in
-            ``shared``, ``energies``, ``decay`` and ``verdict`` beads are counted along it (from the last bead if -1).
+        read: starts reading the run: consecutive blocks of frames, the first frame being the start. They are frames
+            with their exchange (`analysis.trajectory.EXCHANGES`) where forces from outside act on the beads.
         arrival: what an arrival of ``waves`` is; the passages of ``pulses`` are always the maxima.
-        waves: leading waves; beads as numbered in the scene. With kicks from both sides only what belongs to
-            a pulse.
-        succession: where one leading pulse ends and another one leads.
-        waveforms: velocity over time around the passages of ``waves``, then of ``pulses``.
-        shape: what those waveforms say of each wave, entry by entry of ``waves``; NaN where not measured, as energies
-            are in chains of like beads.
-        pulses: every pulse that was found, either way; under a static load the leading waves and what runs ahead of
-            sound (`analysis.tracking.pulses.ahead_of_sound`).
-        crests: of sound, under a static load; one may be taken for another on its way.
-        clear: of each pulse, [passage] where the ends of its chain had not disturbed it.
-        characters: of each pulse, at the last such passage that was recorded whole.
-        shared, energies, decay, verdict: how the chains share the leading pulse; decay and verdict of the pulse that
-            leads at the last bead (``shared.followed``).
+        tolerances: within which a pulse counts as solitary.
     """
 
     problem: Problem
-    direction: int
+    read: Callable[[], Iterable[Trajectory]]
     arrival: Arrival
-    waves: Waves
-    succession: tuple[Change, ...]
-    waveforms: Waveforms
-    shape: Shape
-    pulses: tuple[Pulse, ...]
-    crests: tuple[Pulse, ...]
-    clear: tuple[Flags, ...]
-    characters: tuple[Character, ...]
-    shared: Sharing
-    energies: EnergyShares
-    decay: DecayFit | None
-    verdict: Verdict
+    tolerances: Tolerances | None = None
+
+    def replaced(self, **parts: Any) -> "Survey":
+        """A survey with other parts, in which the parts that have been computed stay as they are."""
+        other = copy.copy(self)
+        vars(other).update(parts)
+        return other
+
+    @property
+    def direction(self) -> int:
+        """1 if the largest kick is towards higher bead numbers, else -1.
+
+        The leading waves run that way, and in ``shared``, ``energies``, ``decay`` and ``verdict`` beads are counted
+        along it (from the last bead if -1).
+        """
+        return direction_of(self.problem)
+
+    @cached_property
+    def along(self) -> Problem:
+        """The problem as the leading waves run through it: mirrored, where they run towards bead 1."""
+        return self.problem if self.direction > 0 else mirrored_problem(self.problem)
+
+    @cached_property
+    def peaks_upwards(self) -> Peaks:
+        """Peaks of the waves towards higher bead numbers."""
+        peaks_upwards: Peaks = _seen("peaks_upwards", self)
+        return peaks_upwards
+
+    @cached_property
+    def peaks_downwards(self) -> Peaks:
+        """Peaks of the waves towards lower bead numbers."""
+        peaks_downwards: Peaks = _seen("peaks_downwards", self)
+        return peaks_downwards
+
+    @cached_property
+    def impulses(self) -> Impulses | None:
+        """Impulses along the way of the leading waves; None where chains are not compared by them."""
+        impulses: Impulses | None = _seen("impulses", self)
+        return impulses
+
+    @cached_property
+    def front(self) -> "_Front":
+        """First bead of the front half of a window over time."""
+        front: _Front = _seen("front", self)
+        return front
+
+    @cached_property
+    def end(self) -> "_End":
+        """Time of the last frame, and energy input until then."""
+        end: _End = _seen("end", self)
+        return end
+
+    @cached_property
+    def tracks(self) -> tuple[Pulse, ...]:
+        """Pulses and crests of sound in both directions, each once."""
+        peaks = [self.front.near(peaks) for peaks in (self.peaks_upwards, self.peaks_downwards)]
+        tracks = tuple(pulse for each in peaks for pulse in track_pulses(each, self.problem))
+        return once_each(tracks, wave_of(self.problem.system))
+
+    @cached_property
+    def ahead(self) -> Peaks:
+        """Peaks along the way of the leading waves, beyond kicks; with kicks from both sides those of pulses alone."""
+        peaks = self.peaks_upwards if self.direction > 0 else self.peaks_downwards
+        return beyond_kicks(of_pulses(peaks, self.tracks) if opposed(self.problem) else peaks, self.problem)
+
+    @cached_property
+    def succession(self) -> tuple[Change, ...]:
+        """Where one leading pulse ends and another one leads."""
+        return changes(self.ahead, self.problem)
+
+    @cached_property
+    def passages(self) -> Waves:
+        """Leading waves, ``waves``, with speeds also between passages of two pulses."""
+        return leading_waves(self.ahead, self.problem, self.arrival, self.succession)
+
+    @cached_property
+    def waves(self) -> Waves:
+        """Leading waves; beads as numbered in the scene. With kicks from both sides only what belongs to a pulse."""
+        return speeds_of_pulses(self.passages, self.tracks, self.direction)
+
+    @cached_property
+    def shared(self) -> Sharing:
+        """Leading waves of all chains at the same beads, counted along their way, with the energy input of the run."""
+        along = self.along
+        counted = self.passages if along is self.problem else mirrored_waves(self.passages, self.problem)
+        shared = sharing(counted, along, self.impulses)
+        return replace(shared, energy=self.end.energy) if physics.acted_on(self.problem.system) else shared
+
+    @cached_property
+    def decay(self) -> DecayFit | None:
+        """Law of the pulse that leads at the last bead (``shared.followed``)."""
+        return fit_decay(self.shared.followed, self.along)
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Verdict on the pulse that leads at the last bead (``shared.followed``)."""
+        return numbered(verdict_on(self.shared.followed, self.along, self.decay), self.direction)
+
+    @cached_property
+    def _distinct(self) -> tuple[tuple[Pulse, ...], tuple[Pulse, ...]]:
+        """Pulses, and the crests of sound that there are under a static load."""
+        return _distinct_from_sound(self.tracks, self.waves, self.direction, self.problem)
+
+    @cached_property
+    def pulses(self) -> tuple[Pulse, ...]:
+        """Every pulse, in either direction.
+
+        Under a static load the leading waves and what runs ahead of sound (`analysis.tracking.pulses.ahead_of_sound`).
+        """
+        return self._distinct[0]
+
+    @cached_property
+    def crests(self) -> tuple[Pulse, ...]:
+        """Crests of sound, under a static load; one may be taken for another on its way."""
+        return self._distinct[1]
+
+    @cached_property
+    def clear(self) -> tuple[Flags, ...]:
+        """Mask of each pulse, [passage]: where the ends of its chain had not disturbed it."""
+        return _clear_of_ends(self.pulses, self.waves, self.direction, self.problem)
+
+    @cached_property
+    def _measured_at(self) -> list[int]:
+        """Position of the passage of each pulse at which its character is measured."""
+        pulses = zip(self.pulses, self.clear, strict=True)
+        return [measured_at(pulse, self.problem, self.end.time, mask) for pulse, mask in pulses]
+
+    @cached_property
+    def _chosen(self) -> Integers:
+        """Positions of the leading waves whose waveforms are kept: `MAX_PASSAGES` at most."""
+        stride = max(1, -(-len(self.waves) // MAX_PASSAGES))
+        return np.flatnonzero(self.waves.bead % stride == 0)
+
+    @cached_property
+    def _passages(self) -> Passages:
+        """Passages of leading waves and of pulses whose waveforms are kept."""
+        return _passages(self.waves.where(self._chosen), self.direction, self.pulses, self._measured_at)
+
+    def _new_waveforms(self) -> Waveforms:
+        """Waveforms before any frame; energies are for pulses alone where beads are alike."""
+        leading = len(self._chosen) if physics.alike(self.problem.system) else 0
+        return Waveforms(self.problem, self._passages, np.arange(len(self._passages)) >= leading)
+
+    @cached_property
+    def waveforms(self) -> Waveforms:
+        """Velocity over time around the passages of ``waves``, then of ``pulses``."""
+        return watch(self._new_waveforms(), self.read())
+
+    @cached_property
+    def _shapes(self) -> Shape:
+        """Shape of every waveform."""
+        return _of_one_pulse(self.waveforms.shape(), self._passages, self.pulses, self.problem)
+
+    @cached_property
+    def shape(self) -> Shape:
+        """Shapes of the waves, entry by entry of ``waves``; NaN where not measured, as energies of like beads are."""
+        return _of_waves(self._shapes, self._chosen, np.isfinite(self.ahead.first().time_error))
+
+    @cached_property
+    def characters(self) -> tuple[Character, ...]:
+        """Character of each pulse, at the last clear passage that was recorded completely."""
+        return _characters(self.pulses, self._measured_at, self._shapes, self.tolerances, self.problem)
+
+    @cached_property
+    def energies(self) -> EnergyShares:
+        """Shares of energy of the chains and their leading waves."""
+        read = self.read() if self.along is self.problem else map(mirrored, self.read())
+        return self._of_waves_alone(watch(EnergyShares(self.along, self.shared), read))
+
+    def _of_waves_alone(self, energies: EnergyShares) -> EnergyShares:
+        """Energies of waves where no other pulse is near."""
+        bead = self.shared.bead[energies.place]
+        mixed = _of_others(bead, self.waves, self.pulses, self.problem, self.direction)
+        energies.wave[mixed] = energies.wave_error[mixed] = np.nan
+        return energies
 
     def leads(self, pulse: Pulse) -> bool:
         """Whether a pulse is the leading wave of its chain where it was last seen."""
         return _leads(pulse, self.waves, self.direction)
+
+
+PARTS = tuple(name for name, value in vars(Survey).items() if isinstance(value, cached_property))
+"""Names of all parts of a survey."""
 
 
 def _leads(pulse: Pulse, waves: Waves, direction: int) -> bool:
@@ -137,7 +299,7 @@ def survey(
     counted: Callable[[Trajectory], Trajectory] | None = None,
     impulses: Impulses | None = None,
 ) -> Survey:
-    """Find everything in a run.
+    """All parts of a survey, in two readings of a run.
 
     Args:
         read: starts reading the run: consecutive blocks of frames, the first frame being the start.
@@ -152,41 +314,15 @@ def survey(
     Raises:
         ValueError: there was no frame.
     """
-    first = _first_reading(read, problem, watchers, counted, impulses)
-    direction = direction_of(problem)
-    along = problem if direction > 0 else mirrored_problem(problem)
-    arrival = usual_arrival(problem) if arrival is None else arrival
-    ahead = _peaks_ahead(first.peaks[direction], first.tracks, problem)
-    succession = changes(ahead, problem)
-    waves = leading_waves(ahead, problem, arrival, succession, first.tracks)
-    shared = _shared(first, waves, problem, along)
-    pulses, crests = _distinct_from_sound(first.tracks, waves, direction, problem)
-    clear = _clear_of_ends(pulses, waves, direction, problem)
-    at = [measured_at(pulse, problem, first.last_time, mask) for pulse, mask in zip(pulses, clear, strict=True)]
-    chosen = _with_waveforms(waves)
-    passages = _passages(waves.where(chosen), direction, pulses, at)
-    waveforms, energies = _second_reading(read, passages, len(chosen), shared, problem, along)
-    shapes = _of_one_pulse(waveforms.shape(), passages, pulses, problem)
-    mixed = _of_others(shared.bead[energies.place], waves, pulses, problem, direction)
-    energies.wave[mixed] = energies.wave_error[mixed] = np.nan
-    decay = fit_decay(shared.followed, along)
-    return Survey(
-        problem=problem,
-        direction=direction,
-        arrival=arrival,
-        waves=waves,
-        succession=succession,
-        waveforms=waveforms,
-        shape=_of_waves(shapes, chosen, np.isfinite(ahead.first().time_error)),
-        pulses=pulses,
-        crests=crests,
-        clear=clear,
-        characters=_characters(pulses, at, shapes, tolerances, problem),
-        shared=shared,
-        energies=energies,
-        decay=decay,
-        verdict=numbered(verdict_on(shared.followed, along, decay), direction),
-    )
+    made = Survey(problem, read, usual_arrival(problem) if arrival is None else arrival, tolerances)
+    _first_reading(made, watchers, counted, impulses)
+    _second_reading(made)
+    return completed(made)
+
+
+def completed(lazy: Survey) -> Survey:
+    """A survey all of whose parts have been computed, which needs no frames any more."""
+    return lazy.replaced(**{name: getattr(lazy, name) for name in PARTS}, read=tuple)
 
 
 def _of_waves(shapes: Shape, chosen: Integers, sharp: Flags) -> Shape:
@@ -223,7 +359,7 @@ def _of_others(bead: Integers, waves: Waves, pulses: tuple[Pulse, ...], problem:
     return np.stack(near, axis=1)
 
 
-class _Window:
+class _Front:
     """First bead of the front half of a window over time."""
 
     def __init__(self) -> None:
@@ -235,71 +371,75 @@ class _Window:
         self._time.append(float(block.time[0]))
         self._bead.append(int(near_the_front(block).beads[0]))
 
-    def near_the_front(self, peaks: Peaks) -> Peaks:
+    def result(self) -> "_Front":
+        """Itself."""
+        return self
+
+    def near(self, peaks: Peaks) -> Peaks:
         """The maxima in the front half of the window, which those of complete chains agree with."""
         since = np.searchsorted(self._time, peaks.time, side="right") - 1
         return peaks.where(peaks.bead >= np.array(self._bead)[since])
 
 
-class _FirstReading(NamedTuple):
-    """Peaks and pulses of a run.
+class _End:
+    """Time of the last frame, in units of T, and energy input until then, in units of m V**2; NaN without frames."""
 
-    Attributes:
-        peaks: peaks of the waves in each direction, 1 and -1.
-        tracks: pulses in both directions, each once.
-        impulses: impulses along the way of the leading waves; None where chains are not compared by them.
-        last_time: time of the last frame, in units of T; NaN without frames.
-        energy: energy input until then, in units of m V**2.
-    """
+    def __init__(self) -> None:
+        self.time = self.energy = float("nan")
 
-    peaks: dict[int, Peaks]
-    tracks: tuple[Pulse, ...]
-    impulses: Impulses | None
-    last_time: float
-    energy: float
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames."""
+        self.time, self.energy = float(block.time[-1]), float(energy_input(block)[-1])
+
+    def result(self) -> "_End":
+        """Itself."""
+        return self
+
+
+_READINGS: dict[str, Callable[[Problem], Any]] = {
+    "peaks_upwards": lambda _: PeakFinder(direction=1),
+    "peaks_downwards": lambda _: PeakFinder(direction=-1),
+    "front": lambda _: _Front(),
+    "end": lambda _: _End(),
+    "impulses": meter_of,
+}
+"""Part of a survey -> what it is read by from the frames, for a problem; None where there is none."""
+
+
+def _seen(part: str, of: Survey) -> Any:
+    """A part of a survey that is read from the frames for itself; None where there is none."""
+    reader = _READINGS[part](of.problem)
+    return None if reader is None else watch(reader, of.read()).result()
 
 
 def _first_reading(
-    read: Callable[[], Iterable[Trajectory]],
-    problem: Problem,
+    made: Survey,
     watchers: Sequence[Watcher],
     counted: Callable[[Trajectory], Trajectory] | None,
     impulses: Impulses | None,
-) -> _FirstReading:
-    """Show the run to all watchers, and find its peaks and pulses; see `survey` for the arguments."""
-    finders = {sign: PeakFinder(direction=sign) for sign in (1, -1)}
-    window = _Window()
-    meter = meter_of(problem) if impulses is None else None
-    watching = [*watchers, window, *finders.values(), *([] if meter is None else [meter])]
+) -> None:
+    """Read all parts of a survey at once that `_READINGS` has, and show the run to watchers; see `survey`."""
+    problem = made.problem
+    readers = {part: reader for part, new in _READINGS.items() if (reader := new(problem)) is not None}
+    if impulses is not None:
+        vars(made)["impulses"] = impulses
+        readers.pop("impulses", None)
     counts = counted if physics.exchanges(problem.system) and problem.whole else None
-    last_time = energy = float("nan")
-    for block in read():
+    for block in made.read():
         if counts is not None and block.exchange is None:
             block = counts(block)
-        for watcher in watching:
+        for watcher in (*watchers, *readers.values()):
             watcher.add(block)
-        last_time, energy = float(block.time[-1]), float(energy_input(block)[-1])
-    peaks = {sign: finder.result() for sign, finder in finders.items()}
-    near = {sign: window.near_the_front(peaks[sign]) for sign in finders}
-    tracks = tuple(pulse for sign in finders for pulse in track_pulses(near[sign], problem))
-    return _FirstReading(
-        peaks=peaks,
-        tracks=once_each(tracks, wave_of(problem.system)),
-        impulses=impulses if meter is None else meter.result(),
-        last_time=last_time,
-        energy=energy,
-    )
+    vars(made).update({part: reader.result() for part, reader in readers.items()})
 
 
-def _peaks_ahead(peaks: Peaks, tracks: tuple[Pulse, ...], problem: Problem) -> Peaks:
-    """Peaks in the direction of the leading waves, beyond kicks; with kicks from both sides those of pulses alone."""
-    return beyond_kicks(of_pulses(peaks, tracks) if opposed(problem) else peaks, problem)
-
-
-def _shared(first: _FirstReading, waves: Waves, problem: Problem, along: Problem) -> Sharing:
-    """Leading waves of all chains at the same beads, counted along their way, with the energy input of the run."""
-    counted = waves if along is problem else mirrored_waves(waves, problem)
-    return replace(sharing(counted, along, first.impulses), energy=first.energy)
+def _second_reading(made: Survey) -> None:
+    """Read waveforms of passages and shares of energy along the way of the leading waves at once."""
+    waveforms, energies = made._new_waveforms(), EnergyShares(made.along, made.shared)
+    for block in made.read():
+        waveforms.add(block)
+        energies.add(block if made.along is made.problem else mirrored(block))
+    vars(made).update(waveforms=waveforms, energies=made._of_waves_alone(energies))
 
 
 def _characters(
@@ -311,33 +451,6 @@ def _characters(
         characterise(pulse, place, shapes.entry(before + number), tolerances, problem=problem)
         for number, (pulse, place) in enumerate(zip(pulses, at, strict=True))
     )
-
-
-def _second_reading(
-    read: Callable[[], Iterable[Trajectory]],
-    passages: Passages,
-    leading: int,
-    shared: Sharing,
-    problem: Problem,
-    along: Problem,
-) -> tuple[Waveforms, EnergyShares]:
-    """Waveforms of passages, of which the first are of leading waves, and shares of energy along the way of these.
-
-    ``along`` is the problem as the leading waves run through it: mirrored, where they run towards bead 1.
-    """
-    weighed = np.arange(len(passages)) >= (leading if physics.alike(problem.system) else 0)
-    waveforms = Waveforms(problem, passages, weighed)
-    energies = EnergyShares(along, shared)
-    for block in read():
-        waveforms.add(block)
-        energies.add(block if along is problem else mirrored(block))
-    return waveforms, energies
-
-
-def _with_waveforms(waves: Waves) -> Integers:
-    """Positions of the leading waves whose waveforms are kept: `MAX_PASSAGES` at most."""
-    stride = max(1, -(-len(waves) // MAX_PASSAGES))
-    return np.flatnonzero(waves.bead % stride == 0)
 
 
 def _clear_of_ends(pulses: tuple[Pulse, ...], waves: Waves, direction: int, problem: Problem) -> tuple[Flags, ...]:

@@ -150,7 +150,6 @@ def leading_waves(
     problem: Problem,
     arrival: Arrival | None = None,
     succession: tuple[Change, ...] | None = None,
-    pulses: tuple[Pulse, ...] = (),
 ) -> Waves:
     """The first maximum of every bead that the leading pulse comes to, and which pulse that is.
 
@@ -159,7 +158,6 @@ def leading_waves(
         problem: what was run.
         arrival: definition of an arrival; by default `usual_arrival`.
         succession: ends of leading pulses after which another one leads; by default those that the maxima show.
-        pulses: those that were followed along the chains; no speed is between passages of two of them.
 
     Returns:
         The waves, sorted by chain, then bead; times in units of T, velocities in units of V.
@@ -171,8 +169,7 @@ def leading_waves(
     defined = np.where(np.isfinite(error), time, np.nan)
     number = numbers(first, changes(passages, problem) if succession is None else succession, problem)
     waves = with_speeds(first.chain, first.bead, defined, first.velocity, number, direction=first.direction)
-    undefined = _begins_within(first, problem) | _beside_another(first, pulses)
-    speed = np.where(undefined, np.nan, waves.speed)
+    speed = np.where(_begins_within(first, problem), np.nan, waves.speed)
     return replace(waves, speed=speed, time=first.time, arrival_error=error, peak_velocity_error=first.velocity_error)
 
 
@@ -184,14 +181,21 @@ def _begins_within(first: Peaks, problem: Problem) -> Flags:
     return np.asarray((along == begins[first.chain]) & (along > np.min(first.direction * problem.recorded_beads)))
 
 
-def _beside_another(first: Peaks, pulses: tuple[Pulse, ...]) -> Flags:
-    """Mask, [first maximum], of passages of one pulse next to a bead at which another of these pulses is first."""
-    number = np.full(len(first), -1)
+def speeds_of_pulses(waves: Waves, pulses: tuple[Pulse, ...], direction: int) -> Waves:
+    """Leading waves whose speeds are NaN next to a bead at which another pulse leads.
+
+    Args:
+        waves: leading waves.
+        pulses: those that were followed along the chains.
+        direction: 1 if the waves run towards higher bead numbers, else -1.
+    """
+    number = np.full(len(waves), -1)
     for each, pulse in enumerate(pulses):
-        if pulse.direction == first.direction:
-            number[(first.chain == pulse.chain) & np.isin(first.time, pulse.arrival)] = each
-    changes = (np.diff(first.chain) == 0) & (np.diff(number) != 0) & (number[1:] >= 0) & (number[:-1] >= 0)
-    return np.asarray(np.append(changes, False) | np.insert(changes, 0, False))
+        if pulse.direction == direction:
+            number[(waves.chain == pulse.chain) & np.isin(waves.time, pulse.arrival)] = each
+    changes = (np.diff(waves.chain) == 0) & (np.diff(number) != 0) & (number[1:] >= 0) & (number[:-1] >= 0)
+    beside = np.append(changes, False) | np.insert(changes, 0, False)
+    return replace(waves, speed=np.where(beside, np.nan, waves.speed)) if np.any(beside) else waves
 
 
 def with_speeds(

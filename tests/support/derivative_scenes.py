@@ -10,7 +10,7 @@ from analysis.trajectory import blocks
 from lammps_inputs import library
 from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.reference import engine
-from workflow.study_kit import scene_quantities
+from workflow.quantities.evaluate import of_frames
 from workflow.sweep import fields
 
 STEEL = {"radius": 0.01, "density": 7780.0, "youngs_modulus": 2e11, "poisson_ratio": 0.3}
@@ -122,7 +122,7 @@ def values_of_run(plain: dict[str, Any], name: str, every: float) -> Any:
     scene = library.from_plain({**plain, "output": {"every": every}}, name)
     problem = scene.problem()
     run = engine.run(problem, steps_per_frame=8 * engine.default_steps_per_frame(problem))
-    values = scene_quantities.of_frames(problem, partial(blocks, run), scene, SCENES[name].quantities)
+    values = of_frames(problem, partial(blocks, run), scene, SCENES[name].quantities)
     return np.array([values[quantity] for quantity in SCENES[name].quantities], dtype=np.float64)
 
 

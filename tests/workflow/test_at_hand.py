@@ -11,7 +11,7 @@ from processes import HANGS
 from lammps_inputs import plugins
 from workflow import cli
 from workflow.cli import ALIASES, COMMANDS, main
-from workflow.sweep.collect import QUANTITIES
+from workflow.quantities.columns import QUANTITIES
 
 SCENE = "name: tiny\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n"
 

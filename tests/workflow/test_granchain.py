@@ -16,7 +16,7 @@ import granchain
 from lammps_inputs import InputError, Scene, library
 from lammps_inputs.units import DIMENSIONLESS, Label
 from workflow.cli import COMMANDS, main
-from workflow.sweep.collect import QUANTITIES
+from workflow.quantities.columns import QUANTITIES
 
 SCENE = {"name": "tiny", "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0}
 STEEL = SCENE | {

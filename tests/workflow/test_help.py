@@ -14,9 +14,9 @@ from lammps_inputs import InputError, Scene, handbook
 from workflow import cli, vocabulary
 from workflow.cli import COMMANDS, PRINTED, main
 from workflow.commands import help as helping
+from workflow.quantities.columns import QUANTITIES
 from workflow.study_kit.options import example_file
 from workflow.sweep import fields, file
-from workflow.sweep.collect import QUANTITIES
 from workflow.verdicts.quantities import places
 
 OPTIONS = sorted(

@@ -7,11 +7,12 @@ from typing import Any
 
 from lammps_inputs import InputError, strict_yaml
 from workflow import screen
+from workflow.quantities.columns import QUANTITIES, UNCERTAINTIES
 from workflow.runs.files import write_text
 from workflow.screen import CommandResult, one_line, print_table
 from workflow.sweep import collect as collecting
 from workflow.sweep import statistics as grouping
-from workflow.sweep.collect import QUANTITIES, SHOWN, UNCERTAINTIES, SweepTable
+from workflow.sweep.collect import SHOWN, SweepTable
 from workflow.sweep.statistics import Group
 from workflow.verdicts.quantities import HISTOGRAM, STATISTICS
 

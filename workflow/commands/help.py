@@ -103,8 +103,8 @@ def _places(phrase: str) -> Iterator[tuple[str, str]]:
 
 def _suggestion(phrase: str) -> str:
     """The word that a phrase is closest to, in brackets: as it stands or in lower case, whole or its last part."""
+    from workflow.quantities.columns import QUANTITIES
     from workflow.sweep import fields
-    from workflow.sweep.collect import QUANTITIES
     from workflow.verdicts.quantities import places
 
     names = {name for names, _ in handbook.terms() for name in names}

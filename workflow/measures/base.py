@@ -55,8 +55,8 @@ class Measurement:
     figure: ClassVar[str] = ""
     """Name of the figure that it may draw; empty where there is none."""
 
-    needs_survey: ClassVar[bool] = True
-    """Whether it follows from the pulses of the run, too, and not from the frames alone."""
+    at_the_end: ClassVar[bool] = False
+    """Whether it needs the pulse at the end of the chains, for which a run that ends at a bead before goes on."""
 
     problem: Problem
 
@@ -105,6 +105,11 @@ class Measurement:
         del run, conservation, between_frames
         return None
 
+    @classmethod
+    def of_frames(cls) -> bool:
+        """Whether there are runs of whose frames a meter makes it."""
+        return "meter" in vars(cls)
+
 
 def _ignore(block: Trajectory, /) -> None:
     """Take nothing from the frames."""
@@ -115,5 +120,5 @@ class FrameMeter:
     """Receives every block of frames of a run, and makes the measurement at the end."""
 
     finish: Callable[[Any], Measurement | None]
-    """Makes the measurement, or None, from the `Survey` of the run; from None for a type that needs no survey."""
+    """Makes the measurement, or None, from the `Survey` of the run."""
     add: Callable[[Trajectory], None] = _ignore

@@ -80,7 +80,6 @@ class EnergyMeasurement(Measurement):
     """Shares of the chains."""
 
     key, kind, figure = "energy", Flow, "energy"
-    needs_survey = False
 
     values: Flow
 

@@ -12,8 +12,8 @@ from analysis import quantity
 from analysis.contacts import LargestOverlap, Yielded, YieldMeter, YieldTable, shown_by_frames
 from analysis.gauges.far_end import FarEnd as Collected
 from analysis.gauges.far_end import Transmitted
-from analysis.gauges.forces import PULSE, ForceMeter, ForceTable, Reading, Readings
-from analysis.gauges.gauge import gauges
+from analysis.gauges.forces import ForceMeter, ForceTable, Reading, Readings
+from analysis.gauges.gauge import PULSE, gauges
 from analysis.gauges.reflection import Reflection, reflections
 from analysis.gauges.spectra import HighestLine, SpectralLines, SpectrumMeter, SpectrumTable
 from analysis.gauges.spectra import VelocitySpectra as Measured
@@ -248,7 +248,7 @@ class FarEndMeasurement(Measurement):
     """Force, delay and energy."""
 
     key, kind = "far_end", Transmitted
-    needs_survey = False
+    at_the_end = True
 
     values: Transmitted
 

@@ -17,14 +17,14 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.numbers import known
 from lammps_inputs.units import REDUCED
 from workflow.engines.reference.derivatives import DerivativesOfMotion
+from workflow.quantities.columns import column_called, refuse_unknown
 from workflow.runs.files import write_text
 from workflow.runs.output_directory import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar
-from workflow.study_kit import scene_quantities
 from workflow.study_kit.directory import csv_text
 from workflow.study_kit.varied_scene import JUMP, VariedScene
-from workflow.sweep.collect import column_called
+from workflow.sweep.axes import label
 from workflow.verdicts.analyse import Analysis
 from workflow.verdicts.derivative import Derivative
 
@@ -60,7 +60,7 @@ def gradient(
 
     Args:
         plain: plain data of the scene.
-        quantities: names of quantities (`scene_quantities.KNOWN`), or such as ``peak_velocity@50``, at a bead.
+        quantities: names of quantities (`quantities.columns.KNOWN`), or such as ``peak_velocity@50``, at a bead.
         by: dotted paths of fields that hold a number other than 0; None for all of the scene.
         source: name of the scene in messages.
 
@@ -72,7 +72,7 @@ def gradient(
             both sides of its own.
     """
     for name in quantities:
-        scene_quantities.refuse_unknown(name, f"{source}: --gradient", "quantity")
+        refuse_unknown(name, f"{source}: --gradient", "quantity")
         if reason := why_no_derivative(name):
             raise InputError(f"{source}: --gradient: {reason}")
     varied = VariedScene.of(plain, tuple(dict.fromkeys(quantities)), by, source)
@@ -141,7 +141,7 @@ class _Estimate:
 
 def _unit(varied: VariedScene, quantity: str, name: str) -> str:
     """Unit of a quantity over that of a field, such as ``(m/s)/(N/m)``; empty of a number."""
-    units = [scene_quantities.label(part, varied.plain).unit for part in (quantity, name)]
+    units = [label(part, varied.plain).unit for part in (quantity, name)]
     above, below = ("" if unit == REDUCED else unit for unit in units)
     return above if not below else f"({above or '1'})/({below})"
 

@@ -18,8 +18,8 @@ from workflow.runs.files import write_text
 from workflow.runs.output_directory import claim, make_directory, retire
 from workflow.screen import CommandResult
 from workflow.study_kit.directory import floats
-from workflow.study_kit.scene_quantities import label
 from workflow.sweep import fields
+from workflow.sweep.axes import label
 
 if TYPE_CHECKING:
     from analysis.figures.studies import StudyAxis

@@ -24,7 +24,7 @@ from workflow.engines.reference.derivatives import (
     derivatives_of_motion,
     same_form,
 )
-from workflow.study_kit import scene_quantities
+from workflow.quantities.evaluate import of_frames, scene_to_run
 from workflow.sweep import fields
 
 SIDES = (-1e-4, -5e-5, 5e-5, 1e-4)
@@ -87,7 +87,7 @@ class VariedScene:
         """A scene with its duration, time step and output written out."""
         every = plain.get("output", {}).get("every")
         plain = {key: value for key, value in plain.items() if key not in ("timestep", "accuracy")}
-        scene = with_short_frames(scene_quantities.scene_to_run(plain, quantities, source), every)
+        scene = with_short_frames(scene_to_run(plain, quantities, source), every)
         plain = {key: value for key, value in scene.plain().items() if key != "until_bead"}
         try:
             tangent.refuse_without_slope(scene.system)
@@ -175,7 +175,7 @@ class VariedScene:
     def measured(self, scene: Scene, trajectory: Trajectory) -> Floats:
         """Quantities of frames, [quantity], in the scene's units; NaN where undefined."""
         with np.errstate(all="ignore"):
-            values = scene_quantities.of_frames(trajectory.problem, partial(blocks, trajectory), scene, self.quantities)
+            values = of_frames(trajectory.problem, partial(blocks, trajectory), scene, self.quantities)
         return np.array([math.nan if values[name] is None else values[name] for name in self.quantities])
 
 

@@ -2,5 +2,5 @@
 
 `file` is what a user writes and the cases that follow, `fields` the dotted paths in a scene, `run_sweep` the sweep with
 the directory of each case; `on_cluster` writes it for Slurm, `collect` gathers the cases into one table,
-`statistics` has statistics of its columns.
+`statistics` has statistics of its columns, `axes` the words for fields and quantities.
 """

@@ -18,6 +18,7 @@ from analysis.trajectory import Flags, Floats
 from lammps_inputs import InputError, complaints, file_names, html, strict_yaml
 from lammps_inputs.numbers import text
 from lammps_inputs.units import REDUCED, Label
+from workflow.quantities.columns import AT_BEAD, QUANTITIES, UNCERTAINTIES, at_bead, column_called, kicked_chain
 from workflow.runs.files import RECORD, write_figure
 from workflow.runs.job import account
 from workflow.runs.status import cluster_queue, status
@@ -25,7 +26,7 @@ from workflow.screen import count_bar
 from workflow.sweep import fields
 from workflow.sweep.run_sweep import Asked, asked, is_analysed, read_json, task
 from workflow.verdicts.analysis_report import REPORT, WAVES
-from workflow.verdicts.quantities import OWN, CollectColumn, collect_columns
+from workflow.verdicts.quantities import OWN
 from workflow.workers import evaluate
 from workflow.workers.pool import Pool
 
@@ -35,33 +36,6 @@ if TYPE_CHECKING:
     from analysis.figures.studies import StudyAxis
 
 # --- table ------------------------------------------------------------------------------------------------------------
-
-QUANTITIES = collect_columns()
-"""Columns after the swept fields and the outcome."""
-
-UNCERTAINTIES = {name.removesuffix("_uncertainty"): name for name in QUANTITIES if name.endswith("_uncertainty")}
-"""Column -> the one that holds its uncertainty, in the same unit."""
-
-AT_BEAD = tuple(name for name, column in QUANTITIES.items() if column.path[0] == "kicked" and name != "bead")
-"""Quantities of the kicked chain's leading wave; ``peak_velocity@100`` is that at bead 100."""
-
-
-def at_bead(name: str) -> tuple[str, int]:
-    """Quantity and bead of ``peak_velocity@100``; empty without a bead, and 0 where that is no number."""
-    base, at, bead = name.partition("@")
-    plain = bead.isascii() and bead.isdecimal() and len(bead) < 10
-    return (base, int(bead) if plain else 0) if at and base in AT_BEAD else ("", 0)
-
-
-def column_called(name: str) -> CollectColumn | None:
-    """What a column holds, also one such as ``peak_velocity@100``; None for any other name."""
-    base, bead = at_bead(name)
-    if not bead:
-        return QUANTITIES.get(name)
-    column = QUANTITIES[base]
-    words = column.label.replace("the last clear bead", f"bead {bead}")
-    return replace(column, column=replace(column.column, name=name, label=words))
-
 
 SHOWN = {
     "amplitude": ".4f",
@@ -75,6 +49,10 @@ SHOWN = {
 
 UNSETTLED = (EquipartitionState.BEATING.value, EquipartitionState.SHORT.value, EquipartitionState.UNSURE.value)
 """States of a case whose chains have not come to share equally, so that its numbers may yet change."""
+
+
+Waves = dict[int, dict[str, float]]
+"""Numbers of one chain's leading wave by bead and name of the quantity, in the scene's units."""
 
 
 @dataclass(frozen=True)
@@ -326,6 +304,7 @@ def collect(directory: Path, at_beads: Sequence[str] = ()) -> SweepTable:
     requests = {path: asked(path) or Asked({}, {}, "") for path in directories}
     names = sorted({name for request in requests.values() for name in request.swept})
     paths = {name: _path(name, directory, requests.values()) for name in names}
+    reads_waves = any(column.file == WAVES for column in QUANTITIES.values())
     rows, kinds, scenes, bands = [], set(), set(), {}
     for path, request in requests.items():
         report, record = read_json(path / REPORT), account(path).plain()
@@ -336,8 +315,10 @@ def collect(directory: Path, at_beads: Sequence[str] = ()) -> SweepTable:
         state = states[path]
         unread = state.state == "done" and report.get("complete") is not True
         outcome, reason = ("not analysed", complaints.get(path.name)) if unread else (state.state, state.why or None)
-        row = {"case": path.name, **swept, "outcome": outcome, **quantities(report, record, scene)}
-        rows.append({**row, **_at_beads(path, scene, at_beads), "reason": reason})
+        waves = _waves(path, scene) if at_beads or reads_waves else {}
+        row = {"case": path.name, **swept, "outcome": outcome, **quantities(report, record, scene, waves)}
+        chosen = {name: waves.get(bead, {}).get(base) for name in at_beads for base, bead in [at_bead(name)]}
+        rows.append({**row, **chosen, "reason": reason})
         spectra = report.get("spectra")
         if isinstance(spectra, dict) and _are_bands(spectra.get("bands")):
             bands[path.name] = spectra["bands"]
@@ -391,15 +372,26 @@ def _analyse(directories: list[Path]) -> dict[str, str]:
     return {name: " ".join(answer.failed.split()) for name, answer in answers.items() if answer.failed}
 
 
-def quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
+def quantities(
+    report: dict[str, Any], record: dict[str, Any], scene: dict[str, Any], waves: Waves | None = None
+) -> dict[str, Any]:
     """Everything in a table between the outcome and the reason, from a run's analysis and record.
 
-    A file of somebody else's that holds other things holds None.
+    A file of somebody else's that holds other things holds None, and so does one that was written before there was
+    such a number.
+
+    Args:
+        report: data of ``analysis.json``.
+        record: data of ``run.json``.
+        scene: plain data of the scene.
+        waves: numbers of the kicked chain's leading wave, by bead.
     """
-    sources = {REPORT: {**report, "kicked": _kicked(report, scene)}, RECORD: record}
+    kicked = _kicked(report, scene)
+    at_bead = (waves or {}).get(kicked.get("bead", 0), {})
+    sources = {REPORT: {**report, "kicked": kicked}, RECORD: record, WAVES: at_bead}
     values: dict[str, Any] = {}
     for name, quantity in QUANTITIES.items():
-        value: Any = sources[quantity.file]
+        value: Any = sources.get(quantity.file)
         for key in quantity.path:
             value = value.get(key) if isinstance(value, dict) else None
         plain = isinstance(value, int | float) if quantity.label else isinstance(value, str)
@@ -409,36 +401,22 @@ def quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, 
 
 def _kicked(report: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
     """What ``analysis.json`` says of the leading wave in the chain with the largest excitation."""
-    chain = _kicked_chain(scene)
+    chain = kicked_chain(scene)
     waves = report.get("waves")
     entries = waves if isinstance(waves, list) else []
     return next((entry for entry in entries if isinstance(entry, dict) and entry.get("chain") == chain), {})
 
 
-def _at_beads(directory: Path, scene: dict[str, Any], names: Sequence[str]) -> dict[str, float | None]:
-    """Quantities of the leading wave at chosen beads from ``waves.csv``; None where that has no such number."""
-    if not names:
-        return {}
-    waves: dict[int, dict[str, float | None]] = {}
+def _waves(directory: Path, scene: dict[str, Any]) -> Waves:
+    """Numbers in ``waves.csv`` of the kicked chain's leading wave, by bead; none where the file cannot be read."""
+    waves: Waves = {}
     with contextlib.suppress(OSError, ValueError, KeyError, TypeError, csv.Error):
         text = (directory / WAVES).read_text(encoding="utf-8")
         for row in csv.DictReader(io.StringIO(text)):
-            if int(row["chain"]) == _kicked_chain(scene):
+            if int(row["chain"]) == kicked_chain(scene):
                 numbers = {heading.partition(" (")[0]: value for heading, value in row.items()}
-                waves[int(row["bead"])] = {name: float(numbers[name]) if numbers[name] else None for name in AT_BEAD}
-    return {name: waves.get(bead, {}).get(base) for name, (base, bead) in ((name, at_bead(name)) for name in names)}
-
-
-def _kicked_chain(scene: dict[str, Any]) -> Any:
-    """Number of the chain with the largest excitation, from 1."""
-    kicks = [scene.get(key) for key in ("kick", "push", "striker")]
-    each = [kick for kick in kicks for kick in (kick if isinstance(kick, list | tuple) else [kick])]
-    return max((kick for kick in each if isinstance(kick, dict)), key=_size, default={}).get("chain", 1)
-
-
-def _size(kick: dict[str, Any]) -> float:
-    velocity = kick.get("velocity", kick.get("peak"))
-    return abs(velocity) if isinstance(velocity, int | float) else 0.0
+                waves[int(row["bead"])] = {name: float(numbers[name]) for name in AT_BEAD if numbers.get(name)}
+    return waves
 
 
 def _rank(value: Any) -> tuple[int, float, str]:

@@ -31,7 +31,7 @@ from workflow.runs.exchange import accountant
 from workflow.runs.files import write_figure, write_json, write_text
 from workflow.runs.output_directory import claim, retire
 from workflow.runs.run_directory import Fingerprint, RunDirectory
-from workflow.verdicts.analysis_report import REPORT, WAVES, WavesTable, report, waves_table
+from workflow.verdicts.analysis_report import REPORT, WAVES, Report, WavesTable, waves_table
 from workflow.verdicts.derivative import Derivative
 from workflow.verdicts.pulse_table import pulse_table
 
@@ -330,7 +330,8 @@ def _without_errors_by_rounding(results: Survey, rounded_from: float | None) -> 
     waves = results.waves
     follows = waves.time * results.problem.scale.time >= rounded_from
     arrival, velocity = (np.where(follows, np.nan, error) for error in (waves.arrival_error, waves.peak_velocity_error))
-    return replace(results, waves=replace(waves, arrival_error=arrival, peak_velocity_error=velocity))
+    waves = replace(waves, arrival_error=arrival, peak_velocity_error=velocity)
+    return results.replaced(passages=waves, waves=waves)
 
 
 def _tables(results: Survey, measurements: dict[str, Measurement]) -> dict[str, str]:
@@ -352,7 +353,7 @@ def _write(directory: RunDirectory, frames: MeasuredFrames) -> tuple[Path, ...]:
     for name, text in frames.tables.items():
         write_text(directory.path / name, text)
     more = {key: measurement.plain() for key, measurement in frames.measurements.items()}
-    content = report(frames.survey, frames.conservation, frames.tolerances, frames.error)
+    content = Report(frames.survey, lambda: frames.conservation, frames.tolerances, frames.error)
     write_json(directory.path / REPORT, plain(content, frames.survey.problem.scale) | more)
     return drawn
 

@@ -1,6 +1,8 @@
 """What an analysis writes of every scene: the keys of ``analysis.json``, and the table ``waves.csv``."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cached_property
 from itertools import accumulate
 from typing import Any, Self
 
@@ -8,18 +10,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.conservation import Conservation
-from analysis.quantity import QuantityColumn, data_frame, declare, declared, derived, result, structured, to_csv
+from analysis.quantity import QuantityColumn, computed, data_frame, declare, declared, result, structured, to_csv
 from analysis.shape.exact_wave import wave_of
-from analysis.sharing.equipartition import AGREEMENTS, Estimate, resolved, runs_exact_waves
+from analysis.sharing.equipartition import (
+    AGREEMENTS,
+    AmplitudeRange,
+    Estimate,
+    Final,
+    Sharing,
+    resolved,
+    runs_exact_waves,
+)
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.run_error import UNMEASURED, MeasuredError
 from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import DecayFit
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse, Train, train_of
-from analysis.tracking.succession import Change
 from analysis.tracking.undisturbed import CLEAR, clear_of_others
-from analysis.trajectory import Floats, along_the_way, mirrored_bead
+from analysis.trajectory import Flags, Floats, along_the_way, mirrored_bead
 from lammps_inputs import Problem, html, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.units import DIMENSIONLESS, Scale
@@ -178,9 +187,14 @@ class WavesTable(Waves):
 
 def waves_table(survey: Survey) -> WavesTable:
     """Leading waves of a run with all their columns, in the scene's units."""
+    return table_of(survey).measured(survey.problem.scale)
+
+
+def table_of(survey: Survey) -> WavesTable:
+    """Leading waves of a run with all their columns, dimensionless."""
     chain_energy, wave_energy, chain_error, wave_error = _energies(survey)
     shape = survey.shape
-    made = WavesTable(
+    return WavesTable(
         **vars(survey.waves),
         lag=_lag(survey),
         width=shape.width,
@@ -190,7 +204,6 @@ def waves_table(survey: Survey) -> WavesTable:
         chain_energy_error=chain_error,
         wave_energy_error=wave_error,
     )
-    return made.measured(survey.problem.scale)
 
 
 def _lag(survey: Survey) -> Floats:
@@ -231,127 +244,145 @@ COUNTED = "to the last compared bead; beads count from the end that the pulses c
 
 
 @result
-class ChainSummary:
-    """The leading wave of a chain at the last bead that it passed clear of the end."""
+class LeadingWave:
+    """The leading wave of a chain at the last bead that it passed clear of the end, or at another bead."""
 
+    survey: Survey
     chain: int = declare("number of the chain")
-    beads_reached: int = declare("number of recorded beads that the wave passed")
-    ended: list[int] = declare(
+    at_bead: int | None = None
+    """Number of the other bead."""
+    beads_reached: int = computed(
+        "number of recorded beads that the wave passed", of=lambda wave: int(np.sum(wave._in_chain))
+    )
+    ended: list[int] = computed(
         "beads at which a leading pulse ended, in the order in which it passed them: another one led from the next "
-        "recorded bead on"
+        "recorded bead on",
+        of=lambda wave: [change.last for change in wave.survey.succession if change.chain == wave.chain],
     )
-    bead: int | None = declare(
-        "last recorded bead, five before the end, that the wave passed", undefined=NOT_REACHED, column="last clear bead"
+    bead: int | None = computed(
+        "last recorded bead, five before the end, that the wave passed",
+        undefined=NOT_REACHED,
+        column="last clear bead",
+        of=lambda wave: wave.column("bead"),
     )
-    arrival: float | None = declare(
+    arrival: float | None = computed(
         "time at which the wave passes that bead",
         "time",
         f"{NOT_REACHED}, or the bead flies freely at its largest velocity",
         "t",
         column="arrival at the last clear bead",
+        of=lambda wave: wave.column("arrival"),
     )
-    peak_velocity: float | None = declare(
+    peak_velocity: float | None = computed(
         "largest velocity of that bead in the direction of the wave as the wave passes",
         "velocity",
         NOT_REACHED,
         "v",
         column="peak velocity at the last clear bead",
+        of=lambda wave: wave.column("peak_velocity"),
     )
-    speed: float | None = declare(
+    speed: float | None = computed(
         "speed of the wave there, from the arrivals at the recorded beads on either side",
         "speed",
         f"{NOT_REACHED}, one of those arrivals is undefined, or the pulse begins or ends there within the chain",
         "c",
         column="speed at the last clear bead",
+        of=lambda wave: wave.column("speed"),
     )
-    arrival_error: float | None = declare(
+    arrival_error: float | None = computed(
         "bound on the error of the arrival by the time between frames and by the run (``run_error``)",
         "time",
         NOT_REACHED,
+        of=lambda wave: wave.column("arrival_error"),
     )
-    peak_velocity_error: float | None = declare(
+    peak_velocity_error: float | None = computed(
         "bound on the error of the peak velocity by the time between frames and by the run (``run_error``)",
         "velocity",
         NOT_REACHED,
+        of=lambda wave: wave.column("peak_velocity_error"),
     )
-    arrival_reduced: float | None = declare("the arrival in units of T", "T", "as ``arrival``", "t / T")
-    peak_velocity_reduced: float | None = declare(
-        "the peak velocity in units of V",
-        "V",
-        NOT_REACHED,
-        "v / V",
+    arrival_reduced: float | None = computed(
+        "the arrival in units of T", "T", "as ``arrival``", "t / T", of=lambda wave: wave.arrival
     )
-
-    @classmethod
-    def of(cls, waves: Waves, problem: Problem, chain: int, succession: tuple[Change, ...] = ()) -> "ChainSummary":
-        """Summary of a chain's leading waves, with the changes from one pulse to another that were found."""
-        chain_waves = waves.of_chain(chain)
-        if len(chain_waves) == 0:
-            return cls(chain, 0, [], *[None] * 8)
-        last = last_clear_bead(chain_waves, problem)
-        names = ("arrival", "peak_velocity", "speed", "arrival_error", "peak_velocity_error")
-        at = {name: float(getattr(chain_waves, name)[last]) for name in names}
-        reduced = {f"{name}_reduced": at[name] for name in ("arrival", "peak_velocity")}
-        ended = [change.last for change in succession if change.chain == chain]
-        return cls(chain, len(chain_waves), ended, int(chain_waves.bead[last]), **at, **reduced)
-
-
-@result
-class Final(Estimate):
-    """The asymptotic amplitude."""
-
-    uncertainty: float = declare(
-        "its uncertainty: largest deviation over the last half beat, or the change still to come where that is larger; "
-        "and the error of these amplitudes by the time between frames and by the run",
-        "V",
+    peak_velocity_reduced: float | None = computed(
+        "the peak velocity in units of V", "V", NOT_REACHED, "v / V", of=lambda wave: wave.peak_velocity
     )
 
-    @property
-    @derived()
-    def reduction(self) -> float:
-        """Reduction of the amplitude against V, 1 - value."""
-        return 1.0 - self.value
+    @cached_property
+    def _in_chain(self) -> Flags:
+        """Mask of the waves of the chain, [wave]."""
+        return np.asarray(self.survey.passages.chain == self.chain)
 
+    @cached_property
+    def _place(self) -> int | None:
+        """Position of the wave in `waves_table`; None where no bead, or not that bead, was reached."""
+        waves, places = self.survey.passages, np.flatnonzero(self._in_chain)
+        if self.at_bead is not None:
+            places = places[waves.bead[places] == self.at_bead]
+        if len(places) == 0:
+            return None
+        return int(places[last_clear_bead(waves.where(places), self.survey.problem)])
 
-@result
-class AmplitudeRange:
-    """Range of amplitudes over some beads."""
-
-    first: int = declare("first bead of the second half of the compared beads")
-    last: int = declare("last bead")
-    least: float = declare("least amplitude of any chain between them", "V")
-    largest: float = declare("largest amplitude of any chain between them", "V")
+    def column(self, name: str) -> Any:
+        """Number of a column of ``waves.csv``, dimensionless; None where the bead was not reached."""
+        if self._place is None:
+            return None
+        if name in declared(Waves):
+            waves = self.survey.waves if name == "speed" else self.survey.passages  # speeds are of each pulse alone
+        else:
+            waves = table_of(self.survey)
+        return getattr(waves, name)[self._place].item()
 
 
 @result
 class EnergyShare:
     """Share of the energy input in the leading waves at the last clear bead."""
 
-    exact: float | None = declare(
+    survey: Survey
+    exact: float | None = computed(
         "energy of exact waves of these amplitudes",
         "energy input",
         "there is no such wave (gaps, loads, unlike beads, dissipation), or the energy input is not known",
+        of=lambda share: share._of_exact_waves(),
     )
-    measured: float | None = declare(
+    measured: float | None = computed(
         "energy within three beads of the peaks",
         "energy input",
         f"not all beads are recorded, another pulse is as near, no pulse keeps its shape, or {TOO_COARSE}",
         columns=(QuantityColumn("energy_share", "share of the energy in the leading waves"),),
+        of=lambda share: share._sum(share.survey.energies.wave),
     )
-    measured_error: float | None = declare(
+    measured_error: float | None = computed(
         "uncertainty of ``measured`` by the time between frames and by the run (``run_error``)",
         "energy input",
         "as ``measured``",
         columns=(
             QuantityColumn("energy_share_uncertainty", "uncertainty of the share of the energy in the leading waves"),
         ),
+        of=lambda share: share._sum(share.survey.energies.wave_error),
     )
-    chains: Floats | None = declare(
+    chains: Floats | None = computed(
         "energy of each chain, with half of its springs', when the waves (on average) pass the last compared bead at "
         "which all arrivals are defined",
         "energy input",
         f"there is one chain, not all beads are recorded, no pulse keeps its shape, or {TOO_COARSE}",
+        of=lambda share: share._of_chains(),
     )
+
+    def _of_exact_waves(self) -> float | None:
+        shared = self.survey.shared.followed
+        defined = len(shared) and runs_exact_waves(self.survey.problem.system)
+        return float(np.sum(shared.wave_share[-1])) if defined else None
+
+    def _sum(self, energy: Floats) -> float | None:
+        """Energies [place, chain] of all chains at the last place."""
+        pulse = self.survey.problem.system.holds(Fact.PULSE)
+        return float(np.sum(energy, axis=1)[-1]) if len(energy) and pulse else None
+
+    def _of_chains(self) -> Floats | None:
+        energies, problem = self.survey.energies, self.survey.problem
+        defined = len(energies.wave) and problem.system.holds(Fact.PULSE) and problem.chains > 1
+        return energies.chain[-1] if defined else None
 
 
 @result
@@ -362,15 +393,23 @@ class Equipartition:
     the bead's first contact over its mass.
     """
 
-    verdict: str = declare("what the run shows of equipartition, in words", column="")
-    state: str = declare("the same in few words", column="")
-    since: int | None = declare("bead from which on amplitudes and arrivals agree to 1 %", undefined="they do not")
-    expected: Estimate | None = declare(
+    survey: Survey
+    verdict: str = computed(
+        "what the run shows of equipartition, in words", column="", of=lambda shares: shares.survey.verdict.sentence
+    )
+    state: str = computed("the same in few words", column="", of=lambda shares: shares.survey.verdict.state.value)
+    since: int | None = computed(
+        "bead from which on amplitudes and arrivals agree to 1 %",
+        undefined="they do not",
+        of=lambda shares: shares.survey.verdict.since,
+    )
+    expected: Estimate | None = computed(
         "bead from which on amplitudes are expected to agree to 1 %",
         "beads",
         "they agree already, or no rule is known for such a scene",
+        of=lambda shares: shares.survey.verdict.expected,
     )
-    amplitudes: dict[str, int | None] = declare(
+    amplitudes: dict[str, int | None] = computed(
         "bead from which on the chains' amplitudes differ (largest - smallest) by under 0.1, 0.01 and 0.001 of their "
         f"mean, {COUNTED}",
         undefined=NO_AGREEMENT,
@@ -378,13 +417,15 @@ class Equipartition:
             QuantityColumn("agree_10", "bead from which amplitudes agree to 10 %", "0.1", "d_{10}"),
             QuantityColumn("agree_1", "bead from which amplitudes agree to 1 %", "0.01", "d_1"),
         ),
+        of=lambda shares: shares._each(shares._shared.agrees_from),
     )
-    arrivals: dict[str, int | None] = declare(
+    arrivals: dict[str, int | None] = computed(
         f"bead from which on the chains' arrivals differ by under 0.1, 0.01 and 0.001 of the passage time, {COUNTED}",
         undefined=NO_AGREEMENT,
         columns=(QuantityColumn("synchronised_1", "bead from which arrivals agree to 1 %", "0.01"),),
+        of=lambda shares: shares._each(shares._shared.in_step_from),
     )
-    final: Final | None = declare(
+    final: Final | None = computed(
         "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
         "V",
         "no pulse keeps its shape, or amplitudes do not converge (*asymptotic amplitude* in the terms of verdicts)",
@@ -393,12 +434,17 @@ class Equipartition:
             QuantityColumn("amplitude", "asymptotic amplitude", "value", "v"),
             QuantityColumn("amplitude_uncertainty", "uncertainty of the asymptotic amplitude", "uncertainty"),
         ),
+        of=lambda shares: shares._shared.final,
     )
-    range: AmplitudeRange | None = declare(
-        "range of amplitudes over the second half of the compared beads", undefined="no pulse keeps its shape"
+    range: AmplitudeRange | None = computed(
+        "range of amplitudes over the second half of the compared beads",
+        undefined="no pulse keeps its shape",
+        of=lambda shares: shares._shared.span if shares._pulse else None,
     )
-    energy_share: EnergyShare = declare("energy in the leading waves at the last clear bead")
-    beat_length: Estimate | None = declare(
+    energy_share: EnergyShare = computed(
+        "energy in the leading waves at the last clear bead", of=lambda shares: EnergyShare(shares.survey)
+    )
+    beat_length: Estimate | None = computed(
         "beat length: twice the mean of the half beats seen, and twice their standard deviation, with what the errors "
         "of the amplitudes change, by the time between frames and by the run (``run_error``)",
         "beads",
@@ -407,12 +453,33 @@ class Equipartition:
             QuantityColumn("beat_length", "beat length", "value"),
             QuantityColumn("beat_length_uncertainty", "uncertainty of the beat length", "uncertainty"),
         ),
+        of=lambda shares: shares._shared.regular_beat if shares._resolved else None,
     )
-    decay_law: DecayFit | None = declare(
+    decay_law: DecayFit | None = computed(
         "law v = v_0 (1 - n / n*)^(5/2) fitted to the kicked chain",
         undefined="neighbours are nowhere weak over ten beads, springs are not linear and equal, beads are unlike, "
         "loaded or have gaps, energy is dissipated, or not just one bead was kicked",
+        of=lambda shares: shares.survey.decay,
     )
+
+    @cached_property
+    def _shared(self) -> Sharing:
+        """Waves of the pulse that leads at the last bead, side by side."""
+        return self.survey.shared.followed
+
+    @cached_property
+    def _pulse(self) -> bool:
+        """Whether a pulse keeps its shape."""
+        return self.survey.problem.system.holds(Fact.PULSE)
+
+    @cached_property
+    def _resolved(self) -> bool:
+        """Whether the places show beats of a pulse."""
+        return self._pulse and resolved(self._shared, self.survey.problem.system)
+
+    def _each(self, begins: Callable[[float], int | None]) -> dict[str, int | None]:
+        """Tolerance -> bead from which on chains agree within it."""
+        return {str(tolerance): begins(tolerance) if self._resolved else None for tolerance in AGREEMENTS}
 
 
 @result
@@ -428,97 +495,97 @@ class PulseEntry(Character):
 
 
 @result
-class ErrorOfRun:
-    """Error of a run by its time step and integrator, with the uncertainty of the reference that measured it."""
-
-    velocity: float = declare("bound on the error of any velocity of a bead or resonator", "V")
-    amplitude: float = declare(
-        "bound on the error of a peak velocity of a leading pulse; ``velocity`` where no pulse leads", "V"
-    )
-    arrival: float = declare(
-        "bound on the error of an arrival of a leading pulse; ``velocity`` over V, in units of T, where none is sharp",
-        "T",
-    )
-
-
-@result
 class Report:
     """The contents of ``analysis.json`` of every run; what only some have is in `workflow.measures`."""
 
-    complete: bool = declare("whether every frame of the scene is there")
-    frames: tuple[int, int] = declare("number of frames found, and of those asked for")
-    front: int | None = declare(
+    survey: Survey
+    conserved: Callable[[], Conservation]
+    """Energy and momentum of all frames."""
+    allowed: Tolerances
+    error: MeasuredError = UNMEASURED
+    complete: bool = computed(
+        "whether every frame of the scene is there",
+        of=lambda run: run.conservation.frames == run.survey.problem.frames + 1,
+    )
+    frames: tuple[int, int] = computed(
+        "number of frames found, and of those asked for",
+        of=lambda run: (run.conservation.frames, run.survey.problem.frames + 1),
+    )
+    front: int | None = computed(
         "front: foremost bead (largest number) that moved faster than 1e-3 V",
         undefined="no recorded bead moved so fast",
         column="foremost bead that moved",
+        of=lambda run: run.conservation.front,
     )
-    energy_drift: float = declare(
+    energy_drift: float = computed(
         "largest deviation of the energy, dissipated energy included, over the energy input",
         undefined="not all beads are recorded, or what was exchanged is not known",
         column="relative drift of the energy",
+        of=lambda run: run.conservation.energy_drift,
     )
-    momentum_drift: float = declare(
+    momentum_drift: float = computed(
         "largest deviation of the momentum over the momentum of kicks and forces from outside",
         undefined="not all beads are recorded, or momentum is not conserved (foundation, walls, weights)",
+        of=lambda run: run.conservation.momentum_drift,
     )
-    participation: float = declare(
+    participation: float = computed(
         "participation number of the beads' energies in the last frame: (their sum)^2 / sum of their squares. A bead "
         "has its kinetic energy, half of that of each contact, and those of foundation and walls",
         undefined="not all beads are recorded, as in a window, or none has energy",
         column="participation number of the beads' energies at the end",
+        of=lambda run: run.conservation.participation,
     )
-    units: str = declare("the scene's units: ``SI`` or ``reduced``")
-    scale: dict[str, float] = declare(
-        "mass m, length L, time T and velocity V of the dimensionless problem, in the scene's units", "kg, m, s, m/s"
+    units: str = computed(
+        "the scene's units: ``SI`` or ``reduced``", of=lambda run: "SI" if run.survey.problem.scale.si else "reduced"
     )
-    kappa: float = declare(
+    scale: dict[str, float] = computed(
+        "mass m, length L, time T and velocity V of the dimensionless problem, in the scene's units",
+        "kg, m, s, m/s",
+        of=lambda run: scale_of(run.survey.problem.scale),
+    )
+    kappa: float = computed(
         "dimensionless stiffness of the coupling, k T^2 / m: the largest where springs differ; 0 without springs, and "
         "of purely cubic ones",
         symbol="\\kappa",
+        of=lambda run: physics.kappa(run.survey.problem.system),
     )
-    arrival: str = declare("definition of arrivals: ``maximum`` of the velocity, or centre of the ``impulse``")
-    waves: list[ChainSummary] = declare("leading wave of each chain at its last clear bead")
-    train: Train | None = declare(
-        "pulses that follow each other in the kicked chain", undefined="none is steady anywhere"
+    arrival: str = computed(
+        "definition of arrivals: ``maximum`` of the velocity, or centre of the ``impulse``",
+        of=lambda run: run.survey.arrival,
     )
-    equipartition: Equipartition = declare(
+    waves: list[LeadingWave] = computed(
+        "leading wave of each chain at its last clear bead",
+        of=lambda run: [LeadingWave(run.survey, chain) for chain in range(1, run.survey.problem.chains + 1)],
+    )
+    train: Train | None = computed(
+        "pulses that follow each other in the kicked chain",
+        undefined="none is steady anywhere",
+        of=lambda run: train(run.survey),
+    )
+    equipartition: Equipartition = computed(
         "how the chains share the leading pulse, whose amplitude at a bead is its peak velocity or, where coupled "
-        "chains have gaps, the impulse of the bead's first contact over its mass"
+        "chains have gaps, the impulse of the bead's first contact over its mass",
+        of=lambda run: Equipartition(run.survey),
     )
-    run_error: ErrorOfRun | None = declare(
+    run_error: MeasuredError | None = computed(
         "error of the run, which all uncertainties in these files cover beside that by the time between frames",
         undefined="the run was not checked (rigid beads, runs that a cluster resumed): they cover the frames alone",
+        of=lambda run: run.error if run.error.measured else None,
     )
-    tolerances: Tolerances = declare("relative differences within which a pulse is called solitary")
-    pulses: list[PulseEntry] = declare("every pulse, the strongest first")
+    tolerances: Tolerances = computed(
+        "relative differences within which a pulse is called solitary", of=lambda run: run.allowed
+    )
+    pulses: list[PulseEntry] = computed("every pulse, the strongest first", of=lambda run: pulse_entries(run.survey))
+
+    @cached_property
+    def conservation(self) -> Conservation:
+        """Energy and momentum of all frames."""
+        return self.conserved()
 
 
-def report(
-    survey: Survey, conservation: Conservation, tolerances: Tolerances, error: MeasuredError = UNMEASURED
-) -> Report:
-    """What is known of every run, dimensionless."""
-    problem, scale = survey.problem, survey.problem.scale
-    entries = [pulse_entry(survey, *pair) for pair in zip(survey.pulses, survey.characters, strict=True)]
-    return Report(
-        complete=conservation.frames == problem.frames + 1,
-        frames=(conservation.frames, problem.frames + 1),
-        front=conservation.front,
-        energy_drift=conservation.energy_drift,
-        momentum_drift=conservation.momentum_drift,
-        participation=conservation.participation,
-        units="SI" if scale.si else "reduced",
-        scale={"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
-        kappa=physics.kappa(problem.system),
-        arrival=survey.arrival,
-        waves=[
-            ChainSummary.of(survey.waves, problem, chain, survey.succession) for chain in range(1, problem.chains + 1)
-        ],
-        train=train(survey),
-        equipartition=equipartition(survey),
-        run_error=ErrorOfRun(error.velocity, error.amplitude, error.arrival) if error.measured else None,
-        tolerances=tolerances,
-        pulses=sorted(entries, key=lambda entry: -entry.peak_velocity),
-    )
+def scale_of(scale: Scale) -> dict[str, float]:
+    """Mass, length, time and velocity of the dimensionless problem, in the scene's units."""
+    return {"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity}
 
 
 def train(survey: Survey) -> Train | None:
@@ -552,31 +619,10 @@ def train(survey: Survey) -> Train | None:
     return pulses.where(slice(largest))
 
 
-def equipartition(survey: Survey) -> Equipartition:
-    """How the chains share the leading pulse."""
-    shared, decay, verdict, system = survey.shared.followed, survey.decay, survey.verdict, survey.problem.system
-    pulse = system.holds(Fact.PULSE)
-    is_resolved = pulse and resolved(shared, system)
-    final, span = shared.final, shared.span if pulse else None
-    measured, error = (np.sum(energy, axis=1) for energy in (survey.energies.wave, survey.energies.wave_error))
-    return Equipartition(
-        verdict=verdict.sentence,
-        state=verdict.state.value,
-        since=verdict.since,
-        expected=verdict.expected,
-        amplitudes={str(tolerance): shared.agrees_from(tolerance) if is_resolved else None for tolerance in AGREEMENTS},
-        arrivals={str(tolerance): shared.in_step_from(tolerance) if is_resolved else None for tolerance in AGREEMENTS},
-        final=None if final is None else Final(final.value, final.uncertainty),
-        range=None if span is None else AmplitudeRange(span[0], int(shared.bead[-1]), *span[1:]),
-        energy_share=EnergyShare(
-            exact=float(np.sum(shared.wave_share[-1])) if len(shared) and runs_exact_waves(system) else None,
-            measured=float(measured[-1]) if len(measured) and pulse else None,
-            measured_error=float(error[-1]) if len(error) and pulse else None,
-            chains=survey.energies.chain[-1] if len(measured) and pulse and survey.problem.chains > 1 else None,
-        ),
-        beat_length=shared.regular_beat if is_resolved else None,
-        decay_law=decay,
-    )
+def pulse_entries(survey: Survey) -> list[PulseEntry]:
+    """All pulses, the strongest first."""
+    entries = [pulse_entry(survey, *pair) for pair in zip(survey.pulses, survey.characters, strict=True)]
+    return sorted(entries, key=lambda entry: -entry.peak_velocity)
 
 
 def pulse_entry(survey: Survey, pulse: Pulse, character: Character) -> PulseEntry:

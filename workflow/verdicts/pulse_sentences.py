@@ -78,10 +78,10 @@ def _amplitude(survey: Survey) -> Iterator[str]:
     energy = np.sum(survey.energies.wave[-1]) if len(survey.energies.wave) else math.nan
     final, worth = shared.final, f"V = {scale.written(1.0, 'velocity')}"
     if final is None:
-        first, least, largest = shared.span
+        span = shared.span
         why = shared.changing or "it has not settled"
         compared = shared.compared if shared.of_impulses else "peak velocities"
-        numbers = f"{least:.5f} to {largest:.5f} V over beads {first} to {shared.bead[-1]}"
+        numbers = f"{span.least:.5f} to {span.largest:.5f} V over beads {span.first} to {span.last}"
         yield f"there is no asymptotic amplitude: {why}; {compared} are {numbers} ({worth})"
     else:
         amplitude = f"{final.value:.5f} +- {max(final.uncertainty, SMALLEST):.1g} V"

@@ -11,7 +11,7 @@ from analysis.gauges.gauge import gauges
 from analysis.sharing.run_error import UNMEASURED, MeasuredError, with_run_error
 from analysis.trajectory import watch
 from workflow.engines.reference import engine
-from workflow.verdicts.analysis_report import Final, equipartition, train
+from workflow.verdicts.analysis_report import EnergyShare, train
 
 ERROR = MeasuredError(velocity=3e-3, amplitude=1e-3, arrival=2e-2, measured=True)
 
@@ -53,11 +53,10 @@ def test_every_uncertainty_of_a_survey_covers_the_error_of_the_run(of_frames):
     before, after = (results.shared.followed.final for results in (of_frames, total))
     assert after.value == before.value
     assert after.uncertainty == pytest.approx(before.uncertainty + ERROR.amplitude, rel=1e-9)
-    share = equipartition(total).energy_share
+    share = EnergyShare(total)
     relative = 2.0 * ERROR.amplitude / total.shared.amplitude[total.energies.place[-1]]
-    added = share.measured_error - equipartition(of_frames).energy_share.measured_error
+    added = share.measured_error - EnergyShare(of_frames).measured_error
     assert added == pytest.approx(np.sum(relative * total.energies.wave[-1]), rel=1e-6)
-    assert isinstance(equipartition(total).final, Final)
     assert train(total).uncertainty[0] >= train(of_frames).uncertainty[0] + 0.9 * ERROR.amplitude
 
 

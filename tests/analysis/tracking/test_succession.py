@@ -119,7 +119,7 @@ def test_amplitudes_and_verdicts_are_those_of_the_last_pulse(beside_brass):
     assert beside_brass.shared.bead[0] < 24
     assert followed.bead[0] == 39
     assert followed.amplitude.shape == (len(followed.bead), 2)
-    assert followed.span[0] >= 39
+    assert followed.span.first >= 39
 
 
 def test_no_line_of_a_figure_joins_two_pulses(beside_brass):

@@ -17,8 +17,8 @@ from workflow.plugins.design import file
 from workflow.plugins.design.file import Variable
 from workflow.plugins.design.result import DesignResult, Sensitivity, Verified, sensitivity
 from workflow.plugins.design.search import DesignRecord, computed, search, worth
+from workflow.quantities.evaluate import evaluate
 from workflow.runs.run import run
-from workflow.study_kit import scene_quantities
 from workflow.sweep.collect import collect
 from workflow.workers.evaluate import StoredResults, values
 from workflow.workers.pool import Pool
@@ -197,8 +197,8 @@ def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, 
 def test_a_design_that_ends_at_a_bead_waits_for_what_is_wanted_at_the_wall():
     plain = {"name": "a", "beads": 30, "walls": {"right": {"stiffness": 0.1}}, "kick": {"velocity": 1.0}}
     names = ("wall_force", "delay", "transmitted_energy")
-    found = scene_quantities.by_reference({**plain, "until_bead": 10}, names, "scene")
-    assert found == pytest.approx(scene_quantities.by_reference({**plain, "duration": 90.0}, names, "scene"), rel=1e-6)
+    found = evaluate({**plain, "until_bead": 10}, names, "scene")
+    assert found == pytest.approx(evaluate({**plain, "duration": 90.0}, names, "scene"), rel=1e-6)
 
 
 def test_manufacture_is_off_to_both_sides_by_the_spread_at_most(tmp_path):
@@ -315,9 +315,9 @@ YIELDING = {"beads": 12, "contact": {"yield": {"overlap": 0.2}}, "kick": {"veloc
     ids=["waves", "cells", "yielding"],
 )
 def test_quantities_are_those_of_an_analysis(changes, names, tmp_path):
-    """Also where a short cut finds them; what only some runs have, too."""
+    """What only some runs have, too."""
     plain = {"name": "scene", **changes}
-    values = scene_quantities.by_reference(plain, names, "scene")
+    values = evaluate(plain, names, "scene")
     run(library.from_plain(plain, "scene"), tmp_path / "r", engine="reference")
     assert main(["analyze", str(tmp_path / "r"), "--no-figures"]) == 0
     row = collect(tmp_path, [name for name in names if "@" in name]).rows[0]
@@ -325,19 +325,6 @@ def test_quantities_are_those_of_an_analysis(changes, names, tmp_path):
         assert values[name] is not None
         # read between frames at times of other rounding
         assert values[name] == pytest.approx(row[name], rel=1e-9), name
-
-
-@pytest.mark.parametrize(
-    ("changes", "plain"),
-    [
-        ({}, True),
-        ({"kick": [{"velocity": 1}, {"velocity": -1, "bead": 12}]}, False),
-        ({"kick": {"velocity": -1, "bead": 12}}, False),
-        ({"push": {"peak": 1.0, "duration": 1.0, "shape": "half-sine"}}, False),
-    ],
-)
-def test_the_short_cut_is_for_one_pulse_from_the_first_bead(changes, plain):
-    assert scene_quantities._is_plain(library.from_plain({**SCENE, **changes}, "scene").problem()) == plain
 
 
 def test_lammps_differs_from_the_reference_by_a_share_of_its_number():

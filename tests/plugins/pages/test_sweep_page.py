@@ -8,7 +8,8 @@ from bokeh.models import ColorBar, DataTable, Plot
 
 from lammps_inputs.units import Label
 from workflow.plugins.pages.sweep_page import layout, points
-from workflow.sweep.collect import QUANTITIES, SweepTable, drawn
+from workflow.quantities.columns import QUANTITIES
+from workflow.sweep.collect import SweepTable, drawn
 
 FIELDS = ["coupling.stiffness", "kick.velocity"]
 

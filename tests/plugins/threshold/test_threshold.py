@@ -11,8 +11,10 @@ from lammps_inputs import InputError, strict_yaml
 from workflow.cli import main
 from workflow.plugins.threshold import study
 from workflow.plugins.threshold.crossings import SearchedField, crossings, wanted
+from workflow.quantities.columns import refuse_unknown
+from workflow.quantities.evaluate import scene_to_run
 from workflow.study_kit import directory as studying
-from workflow.study_kit import options, scene_quantities
+from workflow.study_kit import options
 
 pytestmark = pytest.mark.usefixtures("pool_here")
 
@@ -230,7 +232,7 @@ def test_the_examples_of_its_help_find_thresholds(example, tmp_path, monkeypatch
 @pytest.mark.parametrize("name", ["in_resonators", "wall_seconds"])
 def test_a_quantity_that_only_the_analysis_of_a_run_directory_finds_is_refused(name):
     with pytest.raises(InputError, match=f"'{name}' is no quantity; known are mass, wall_force"):
-        scene_quantities.refuse_unknown(name, "--quantity", "quantity")
+        refuse_unknown(name, "--quantity", "quantity")
 
 
 @pytest.mark.parametrize(
@@ -243,8 +245,8 @@ def test_a_quantity_that_only_the_analysis_of_a_run_directory_finds_is_refused(n
 )
 def test_a_quantity_at_a_bead_that_is_none_is_refused(name, says):
     def refuse():
-        scene_quantities.refuse_unknown(name, "--where", "quantity")
-        scene_quantities.scene_to_run(CHAIN, (name,), "chain")
+        refuse_unknown(name, "--where", "quantity")
+        scene_to_run(CHAIN, (name,), "chain")
 
     with pytest.raises(InputError, match=says):
         refuse()

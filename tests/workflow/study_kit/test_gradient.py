@@ -15,11 +15,11 @@ from granchain import InputError
 from lammps_inputs import library
 from workflow.cli import main
 from workflow.engines.reference import engine
-from workflow.study_kit import scene_quantities
+from workflow.quantities.columns import KNOWN
+from workflow.quantities.columns import QUANTITIES as QUANTITIES_OF_RUNS
+from workflow.quantities.evaluate import of_frames
 from workflow.study_kit.gradient import gradient
-from workflow.study_kit.scene_quantities import KNOWN
 from workflow.sweep import fields
-from workflow.sweep.collect import QUANTITIES as QUANTITIES_OF_RUNS
 
 CHAIN = {"name": "chain", "chains": 1, "beads": 24, "kick": {"velocity": 1}, "duration": 30}
 PAIR = {**CHAIN, "chains": 2, "coupling": {"stiffness": 0.2}}
@@ -65,7 +65,7 @@ def measured(plain, steps):
     plain = {key: value for key, value in plain.items() if key != "timestep"}
     scene = library.from_plain({**plain, "output": {"every": plain["output"]["every"] / 8}}, "scene")
     run = engine.run(scene.problem(), steps_per_frame=steps)
-    values = scene_quantities.of_frames(run.problem, partial(blocks, run), scene, QUANTITIES)
+    values = of_frames(run.problem, partial(blocks, run), scene, QUANTITIES)
     return np.array([values[name] for name in QUANTITIES])
 
 

@@ -20,6 +20,7 @@ from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.units import Label
 from workflow.cli import main
 from workflow.commands.collect import cell
+from workflow.quantities.columns import QUANTITIES
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import collect as collecting
 from workflow.sweep import fields
@@ -337,7 +338,7 @@ def test_a_map_of_one_value_has_no_contours(values):
 
 
 def test_a_field_of_more_values_than_lines_is_refused_with_the_limit_and_drawn_as_a_map():
-    blank = dict.fromkeys(collecting.QUANTITIES)
+    blank = dict.fromkeys(QUANTITIES)
     rows = [
         {**blank, "case": f"{gap}-{beads}", "gap": gap, "beads": beads, "outcome": "done", "speed": gap * beads}
         for gap in (1.0, 2.0)

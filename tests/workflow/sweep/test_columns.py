@@ -3,8 +3,9 @@
 import pytest
 
 from lammps_inputs import Scene
+from workflow.quantities.columns import QUANTITIES
 from workflow.sweep import collect, fields
-from workflow.sweep.collect import QUANTITIES, SweepTable
+from workflow.sweep.collect import SweepTable
 
 REPORT = {
     "front": 58,

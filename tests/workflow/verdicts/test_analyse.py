@@ -101,7 +101,7 @@ def test_an_analysis_reads_the_start_and_then_every_frame_twice_at_most(finished
 
 def test_waves_csv_of_an_si_scene_names_its_units(found):
     scale = make_scale(3.6e-3, 1.4e10, 1.0, si=True)
-    survey = replace(found.survey, problem=replace(found.problem, scale=scale))
+    survey = found.survey.replaced(problem=replace(found.problem, scale=scale))
     units = {"arrival": "s", "peak_velocity": "m/s", "speed": "beads/s", "lag": "s"}
     units |= {"chain_energy": "J", "wave_energy": "J", "arrival_error": "s", "peak_velocity_error": "m/s"}
     units |= {"chain_energy_error": "J", "wave_energy_error": "J"}

@@ -9,7 +9,7 @@ import pytest
 from small_problems import problem
 
 from analysis.quantity import plain
-from analysis.sharing.equipartition import Estimate
+from analysis.sharing.equipartition import AmplitudeRange, Estimate, Final
 from analysis.sharing.survey import survey
 from analysis.sharing.verdict import DecayFit, EquipartitionState, Verdict
 from analysis.tracking.leading_waves import Waves, with_speeds
@@ -19,7 +19,7 @@ from analysis.trajectory import blocks
 from lammps_inputs.units import make_scale
 from workflow.engines.reference import engine
 from workflow.verdicts import analysis_report
-from workflow.verdicts.analysis_report import ChainSummary, waves_table
+from workflow.verdicts.analysis_report import Equipartition, LeadingWave, waves_table
 
 
 def test_a_train_is_told_in_the_scenes_units():
@@ -45,17 +45,22 @@ class Shared(SimpleNamespace):
         return self
 
 
+def summary(waves, problem, chain, succession=()):
+    """Leading wave of a chain, by waves and changes alone."""
+    return LeadingWave(SimpleNamespace(passages=waves, waves=waves, problem=problem, succession=succession), chain)
+
+
 def test_how_chains_share_the_pulse_is_told_key_by_key():
     decay = DecayFit(v0=0.6, n_star=300.0, n_star_error=2.0, n_star_expected=270.9, first=10, last=90, deviation=0.01)
     found = SimpleNamespace(
         shared=Shared(
-            final=Estimate(0.34, 0.01),
+            final=Final(0.34, 0.01),
             regular_beat=Estimate(12.0, 0.5),
             agrees_from=lambda tolerance: round(1.0 / tolerance),
             in_step_from=lambda tolerance: round(2.0 / tolerance),
             wave_share=np.array([[0.5, 0.4], [0.5, 0.47]]),
             bead=np.array([6, 7]),
-            span=(6, 0.33, 0.35),
+            span=AmplitudeRange(6, 7, 0.33, 0.35),
         ),
         decay=decay,
         verdict=Verdict(EquipartitionState.BEATING, "they beat", expected=Estimate(62.0, 5.0)),
@@ -66,7 +71,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
         ),
         problem=problem(),
     )
-    told = plain(analysis_report.equipartition(found), found.problem.scale)
+    told = plain(Equipartition(found), found.problem.scale)
     assert (told["verdict"], told["state"], told["since"]) == ("they beat", "beating", None)
     assert told["expected"] == {"value": 62.0, "uncertainty": 5.0}
     assert told["amplitudes"] == {"0.1": 10, "0.01": 100, "0.001": 1000}
@@ -87,7 +92,7 @@ def test_each_chain_is_told_at_its_last_bead_clear_of_the_end(si):
     columns = (bead + offset / 10.0 for offset in range(5))
     waves = Waves(np.full(3, 2), bead, np.full(3, 4), *columns, time=bead)
     succession = tuple(Change(chain, last, last + 1, 0.5, 0.6) for chain, last in ((1, 3), (2, 5), (2, 9)))
-    told = plain(ChainSummary.of(waves, problem(beads=20, scale=scale), 2, succession), scale)
+    told = plain(summary(waves, problem(beads=20, scale=scale), 2, succession), scale)
     assert told.pop("ended") == [5, 9]
     assert told == pytest.approx(
         {
@@ -104,7 +109,7 @@ def test_each_chain_is_told_at_its_last_bead_clear_of_the_end(si):
         }
     )
     nothing = dict.fromkeys(told) | {"chain": 1, "beads_reached": 0, "ended": []}
-    assert plain(ChainSummary.of(waves, problem(beads=20), 1), scale) == nothing
+    assert plain(summary(waves, problem(beads=20), 1), scale) == nothing
 
 
 @pytest.mark.parametrize(("first", "bead"), [(4, 6), (7, 7), (2, 6)])
@@ -112,7 +117,7 @@ def test_a_wave_towards_bead_1_is_reported_at_the_last_bead_clear_of_that_end(fi
     number = np.arange(first, 20)
     waves = with_speeds(np.ones(len(number), int), number, 20.0 - number, np.full(len(number), 0.5), direction=-1)
     back = problem(chains=1, beads=20, kicks=((1, 20, -1.0),))
-    assert ChainSummary.of(waves, back, 1).bead == bead
+    assert summary(waves, back, 1).bead == bead
 
 
 @pytest.fixture(scope="module")

@@ -28,9 +28,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, PlainValidator, model_validator
 
 from lammps_inputs import InputError, schema, strict_yaml
-from workflow.study_kit.scene_quantities import KNOWN, heading, refuse_unknown
+from workflow.quantities.columns import AT_BEAD, KNOWN, refuse_unknown
 from workflow.sweep import fields
-from workflow.sweep.collect import AT_BEAD
+from workflow.sweep.axes import heading
 from workflow.sweep.file import SweepPart, number, scene_in, scene_of_file, validated
 
 # --- variables --------------------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from workflow.plugins.design.result import SET_AGAINST, DesignResult
 from workflow.plugins.design.search import RULED_OUT, worth
 from workflow.runs.run_directory import RunDirectory
 from workflow.study_kit.page import PageFigure, document, drawn, shown, table
-from workflow.study_kit.scene_quantities import label
+from workflow.sweep.axes import label
 
 
 def page(result: DesignResult) -> str:

@@ -16,7 +16,8 @@ from scipy.stats import qmc
 
 from analysis.trajectory import Floats
 from workflow.plugins.design.file import Design, Variable, values_of
-from workflow.study_kit import scene_quantities
+from workflow.quantities.columns import MASS
+from workflow.quantities.evaluate import NO_LIMIT, case
 from workflow.sweep import fields
 from workflow.workers.evaluate import key_of
 
@@ -65,10 +66,10 @@ def computed(
     Raises:
         RunError: a process was killed.
     """
-    limit = design.request.where.get(scene_quantities.MASS) if limited else None
-    masses = (limit.low, limit.high) if limit else scene_quantities.NO_LIMIT
+    limit = design.request.where.get(MASS) if limited else None
+    masses = (limit.low, limit.high) if limit else NO_LIMIT
     scenes = [fields.put_all(design.scene, values) for values in designs]
-    cases = [scene_quantities.case(scene, design.names, design.source, masses) for scene in scenes]
+    cases = [case(scene, design.names, design.source, masses) for scene in scenes]
     results = evaluated(cases, **shown)
     return [
         DesignRecord(values, result.get("quantities", {}), result.get("refused", ""), result["seconds"])

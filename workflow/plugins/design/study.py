@@ -31,13 +31,13 @@ from workflow.plugins.design.file import Design
 from workflow.plugins.design.polish import polished, refuse_no_gradient, smooth
 from workflow.plugins.design.result import DesignResult, Verified, sensitivity
 from workflow.plugins.design.search import RULED_OUT, Compute, DesignRecord, computed, search, worth
+from workflow.quantities.evaluate import evaluate, of_frames, scene_to_run
 from workflow.screen import CommandResult, one_line, print_files, print_table
 from workflow.study_kit.directory import Study, csv_text
 from workflow.study_kit.gradient import gradient as derivatives
 from workflow.study_kit.gradient import why_no_derivative
 from workflow.study_kit.kept_run import kept_run
 from workflow.study_kit.options import add_jobs, add_output, as_job, example_file, interrupted
-from workflow.study_kit.scene_quantities import by_reference, of_frames, scene_to_run
 from workflow.sweep import fields
 from workflow.verdicts.derivative import HEAD, Derivative
 
@@ -121,7 +121,7 @@ def carry_out(design: Design, directory: Path, jobs: int | None = None, *, gradi
         ]
         beside = None
         if design.beside is not None:
-            quantities = by_reference(design.beside, design.names, f"{design.source}: beside")
+            quantities = evaluate(design.beside, design.names, f"{design.source}: beside")
             beside = _in_lammps(design, design.beside, directory / BESIDE, DesignRecord({}, quantities, "", 0.0))
         slopes = gradient_at(best_scene.plain(), design) if gradient else []
         timed = [record.seconds for record in records if design.objective in record.quantities]

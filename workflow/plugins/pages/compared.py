@@ -11,10 +11,11 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import InputError
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import compared_rows
+from workflow.quantities.columns import QUANTITIES, UNCERTAINTIES
 from workflow.runs.engines import engine_called
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import PrintedTable
-from workflow.sweep.collect import QUANTITIES, UNCERTAINTIES, SweepTable, quantities
+from workflow.sweep.collect import SweepTable, quantities
 from workflow.sweep.run_sweep import is_analysed, read_json
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.analysis_report import REPORT

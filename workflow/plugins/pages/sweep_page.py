@@ -36,7 +36,8 @@ from bokeh.plotting import figure
 from analysis.figures.studies import edges, logarithmic
 from analysis.figures.style import AxisUnit
 from workflow.plugins.pages.plots import CHAIN_COLOURS, TICK, TOOLS, choice, label, number
-from workflow.sweep.collect import QUANTITIES, SHOWN, UNCERTAINTIES, SweepTable, quantity_axis
+from workflow.quantities.columns import QUANTITIES, UNCERTAINTIES
+from workflow.sweep.collect import SHOWN, SweepTable, quantity_axis
 
 _LINK = '<% if (link) { %><a href="<%= link %>"><%- value %></a><% } else { %><%- value %><% } %>'
 

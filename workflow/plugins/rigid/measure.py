@@ -26,7 +26,7 @@ class FirstByRounding:
 class RoundingMeasurement(Measurement):
     """The first collision that follows rounding."""
 
-    key, kind, needs_survey = "rounding", FirstByRounding, False
+    key, kind = "rounding", FirstByRounding
 
     values: FirstByRounding
 

@@ -21,12 +21,13 @@ from lammps_inputs.units import REDUCED
 from workflow.checked import Between
 from workflow.formats import figure_files
 from workflow.plugins.threshold.crossings import Crossing, SearchedField, crossings, wanted
+from workflow.quantities.columns import UNCERTAINTIES, refuse_unknown
+from workflow.quantities.evaluate import case
 from workflow.screen import CommandResult, cell, one_line, print_files, print_table
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study, floats
-from workflow.study_kit.scene_quantities import case, heading, label, refuse_unknown
 from workflow.sweep import fields
-from workflow.sweep.collect import UNCERTAINTIES
+from workflow.sweep.axes import heading, label
 from workflow.workers import evaluate
 
 if TYPE_CHECKING:

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from workflow.study_kit import scene_quantities
+from workflow.quantities.evaluate import case
 from workflow.study_kit.directory import Study, csv_text
 from workflow.study_kit.options import add_jobs, add_output
 
@@ -31,7 +31,7 @@ def hardness(directory: Path | str, *, jobs: int | None = None) -> dict[float, f
         for stiffness in STIFFNESS
     ]
     with STUDY.evaluating(Path(directory), jobs) as values:
-        answers = values([scene_quantities.case(scene, ["participation"], "case") for scene in scenes])
+        answers = values([case(scene, ["participation"], "case") for scene in scenes])
         numbers = [answer["quantities"]["participation"] for answer in answers]
         rows = [{"stiffness": x, "participation": number} for x, number in zip(STIFFNESS, numbers, strict=True)]
         STUDY.write(Path(directory), {"hardness.csv": csv_text(rows)})

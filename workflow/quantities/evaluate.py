@@ -1,0 +1,184 @@
+"""Numbers of quantities of a scene, run by the reference in memory, or of any frames: only what is asked is computed.
+
+They come from the declarations that ``analysis.json`` is written from. An uncertainty covers the time between frames
+alone, as the error of such a run is not measured.
+"""
+
+import json
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from analysis.conservation import Conservation
+from analysis.quantity import in_units, plain_at
+from analysis.sharing.is_solitary import Tolerances
+from analysis.sharing.survey import Survey
+from analysis.tracking.leading_waves import usual_arrival
+from analysis.trajectory import Floats, Trajectory, blocks, watch
+from lammps_inputs import InputError, Problem, Scene, library, physics
+from lammps_inputs.numbers import known
+from workflow.engines.reference import engine
+from workflow.engines.reference.energy_exchange import Accountant
+from workflow.measures.base import Measurement, Recorded
+from workflow.prepare.extent import with_duration
+from workflow.quantities.columns import AT_THE_END, MASS, MEASURED, QUANTITIES, at_bead, kicked_chain
+from workflow.verdicts.analysis_report import WAVES, LeadingWave, Report
+from workflow.workers.evaluate import Computation
+from workflow.workers.evaluate import case as computation
+
+Measured = dict[str, float | None]
+"""Numbers by name, in the scene's units; None where there is none."""
+
+Masses = tuple[float | None, float | None]
+"""The least and the largest mass; None for any."""
+
+NO_LIMIT: Masses = (None, None)
+
+_OF_FRAMES = ("every", "beads", "snapshots")
+"""Keys of ``output`` that say which frames, and which beads in them, are written: these do not count here."""
+
+
+def mass_of(scene: Scene) -> float:
+    """Mass of all beads, in the scene's units."""
+    system, scale = scene.system, scene.scale
+    return float(np.sum(np.broadcast_to(system.mass, (system.chains, system.beads)))) * scale.mass
+
+
+def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Scene:
+    """A scene with its end, all of whose beads are recorded; one that ends at a bead waits for the objective.
+
+    Raises:
+        InputError: it is none, or its end is not reached.
+    """
+    at_the_end = any(name in AT_THE_END for name in names)
+    output = {key: part for key, part in plain.get("output", {}).items() if key not in _OF_FRAMES}
+    scene = with_duration(library.from_plain({**plain, "output": output}, source), wall=at_the_end)
+    if scene.window is not None:
+        raise InputError(f"{source}: window: rows behind it count here; leave it out")
+    for name in names:
+        if at_bead(name)[1] > scene.beads:
+            raise InputError(f"{source}: {name}: the chains have {scene.beads} beads")
+    return scene
+
+
+def evaluate(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Measured:
+    """Quantities of a scene, run by the reference.
+
+    Raises:
+        InputError: as `scene_to_run`.
+    """
+    scene = scene_to_run(plain, names, source)
+    problem = scene.model_copy(update={"accuracy": None}).problem()
+    trajectory = engine.run(problem)
+    return of_frames(problem, lambda: blocks(trajectory), scene, names)
+
+
+def of_frames(
+    problem: Problem, frames: Callable[[], Iterable[Trajectory]], scene: Scene, names: tuple[str, ...]
+) -> Measured:
+    """Quantities of a run; ``frames`` reads it again, at little cost, and holds all beads."""
+    run = _MeasuredRun(scene, problem, frames)
+    values = {name: run.value(name) for name in names}
+    return {name: None if value is None else float(value) for name, value in values.items()}
+
+
+@dataclass(frozen=True)
+class _MeasuredRun:
+    """A run whose quantities are computed one by one.
+
+    Attributes:
+        scene: what was run.
+        problem: the dimensionless problem that it stands for.
+        frames: starts reading the run.
+    """
+
+    scene: Scene
+    problem: Problem
+    frames: Callable[[], Iterable[Trajectory]]
+
+    @cached_property
+    def exchange(self) -> list[Floats | None]:
+        """Exchange of each block of frames, [frame, entry]."""
+        accountant = Accountant(self.problem)
+        return [accountant.of(block).exchange for block in self.frames()]
+
+    def read(self) -> Iterator[Trajectory]:
+        """Frames, with their exchange where forces from outside act."""
+        counts = physics.acted_on(self.problem.system)
+        for number, block in enumerate(self.frames()):
+            needs = counts and block.exchange is None
+            yield replace(block, exchange=self.exchange[number]) if needs else block
+
+    @cached_property
+    def report(self) -> Report:
+        """Quantities of every run."""
+        survey = Survey(self.problem, self.read, usual_arrival(self.problem))
+        return Report(survey, self._conservation, Tolerances())
+
+    def _conservation(self) -> Conservation:
+        return watch(Conservation(Accountant(self.problem).of), self.read())
+
+    @cached_property
+    def _measurements(self) -> dict[str, Measurement | None]:
+        return {}
+
+    def measurement(self, key: str) -> Measurement | None:
+        """Measurement of this key; None where the run has none."""
+        if key not in self._measurements:
+            meter = MEASURED[key].meter(Recorded(self.scene, self.problem))
+            self._measurements[key] = None if meter is None else watch(meter, self.read()).finish(self.report.survey)
+        return self._measurements[key]
+
+    def value(self, name: str) -> Any:
+        """Number of a quantity in the scene's units; None where it is undefined."""
+        if name == MASS:
+            return mass_of(self.scene)
+        base, bead = at_bead(name)
+        column, scale = QUANTITIES[base or name], self.problem.scale
+        first, *keys = column.path
+        if first in MEASURED:
+            measurement = self.measurement(first)
+            return None if measurement is None else plain_at(measurement.values, keys, scale)
+        wave = LeadingWave(self.report.survey, kicked_chain(self.scene.plain()), bead or None)
+        if column.file == WAVES:
+            number = wave.column(first)
+            return None if number is None else known(in_units(number, column.place.quantity.unit, scale))
+        return plain_at(wave, keys, scale) if first == "kicked" else plain_at(self.report, column.path, scale)
+
+
+def case(plain: dict[str, Any], names: Sequence[str], source: str, masses: Masses = NO_LIMIT) -> Computation:
+    """`evaluated` for the worker pool, under the key of what it computes."""
+    limits = {} if masses == NO_LIMIT else {"masses": masses}
+    return computation(f"{__name__}:evaluated", {"plain": plain, "names": tuple(names), "source": source, **limits})
+
+
+def evaluated(plain: dict[str, Any], names: tuple[str, ...], source: str, masses: Masses = NO_LIMIT) -> dict[str, Any]:
+    """What a process answers: ``quantities`` or ``refused``, and ``seconds`` of processor time.
+
+    Args:
+        plain: the scene.
+        names: of the quantities.
+        source: what to call the scene in messages.
+        masses: of a scene whose mass is beyond them only that is measured, and nothing is run.
+    """
+    started = time.process_time()
+    answer: dict[str, Any]
+    try:
+        outside = None if tuple(masses) == NO_LIMIT else _mass_outside(masses, plain, source)
+        with np.errstate(all="ignore"):
+            measured = evaluate(plain, names, source) if outside is None else {MASS: outside}
+            answer = {"quantities": json.loads(json.dumps(measured))}
+    except (InputError, ValueError, ArithmeticError) as error:
+        answer = {"refused": str(error)}
+    return {**answer, "seconds": time.process_time() - started}
+
+
+def _mass_outside(masses: Masses, plain: dict[str, Any], source: str) -> float | None:
+    """The mass of a scene that is outside its limits; else None."""
+    low, high = masses
+    mass = mass_of(library.from_plain(plain, source))
+    return None if (low is None or low <= mass) and (high is None or mass <= high) else mass

@@ -1,0 +1,30 @@
+"""Headings and labels of what a table or an axis shows: fields of a scene, and its quantities."""
+
+from typing import Any
+
+from analysis.quantity import Quantity, QuantityColumn
+from lammps_inputs.units import REDUCED, Label
+from workflow.quantities.columns import MASS, column_called
+from workflow.sweep import fields
+from workflow.verdicts.quantities import CollectColumn, QuantityPlace
+
+_MASS = CollectColumn(
+    QuantityPlace("", (MASS,), Quantity("mass of all beads", "mass")), QuantityColumn(MASS, "mass of all beads")
+)
+
+
+def _column(name: str) -> CollectColumn | None:
+    return _MASS if name == MASS else column_called(name)
+
+
+def heading(name: str, scene: dict[str, Any]) -> str:
+    """A field of a scene, given as plain data, or a quantity, with its unit if it has one."""
+    column = _column(name)
+    unit = fields.unit(fields.parse(name, scene), scene) if column is None else column.unit(si="material" in scene)
+    return name if unit in ("", REDUCED) else f"{name} ({unit})"
+
+
+def label(name: str, scene: dict[str, Any]) -> Label:
+    """Words, symbol and unit of a field of a scene, given as plain data, or of a quantity, for a figure or page."""
+    column = _column(name)
+    return fields.label(fields.parse(name, scene), scene) if column is None else column.axis(si="material" in scene)
