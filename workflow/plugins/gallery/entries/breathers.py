@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from analysis import motion
 from analysis.loaded_pulse import bands
 from analysis.trajectory import Floats
-from lammps_inputs.laws.contact import Hertz
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statements, chain, line, panel
 from workflow.plugins.gallery.periodic_family import COMPUTED, PeriodicFamily, follow, stays
@@ -41,7 +40,7 @@ def _alternating(amplitude: float) -> float:
     def rates(_: float, motion_of_bead: Floats) -> list[float]:
         """Velocity and acceleration, from displacement and velocity [2]."""
         twice = 2.0 * float(motion_of_bead[0])
-        return [float(motion_of_bead[1]), float(Hertz.force(1.0 - twice, 1.0) - Hertz.force(1.0 + twice, 1.0))]
+        return [float(motion_of_bead[1]), (1.0 - twice) ** 1.5 - (1.0 + twice) ** 1.5]
 
     def middle(_: float, motion_of_bead: Floats) -> float:
         """Displacement, from displacement and velocity [2]."""

@@ -76,7 +76,7 @@ HALF = 2.0 * math.acos(0.5**0.25) / math.pi
 
 def _train(run: Ran) -> tuple[Floats, Floats, Floats]:
     """Velocities (V), speeds (beads / T) and forces (m V / T) of the pulses of a train that pass one bead, [pulse]."""
-    before, at = run.train(FAR - 20, 0.1), run.train(FAR, 0.1)
+    before, at = run.survey.train(1, FAR - 20, 0.1), run.survey.train(1, FAR, 0.1)
     count = min(len(before), len(at))
     speed = 20.0 / (at.arrival[:count] - before.arrival[:count])
     read = run.forces(contacts=(FAR,))
@@ -234,7 +234,9 @@ LAUNCHED = {f"launched-{count}": count for count in (2, 3)}
 
 def _trains(results: Results) -> Statements:
     """Number of waves, equal to that of the beads launched; nearly geometric decrease after a heavy striker."""
-    trains = {name: each(lambda run: run.train(PASSED, LEAST).peak_velocity, runs) for name, runs in results.items()}
+    trains = {
+        name: each(lambda run: run.survey.train(1, PASSED, LEAST).peak_velocity, runs) for name, runs in results.items()
+    }
     count = {
         name: {engine: len(velocities) for engine, velocities in by_engines.items()}
         for name, by_engines in trains.items()
