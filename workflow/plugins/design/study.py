@@ -127,9 +127,9 @@ def carry_out(design: Design, directory: Path, jobs: int | None = None, *, gradi
         timed = [record.seconds for record in records if design.objective in record.quantities]
         result = DesignResult(design, records, verified, beside, small, sum(timed) / len(timed), slopes)
         study.write(directory, {REPORT: result.plain()})
-        from workflow.plugins.design.report import page  # matplotlib takes half a second to import
+        from workflow.plugins.design.report import render  # matplotlib takes half a second to import
 
-        study.write(directory, {PAGE: page(result)})
+        study.write(directory, {PAGE: render(result)})
     return result
 
 

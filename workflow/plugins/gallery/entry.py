@@ -22,10 +22,11 @@ from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves
 from analysis.trajectory import Floats, Trajectory, watch
 from lammps_inputs import library
+from workflow.plugins.gallery.statements import Section, Statement
 from workflow.runs.engines import engine_called
 from workflow.runs.run_directory import RunDirectory
+from workflow.study_kit import page
 from workflow.study_kit.kept_run import kept_run
-from workflow.study_kit.page import PageFigure, Section, Statement, drawn
 
 ENGINES = ("lammps", "reference")
 COLOURS = style.CHAIN_COLOURS
@@ -209,7 +210,7 @@ class Entry:
     axes: tuple[str, str] = ("", "")
     draw: Draw | None = None
     caption: str = ""
-    pictures: Callable[[Results], Sequence[PageFigure]] = lambda _: ()
+    pictures: Callable[[Results], Sequence[page.PageFigure]] = lambda _: ()
     swept: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     sources: Mapping[str, str] = field(default_factory=dict)
 
@@ -232,7 +233,7 @@ class Entry:
         notes = [_own_errors(results)] if results else []
         pictures = [*self.pictures(results)]
         if self.draw is not None:
-            pictures.append(drawn("figure", panel(self.axes, self.draw, results), self.caption))
+            pictures.append(page.drawn("figure", panel(self.axes, self.draw, results), self.caption))
         return Section(self.title, self.introduction, list(self.statements(results)), pictures, notes, self.sources)
 
 

@@ -13,7 +13,7 @@ from analysis.trajectory import Floats
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statements, chain, line, panel
 from workflow.plugins.gallery.periodic_family import COMPUTED, PeriodicFamily, follow, stays
-from workflow.study_kit.page import drawn
+from workflow.study_kit import page
 
 LOAD = {"force": 1.0}
 STIFFNESS = 1.5
@@ -333,7 +333,7 @@ GAP_BREATHERS = Entry(
     draw=_draw_gap,
     caption="Energy of the two families of breathers over frequency; filled symbols are stable.",
     pictures=lambda results: [
-        drawn(
+        page.drawn(
             "shapes",
             panel(("bead, from the middle one", "displacement at the start (reduced)"), _draw_shapes, results),
             "Displacements of a state of each family in the middle of the gap, at the instant at which all beads rest.",

@@ -30,7 +30,7 @@ from workflow.plugins.gallery.engines_figure import (
 from workflow.plugins.gallery.entry import Entry, Results, Statements
 from workflow.plugins.rigid import engine as collisions
 from workflow.plugins.rigid.events import Collisions, from_events
-from workflow.study_kit.page import PageFigure, drawn
+from workflow.study_kit import page
 
 AGREE = 0.01
 """Relative difference of the chains' impulses up to which they count as equal (the paper: "identical")."""
@@ -375,26 +375,26 @@ def statements(_: Results) -> Statements:
     yield from _limit()
 
 
-def pictures(_: Results) -> list[PageFigure]:
+def pictures(_: Results) -> list[page.PageFigure]:
     """Figs 8 and 9, the scan and the relative mode."""
     swept, (hertz, rigid) = _scan(), _both_models()
     figures = []
     for kappa, number in zip(KAPPAS, (8, 9), strict=True):
         problem = problem_at(THETA_OF_EQ_5, kappa, 40, every=0.05)
         caption = f"Fig. {number}: first impulses, and velocities of beads 5 and 25; kappa = {kappa:g}, gap of eq. 5."
-        figures.append(drawn(f"fig{number}", engines_figure(problem, ROWS, curves(problem, ROWS)), caption))
+        figures.append(page.drawn(f"fig{number}", engines_figure(problem, ROWS, curves(problem, ROWS)), caption))
     shown = (5, 25, 30)
     rows, chosen = np.isin(swept.bead, shown), scan(np.array([THETA_OF_EQ_5]))
     published = PublishedPoint("gap of eq. 5", THETA_OF_EQ_5, chosen.difference[0, rows])
     scanned = scan_figure(swept.theta, swept.difference[:, rows], shown, AGREE, published)
-    figures.append(drawn("scan", scanned, "Rigid beads: difference of the chains over the gap."))
+    figures.append(page.drawn("scan", scanned, "Rigid beads: difference of the chains over the gap."))
     labelled = {"rigid": rigid, **{rf"Hertz, $\kappa$ = {kappa:g}": received for kappa, received in hertz.items()}}
     modes = {label: relative_mode(received, 2, LAST) for label, received in labelled.items()}
     curve = relative_mode_figure([(label, mode.bead, mode.difference) for label, mode in modes.items()])
     caption = (
         "Difference of the chains over the rows, at the gap of eq. 5: it decays for Hertzian beads, not for rigid ones."
     )
-    return [*figures, drawn("relative-mode", curve, caption)]
+    return [*figures, page.drawn("relative-mode", curve, caption)]
 
 
 ENTRY = Entry(

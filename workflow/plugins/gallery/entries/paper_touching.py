@@ -12,7 +12,7 @@ from analysis.trajectory import watch
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import Entry, Ran, Results, Statements, each
 from workflow.plugins.gallery.equipartition_distance import distance_map, equipartition_distance
-from workflow.study_kit.page import PageFigure, drawn
+from workflow.study_kit import page
 
 CASES = (("two-chains", 55, "1", "2"), ("two-chains-strong", 55, "3", "4"), ("three-chains", 90, "5", "6"))
 """Scene, the bead of the paper's figure, and the numbers of its figures in space and time and of that bead."""
@@ -138,19 +138,21 @@ def _within(tolerance: str, bead: int | None) -> str:
     return f"within {tolerance} from bead {bead} on"
 
 
-def pictures(runs: Results) -> list[PageFigure]:
+def pictures(runs: Results) -> list[page.PageFigure]:
     """The paper's Figs 1 to 6, and the map of the distance to equipartition."""
     figures = []
     for name, bead, space, time in CASES:
         run = runs[name]["lammps"]
         caption = f"Fig. {space}: velocity in space and time ({name}, LAMMPS)."
-        figures.append(drawn(f"fig{space}", spacetime_figure(watch(SpaceTime(run.problem), run.blocks())), caption))
+        figures.append(
+            page.drawn(f"fig{space}", spacetime_figure(watch(SpaceTime(run.problem), run.blocks())), caption)
+        )
         caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
         history = watch(BeadHistory(run.problem, (bead,)), run.blocks())
-        figures.append(drawn(f"fig{time}", response_figure(history, run.waves), caption))
+        figures.append(page.drawn(f"fig{time}", response_figure(history, run.waves), caption))
     cases = [equipartition_distance(chains, kappa) for chains in MAP_CHAINS for kappa in MAP_COUPLINGS]
     caption = "Distance to equipartition and final amplitude over coupling and number of chains (reference integrator)."
-    figures.append(drawn("map", distance_map(cases), caption))
+    figures.append(page.drawn("map", distance_map(cases), caption))
     return figures
 
 
