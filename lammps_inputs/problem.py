@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.layout import Layout
-from lammps_inputs.scheme import SchemeName
+from lammps_inputs.scheme import SchemeName, cycle
 from lammps_inputs.system import System
 from lammps_inputs.units import Scale
 
@@ -53,6 +53,11 @@ class Problem:
     def layout(self) -> Layout:
         """Diameter and places of the beads in LAMMPS."""
         return Layout(self.system, self.window)
+
+    @property
+    def cycle(self) -> int:
+        """Verlet steps in a cycle of the scheme."""
+        return cycle(self.scheme)
 
     @property
     def steps(self) -> int:

@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from analysis import motion
+from analysis.compare import difference
 from analysis.compare.common_times import paired
-from analysis.compare.difference import errors_of
 from analysis.quantity import declare, result
 from lammps_inputs import InputError, Problem, Scene, library, physics
 from lammps_inputs.scene import DEFAULT_ACCURACY
@@ -65,7 +65,7 @@ def true_error(directory: RunDirectory, tolerance: float) -> LargestError:
     for _ in range(_HALVINGS):
         halving = StepHalving(problem, steps_per_frame=steps)
         references = (replace(block, problem=directory.problem) for block in halving.blocks())
-        error = errors_of(directory.blocks(), references)["velocity"].largest
+        error = difference.errors_of(directory.blocks(), references)["velocity"].largest
         steps *= 2
         if halving.uncertainty.velocity <= tolerance or _seconds(problem, steps) > LONGEST:
             break

@@ -19,7 +19,7 @@ from analysis.gauges import forces
 from analysis.sharing import energies
 from analysis.sharing.cells import left
 from analysis.sharing.survey import Survey
-from analysis.tracking.leading_waves import Waves
+from analysis.tracking import leading_waves
 from analysis.trajectory import Floats, Trajectory, watch
 from lammps_inputs import library
 from workflow.plugins.gallery.statements import Section, Statement
@@ -61,7 +61,7 @@ class Ran(RunDirectory):
         return Survey(self.problem, self.blocks, "maximum")
 
     @property
-    def waves(self) -> Waves:
+    def waves(self) -> leading_waves.Waves:
         """Leading pulse at every bead."""
         return self.survey.passages
 

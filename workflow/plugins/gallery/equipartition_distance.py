@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures import style
 from analysis.sharing.survey import Survey
-from analysis.tracking.leading_waves import Waves
+from analysis.tracking import leading_waves
 from lammps_inputs import Problem, library
 from workflow.engines.reference import engine
 
@@ -88,7 +88,7 @@ def _in_chains_of(beads: int, chains: int, kappa: float) -> Distance:
     )
 
 
-def _waves(problem: Problem, window: int) -> Waves:
+def _waves(problem: Problem, window: int) -> leading_waves.Waves:
     """Leading waves without those of the last rows, which the free end disturbs."""
     window = min(window, problem.beads + 30)
     until = problem.beads - 5
@@ -96,7 +96,7 @@ def _waves(problem: Problem, window: int) -> Waves:
     return waves.where(waves.bead <= until - 5)
 
 
-def _difference(narrow: Waves, wide: Waves) -> float:
+def _difference(narrow: leading_waves.Waves, wide: leading_waves.Waves) -> float:
     if len(narrow) != len(wide) or not np.array_equal(narrow.bead, wide.bead):
         return math.inf
     return float(np.max(np.abs(narrow.peak_velocity - wide.peak_velocity), initial=0.0))

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures import style
 from analysis.trajectory import Floats
-from lammps_inputs.units import Label
+from lammps_inputs import units
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ def draw(
     exponents: Floats,
     errors: Floats,
     bounds: Floats,
-    labels: tuple[Label, Label],
+    labels: tuple[units.Label, units.Label],
     title: str,
 ) -> Figure:
     """Estimates of the largest exponent over time, with the result; beside them all exponents where there are several.

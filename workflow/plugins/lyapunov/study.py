@@ -25,9 +25,8 @@ import numpy as np
 
 from analysis.quantity import declare, plain, result
 from analysis.trajectory import Floats
-from lammps_inputs import InputError, Problem, library
+from lammps_inputs import InputError, Problem, library, units
 from lammps_inputs.scene import DEFAULT_ACCURACY
-from lammps_inputs.units import Label
 from workflow.engines.reference import tangent
 from workflow.formats import figure_files
 from workflow.plugins.lyapunov import growth
@@ -336,7 +335,7 @@ def _figure(spectrum: LyapunovResult) -> "Figure":
         scale.measured(np.array([math.nan if number is None else number for number in part]), "rate")
         for part in zip(*results, strict=True)
     )
-    unit = Label("exponent", r"\lambda", scale.symbol("rate")), Label("time", "t", scale.symbol("time"))
+    unit = units.Label("exponent", r"\lambda", scale.symbol("rate")), units.Label("time", "t", scale.symbol("time"))
     return figure.draw(lines, values, errors, bounds, unit, style.title(spectrum.problem))
 
 

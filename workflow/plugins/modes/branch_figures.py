@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures import style
 from analysis.trajectory import Flags, Floats
-from lammps_inputs.units import Label
+from lammps_inputs import units
 
 MOST_CHAINS = 4
 """Chains that a figure shows at most."""
@@ -49,7 +49,9 @@ class BranchCurve:
 
 
 @style.styled
-def frequency_figure(branches: Sequence[BranchCurve], bands: Floats, labels: tuple[Label, Label], title: str) -> Figure:
+def frequency_figure(
+    branches: Sequence[BranchCurve], bands: Floats, labels: tuple[units.Label, units.Label], title: str
+) -> Figure:
     """Frequency of the states over their energy, a panel for each branch.
 
     Args:
@@ -92,7 +94,7 @@ def _draw_by_stability(axis: Axes, x: Floats, y: Floats, stable_states: Flags) -
 
 @style.styled
 def response_figure(
-    curve: Floats, stable: Flags, marked: Mapping[str, Floats], labels: tuple[Label, Label], title: str
+    curve: Floats, stable: Flags, marked: Mapping[str, Floats], labels: tuple[units.Label, units.Label], title: str
 ) -> Figure:
     """Amplitude of periodic responses over the frequency of the drive, with folds and LAMMPS's sweep.
 
@@ -172,7 +174,7 @@ def multiplier_figure(branches: Sequence[BranchCurve], title: str) -> Figure:
 
 
 @style.styled
-def motion_figure(branches: Sequence[BranchCurve], labels: tuple[Label, Label], title: str) -> Figure:
+def motion_figure(branches: Sequence[BranchCurve], labels: tuple[units.Label, units.Label], title: str) -> Figure:
     """Displacements over one period of the last state of each branch, in space and time, a column for each chain.
 
     Args:

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from analysis.loaded_pulse import bands
-from lammps_inputs.units import Label
+from analysis import loaded_pulse
+from lammps_inputs import units
 from workflow.plugins.modes.tables import BranchOfMode, ModesResult
 
 if TYPE_CHECKING:
@@ -29,11 +29,14 @@ def figures(result: ModesResult) -> "dict[str, Figure]":
         return {}
     scale, name = result.problem.scale, style.title(result.problem)
     energy, frequency = (
-        Label("energy", "E", scale.symbol("energy")),
-        Label("angular frequency", "\\omega", scale.symbol("frequency")),
+        units.Label("energy", "E", scale.symbol("energy")),
+        units.Label("angular frequency", "\\omega", scale.symbol("frequency")),
     )
-    displacement, time = Label("displacement", "x", scale.symbol("length")), Label("time", "t", scale.symbol("time"))
-    edges = bands(result.problem.system)
+    displacement, time = (
+        units.Label("displacement", "x", scale.symbol("length")),
+        units.Label("time", "t", scale.symbol("time")),
+    )
+    edges = loaded_pulse.bands(result.problem.system)
     measured = scale.measured(np.zeros(0) if edges is None else np.unique(edges), "frequency")
     return {
         FIGURES[0]: branch_figures.frequency_figure(curves, measured, (energy, frequency), name),

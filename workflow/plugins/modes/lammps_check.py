@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from analysis.files import recording
-from analysis.trajectory import Floats, joined
+from analysis.trajectory import Floats
 from lammps_inputs import Problem, file_names, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.limits.rates import stability_bound
@@ -134,7 +134,7 @@ def run(problem: Problem, displacement: Floats, velocity: Floats) -> tuple[Float
         for file, content in deck_files(problem, displacement, velocity).items():
             (directory / file).write_text(content, encoding="utf-8", newline="\n")
         engine.run(directory, problem=problem)
-        return joined(recording.blocks([directory / file_names.DUMP], problem)).atoms
+        return recording.read([directory / file_names.DUMP], problem).atoms
 
 
 def _coordinates(solver: Shooting, displacement: Floats, velocity: Floats) -> Floats:

@@ -21,7 +21,6 @@ from analysis import motion
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, physics
 from workflow.engines.reference import engine, tangent
-from workflow.engines.reference.energy_exchange import velocity_of_state
 from workflow.engines.reference.schemes import BLANES_MOAN
 from workflow.plugins.modes.branches import DOUBLINGS, Bifurcation, Point, changes_of_stability
 from workflow.plugins.modes.continuation import (
@@ -128,7 +127,7 @@ class DrivenShooting(Continuable):
         """The response near the linear one of a period; None without convergence."""
         problem = at_period(self.problem, period)
         x, v = linear_response(problem)
-        y = self.coordinates(x, velocity_of_state(problem.system, x, v))
+        y = self.coordinates(x, engine.velocity_of_state(problem.system, x, v))
         return self.corrected(y, period, self.of_period(period, float(np.linalg.norm(y))))
 
     def between_neighbours(self, first: PeriodicState, second: PeriodicState, period: float) -> PeriodicState | None:

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from analysis.trajectory import Floats
-from lammps_inputs import InputError, Problem, Scene
+from lammps_inputs import InputError, Problem, Scene, units
 from lammps_inputs.decks import deck
-from lammps_inputs.units import Label
 from workflow.engines.reference import tangent
 from workflow.formats import figure_files
 from workflow.plugins.modes import driven
@@ -163,8 +162,8 @@ def _figure(curve: ResponseResult) -> "Figure":
         for name in ("up", "down")
     }
     labels = (
-        Label("drive frequency", "f", scale.symbol("cycles")),
-        Label(f"largest speed of bead {curve.place[1]} of chain {curve.place[0]}", "", scale.symbol("velocity")),
+        units.Label("drive frequency", "f", scale.symbol("cycles")),
+        units.Label(f"largest speed of bead {curve.place[1]} of chain {curve.place[0]}", "", scale.symbol("velocity")),
     )
     stable = np.array([line.stable == "yes" for line in lines])
     return branch_figures.response_figure(points(lines), stable, marked, labels, style.title(curve.problem))

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape import exact_wave
 from analysis.trajectory import Floats
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_most, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, line
@@ -173,7 +173,7 @@ def _effective(radius: float, velocity: float) -> float:
     A small bead between two large ones is light: its two contacts feel the same force and share the overlap.
     """
     contact, mass = (2.0 * radius / (1.0 + radius)) ** 0.5 / math.sqrt(8.0), 1.0 + radius**3
-    return float((contact / mass) ** 0.4 * solitary_wave().speed_at(velocity))
+    return float((contact / mass) ** 0.4 * exact_wave.solitary_wave().speed_at(velocity))
 
 
 def _decorated(results: Results) -> Statements:

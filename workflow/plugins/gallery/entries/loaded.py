@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.loaded_pulse import LoadedPulse, LoadedWave
+from analysis import loaded_pulse
 from analysis.shape.long_waves import speed_over_sound
 from analysis.trajectory import watch
 from workflow.plugins.gallery.criteria import MeasuredQuantity, near, state
@@ -25,8 +25,8 @@ def _weakly_kicked(beads: int, duration: float, **keys: object) -> dict[str, obj
 LOADS = {f"load-{load:g}": load for load in (0.1, 0.01, 0.003)}
 
 
-def _wave(run: Ran) -> LoadedWave:
-    wave = watch(LoadedPulse(run.problem), run.blocks()).result()
+def _wave(run: Ran) -> loaded_pulse.LoadedWave:
+    wave = watch(loaded_pulse.LoadedPulse(run.problem), run.blocks()).result()
     assert wave is not None
     return wave
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.contacts import YieldMeter
+from analysis import contacts
 from analysis.trajectory import Floats, watch
 from lammps_inputs.laws.plastic import restitution_of
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
@@ -53,7 +53,7 @@ def _worst(*runs: Ran) -> float:
 
 def _force_exponent(first: int, last: int, run: Ran) -> float:
     """Exponent of the largest force as a power of the number of the contact, from a contact to another."""
-    yields = watch(YieldMeter(), run.blocks()).result()
+    yields = watch(contacts.YieldMeter(), run.blocks()).result()
     assert yields is not None
     return exponent(yields[1].force[first - 1 : last - 1], np.arange(float(first), last))
 
