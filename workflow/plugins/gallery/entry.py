@@ -17,12 +17,12 @@ from analysis import dispersion
 from analysis.figures import style
 from analysis.gauges import forces
 from analysis.sharing import energies
-from analysis.sharing.cells import left
 from analysis.sharing.survey import Survey
 from analysis.tracking import leading_waves
 from analysis.trajectory import Floats, Trajectory, watch
 from lammps_inputs import library
 from workflow.plugins.gallery.statements import Section, Statement
+from workflow.quantities.evaluate import of_frames
 from workflow.runs.engines import engine_called
 from workflow.runs.run_directory import RunDirectory
 from workflow.study_kit import page
@@ -90,10 +90,11 @@ class Ran(RunDirectory):
         """Readings of gauges at walls and in contacts (contact n is between bead n and the next)."""
         return forces.read(self.blocks(), self.problem, contacts=contacts, wall=wall)
 
-    def residual(self, period: int) -> float:
-        """Share of the energy of chain 1's pulse that stays in a cell of ``period`` beads; NaN where it passed none."""
-        residual = left(self.survey, 1, period)
-        return float("nan") if residual is None else residual.per_cell
+    @cached_property
+    def residual(self) -> float:
+        """Share of the energy of the kicked chain's pulse that stays in a cell; NaN where it passed none."""
+        residual = of_frames(self.problem, self.blocks, self.scene, ("residual_energy",))["residual_energy"]
+        return float("nan") if residual is None else residual
 
     @cached_property
     def flow(self) -> energies.Flow:

@@ -25,7 +25,7 @@ def _dimer(ratio: float, beads: int) -> dict[str, object]:
 
 def _residuals(results: Results, ratio: float, factors: Iterable[float]) -> list[float]:
     """Share of the energy that stays in a cell, by the reference, at a mass ratio times factors, [factor]."""
-    return [results[f"ratio-{ratio * factor:.4f}"]["reference"].residual(2) for factor in factors]
+    return [results[f"ratio-{ratio * factor:.4f}"]["reference"].residual for factor in factors]
 
 
 def _least(results: Results, ratio: float) -> float:
@@ -41,7 +41,7 @@ def _anti_resonances(results: Results) -> Statements:
     for ratio in ANTI_RESONANCES:
         least, left = (
             {"reference": _least(results, ratio)},
-            each(lambda run: run.residual(2), results[f"ratio-{ratio:.4f}"]),
+            each(lambda run: run.residual, results[f"ratio-{ratio:.4f}"]),
         )
         yield state(
             MeasuredQuantity("mass ratio of the smallest residual energy", least, near(ratio, 1e-4, 2e-3)),

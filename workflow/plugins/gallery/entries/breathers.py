@@ -11,7 +11,8 @@ from analysis import loaded_pulse, motion
 from analysis.trajectory import Floats
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statements, chain, line, panel
-from workflow.plugins.gallery.periodic_family import COMPUTED, PeriodicFamily, follow, stays
+from workflow.plugins.gallery.periodic_family import COMPUTED, stays
+from workflow.plugins.modes.family import PeriodicFamily, follow
 from workflow.study_kit import page
 
 LOAD = {"force": 1.0}

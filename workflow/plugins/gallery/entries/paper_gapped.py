@@ -29,7 +29,7 @@ from workflow.plugins.gallery.engines_figure import (
 )
 from workflow.plugins.gallery.entry import Entry, Results, Statements
 from workflow.plugins.rigid import engine as collisions
-from workflow.plugins.rigid.events import Collisions, from_events
+from workflow.plugins.rigid import events
 from workflow.study_kit import page
 
 AGREE = 0.01
@@ -80,7 +80,7 @@ def rigid_impulses(problem: Problem) -> impulses.Impulses:
 
 
 def _impulses(problem: Problem, run: collisions.CollisionRun) -> impulses.Impulses:
-    return from_events(problem, Collisions(run.time, run.chain, run.row, run.striker, run.target))
+    return events.from_events(problem, events.Collisions(run.time, run.chain, run.row, run.striker, run.target))
 
 
 def hertz_impulses(problem: Problem) -> impulses.Impulses:

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from analysis.trajectory import Floats
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.entry import Entry, Ran, Results, Statements, chain, each, line
-from workflow.plugins.gallery.periodic_family import COMPUTED, PeriodicFamily, follow
+from workflow.plugins.gallery.periodic_family import COMPUTED
+from workflow.plugins.modes.family import PeriodicFamily, follow
 
 LOAD = {"force": 1.0}
 STIFFNESS = 1.5
