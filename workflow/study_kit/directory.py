@@ -73,10 +73,15 @@ class Study:
     resume: str = "the same command resumes"
 
     @property
+    def figure_files(self) -> tuple[str, ...]:
+        """Names of the files of its figures, in the formats that were chosen."""
+        return figure_files(*self.figures)
+
+    @property
     def files(self) -> tuple[str, ...]:
         """Names of all files and folders that the study makes in the directory."""
         cache = (self.cache,) if self.cache else ()
-        return (*self.tables, *figure_files(*self.figures), *cache, *self.others)
+        return (*self.tables, *self.figure_files, *cache, *self.others)
 
     @contextlib.contextmanager
     def opened(self, directory: Path | None) -> Iterator[StoredResults]:

@@ -26,6 +26,9 @@ from workflow.processor_time import check
 STEPS_PER_BOUND = 15.0
 """Steps of the default scheme in the stability bound of velocity Verlet; 0.05 for the paper's scenes."""
 
+FORCES_PER_STEP = BLANES_MOAN.forces_per_step
+"""Evaluations of all forces in a step of the default scheme."""
+
 _FORCES_A_CALL = 1e7
 """Forces on beads in one call of the compiled step, some 0.03 s, after which a limit on processor time is checked."""
 

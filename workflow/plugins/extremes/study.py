@@ -23,7 +23,6 @@ from analysis.quantity import declare, result
 from lammps_inputs import InputError, Problem, Scene, library, physics
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.reference import engine
-from workflow.engines.reference.schemes import BLANES_MOAN
 from workflow.engines.reference.step_halving import StepHalving
 from workflow.errors import RunError
 from workflow.plugins.extremes.cells import PARTS, ReportRun, grid, refuse_unknown, scaled
@@ -77,7 +76,7 @@ def _seconds(problem: Problem, steps_per_frame: int) -> float:
     kicked = [bead for _, bead, _ in physics.excitations(problem.system)]
     rows = min(problem.beads, max(kicked) - min(kicked) + 1 + 0.5 * problem.duration)
     steps = 1.5 * problem.frames * steps_per_frame
-    return steps * BLANES_MOAN.forces_per_step * (rows * problem.chains * _BEAD_STAGE + _STAGE)
+    return steps * engine.FORCES_PER_STEP * (rows * problem.chains * _BEAD_STAGE + _STAGE)
 
 
 # --- measure ----------------------------------------------------------------------------------------------------------

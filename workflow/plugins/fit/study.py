@@ -27,7 +27,6 @@ from workflow import formats
 from workflow.arguments import AnyScene, load, source_of
 from workflow.checked import checked
 from workflow.cost_model import add_job_arguments, job_options
-from workflow.formats import figure_files
 from workflow.plugins.fit.estimate import FitResult, estimate
 from workflow.plugins.fit.model import NO_SCENE, Model, aligned, squares
 from workflow.plugins.fit.result import Fit, InLammps, judged
@@ -275,5 +274,5 @@ def _print(result: Fit, arguments: argparse.Namespace) -> None:
         velocity = lammps.error_velocity
         error = "" if velocity is None else f", with an error of velocities of {velocity:.1e} V"
         print(f"traces of LAMMPS differ from the fitted ones by at most {lammps.difference:.2g} sigma{error}")
-    files = (FITTED, REPORT, *figure_files(FIGURE))
+    files = (FITTED, REPORT, *STUDY.figure_files)
     print_files(arguments.output, files)

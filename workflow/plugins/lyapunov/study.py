@@ -28,7 +28,6 @@ from analysis.trajectory import Floats
 from lammps_inputs import InputError, Problem, library, units
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.reference import tangent
-from workflow.formats import figure_files
 from workflow.plugins.lyapunov import growth
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
@@ -396,6 +395,6 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         STUDY.print_records("exponents", Exponent, spectrum.exponents, problem.scale)
     for line in spectrum.sentences():
         print(line)
-    print_files(arguments.output, (TABLE, RUNS, CONVERGENCE, *figure_files(FIGURE)))
+    print_files(arguments.output, (TABLE, RUNS, CONVERGENCE, *STUDY.figure_files))
     largest = spectrum.exponents[0]
     return CommandResult(1 if largest.exponent is None and largest.bound is None else 0, spectrum.plain())

@@ -21,7 +21,6 @@ from analysis import motion
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, physics
 from workflow.engines.reference import engine, tangent
-from workflow.engines.reference.schemes import BLANES_MOAN
 from workflow.plugins.modes.branches import DOUBLINGS, Bifurcation, Point, changes_of_stability
 from workflow.plugins.modes.continuation import (
     LONGEST,
@@ -147,7 +146,7 @@ class DrivenShooting(Continuable):
         flow, system = self.flow(state.y, state.period, 0), self.problem.system
         frames = flow.state.frame_arrays(SAMPLES, physics.lines(system), system.beads)
         recorded = np.arange(1, system.beads + 1)
-        flow.state.advance(BLANES_MOAN, state.period / self.steps, 0, self.steps // SAMPLES, recorded, frames)
+        flow.state.advance(flow.scheme, state.period / self.steps, 0, self.steps // SAMPLES, recorded, frames)
         return np.roll(frames.x, 1, axis=0), np.roll(frames.v, 1, axis=0)
 
 

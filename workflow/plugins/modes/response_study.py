@@ -16,7 +16,6 @@ from analysis.trajectory import Floats
 from lammps_inputs import InputError, Problem, Scene, units
 from lammps_inputs.decks import deck
 from workflow.engines.reference import tangent
-from workflow.formats import figure_files
 from workflow.plugins.modes import driven
 from workflow.plugins.modes.linear import MOST_FREE
 from workflow.plugins.modes.response_tables import ResponseBifurcation, ResponseLine, ResponseResult, SweepLine
@@ -240,6 +239,6 @@ def execute(arguments: argparse.Namespace, scene: Scene, request: ResponseReques
         print(sentence)
     if request.steps and (why := deck.refusal(curve.problem.system)):
         print(f"LAMMPS is not started: {why}")
-    figures = figure_files(FIGURE) if curve.data["states"] else ()
+    figures = STUDY.figure_files if curve.data["states"] else ()
     print_files(arguments.output, (*TABLES, *figures))
     return CommandResult(0 if curve.data["states"] else 1, curve.plain())

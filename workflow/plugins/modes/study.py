@@ -36,7 +36,6 @@ import numpy as np
 from lammps_inputs import InputError, Problem, library, physics
 from lammps_inputs.decks import deck
 from workflow.engines.reference import tangent
-from workflow.formats import figure_files
 from workflow.plugins.modes import lammps_check, response_study
 from workflow.plugins.modes.drawing import FIGURES, figures
 from workflow.plugins.modes.linear import (
@@ -368,7 +367,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     except KeyboardInterrupt:
         return options.interrupted()
     _print(computed, request)
-    figures = figure_files(*FIGURES) if any(branch.states for branch in computed.branches) else ()
+    figures = STUDY.figure_files if any(branch.states for branch in computed.branches) else ()
     names = [name for name in (*STUDY.tables, ARRAYS, DECKS) if (arguments.output / name).exists()]
     print_files(arguments.output, (*names, *figures))
     return CommandResult(0 if all(branch.states for branch in computed.branches) else 1, computed.plain())

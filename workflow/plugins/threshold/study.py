@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 from lammps_inputs import InputError, library
 from lammps_inputs.units import REDUCED
 from workflow.checked import Between
-from workflow.formats import figure_files
 from workflow.plugins.threshold.crossings import Crossing, SearchedField, crossings, wanted
 from workflow.quantities.columns import UNCERTAINTIES, refuse_unknown
 from workflow.quantities.evaluate import case
@@ -378,7 +377,7 @@ def _print(result: ThresholdResult, output: Path) -> None:
         if not thresholds:
             print(one_line(result.missing(over)))
     print(f"{len(result.points)} scenes were computed; the error of the reference is not in the uncertainty")
-    print_files(output, (TABLE, POINTS, *figure_files(FIGURE)))
+    print_files(output, (TABLE, POINTS, *STUDY.figure_files))
 
 
 def _row(threshold: Threshold) -> list[str]:

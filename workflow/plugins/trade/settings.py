@@ -25,7 +25,6 @@ from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.lammps import engine as lammps
 from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine as reference
-from workflow.engines.reference.schemes import BLANES_MOAN
 from workflow.engines.reference.step_halving import StepHalving
 from workflow.engines.reference.uncertainty import Uncertainty
 
@@ -68,7 +67,7 @@ class Setting:
     @property
     def forces(self) -> int:
         """Number of evaluations of all forces."""
-        return self.problem.steps * (BLANES_MOAN.forces_per_step if self.method == REFERENCE else 1)
+        return self.problem.steps * (reference.FORCES_PER_STEP if self.method == REFERENCE else 1)
 
     @property
     def effort(self) -> float:

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
-from analysis.figures.waves import response_figure
+from analysis.figures.spacetime import SpaceTime, spacetime_figure
+from analysis.figures.waves import response_of
 from analysis.trajectory import watch
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import Entry, Ran, Results, Statements, each
@@ -148,8 +148,8 @@ def pictures(runs: Results) -> list[page.PageFigure]:
             page.drawn(f"fig{space}", spacetime_figure(watch(SpaceTime(run.problem), run.blocks())), caption)
         )
         caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
-        history = watch(BeadHistory(run.problem, (bead,)), run.blocks())
-        figures.append(page.drawn(f"fig{time}", response_figure(history, run.waves), caption))
+        response = response_of(run.problem, run.blocks(), (bead,), run.waves)
+        figures.append(page.drawn(f"fig{time}", response, caption))
     cases = [equipartition_distance(chains, kappa) for chains in MAP_CHAINS for kappa in MAP_COUPLINGS]
     caption = "Distance to equipartition and final amplitude over coupling and number of chains (reference integrator)."
     figures.append(page.drawn("map", distance_map(cases), caption))
