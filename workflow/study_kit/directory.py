@@ -14,8 +14,8 @@
 - **Evaluate**: `evaluating` computes them in one pool of processes, with the directory's cache and a bar of progress. A
   search evaluates as often as it plans, in one open directory.
 - **Report**: a table is a list of records whose class declares its columns once (`analysis.quantity.result`): meaning,
-  unit, and how they are printed. `write` writes it as CSV, and `print_records` prints it. `write` also writes figures;
-  `workflow.study_kit.page` makes a page of statements.
+  unit, and how they are printed. `write` writes it as CSV, and `print_records` prints it. `write` also writes figures,
+  and other files; `workflow.study_kit.page` makes pages.
 
 `opened` creates or resumes the directory, refuses files of others, keeps other commands out of it, and records for
 ``granchain status`` whether the study came to its end. A command adds arguments and prints.
