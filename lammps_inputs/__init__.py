@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from lammps_inputs.errors import InputError
-    from lammps_inputs.ingredients.coupling import Coupling
     from lammps_inputs.ingredients.material import Material
     from lammps_inputs.library import find, load
     from lammps_inputs.output import Output
@@ -16,10 +15,9 @@ if TYPE_CHECKING:
     from lammps_inputs.scene import Kick, Scene
     from lammps_inputs.system import System
 
-__all__ = ["Coupling", "InputError", "Kick", "Material", "Output", "Problem", "Scene", "System", "find", "load"]
+__all__ = ["InputError", "Kick", "Material", "Output", "Problem", "Scene", "System", "find", "load"]
 
 _PLACES = {
-    "Coupling": "ingredients.coupling",
     "InputError": "errors",
     "find": "library",
     "load": "library",

@@ -294,7 +294,12 @@ class Wall(Ground):
     """Links of the last bead of each chain, or the first, with a wall at rest, by a law of contacts or of dashpots.
 
     It pushes, or pulls where contacts do, and lets no bead oscillate. Its law has the strength 0 for all other beads.
+
+    Attributes:
+        curved: whether its surface is as curved as the bead that meets it, as that of another bead; else it is flat.
     """
+
+    curved: bool = False
 
     def mirrored(self) -> Self:
         """The wall at the other end."""

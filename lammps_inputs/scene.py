@@ -13,11 +13,12 @@ from pydantic import BaseModel, BeforeValidator, Field, ValidationError, create_
 
 from lammps_inputs import html, laws, physics, strict_yaml
 from lammps_inputs import scheme as schemes
+from lammps_inputs.chains import contacts
 from lammps_inputs.complaints import describe
 from lammps_inputs.deck_atoms import DeckAtoms
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import contacts, plastic
+from lammps_inputs.ingredients import plastic
 from lammps_inputs.ingredients.base import Count, FurtherAtoms, Ingredient, Positive, ScenePart, refuse_outside
 from lammps_inputs.ingredients.material import Material
 from lammps_inputs.ingredients.registry import INGREDIENTS, OWN_INGREDIENTS, SEVERAL

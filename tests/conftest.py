@@ -29,7 +29,7 @@ from processes import HANGS
 
 from workflow.cli import main
 from workflow.engines.lammps import engine
-from workflow.runs.files import write_figure
+from workflow.runs.figures import write_figure
 
 # a busy machine is no failure
 settings.register_profile(

@@ -15,7 +15,7 @@ from wrong_runs import deck_run, substituted, without_uncertainties
 
 from analysis.conservation import Conservation
 from analysis.trajectory import mirrored_problem
-from lammps_inputs import InputError, laws, physics
+from lammps_inputs import laws, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from workflow.engines.reference import engine
@@ -341,9 +341,3 @@ def test_validate_names_what_in_a_deck_is_not_the_scene_s(name, pattern, new, ca
     case = scene(name, duration=20.0, output={"every": 0.1})
     found = validate(deck_run(case, tmp_path / "run", substituted(pattern, new)))
     assert cause in without_uncertainties(found.causes)
-
-
-@pytest.mark.parametrize("name", ["foundation", "walls", "dimer", "ring", "damping viscoelastic, cut"])
-def test_rigid_beads_refuse_what_they_cannot_have(name, tmp_path):
-    with pytest.raises(InputError, match="collisions"):
-        run(scene(name, gap=1.0), tmp_path / "run", engine="collisions")

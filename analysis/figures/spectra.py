@@ -1,27 +1,17 @@
-"""Spectra: of the velocities of beads, and power over wavenumber and frequency with the exact branches of the chain."""
-
-import math
-from typing import Any
+"""Spectra of the velocities of beads."""
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from analysis.dispersion import Branches, Map
 from analysis.figures.style import (
-    AxisUnit,
     axis_unit,
     draw_chains,
     finish,
-    head,
-    legend_below,
     new_figure,
     shown_chains,
     styled,
-    title,
 )
 from analysis.gauges.spectra import SpectrumTable, VelocitySpectra
-from analysis.trajectory import Floats
 from lammps_inputs import Problem
 
 MOST_BEADS = 8
@@ -51,81 +41,4 @@ def spectra_figure(problem: Problem, spectra: VelocitySpectra) -> Figure:
     figure.supylabel(velocity.label(SpectrumTable, "amplitude", "amplitude of the velocity"), fontsize="medium")
     axes[-1].set_xlabel(frequency.label(SpectrumTable, "frequency"))
     finish(figure, problem, axes)
-    return figure
-
-
-DECADES = 8.0
-"""Of power that are shown."""
-
-HIGHEST = 1.25
-"""Largest frequency shown, over the highest of the exact branches."""
-
-
-def highest_frequency(spectrum: Map) -> float:
-    """Angular frequency up to which a map is shown, in 1 / T."""
-    return min(HIGHEST * float(spectrum.cell.bands().max()), float(spectrum.frequency[-1]))
-
-
-def shown_power(spectrum: Map) -> tuple[Floats, tuple[float, float], tuple[float, float]]:
-    """Power of a map as it is shown, and the ends of its axes.
-
-    Returns:
-        Decadic logarithm of the power over the largest, [frequency, wavenumber], at least minus `DECADES`; ends in
-        wavenumber, in radians a bead; ends in angular frequency, in 1 / T.
-    """
-    shown = spectrum.frequency <= HIGHEST * spectrum.cell.bands().max()
-    step = float(spectrum.wavenumber[1] - spectrum.wavenumber[0])
-    power, last = spectrum.power[shown], float(spectrum.wavenumber[-1])
-    if last + 0.75 * step < math.pi:  # -pi, at the left edge, is pi, too
-        power, last = np.concatenate([power, power[:, :1]], axis=1), last + step
-    across = (float(spectrum.wavenumber[0]) - 0.5 * step, last + 0.5 * step)
-    up = (-0.5 * spectrum.bin, float(spectrum.frequency[shown][-1]) + 0.5 * spectrum.bin)
-    return np.log10(np.maximum(power, 10.0**-DECADES)), across, up
-
-
-@styled
-def dispersion_figure(problem: Problem, spectrum: Map) -> Figure:
-    """The map of the chain with the largest excitation; exact branches as lines, borders of the bands dotted."""
-    edges = spectrum.cell.bands()
-    unit = axis_unit(problem, "frequency", float(edges.max()))
-    worth = unit.worth
-    bands = edges * worth
-    power, (left, right), (bottom, top) = shown_power(spectrum)
-    figure = new_figure(4.8, 6.4)
-    axis = figure.subplots()
-    image = axis.imshow(
-        power,
-        origin="lower",
-        aspect="auto",
-        interpolation="nearest",
-        extent=(left, right, bottom * worth, top * worth),
-        cmap="magma",
-        vmin=-DECADES,
-        vmax=0.0,
-        rasterized=True,
-    )
-    q = np.linspace(-math.pi, math.pi, 401)
-    dashes: Any = {"linestyle": "--", "linewidth": 0.9}
-    dots: Any = {"linestyle": ":", "linewidth": 1.0}
-    for look in ({"color": "black", "linewidth": 2.4}, {"color": "white", **dashes}):  # seen on all colours of the map
-        axis.plot(q, spectrum.cell.branches(q) * worth, **look)
-    for edge in np.unique(bands.round(12)):
-        axis.axhline(edge, color="0.7", **dots)
-    axis.set_xlim(-math.pi, math.pi)
-    axis.set_ylim(0.0, highest_frequency(spectrum) * worth)
-    axis.set_xticks(
-        [-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi], [r"$-\pi$", r"$-\pi/2$", "0", r"$\pi/2$", r"$\pi$"]
-    )
-    axis.set_xlabel(AxisUnit(1.0, "rad/bead").label(Branches, "wavenumber"))
-    axis.set_ylabel(unit.label(Branches, "frequency", "angular frequency"))
-    bar = figure.colorbar(image, ax=axis)
-    bar.set_label(r"$\log_{10}$ (power / maximum)")
-    chain = f"; chain {spectrum.chain}" if problem.chains > 1 else ""
-    head(figure, f"{title(problem)}{chain}")
-    # white on the map
-    legend_below(
-        figure,
-        [Line2D([], [], color="black", **dashes), Line2D([], [], color="0.4", **dots)],
-        ["exact branches", "edges of bands"],
-    )
     return figure

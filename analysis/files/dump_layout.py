@@ -21,8 +21,10 @@ import struct
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from lammps_inputs import Problem
+if TYPE_CHECKING:  # takes a while to import
+    from lammps_inputs import Problem
 
 MAGIC = struct.pack("<q10s", -10, b"DUMPCUSTOM")
 STEP_AT = len(MAGIC) + 8
@@ -50,7 +52,7 @@ class DumpLayout:
         return self.header + 4 * self.chunks + 8 * self.atoms * len(self.columns)
 
 
-def sizes(problem: Problem) -> tuple[float, float]:
+def sizes(problem: "Problem") -> tuple[float, float]:
     """Size of a frame, and of all frames and snapshots of a run, in bytes."""
     columns = 3 if problem.window is None else 4
     frame = HEADER + 8.0 * columns * problem.chains * problem.rows_a_frame

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.loaded_pulse import bands
 from analysis.quantity import declare, result
+from analysis.shape.unit_cell import bands
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.laws.in_time import Sine

@@ -23,7 +23,6 @@ from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.laws.formula_law import AlongChains, Force, FormulaKind
-from lammps_inputs.links import Along
 from lammps_inputs.numbers import random_shares
 from lammps_inputs.system import System
 from lammps_inputs.units import PURE, Label, Unit
@@ -371,14 +370,3 @@ class Contact(by_formula.ByFormula):
             return frozenset({Fact.SONIC_VACUUM, Fact.FRONT, Fact.PULSE})
         taken = {Fact.REVERSIBLE} if exponent < HERTZ else set()
         return frozenset(taken | {Fact.PULSE} if exponent < LEAST_OF_PULSES else taken)
-
-
-def contacts(gap: float, strength: Parameter = 1.0, law: Law | None = None) -> tuple[Along, ...]:
-    """Contacts, which begin to touch a clear distance ``gap`` (in units of L) from rest.
-
-    Args:
-        gap: gap of all contacts.
-        strength: strength over that of two reference beads, a number or [chain, contact].
-        law: law of the contacts; Hertz's of this strength by default.
-    """
-    return (Along("contacts", law or Hertz(strength), gap=gap),)

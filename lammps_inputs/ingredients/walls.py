@@ -106,7 +106,8 @@ class Walls(Ingredient):
                 strength = np.zeros((scene.chains, scene.beads))
                 strength[:, last] = _strength(kind, scene, last)
                 law = _yielding(kind, strength, scene, last) or _law(key, strength, scene)
-                walls.append(Wall(f"{key}_wall", law, side, scene.gap / scene.scale.length))
+                gap = scene.gap / scene.scale.length
+                walls.append(Wall(f"{key}_wall", law, side, gap, curved=kind == "bead"))
         return tuple(walls)
 
 

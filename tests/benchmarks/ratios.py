@@ -37,8 +37,8 @@ from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import PeakFinder, find_peaks
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, Scene, System, file_names, library, physics, strict_yaml
+from lammps_inputs.chains import coupled_chains
 from lammps_inputs.decks import deck
-from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.numbers import text
 from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines.lammps import engine as lammps_engine

@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from strategies import scenes
 
-from lammps_inputs import Coupling, InputError, Kick, Output, Scene, library, physics, strict_yaml
+from lammps_inputs import InputError, Kick, Output, Scene, library, physics, strict_yaml
 from lammps_inputs.ingredients.base import ScenePart
+from lammps_inputs.ingredients.coupling import Coupling
 from lammps_inputs.units import Unit
 
 ALLOWED = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", re.ASCII)

@@ -3,7 +3,8 @@
 import random
 from typing import Any
 
-from lammps_inputs import Coupling, Kick, Material, Output, Scene
+from lammps_inputs import Kick, Material, Output, Scene
+from lammps_inputs.ingredients.coupling import Coupling
 from lammps_inputs.laws import expression
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, System
-from lammps_inputs.ingredients import coupled_chains
+from lammps_inputs.chains import coupled_chains
 from lammps_inputs.units import Scale
 
 Floats = NDArray[np.float64]

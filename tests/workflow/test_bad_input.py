@@ -52,8 +52,7 @@ COMMAND_LINES = [
     (f"{RUN} --ranks 0", "--ranks: 0 given; at least 1"),
     (f"{RUN} --ranks -1", "--ranks: -1 given; at least 1"),
     (f"{RUN} --ranks {mpi.cores() + 1}", "cores are available"),
-    (f"{RUN} --engine collisions", "--engine: `collisions` moves rigid beads, which need a gap"),
-    ("run two-chains-gapped -o out --engine collisions --ranks 2", "--ranks"),
+    ("run two-chains-gapped -o out --engine reference --ranks 2", "--ranks"),
     *((f"run --resume here {words}", RESUMED) for words in ("two-chains", "-o x", "--engine lammps", "--overwrite")),
     ("run --resume here --force", RESUMED),
     ("analyze run --formats png,tiff", "'png,tiff' given; of png, pdf, svg, with commas between"),
@@ -132,7 +131,6 @@ SWEEPS = [
     (T + "vary: {gap: [.nan]}", "case gap=nan: gap: should be a finite number"),
     (T + "vary: {output.every: [3.0]}", "too far to find waves between them; at most 2"),
     (T + "vary: {timestep: [2.0], output.every: [2.0]}", "timestep: 2 is unstable"),
-    (T + "vary: {beads: [20]}\nengine: collisions", "rigid beads"),
     (T + "vary: !!python/object/apply:os.system [ls]", "tags"),
 ]
 

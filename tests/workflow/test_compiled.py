@@ -132,7 +132,6 @@ def test_any_source_or_its_name_changes_the_place():
 def test_laws_and_kernels_are_among_the_sources():
     names = {name for name, _ in compiled.sources()}
     assert {"lammps_inputs/laws/contact.py", "workflow/engines/reference/kernel.py"} <= names
-    assert "workflow/plugins/rigid/engine.py" in names
 
 
 @pytest.fixture

@@ -89,7 +89,7 @@ def test_every_function_and_what_results_have_is_shown_by_an_example():
     shown |= {f"BaseScene.{name}" for name in ("plain", "problem", "resolved", "scale", "units", "unlikely")}
     shown |= {f"Trajectory.{name}" for name in ("bead", "beads", "frames", "measured")}
     # pandas and xarray need not be installed
-    assert shown - set(EXAMPLES) == {"SweepTable.pandas", "WavesTable.pandas", "CompletedRun.dataset"}
+    assert shown - set(EXAMPLES) == {"SweepTable.pandas", "WavesTable.pandas", "Run.dataset"}
 
 
 def public(kind):

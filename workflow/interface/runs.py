@@ -56,6 +56,19 @@ class Run(running.CompletedRun):
         """
         return analysing.results_of(self.directory, analysing.measure(self.directory, figures=False))
 
+    @property
+    def dataset(self) -> Any:
+        """All frames as an ``xarray.Dataset`` in the scene's units: what ``granchain export --to netcdf`` writes.
+
+        Its dimensions are ``time``, ``chain`` and ``bead``; its attributes are the scene, versions and the error.
+
+        Raises:
+            InputError: xarray is not installed.
+        """
+        from workflow.runs.labelled import dataset  # for those who have xarray
+
+        return dataset(self.directory, self.trajectory)
+
     def view(self) -> Any:
         """Write its page, see `view`; needs Bokeh.
 

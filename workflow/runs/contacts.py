@@ -13,7 +13,6 @@ from analysis.trajectory import watch
 from lammps_inputs import Problem, Scene, System, laws, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import radii, sizes_and_moduli, unlike
-from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.laws.plastic import YIELD_PRESSURE
 from lammps_inputs.limits import solids
 from lammps_inputs.links import Wall
@@ -158,9 +157,7 @@ def _at_wall(scene: Scene, link: Wall, overlap: Any) -> tuple[float, float, floa
     chain = np.arange(scene.system.chains)
     force = laws.whole_force(laws.at(link.law, chain, place), overlap) * scene.scale.force
     radius = scene.material.radius * (radii(scene)[:, place] if unlike(scene) else np.ones(len(chain)))
-    wall = next(ingredient for ingredient in scene.ingredients if isinstance(ingredient, Walls))
-    kind = wall.right if link.side > 0.0 else wall.left
-    relative = 0.5 * radius if kind == "bead" else radius
+    relative = 0.5 * radius if link.curved else radius
     metres = overlap * scene.scale.length
     area = 2.0 * math.pi * relative * metres
     pressure = np.divide(3.0 * force, area, out=np.zeros(len(chain)), where=area > 0.0)

@@ -10,8 +10,8 @@ from workflow.plugins.jobs import job
 from workflow.plugins.jobs.site import JobOptions
 from workflow.prepare.settings import refuse_unanalysable, settle
 from workflow.prepare.step_choice import ChosenStep
-from workflow.runs.files import LAMMPS_FILES, write_text
-from workflow.runs.output_directory import prepared, refuse_to_overwrite, replacing
+from workflow.runs.files import LAMMPS_FILES
+from workflow.runs.output_directory import prepared, refuse_to_overwrite
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,5 @@ def write_deck(
         files |= job.render_job(options, settled.problem(), directory)
     refuse_to_overwrite(source, directory)
     names = (*LAMMPS_FILES, *(file_names.JOB_FILES if options is not None else ()))
-    with prepared(directory, names, overwrite=overwrite), replacing(directory, names):
-        for name, content in files.items():
-            write_text(directory / name, content)
-    return WrittenDeck(settled, step, options, tuple(files))
+    with prepared(directory, files, names, overwrite=overwrite):
+        return WrittenDeck(settled, step, options, tuple(files))

@@ -17,15 +17,10 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lammps_inputs import InputError, file_names
-from workflow.errors import EndedError, RunError
-from workflow.formats import figure_files
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure  # takes a while to import
-
+from workflow.errors import EndedError
 
 RECORD = "run.json"
 
@@ -177,7 +172,7 @@ def discard(path: Path) -> None:
 
 
 @contextmanager
-def complete(path: Path, *, directory: bool = False) -> Iterator[Path]:
+def complete(path: Path, *, directory: bool = False, named: Path | None = None) -> Iterator[Path]:
     """Write a file, or a directory, under another name beside it, which becomes its name at the end of a block.
 
     What killed processes were writing there is removed.
@@ -185,6 +180,7 @@ def complete(path: Path, *, directory: bool = False) -> Iterator[Path]:
     Args:
         path: the file; what was there before is replaced at the end, or is left as it was where something fails.
         directory: whether it is a directory.
+        named: what an error names; by default the file.
 
     Yields:
         Path of an empty file or directory to write to.
@@ -212,7 +208,7 @@ def complete(path: Path, *, directory: bool = False) -> Iterator[Path]:
             os.close(lock)
     except OSError as error:
         reason = error.strerror or error
-        raise EndedError(f"{path}: cannot be written ({reason}); what was there is left as it was") from None
+        raise EndedError(f"{named or path}: cannot be written ({reason}); what was there is left as it was") from None
 
 
 def write_bytes(path: Path, content: bytes) -> None:
@@ -223,24 +219,6 @@ def write_bytes(path: Path, content: bytes) -> None:
     """
     with complete(path) as temporary:
         temporary.write_bytes(content)
-
-
-def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ...]:
-    """Write a figure in the formats of `workflow.formats`; returns the files.
-
-    Raises:
-        RunError: it holds numbers that cannot be drawn.
-    """
-    from analysis.figures.style import picture
-
-    paths = tuple(directory / file for file in figure_files(name))
-    for path in paths:
-        try:
-            content = picture(figure, path.suffix[1:])
-        except OverflowError:
-            raise RunError(f"{path}: numbers near 1e308 cannot be drawn; are the frames damaged?") from None
-        write_bytes(path, content)
-    return paths
 
 
 def write_text(path: Path, text: str) -> None:

@@ -196,9 +196,10 @@ def load(path: Path) -> Job:
 
 
 def _kind(data: Any) -> type[Job]:
-    """Type of the record of the engine that a ``run.json`` names."""
-    name = data.get("engine") if isinstance(data, dict) else None
-    kind: type[Job] = load_engine(name).record if name in engine_names() else Job
+    """Type of a record: that of its engine where it has keys that only some engine records."""
+    if not isinstance(data, dict) or data.keys() <= Job.model_fields.keys() or data.get("engine") not in engine_names():
+        return Job
+    kind: type[Job] = load_engine(data["engine"]).record
     return kind
 
 

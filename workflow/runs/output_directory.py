@@ -1,35 +1,37 @@
 """Which files of a directory are ours: ``run.json`` lists them, and only those are ever replaced or removed.
 
-A name is listed before its file is written, and only where no file of that name stands. What an overwritten run left
-is put aside until the new one has all that it begins with, and put back where that fails, also at the next start after
-a kill.
+A name is listed before its file is written, and only where no file of that name stands. A run or a deck begins in a
+new or empty directory, or replaces an earlier one whose directory holds nothing else. Its first files are written into
+a folder of that directory. One rename of the folder decides for them; then the earlier files are removed and the new
+ones moved to their place, after a kill by the next command. The directory itself is never moved: a user may stand in
+it, and it may be a mount point. Folders of ours stay.
 """
 
 import os
-import shutil
 import stat
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from lammps_inputs import InputError, file_names
 from workflow.runs.files import (
     OWN_FILES,
     RECORD,
-    TEMPORARY,
     TEMPORARY_NAME,
     all_parts,
     alone,
+    as_json,
     changing,
-    discard,
+    complete,
     part_number,
     write_json,
 )
 from workflow.runs.job import Job, load
 
-_ASIDE, _GONE = f"{TEMPORARY}before-", f"{TEMPORARY}gone-"
-"""Directories with what a new run takes the place of: until it has begun, and then until it is removed."""
+_NEXT = ".granchain-next"
+"""Folder with the first files of what replaces an earlier run."""
 
 
 def listed(directory: Path) -> set[str]:
@@ -41,11 +43,16 @@ def listed(directory: Path) -> set[str]:
     return set(load(directory / RECORD).files)
 
 
-def claim(directory: Path, names: Iterable[str]) -> None:
-    """List files that are about to be written.
+def record_files(directory: Path, names: Iterable[str], outdated: Iterable[str] = ()) -> None:
+    """List files that are about to be written, and remove those of ours that they make out of date.
+
+    Args:
+        directory: where they are written.
+        names: of the files.
+        outdated: further names; files of the user's of such a name stay.
 
     Raises:
-        InputError: one of them stands there and is not listed; the message says so.
+        InputError: one of the files stands there and is not listed; the message says so.
     """
     path, wanted = directory / RECORD, list(dict.fromkeys(names))
     with changing(path):
@@ -56,20 +63,13 @@ def claim(directory: Path, names: Iterable[str]) -> None:
             return  # a damaged one is no hindrance, but takes no list
         exists = os.path.lexists(path)
         ours = set(job.files) if exists else {RECORD}
-        _refuse_others(directory, wanted, ours)
-        if RECORD not in ours:
-            raise InputError(f"{path}: was not written by granchain, which needs that name; choose another directory")
+        _refuse_others(directory, (RECORD, *wanted), ours)
         if not ours.issuperset(wanted):
             before = path.stat() if exists else None
             write_json(path, {**job.plain(), "files": sorted({*ours, *wanted, RECORD})})
             if before is not None:  # it describes the run, of which there is nothing new
                 os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
-
-
-def retire(directory: Path, names: Iterable[str]) -> None:
-    """Remove files of ours that something new makes old; others of such a name stay."""
-    for name in listed(directory).intersection(names):
-        (directory / name).unlink(missing_ok=True)
+    _remove(directory, ours.intersection(outdated).difference(wanted))
 
 
 def _refuse_others(directory: Path, names: Iterable[str], ours: set[str]) -> None:
@@ -81,63 +81,131 @@ def _refuse_others(directory: Path, names: Iterable[str], ours: set[str]) -> Non
             )
 
 
+def _remove(directory: Path, names: Iterable[str]) -> None:
+    for name in names:
+        if not (directory / name).is_dir():
+            (directory / name).unlink(missing_ok=True)
+
+
+@contextmanager
+def _refused(path: Path) -> Iterator[None]:
+    """Refuse a path in one line where the operating system does."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written to ({error.strerror})") from None
+
+
 def make_directory(directory: Path) -> None:
     """Make a directory if need be.
 
     Raises:
         InputError: it cannot be made.
     """
-    try:
+    with _refused(directory):
         directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+
+
+def others(directory: Path) -> set[str]:
+    """Names of what a directory holds, without what a kill may leave behind and nobody else gives such a name."""
+    return {path.name for path in directory.iterdir() if not TEMPORARY_NAME.fullmatch(path.name)}
 
 
 def refuse_unusable(directory: Path, names: Iterable[str] = (), *, overwrite: bool = False) -> None:
-    """See that a directory can take new files; nothing is made or touched.
+    """See that a directory can take new files; nothing is made, and only an interrupted replacement is completed.
 
     Args:
-        directory: new, or empty, or with ``overwrite`` one whose ``run.json`` lists the files of a run.
+        directory: new, or empty, or with ``overwrite`` that of a run, which holds nothing but what ``run.json`` lists.
         names: of the files to come.
-        overwrite: whether files of ours may be replaced.
+        overwrite: whether the run may be replaced.
 
     Raises:
         InputError: the directory holds something else, or cannot be made.
     """
-    try:
+    complete_replacement(directory)
+    with _refused(directory):
         if directory.exists() and not directory.is_dir():
             raise InputError(f"{directory}: is a file, not a directory; choose another -o")
-        if directory.exists() and others(directory):
+        if directory.exists() and (contents := others(directory)):
             if not overwrite:
                 raise InputError(
                     f"{directory}: exists and is not empty; choose another directory, or overwrite it (--overwrite)"
                 )
-            ours = listed(directory)
-            if not ours.issuperset((RECORD, file_names.SCENE)) and not list(directory.glob(f"{_ASIDE}*")):
+            if not listed(directory).issuperset((RECORD, file_names.SCENE)):
                 raise InputError(
                     f"{directory}: holds no {RECORD} that lists the files of an earlier run, so nothing in it is "
                     "overwritten; choose another -o"
                 )
-            _refuse_others(directory, names, ours)
+            folders = {name for name in names if (directory / name).is_dir()}
+            shown = sorted(name for name in contents if not name.startswith("."))  # hidden ones of systems stay
+            _refuse_others(directory, shown, _of_run(directory) - folders)
         with tempfile.TemporaryFile(dir=next(path for path in (directory, *directory.parents) if path.exists())):
             pass
-    except OSError as error:
-        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+
+
+def _of_run(directory: Path) -> set[str]:
+    """Names of the files of a run: those that are listed, and further files of frames."""
+    names = listed(directory)
+    return names | {path.name for path in all_parts(directory)} if file_names.DUMP in names else names
 
 
 @contextmanager
-def prepared(directory: Path, names: Iterable[str] = (), *, overwrite: bool = False) -> Iterator[int]:
-    """Make a directory and keep other runs out of it; what it yields is that of `workflow.runs.files.alone`.
+def prepared(
+    directory: Path, files: Mapping[str, str], names: Iterable[str], *, overwrite: bool = False, **record: Any
+) -> Iterator[int]:
+    """Begin something new in a directory, and keep other runs out of it during a block.
+
+    Args:
+        directory: see `refuse_unusable`.
+        files: name and text of the files that it begins with.
+        names: of all files that it may write.
+        overwrite: whether an earlier run may be replaced; of that, only what a layer above requested is kept.
+        record: what ``run.json`` holds besides (`workflow.runs.job.Job`).
+
+    Yields:
+        What `workflow.runs.files.alone` does.
 
     Raises:
         InputError: as `refuse_unusable`, or something runs there.
+        EndedError: the files cannot be written; what was there before still is.
     """
-    names = tuple(names)
+    names = {RECORD, *names}
     refuse_unusable(directory, names, overwrite=overwrite)
     make_directory(directory)
     with alone(directory) as lock:
         refuse_unusable(directory, names, overwrite=overwrite)  # others may have found it empty at the same time
+        earlier = load(directory / RECORD)
+        folders = (name for name in earlier.files if (directory / name).is_dir())
+        job = Job.model_validate({**record, "files": sorted({*names, *folders}), "request": earlier.request})
+        with complete(directory / _NEXT, directory=True, named=directory) as folder:
+            for name, text in {**files, RECORD: as_json(job.plain()) + "\n"}.items():
+                (folder / name).write_bytes(text.encode("utf-8"))
+                (folder / name).chmod(0o644)
+        with _refused(directory):
+            _put_in_place(directory)
         yield lock
+
+
+def complete_replacement(directory: Path) -> None:
+    """Complete what a killed command began: put first files that were completely written in the place of a run.
+
+    Raises:
+        InputError: it cannot be done, or something runs there.
+    """
+    with _refused(directory):
+        if (directory / _NEXT).is_dir():
+            with alone(directory):
+                _put_in_place(directory)
+
+
+def _put_in_place(directory: Path) -> None:
+    """Remove the files of an earlier run, their list at last, and move the new ones to their place."""
+    folder = directory / _NEXT
+    if (folder / RECORD).exists() and (directory / RECORD).exists():
+        _remove(directory, sorted(_of_run(directory), key=lambda name: name == RECORD))
+    for path in folder.iterdir():
+        path.replace(directory / path.name)
+    folder.rmdir()
 
 
 def refuse_unwritable(directory: Path, files: Iterable[Path]) -> None:
@@ -146,15 +214,11 @@ def refuse_unwritable(directory: Path, files: Iterable[Path]) -> None:
     Raises:
         InputError: one of them cannot.
     """
-    place = directory
-    try:
-        with tempfile.TemporaryFile(dir=directory):
+    with _refused(directory), tempfile.TemporaryFile(dir=directory):
+        pass
+    for path in files:
+        with _refused(path), path.open("ab"):
             pass
-        for place in files:
-            with place.open("ab"):
-                pass
-    except OSError as error:
-        raise InputError(f"{place}: cannot be written to ({error.strerror})") from None
 
 
 def refuse_to_overwrite(source: str, directory: Path) -> None:
@@ -172,85 +236,6 @@ def refuse_to_overwrite(source: str, directory: Path) -> None:
         raise InputError(
             f"-o: {source} stands in {directory}, where a run writes a {file_names.SCENE} of its own; choose another -o"
         )
-
-
-def others(directory: Path) -> set[str]:
-    """Names of what a directory holds, without what a kill may leave behind and nobody else gives such a name."""
-    names = {path.name for path in directory.iterdir()}
-    return {name for name in names if not (TEMPORARY_NAME.fullmatch(name) or name.startswith((_ASIDE, _GONE)))}
-
-
-@contextmanager
-def replacing(directory: Path, names: Iterable[str]) -> Iterator[None]:
-    """Write the first files of something new in a directory that was prepared and is locked.
-
-    What the files of the earlier run were is put aside meanwhile, removed when all is written, and put back on failure.
-
-    Args:
-        directory: see `prepared`.
-        names: of the files to come.
-
-    Raises:
-        InputError: the directory cannot be written to.
-    """
-    wanted = list(names)
-    aside = None
-    try:
-        remove_leftovers(directory)
-        job = load(directory / RECORD)
-        ours = {name for name in job.files if not (directory / name).is_dir()}
-        _refuse_others(directory, wanted, set(job.files))
-        if ours:
-            aside = Path(tempfile.mkdtemp(prefix=_ASIDE, dir=directory))
-            _move(directory, aside, ours)
-        new = Job(files=sorted({RECORD, *wanted, *set(job.files) - ours}), request=job.request)
-        write_json(directory / RECORD, new.plain())
-        yield
-    except BaseException as error:
-        if aside is not None:
-            _put_back(directory, aside)
-        else:
-            for name in (*wanted, RECORD):
-                (directory / name).unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            left = f"{directory}: cannot be written to ({error.strerror}); it is left as it was"
-            raise InputError(left) from None
-        raise
-    if aside is not None:
-        gone = aside.rename(directory / aside.name.replace(_ASIDE, _GONE))
-        shutil.rmtree(gone, ignore_errors=True)
-
-
-def _move(directory: Path, aside: Path, ours: set[str]) -> None:
-    """Put the files of a run aside, its list as the last: where that is aside, everything is."""
-    names = sorted(ours)
-    if file_names.DUMP in ours:
-        names += [path.name for path in all_parts(directory) if path.name not in ours]
-    for name in (*(name for name in names if name != RECORD), RECORD):
-        if os.path.lexists(directory / name):
-            (directory / name).rename(aside / name)
-
-
-def _put_back(directory: Path, aside: Path) -> None:
-    """Take away what was written since files were put aside, and put these back."""
-    if (aside / RECORD).exists() and (directory / RECORD).exists():
-        for name in listed(directory) - {RECORD}:
-            if not (directory / name).is_dir():
-                (directory / name).unlink(missing_ok=True)
-    for path in sorted(aside.iterdir(), key=lambda path: path.name == RECORD):
-        path.replace(directory / path.name)
-    aside.rmdir()
-
-
-def remove_leftovers(directory: Path) -> None:
-    """Remove files that were being written when an earlier run was killed; finish what it did with files put aside."""
-    for path in directory.glob(f"{_ASIDE}*"):
-        _put_back(directory, path)
-    for path in directory.glob(f"{_GONE}*"):
-        shutil.rmtree(path, ignore_errors=True)
-    for path in directory.iterdir():
-        if TEMPORARY_NAME.fullmatch(path.name):
-            discard(path)
 
 
 def refuse_links(directory: Path) -> None:

@@ -14,7 +14,7 @@ from workflow.prepare.step_choice import ChosenStep
 from workflow.runs.engines import Progress, Start, Work, engine_called
 from workflow.runs.files import RECORD, all_parts, alone, part_number, parts, write_text
 from workflow.runs.job import Job, restart_refused
-from workflow.runs.output_directory import refuse_links, refuse_unwritable, remove_leftovers
+from workflow.runs.output_directory import complete_replacement, refuse_links, refuse_unwritable
 from workflow.runs.run import CompletedRun, carry_out, measure_error
 from workflow.runs.run_directory import RunDirectory, fingerprint
 
@@ -52,7 +52,6 @@ def resume(
     path = Path(directory)
     begun(path)
     with alone(path) as lock:
-        remove_leftovers(path)
         refuse_links(path)
         result, job = _with_its_files(path)
         settings, engine = settings_of(job), engine_called(result.engine)
@@ -89,6 +88,7 @@ def begun(path: Path) -> RunDirectory:
     Raises:
         InputError: none was.
     """
+    complete_replacement(path)
     if path.is_dir() and not (path / file_names.SCENE).is_file():
         raise InputError(
             f"{path}: holds no {file_names.SCENE}, so no run was begun there; run the scene with -o {path}"

@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypedDict, Unpack
+from typing import TypedDict, Unpack
 
 from analysis.trajectory import FramesInUnits, Trajectory
 from lammps_inputs import InputError, Problem, Scene, file_names, html
@@ -19,11 +19,10 @@ from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
 from workflow.runs import contacts
 from workflow.runs.engines import Progress, Start, Work, engine_called
-from workflow.runs.files import write_text
-from workflow.runs.output_directory import prepared, refuse_links, refuse_unusable, replacing
+from workflow.runs.output_directory import prepared, refuse_links, refuse_unusable
+from workflow.runs.resumption import onwards
 from workflow.runs.run_directory import RunDirectory, fingerprint, provenance, results
 from workflow.runs.size import refuse_beforehand, refuse_too_long
-from workflow.runs.status import onwards
 
 
 @dataclass(frozen=True)
@@ -63,19 +62,6 @@ class CompletedRun:
             (3, True)
         """
         return self.trajectory.measured()
-
-    @property
-    def dataset(self) -> Any:
-        """All frames as an ``xarray.Dataset`` in the scene's units: what ``granchain export --to netcdf`` writes.
-
-        Its dimensions are ``time``, ``chain`` and ``bead``; its attributes are the scene, versions and the error.
-
-        Raises:
-            InputError: xarray is not installed.
-        """
-        from workflow.runs.labelled import dataset  # for those who have xarray
-
-        return dataset(self.directory, self.trajectory)
 
     def __repr__(self) -> str:
         problem = self.directory.problem
@@ -229,21 +215,17 @@ def run_prepared(
     """
     chosen, path = engine_called(ready.engine), ready.path
     files = chosen.begins_with(ready.scene, ready.problem)
-    with prepared(path, chosen.files, overwrite=ready.overwrite) as lock:
-        with replacing(path, chosen.files):
-            write_text(path / file_names.SCENE, files[file_names.SCENE])
-            run_directory = RunDirectory.begun_with(path, ready.scene, ready.problem)
-            run_directory.update(
-                outcome="running",
-                engine=ready.engine,
-                ranks=ready.ranks,
-                steps=ready.problem.steps,
-                **provenance(),
-                files_sha256=fingerprint(files),
-                **({"settings": ready.step.plain()} if ready.step is not None else {}),
-            )
-            for name, text in files.items():
-                write_text(path / name, text)
+    record = {
+        "outcome": "running",
+        "engine": ready.engine,
+        "ranks": ready.ranks,
+        "steps": ready.problem.steps,
+        **provenance(),
+        "files_sha256": fingerprint(files),
+        "settings": None if ready.step is None else ready.step.plain(),
+    }
+    with prepared(path, files, chosen.files, overwrite=ready.overwrite, **record) as lock:
+        run_directory = RunDirectory.begun_with(path, ready.scene, ready.problem)
         work = Work(
             path,
             ready.problem,

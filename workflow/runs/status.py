@@ -7,7 +7,6 @@ Nothing is written. Half-written and damaged files raise nothing here: what cann
 
 import platform
 import re
-import shlex
 import subprocess
 import time
 from collections.abc import Sequence
@@ -22,7 +21,8 @@ from lammps_inputs import InputError, file_names
 from workflow.engines.lammps.files_on_disk import step_of
 from workflow.plugins.jobs.schedulers import SCHEDULERS, SLURM, ListedJob, Scheduler
 from workflow.runs.files import RECORD, held, parts
-from workflow.runs.job import Job, StudyRecord, load, restart_refused
+from workflow.runs.job import Job, StudyRecord, load
+from workflow.runs.resumption import goes_on_from, onwards
 
 # --- a scheduler's queue ----------------------------------------------------------------------------------------------
 
@@ -218,11 +218,6 @@ def _of_run(directory: Path, job: Job) -> Status:
     return Status(directory, "incomplete", step, steps, f"killed, or its disk was full; {onwards(directory, job)}")
 
 
-def onwards(directory: Path, job: Job) -> str:
-    """How to complete a local run that is incomplete."""
-    return f"`granchain run --resume {shlex.quote(str(directory))}` {_goes_on(directory, job)}"
-
-
 def _of_study(directory: Path, study: StudyRecord) -> Status:
     """State of a directory that another command than ``run`` made, by its account."""
     state: State = "done" if study.done else "running" if _locked(directory) else "incomplete"
@@ -296,7 +291,7 @@ def _of_job(directory: Path, account: Path, queue: Queue | None, queued: Queued 
         if queued.waiting:
             return Status(directory, "waiting", step, steps, f"job {queued.number} is in the queue")
         return Status(directory, "running", step, steps, f"job {queued.number}")
-    again, goes_on = _submit(directory), _goes_on(directory)
+    again, goes_on = _submit(directory), goes_on_from(directory)
     if not report:
         return Status(directory, "failed", step, steps, f"{account.name} cannot be read; {again} tries again")
     if state in ("waiting", "running") and same_cluster:
@@ -350,16 +345,6 @@ def _last_step(directory: Path) -> int | None:
 def _latest(*steps: int | None) -> int | None:
     """The largest step; None where none is known."""
     return max((step for step in steps if step is not None), default=None)
-
-
-def _goes_on(directory: Path, job: Job | None = None) -> str:
-    """The step from which an incomplete run resumes; a local one by its account."""
-    step = step_of(directory / file_names.RESTART)
-    if not step:
-        return "starts again, as there is no restart"
-    if job is not None and job.engine == "lammps" and (why := restart_refused(job)):
-        return f"starts again, for {why}"
-    return f"resumes at step {step}"
 
 
 def _locked(directory: Path, *account: Path) -> bool:

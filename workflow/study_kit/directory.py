@@ -35,8 +35,9 @@ from analysis.trajectory import Floats
 from lammps_inputs.units import DIMENSIONLESS, Scale
 from workflow.formats import figure_files
 from workflow.runs import job
-from workflow.runs.files import alone, as_json, write_bytes, write_figure
-from workflow.runs.output_directory import claim, make_directory, retire
+from workflow.runs.figures import write_figure
+from workflow.runs.files import alone, as_json, write_bytes
+from workflow.runs.output_directory import make_directory, record_files
 from workflow.runs.run_directory import provenance
 from workflow.screen import count_bar, print_table
 from workflow.workers.evaluate import Computation, StoredResults, values
@@ -98,7 +99,7 @@ class Study:
             return
         make_directory(directory)
         with alone(directory):
-            claim(directory, self.files)
+            record_files(directory, self.files)
             self.mark(directory, done=False)
             with StoredResults(directory / self.cache if self.cache else None) as cache:
                 yield cache
@@ -157,7 +158,7 @@ class Study:
 
     def remove_all_but(self, directory: Path, names: Sequence[str]) -> None:
         """Remove files of an earlier start of the study, but for its cache and those of some names."""
-        retire(directory, set(self.files).difference(names, (self.cache,)))
+        record_files(directory, names, outdated=set(self.files).difference(names, (self.cache,)))
 
     @staticmethod
     def print_records(

@@ -19,7 +19,7 @@ from lammps_inputs.units import REDUCED
 from workflow.engines.reference.derivatives import DerivativesOfMotion
 from workflow.quantities.columns import column_called, refuse_unknown
 from workflow.runs.files import write_text
-from workflow.runs.output_directory import claim
+from workflow.runs.output_directory import record_files
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar
 from workflow.study_kit.directory import csv_text
@@ -221,6 +221,6 @@ def with_derivatives(analysis: Analysis, directory: RunDirectory, derivatives: t
     """
     if not derivatives:
         return analysis
-    claim(directory.path, [GRADIENT])
+    record_files(directory.path, [GRADIENT])
     write_text(directory.path / GRADIENT, csv_text([asdict(derivative) for derivative in derivatives]))
     return replace(analysis, tables=(*analysis.tables, GRADIENT), derivatives=derivatives)

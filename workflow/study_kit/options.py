@@ -15,7 +15,7 @@ from lammps_inputs.units import Label
 from workflow.plugins.jobs.job import render_command
 from workflow.plugins.jobs.site import JobOptions
 from workflow.runs.files import write_text
-from workflow.runs.output_directory import claim, make_directory, retire
+from workflow.runs.output_directory import make_directory, record_files
 from workflow.screen import CommandResult
 from workflow.study_kit.directory import floats
 from workflow.sweep import fields
@@ -88,8 +88,7 @@ def as_job(
     text = render_command(options, f"granchain-{words[0]}", command, cores=cores, jobs=jobs, directory=directory)
     scheduler = options.of_scheduler
     make_directory(directory)
-    claim(directory, (scheduler.script, file_names.JOB_OUTPUT))
-    retire(directory, set(file_names.JOBS).difference([scheduler.script]))
+    record_files(directory, (scheduler.script, file_names.JOB_OUTPUT), outdated=file_names.JOBS)
     write_text(directory / scheduler.script, text)
     print(f"`{scheduler.by_hand}` in {directory} submits the job; {file_names.JOB_OUTPUT} holds its output")
     return CommandResult(0, {"job": str(directory / scheduler.script)})

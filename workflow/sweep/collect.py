@@ -19,7 +19,8 @@ from lammps_inputs import InputError, complaints, file_names, html, strict_yaml
 from lammps_inputs.numbers import text
 from lammps_inputs.units import REDUCED, Label
 from workflow.quantities.columns import AT_BEAD, QUANTITIES, UNCERTAINTIES, at_bead, column_called, kicked_chain
-from workflow.runs.files import RECORD, write_figure
+from workflow.runs.figures import write_figure
+from workflow.runs.files import RECORD
 from workflow.runs.job import account
 from workflow.runs.status import cluster_queue, status
 from workflow.screen import count_bar

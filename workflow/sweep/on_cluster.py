@@ -14,7 +14,7 @@ from workflow.plugins.jobs.site import JobOptions
 from workflow.prepare.settings import settle
 from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text
 from workflow.runs.job import Job
-from workflow.runs.output_directory import claim, listed, retire
+from workflow.runs.output_directory import listed, record_files
 from workflow.runs.status import cluster_queue, status
 from workflow.screen import count_bar
 from workflow.sweep.file import Sweep, SweepCase, scene_of
@@ -80,8 +80,7 @@ def write_array(definition: Sweep, directory: Path, options: JobOptions) -> Writ
         place = {name: number for number, line in enumerate(lines) for name in line}
         tasks = [place[case.name] for case in todo]
         files = job.render_array(options, lines, name=small[0].name, tasks=tasks, directory=directory)
-        claim(directory, (*files, file_names.JOB_OUTPUT))
-        retire(directory, set(file_names.JOBS).difference(files))
+        record_files(directory, (*files, file_names.JOB_OUTPUT), outdated=file_names.JOBS)
         for name, text in files.items():
             write_text(directory / name, text)
     return WrittenSweep(len(cases), len(tasks), len(under_way), options.ranks, len(lines))
@@ -149,9 +148,9 @@ def _write_case(path: Path, wanted: Asked, source: str, scheduler: Scheduler) ->
     for name, text in deck.render(written, problem).items():
         if not (path / name).is_file() or (path / name).read_bytes() != text.encode("utf-8"):  # damaged
             write_text(path / name, text)
-    retire(path, listed(path).difference(LAMMPS_FILES, file_names.JOB_FILES))  # of a run that did not end here
     files = job.case_files(problem, scheduler)
-    claim(path, file_names.JOB_FILES)
+    of_another_run = listed(path).difference(LAMMPS_FILES)  # one that did not end here
+    record_files(path, file_names.JOB_FILES, outdated=of_another_run)
     write_json(path / RECORD, Job(files=sorted(listed(path)), request=wanted.plain()).plain())
     for name, text in files.items():
         write_text(path / name, text)
@@ -162,6 +161,6 @@ def _write_deck(path: Path, wanted: Asked, scene: Scene, source: str) -> None:
     settled, _ = settle(scene, source=source)
     files = deck.render(settled)
     begin(path, wanted, scene)
-    claim(path, LAMMPS_FILES)
+    record_files(path, LAMMPS_FILES)
     for name, text in files.items():
         write_text(path / name, text)

@@ -25,7 +25,7 @@ from workflow.prepare.settings import found_beforehand, refuse_unanalysable, ref
 from workflow.runs import job
 from workflow.runs.engines import engine_called
 from workflow.runs.files import RECORD, alone, write_json, write_text
-from workflow.runs.output_directory import claim, make_directory, others, remove_leftovers
+from workflow.runs.output_directory import complete_replacement, make_directory, others, record_files
 from workflow.runs.resume import resume
 from workflow.runs.run import CompletedRun, run
 from workflow.runs.run_directory import RunDirectory
@@ -86,8 +86,7 @@ def asked(path: Path) -> Asked | None:
 def begin(path: Path, wanted: Asked, scene: Scene) -> None:
     """Make a case's directory; from then on it is a run directory that may be overwritten."""
     path.mkdir(parents=True, exist_ok=True)
-    remove_leftovers(path)  # of a sweep that was killed
-    claim(path, (file_names.SCENE,))
+    record_files(path, (file_names.SCENE,))
     job.update(path, request=wanted.plain())
     write_text(path / file_names.SCENE, library.render_scene(scene))
 
@@ -98,6 +97,7 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
     Raises:
         InputError: it holds something else, or the same case of another scene or engine.
     """
+    complete_replacement(path)  # of a sweep that was killed
     earlier = asked(path)
     if earlier is None:
         if path.is_dir() and (not (rest := others(path)) or (rest == {RECORD} and RECORD in job.account(path).files)):

@@ -13,7 +13,7 @@ from analysis.statistics import Histogram, Statistics, histogram, statistics
 from analysis.trajectory import Floats
 from lammps_inputs import InputError
 from lammps_inputs.numbers import known
-from workflow.runs.files import write_figure
+from workflow.runs.figures import write_figure
 from workflow.sweep.collect import SweepTable, file_name, refuse_axes, refuse_lines
 
 if TYPE_CHECKING:

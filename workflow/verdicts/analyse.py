@@ -28,8 +28,9 @@ from workflow.measures import MEASUREMENTS
 from workflow.measures.base import Measurement, Recorded
 from workflow.runs.engines import engine_called
 from workflow.runs.exchange import accountant
-from workflow.runs.files import write_figure, write_json, write_text
-from workflow.runs.output_directory import claim, retire
+from workflow.runs.figures import write_figure
+from workflow.runs.files import write_json, write_text
+from workflow.runs.output_directory import record_files
 from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, Report, WavesTable, waves_table
 from workflow.verdicts.derivative import Derivative
@@ -212,8 +213,7 @@ def measure(
     shown = default_beads(problem) if beads is None else beads
     _refuse_frames(directory, shown)
     by_snapshots = problem.frames_per_snapshot is not None
-    engine = engine_called(directory.engine)
-    run, exchange = recorded(directory), accountant(directory, problem)
+    engine, run, exchange = engine_called(directory.engine), recorded(directory), accountant(directory, problem)
     conservation, fingerprint = Conservation(), Fingerprint()
     meters = _meters(run)
     spacetime, history = _pictures(problem, shown) if figures else (None, None)
@@ -346,9 +346,8 @@ def _tables(results: Survey, measurements: dict[str, Measurement]) -> dict[str, 
 def _write(directory: RunDirectory, frames: MeasuredFrames) -> tuple[Path, ...]:
     """Write tables, the report, and figures; returns the files of the figures."""
     files = figure_files(*frames.figures)
-    claim(directory.path, (*frames.tables, REPORT, *files))
-    if frames.figures:
-        retire(directory.path, set(in_any_format(*FIGURES)).difference(files))
+    outdated = in_any_format(*FIGURES) if frames.figures else ()
+    record_files(directory.path, (*frames.tables, REPORT, *files), outdated)
     drawn = tuple(path for name, make in frames.figures.items() for path in write_figure(directory.path, name, make()))
     for name, text in frames.tables.items():
         write_text(directory.path / name, text)

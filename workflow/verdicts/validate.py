@@ -18,8 +18,9 @@ from workflow.engines.reference.step_halving import StepHalving
 from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.formats import figure_files
 from workflow.runs.exchange import accountant
-from workflow.runs.files import write_figure, write_json
-from workflow.runs.output_directory import claim, retire
+from workflow.runs.figures import write_figure
+from workflow.runs.files import write_json
+from workflow.runs.output_directory import record_files
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.diagnose import Diagnosis, diagnose, rounded
 
@@ -378,8 +379,7 @@ def any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) -> 
 
 def write(path: Path, result: Validation, figure: Any) -> None:
     """Write the report and a figure into a run directory; remove the page of an earlier comparison of this kind."""
-    claim(path, (result.report, *figure_files(result.stem)))
-    retire(path, (result.page,))
+    record_files(path, (result.report, *figure_files(result.stem)), outdated=(result.page,))
     write_json(path / result.report, result.plain())
     write_figure(path, result.stem, figure)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from small_problems import problem, written_down
 
 from analysis.compare.identify import identify, least_squares, time_shift
-from lammps_inputs.ingredients import coupled_chains
+from lammps_inputs.chains import coupled_chains
 from workflow.engines.reference import engine
 
 # --- shifts -----------------------------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ from analysis.trajectory import blocks
 from lammps_inputs import Kick
 from lammps_inputs.units import make_scale
 from workflow.formats import written_as
-from workflow.runs.files import write_figure
+from workflow.runs.figures import write_figure
 
 
 @pytest.fixture(scope="module")

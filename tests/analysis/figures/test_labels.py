@@ -1,6 +1,5 @@
 """Which bead, chain and time is where in a figure, in which unit, under which label: numbers made by hand."""
 
-import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,12 +9,11 @@ from stock_lammps import scene
 from synthetic_waves import of_keys
 
 from analysis.compare.difference import Deviation, ErrorMap
-from analysis.dispersion import Map, UnitCell
 from analysis.figures.energy import energy_figure
 from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figure
 from analysis.figures.forces import force_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
-from analysis.figures.spectra import dispersion_figure, spectra_figure
+from analysis.figures.spectra import spectra_figure
 from analysis.figures.studies import logarithmic
 from analysis.figures.style import CHAIN_COLOURS, head, new_figure, shown_chains, title
 from analysis.figures.waves import distance_figure, response_figure, shape_figure
@@ -122,29 +120,6 @@ def test_amplitudes_below_the_axis_of_a_spectrum_are_not_drawn_at_its_end(proble
     (axis,) = spectra_figure(problem, spectra).axes
     for _, line in all_shown(axis, problem):
         assert np.all(line.get_ydata()[1:] < axis.get_ylim()[0])
-
-
-def test_the_dispersion_figure_has_power_and_branches_where_its_axes_say(problem):
-    cell = UnitCell(np.array([[1.0]]), np.array([[2.25]]), np.zeros((1, 1, 1)))  # omega = 3 |sin(q / 2)|
-    wavenumber = np.arange(-4, 4) * math.pi / 4.0
-    frequency = 0.5 * np.arange(8)
-    power = np.zeros((8, 8))
-    power[4, 6] = 1.0
-    nothing = np.zeros((1, 1))
-    found = Map(7, wavenumber, frequency, power, cell, nothing[0], nothing, nothing)
-    figure = dispersion_figure(problem, found)
-    axis = figure.axes[0]
-    worth = 1.0 / problem.scale.time / unit_on(axis.get_ylabel(), problem, "rad/s")
-    (image,) = axis.get_images()
-    values, (left, right, bottom, top) = np.asarray(image.get_array()), image.get_extent()
-    assert left < -math.pi < math.pi < right  # the edges of the zone are covered
-    row, column = np.unravel_index(np.argmax(values), values.shape)
-    assert left + (column + 0.5) * (right - left) / values.shape[1] == pytest.approx(wavenumber[6])
-    assert bottom + (row + 0.5) * (top - bottom) / values.shape[0] == pytest.approx(frequency[4] * worth)
-    q, branch = axis.get_lines()[0].get_data()
-    assert np.asarray(branch) == pytest.approx(3.0 * worth * np.abs(np.sin(np.asarray(q) / 2.0)), abs=1e-9 * worth)
-    assert "chain 7" in figure.get_suptitle()
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["exact branches", "edges of bands"]
 
 
 def test_what_is_left_of_a_trace_is_data_minus_run_in_units_of_the_noise(problem):

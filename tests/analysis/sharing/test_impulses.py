@@ -9,8 +9,6 @@ from small_problems import problem
 from analysis.sharing.impulses import ImpulseMeter, measure, relative_difference
 from analysis.trajectory import joined, watch
 from workflow.engines.reference import engine
-from workflow.plugins.rigid import engine as collisions
-from workflow.plugins.rigid.events import Collisions, from_events
 
 EVERY = 0.1
 STEP = 0.02
@@ -40,15 +38,6 @@ def hertz(**changes):
     return measure(problem, blocks(problem))
 
 
-def of_rigid(problem, direction=1):
-    run = collisions.run(problem)
-    return from_events(problem, Collisions(run.time, run.chain, run.row, run.striker, run.target), direction)
-
-
-def rigid(**changes):
-    return of_rigid(make_problem(**changes))
-
-
 @pytest.mark.parametrize(("every", "error"), [(0.05, ERROR), (0.1, ERROR), (0.3, ERROR), (0.5, 2e-5), (1.0, 4e-4)])
 def test_a_bead_hands_all_its_momentum_on(every, error):
     found = hertz(every=every)
@@ -70,12 +59,10 @@ def test_a_contact_at_another_speed_scales():
     assert found.total[0] == pytest.approx([1.5, 1.5], abs=2.0 * ERROR)
 
 
-@pytest.mark.parametrize("source", [hertz, rigid])
-def test_first_and_later_contacts_are_told_apart(source):
-    found = source(beads=3, kicks=TWICE, gap=5.0, duration=60.0)
-    error = 2.0 * ERROR if source is hertz else 1e-15
-    np.testing.assert_allclose(found.first[0], [0.8, 1.0], rtol=0, atol=error)
-    np.testing.assert_allclose(found.total[0], [1.0, 1.0], rtol=0, atol=error)
+def test_first_and_later_contacts_are_told_apart():
+    found = hertz(beads=3, kicks=TWICE, gap=5.0, duration=60.0)
+    np.testing.assert_allclose(found.first[0], [0.8, 1.0], rtol=0, atol=2.0 * ERROR)
+    np.testing.assert_allclose(found.total[0], [1.0, 1.0], rtol=0, atol=2.0 * ERROR)
     assert found.contacts.tolist() == [[2, 1]]
 
 
@@ -99,17 +86,13 @@ def test_the_impulses_of_a_row_are_the_momentum_that_the_beads_ahead_gain():
     assert 0.0 < touching.imbalance < 10 * ERROR
 
 
-@pytest.mark.parametrize("source", ["hertz", "rigid"])
-def test_impulses_on_beads_from_ahead_are_those_of_the_mirrored_run(source):
+def test_impulses_on_beads_from_ahead_are_those_of_the_mirrored_run():
     forwards = make_problem(chains=2, beads=8, kappa=0.3, gap=0.4, duration=20.0)
     backwards = make_problem(chains=2, beads=8, kicks=((1, 8, -1.0),), kappa=0.3, gap=0.4, duration=20.0)
-    if source == "hertz":
-        expected = measure(forwards, blocks(forwards))
-        found = watch(ImpulseMeter(backwards, -1), blocks(backwards)).result()
-    else:
-        expected, found = of_rigid(forwards), of_rigid(backwards, -1)
+    expected = measure(forwards, blocks(forwards))
+    found = watch(ImpulseMeter(backwards, -1), blocks(backwards)).result()
     np.testing.assert_array_equal(found.bead, expected.bead)
-    np.testing.assert_allclose(found.first, expected.first, rtol=0, atol=ERROR if source == "hertz" else 1e-12)
+    np.testing.assert_allclose(found.first, expected.first, rtol=0, atol=ERROR)
 
 
 def test_a_wrong_impulse_shows_in_the_imbalance():
@@ -147,14 +130,10 @@ def test_without_frames_there_is_nothing_to_measure():
 
 
 def test_what_was_never_struck_has_no_impulse_and_no_time():
-    for found in (hertz(beads=5, duration=4.0), rigid(beads=5, duration=2.5)):
-        assert found.contacts[0].tolist() == [1, 1, 0, 0] or found.contacts[0].tolist() == [1, 0, 0, 0]
-        assert found.first[0, -1] == found.total[0, -1] == 0.0
-        assert math.isnan(found.time[0, -1])
-
-
-def test_no_collision_at_all_is_a_result_too():
-    assert not rigid(duration=0.5).first.any()
+    found = hertz(beads=5, duration=4.0)
+    assert found.contacts[0].tolist() == [1, 1, 0, 0] or found.contacts[0].tolist() == [1, 0, 0, 0]
+    assert found.first[0, -1] == found.total[0, -1] == 0.0
+    assert math.isnan(found.time[0, -1])
 
 
 def test_the_difference_of_chains_is_relative_to_their_mean():

@@ -7,8 +7,8 @@ import pytest
 from plain_scene import scene
 from processes import HANGS
 
-from analysis.dispersion import cell_of
 from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.unit_cell import cell_of
 from lammps_inputs import InputError, Scene, file_names, strict_yaml
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact

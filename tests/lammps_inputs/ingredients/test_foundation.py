@@ -11,7 +11,7 @@ from ingredient_scenes import VANISHING
 from plain_scene import scene
 
 from analysis.conservation import Conservation
-from analysis.dispersion import NoDispersionError, cell_of
+from analysis.shape.unit_cell import NoDispersionError, cell_of
 from analysis.sharing.energies import EnergyFlow
 from analysis.trajectory import Trajectory
 from lammps_inputs import find, physics

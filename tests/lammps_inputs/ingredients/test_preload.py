@@ -10,14 +10,11 @@ from ingredient_scenes import COLUMN, HELD, STEEL
 from plain_scene import scene
 from wrong_runs import causes
 
-from analysis.dispersion import Dispersion
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
-from analysis.loaded_pulse import LoadedPulse
 from analysis.sharing.impulses import measure
 from lammps_inputs import InputError, laws, library
 from lammps_inputs.limits import rates
-from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.prepare import pilot
 from workflow.prepare.settings import settle
@@ -57,12 +54,6 @@ def test_a_pressed_chain_of_linear_contacts_swings_by_its_modes(tmp_path):
     assert error == pytest.approx(found.check.velocity, rel=0.01)
     assert error < 1e-4
     assert rates.sound_frequency(case.system) == pytest.approx(2.0, rel=1e-12)
-    spectrum = Dispersion(found.directory.problem)
-    for block in found.directory.blocks():
-        spectrum.add(block)
-    seen = spectrum.result()
-    assert seen.cell.bands()[0, 1] == pytest.approx(2.0, rel=1e-12)
-    assert abs(seen.measured_bands()[0, 1] - 2.0) < seen.bin
 
 
 def test_small_and_large_loads_run_with_a_small_error_and_their_energy(tmp_path):
@@ -105,25 +96,6 @@ def test_sound_of_the_steel_beads_at_one_newton_runs_at_369_metres_a_second(tmp_
     omega = math.pi * (len(zero) - 1) / (time[-1] - time[0])
     metres = omega / (2.0 * math.sin(q / 2.0)) / case.scale.time * 2.0 * STEEL["radius"]
     assert metres == pytest.approx(369.2, rel=1e-4)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("force", "beads", "duration", "ratio", "faster"),
-    [(0.43, 300, 290.0, 1.955, 1.0004), (0.0091, 200, 230.0, 67.7, 1.0085)],
-    ids=["1.955", "67.7"],
-)
-def test_waves_on_a_load_are_faster_than_the_long_wave_theory_says(tmp_path, force, beads, duration, ratio, faster):
-    case = loaded(
-        precompression={"force": force}, beads=beads, duration=duration, output={"every": 0.1}, timestep=0.005
-    )
-    run(case, tmp_path / "run", check=False)
-    watcher = LoadedPulse(case.problem())
-    for block in RunDirectory(tmp_path / "run").blocks():
-        watcher.add(block)
-    wave = watcher.result()
-    assert wave.force_ratio == pytest.approx(ratio, rel=0.02)
-    assert wave.over_theory == pytest.approx(faster, abs=1e-4)
 
 
 @pytest.mark.slow
@@ -217,19 +189,3 @@ def test_a_scene_says_gravity_as_one_number_and_is_read_back():
     case = loaded(**COLUMN)
     assert case.plain()["gravity"] == 0.02
     assert library.from_plain(case.resolved().plain(), "again").system == case.system
-
-
-@pytest.mark.slow
-def test_analyze_says_what_the_sound_is_and_why_there_is_no_map(tmp_path, capsys):
-    for name, keys, words in (
-        ("free", FREE, ("the speed of sound is c0 = ", "dispersion.csv")),
-        (
-            "column",
-            COLUMN,
-            ("the speed of sound is c0 = ", "there is no dispersion map: beads and their loads do not repeat"),
-        ),
-    ):
-        run(loaded(**keys, beads=30, duration=30.0), tmp_path / name, check=False)
-        assert main(["analyze", str(tmp_path / name), "--no-figures"]) == 0
-        said = capsys.readouterr().out
-        assert all(word in said for word in words), said

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from analysis.conservation import Conservation
-from analysis.dispersion import NoDispersionError, cell_of
 from analysis.files import recording
 from analysis.mda.universe import universe
+from analysis.shape.unit_cell import NoDispersionError, cell_of
 from lammps_inputs import library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact

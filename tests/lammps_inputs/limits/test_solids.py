@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from stock_lammps import scene
 
 from lammps_inputs import Kick, Material, System, physics
-from lammps_inputs.ingredients import coupled_chains
+from lammps_inputs.chains import coupled_chains
 from lammps_inputs.laws.plastic import YIELD_PRESSURE
 from lammps_inputs.limits.solids import impossible, overlap_bounds, peak_pressure, sound_speed, unlikely
 from lammps_inputs.units import hertz_constant

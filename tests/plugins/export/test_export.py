@@ -122,13 +122,10 @@ def test_a_large_file_is_announced(run, capsys, monkeypatch):
 
 def test_the_dataset_of_a_run_without_xarray_is_refused_in_one_line(run, monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
-    from workflow.runs.run import CompletedRun
-    from workflow.runs.run_directory import RunDirectory
-
     with pytest.raises(
         InputError, match=r"^dataset: needs xarray, not installed here; `pip install 'granchain\[export"
     ):
-        _ = CompletedRun(RunDirectory(run), "done").dataset
+        _ = granchain.open(run).dataset
 
 
 def test_the_command_loads_no_package_of_a_format_that_is_not_asked_for():

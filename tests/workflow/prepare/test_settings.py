@@ -10,7 +10,8 @@ from refusals import refusal
 from small_problems import problem as small_problem
 
 from analysis.compare.common_times import on_common_rows
-from lammps_inputs import Coupling, InputError, Kick, Output, Scene, find, strict_yaml
+from lammps_inputs import InputError, Kick, Output, Scene, find, strict_yaml
+from lammps_inputs.ingredients.coupling import Coupling
 from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.limits.rates import stability_bound, timestep_for
 from lammps_inputs.scene import DEFAULT_ACCURACY

@@ -15,7 +15,6 @@ from workflow.cli import main
 from workflow.runs.contacts import at_most, measure, of_overlap
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.analyse import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -105,13 +104,6 @@ def test_without_a_material_there_is_no_trace(tmp_path, capsys):
     assert "contacts" not in capsys.readouterr().out
     for name in ("run.json", "analysis.json"):
         assert "contacts" not in json.loads((out / name).read_text())
-
-
-def test_rigid_beads_have_no_hertzian_contacts(tmp_path):
-    rigid = steel(gap=1e-5, beads=4)
-    result = run(rigid, tmp_path / "run", engine="collisions")
-    assert result.directory.job.contacts is None
-    assert "contacts" not in analyse(result.directory, figures=False).measurements
 
 
 @pytest.mark.parametrize(("velocity", "warned"), [(120.0, False), (140.0, True)])

@@ -18,6 +18,7 @@ from lammps_inputs import file_names, strict_yaml
 from workflow.cli import main
 from workflow.engines.lammps import files_on_disk, mpi
 from workflow.engines.lammps.files_on_disk import FramesOnDisk
+from workflow.engines.registry import engine_names
 from workflow.errors import RunError
 from workflow.runs.resume import resume
 from workflow.runs.run import run
@@ -155,7 +156,7 @@ def test_a_record_that_cannot_be_written_does_not_hide_why(disk):
     assert resume(directory, check=False).outcome == "done"
 
 
-@pytest.mark.parametrize("engine", ["reference", "collisions"])
+@pytest.mark.parametrize("engine", [name for name in engine_names() if name != "lammps"])
 def test_other_engines_say_so_too(engine, disk):
     dense = scene(chains=2, beads=30, kappa=0.1, gap=1.0, duration=250.0, every=0.1)
     with pytest.raises(RunError, match=r"No space left on device.*--resume.* starts again, as there is no restart$"):
@@ -190,6 +191,27 @@ def test_a_run_that_does_not_even_begin_can_be_begun_later(disk, tmp_path, capsy
     (disk.path / "filler").unlink()
     disk.grow()
     assert main([*words, *(["--overwrite"] if (disk.path / "run" / file_names.SCENE).exists() else [])]) == 0
+
+
+def small(duration):
+    return scene(chains=2, beads=20, kappa=0.1, duration=duration)
+
+
+def test_a_run_that_does_not_fit_does_not_replace_the_earlier_one(disk, tmp_path, capsys):
+    directory = run(small(1.0), disk.path / "run", engine="reference").directory.path
+    before = {path.name: path.read_bytes() for path in directory.iterdir()}
+    (tmp_path / "scene.yaml").write_text(strict_yaml.dump(small(2.0).plain()))
+    disk.fill(but=0)
+    words = ["run", tmp_path / "scene.yaml", "-o", directory, "--engine", "reference", "--overwrite"]
+    line = complaint(words, capsys)
+    assert line.startswith(f"granchain: {directory}: cannot be written (No space left on device); what was there is")
+    assert {path.name: path.read_bytes() for path in directory.iterdir()} == before
+
+
+def test_a_run_at_a_mount_point_is_overwritten(disk):
+    run(small(1.0), disk.path, engine="reference")
+    run(small(2.0), disk.path, engine="reference", overwrite=True)
+    assert RunDirectory(disk.path).scene.duration == 2.0
 
 
 # --- a restart takes the place of an earlier one when all that it needs is on the disk --------------------------------

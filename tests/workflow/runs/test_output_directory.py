@@ -1,10 +1,14 @@
-"""Only files that run.json lists are replaced or removed, what a failure interrupts is put back, and all are whole."""
+"""Only files that run.json lists are replaced or removed, a run as a whole or not at all, and all are whole."""
 
+import itertools
 import json
 import os
+import shutil
+import signal
 import subprocess
 import sys
 import threading
+from collections.abc import Callable, Collection
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -21,16 +25,18 @@ from workflow.runs import files
 from workflow.runs.files import RECORD, complete, write_json, write_text
 from workflow.runs.job import load
 from workflow.runs.output_directory import (
-    claim,
+    complete_replacement,
+    others,
     prepared,
+    record_files,
     refuse_unusable,
     refuse_unwritable,
-    remove_leftovers,
-    replacing,
 )
-from workflow.runs.run import run
+from workflow.runs.resume import resume
+from workflow.runs.run import prepare_run, run, run_prepared
 from workflow.runs.run_directory import RunDirectory
 from workflow.study_kit.directory import Study
+from workflow.sweep.run_sweep import Asked, refuse_another
 
 Printed, Patch = pytest.CaptureFixture[str], pytest.MonkeyPatch
 
@@ -75,8 +81,8 @@ def test_of_two_that_find_a_new_directory_empty_at_once_one_is_refused(tmp_path:
         return files.alone(directory)
 
     def write(name: str) -> None:
-        with prepared(tmp_path / "run"):
-            (tmp_path / "run" / name).touch()
+        with prepared(tmp_path / "run", {name: ""}, [name]):
+            pass
 
     monkeypatch.setattr("workflow.runs.output_directory.alone", alone)
     with ThreadPoolExecutor(2) as pool:
@@ -84,18 +90,64 @@ def test_of_two_that_find_a_new_directory_empty_at_once_one_is_refused(tmp_path:
     (refused,) = filter(None, failures)
     assert isinstance(refused, InputError)
     assert "exists and is not empty" in str(refused)
-    assert len(contents(tmp_path / "run")) == 1
+    assert len(contents(tmp_path / "run")) == 2  # run.json, and the file of the one
 
 
-def test_overwriting_removes_what_is_listed_and_nothing_else(tmp_path: Path) -> None:
+def test_overwriting_removes_what_is_listed(tmp_path: Path) -> None:
     run(scene(), tmp_path, engine="reference").directory.update(outcome="running")  # as after a kill
-    claim(tmp_path, ["waves.csv"])
+    record_files(tmp_path, ["waves.csv"])
     write_text(tmp_path / "waves.csv", "ours")
-    for name in ("shape.png", ".run.json.orig"):
-        (tmp_path / name).write_text("mine")
     run(scene(2.0), tmp_path, engine="reference", overwrite=True)
     assert not (tmp_path / "waves.csv").exists()
-    assert (tmp_path / "shape.png").read_text() == (tmp_path / ".run.json.orig").read_text() == "mine"
+    assert "waves.csv" not in load(tmp_path / RECORD).files
+
+
+@pytest.mark.parametrize("command", ["run --engine reference", "deck"])
+@pytest.mark.parametrize("name", ["notes.txt", "run.json.orig", "chapter/"])
+def test_a_run_beside_something_of_the_users_is_not_overwritten(
+    tmp_path: Path, command: str, name: str, capsys: Printed
+) -> None:
+    run(scene(), tmp_path / "run", engine="reference")
+    path = tmp_path / "run" / name
+    path.mkdir() if name.endswith("/") else path.write_text("mine")
+    before = contents(tmp_path / "run")
+    message = refusal(
+        [*command.split(), scene_file(tmp_path / "s.yaml"), "-o", tmp_path / "run", "--overwrite"], capsys
+    )
+    assert message.startswith(f"{path}: is not listed in run.json as written by granchain")
+    assert contents(tmp_path / "run") == before
+    assert path.exists()
+
+
+@pytest.mark.parametrize("name", [".nfs00000001", ".DS_Store"])
+def test_hidden_files_of_a_system_stay_where_a_run_is_overwritten(tmp_path: Path, name: str) -> None:
+    run(scene(), tmp_path, engine="reference")
+    (tmp_path / name).write_text("theirs")
+    run(scene(2.0), tmp_path, engine="reference", overwrite=True)
+    assert (tmp_path / name).read_text() == "theirs"
+    assert load(tmp_path / RECORD).outcome == "done"
+
+
+def test_a_folder_of_ours_stays_where_a_run_is_overwritten(tmp_path: Path) -> None:
+    run(scene(), tmp_path, engine="reference")
+    record_files(tmp_path, ["frames.zarr"])
+    (tmp_path / "frames.zarr").mkdir()
+    for duration in (2.0, 3.0):
+        run(scene(duration), tmp_path, engine="reference", overwrite=True)
+    assert (tmp_path / "frames.zarr").is_dir()
+
+
+def test_whoever_stands_in_a_directory_or_reaches_it_by_a_link_has_the_new_run_there(
+    tmp_path: Path, monkeypatch: Patch
+) -> None:
+    directory = run(scene(), tmp_path / "run", engine="reference").directory.path
+    (tmp_path / "link").symlink_to("run")
+    monkeypatch.chdir(tmp_path / "link")
+    words = ["run", str(scene_file(tmp_path / "s.yaml")), "--engine", "reference", "--overwrite"]
+    for place in (".", str(tmp_path / "link")):
+        assert main([*words, "-o", place]) == 0
+    assert os.path.samestat(Path().stat(), directory.stat())
+    assert (tmp_path / "link").is_symlink()
 
 
 @pytest.mark.parametrize("command", ["analyze", "validate"])
@@ -118,36 +170,107 @@ def test_a_run_does_not_overwrite_what_a_study_made(tmp_path: Path, capsys: Prin
     assert contents(tmp_path / "map") == before
 
 
-def test_what_was_there_is_put_back_when_overwriting_fails(tmp_path: Path) -> None:
+def test_what_was_there_stays_when_overwriting_fails(tmp_path: Path, monkeypatch: Patch) -> None:
     run(scene(), tmp_path, engine="reference")
-    before = contents(tmp_path)
-    names = ("scene.yaml", "in.chains")
+    before, writing = contents(tmp_path), Path.write_bytes
 
-    def overwrite() -> None:
-        with replacing(tmp_path, names):
-            for name in names:
-                write_text(tmp_path / name, "new")
+    def full(path: Path, content: bytes) -> int:
+        if path.name == "in.chains":
             raise OSError(28, "No space left on device")
+        return writing(path, content)
 
-    with pytest.raises(InputError, match="left as it was"):
-        overwrite()
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with (
+        pytest.raises(EndedError, match=f"^{tmp_path}: cannot be written .No space left on device.; what was there"),
+        prepared(tmp_path, {"scene.yaml": "new", "in.chains": "new"}, ["scene.yaml", "in.chains"], overwrite=True),
+    ):
+        pass
     assert contents(tmp_path) == before
+    assert not list(tmp_path.glob(".*"))
 
 
-@pytest.mark.parametrize("moved", [1, 3])
-def test_what_was_there_is_put_back_after_a_kill(tmp_path: Path, moved: int) -> None:
-    run(scene(), tmp_path, engine="reference")
-    before = contents(tmp_path)
-    aside = tmp_path / ".granchain-before-abc"
-    aside.mkdir()
-    for name in ["chains.dump.bin", "scene.yaml", RECORD][:moved]:
-        (tmp_path / name).rename(aside / name)
-    if moved == 3:
-        (tmp_path / RECORD).write_text(json.dumps({"files": [RECORD, "scene.yaml", "in.chains"]}))
-        (tmp_path / "in.chains").write_text("new")
-    remove_leftovers(tmp_path)
-    assert contents(tmp_path) == before
-    assert not aside.exists()
+# --- kills ------------------------------------------------------------------------------------------------------------
+
+OPERATIONS = {"os.chmod", "os.mkdir", "os.remove", "os.rename", "os.rmdir"}
+"""Changes of files and directories that Python announces before they are made."""
+
+
+def killed(work: Callable[[], object], before: int, operations: Collection[str] = OPERATIONS) -> bool:
+    """Do work in a process of its own, killed by SIGKILL before one of its operations; whether that came."""
+    pid = os.fork()
+    if pid == 0:
+        left = itertools.count(before, -1)
+
+        def hook(event: str, _: object) -> None:
+            if event in operations and next(left) == 0:
+                os.kill(os.getpid(), signal.SIGKILL)
+
+        sys.addaudithook(hook)
+        work()
+        os._exit(0)
+    code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+    assert code in (0, -signal.SIGKILL)
+    return code != 0
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_a_kill_at_any_moment_leaves_the_earlier_files_or_the_new_ones(tmp_path: Path, *, overwrite: bool) -> None:
+    (tmp_path / "before").mkdir()
+    if overwrite:
+        run(scene(), tmp_path / "before", engine="reference")
+        record_files(tmp_path / "before", ["waves.csv"])
+        write_text(tmp_path / "before" / "waves.csv", "ours")
+    names = ["scene.yaml", "in.chains", "chains.dump.bin"]
+
+    def begin(directory: Path, *, overwrite: bool) -> None:
+        with prepared(directory, {name: name for name in names[:2]}, names, overwrite=overwrite, outcome="running"):
+            pass
+
+    begin(tmp_path / "after", overwrite=False)
+    before, after = contents(tmp_path / "before"), contents(tmp_path / "after")
+    assert set(after) == {RECORD, *names[:2]}
+    states = []
+    for moment in itertools.count():
+        directory = tmp_path / str(moment)
+        shutil.copytree(tmp_path / "before", directory)
+        if not killed(lambda directory=directory: begin(directory, overwrite=overwrite), moment):  # type: ignore[misc]
+            break
+        complete_replacement(directory)
+        states.append(contents(directory))
+        assert states[-1] in (before, after)
+        begin(directory, overwrite=bool(states[-1]))
+        assert contents(directory) == after
+        assert not list(directory.glob(".*"))
+    changes = [first != second for first, second in itertools.pairwise(states)]
+    assert (states[0], states[-1], sum(changes)) == (before, after, 1)
+    assert min(states.count(before), states.count(after)) > 2
+
+
+@pytest.fixture
+def half_replaced(tmp_path: Path) -> Path:
+    """A directory of a run of 1 T that a kill left between the removal of its files and the move of those of 2 T."""
+    run(scene(), tmp_path / "run", engine="reference", check=False)
+    ready = prepare_run(scene(2.0), tmp_path / "run", engine="reference", overwrite=True)
+    RunDirectory(tmp_path / "run").update(request=Asked({}, scene(2.0).plain(), "reference").plain())
+    assert killed(lambda: run_prepared(ready, check=False), 1, ["os.rename"])
+    assert others(tmp_path / "run") == {".granchain-next"}
+    return tmp_path / "run"
+
+
+def test_a_run_whose_replacement_was_killed_is_resumed_as_the_new_one(half_replaced: Path) -> None:
+    assert resume(half_replaced) is not None
+    assert RunDirectory(half_replaced).scene.duration == 2.0
+
+
+def test_a_case_whose_replacement_was_killed_is_the_same_case(half_replaced: Path) -> None:
+    refuse_another(half_replaced, Asked({}, scene(2.0).plain(), "reference"), scene(2.0))
+
+
+def test_a_run_whose_replacement_was_killed_is_overwritten_only_on_request(half_replaced: Path) -> None:
+    with pytest.raises(InputError, match="is not empty"):
+        run(scene(3.0), half_replaced, engine="reference")
+    run(scene(3.0), half_replaced, engine="reference", overwrite=True)
+    assert RunDirectory(half_replaced).scene.duration == 3.0
 
 
 def test_a_directory_where_a_run_names_its_file_is_refused_before_anything_is_touched(tmp_path: Path) -> None:
@@ -233,7 +356,7 @@ def test_a_report_that_is_listed_is_no_news_of_the_run(tmp_path: Path) -> None:
     path = tmp_path / RECORD
     write_text(path, '{"outcome": "done", "files": ["run.json"]}')
     os.utime(path, (1e9, 1e9))
-    claim(tmp_path, ["waves.csv"])
+    record_files(tmp_path, ["waves.csv"])
     assert load(path).files == ["run.json", "waves.csv"]
     assert path.stat().st_mtime == 1e9
 

@@ -7,6 +7,7 @@ from refusals import refusal
 from lammps_inputs import file_names, library
 from workflow.cli import main
 from workflow.plugins.jobs import site
+from workflow.runs.engines import engine_called
 from workflow.runs.run import run
 from workflow.runs.size import size_of
 
@@ -36,7 +37,7 @@ def written(tmp_path):
 def test_steps_frames_and_bytes_are_those_of_the_run(tmp_path):
     plain = {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 20.0}
     scene = library.from_plain({**plain, "output": {"beads": [3, 7], "every": 0.1, "snapshots": 2.0}}, "a")
-    found, size = run(scene, tmp_path / "a", check=False).directory, size_of(scene.problem())
+    found, size = run(scene, tmp_path / "a", check=False).directory, size_of(scene.problem(), engine_called("lammps"))
     assert size.steps == found.job.steps
     assert size.frames == len(found.trajectory.time)
     dumped = sum((found.path / name).stat().st_size for name in (file_names.DUMP, file_names.SNAPSHOTS))

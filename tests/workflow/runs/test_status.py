@@ -20,6 +20,7 @@ from analysis.files.recording import Writer
 from lammps_inputs import file_names, physics
 from lammps_inputs.decks import continuation, deck
 from workflow.cli import main
+from workflow.engines.registry import engine_names
 from workflow.plugins.jobs import job
 from workflow.plugins.jobs.schedulers import slurm_jobs
 from workflow.plugins.jobs.site import JobOptions
@@ -271,7 +272,7 @@ def test_a_directory_of_runs_stands_for_them_all(tmp_path):
         ({"outcome": "interrupted", "steps_done": 300}, "incomplete", 300, "interrupted; `granchain run --resume "),
         *(
             ({"outcome": "interrupted", "engine": other}, "incomplete", None, "interrupted; `granchain run --resume ")
-            for other in ("reference", "collisions")
+            for other in engine_names()[1:]
         ),
     ],
 )

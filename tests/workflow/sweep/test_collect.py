@@ -14,8 +14,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from refusals import refusal
 
 import granchain
-from analysis.dispersion import cell_of
 from analysis.figures.studies import MOST_LINES, Sought, StudyAxis, logarithmic, map_figure, swept_figure
+from analysis.shape.unit_cell import cell_of
 from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.units import Label
 from workflow.cli import main

@@ -14,6 +14,7 @@ from sweeps import GRANCHAIN, SMALL, UNTIL, sweep, sweep_file
 
 from lammps_inputs import library
 from workflow.cli import main
+from workflow.engines.registry import engine_names
 from workflow.runs.files import alone
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -51,7 +52,7 @@ def test_a_swept_case_is_bit_for_bit_the_scene_run_alone(done, tmp_path):
 
 
 @pytest.mark.usefixtures("here")
-@pytest.mark.parametrize("engine", ["reference", "collisions"])
+@pytest.mark.parametrize("engine", [name for name in engine_names() if name != "lammps"])
 def test_other_engines_sweep_too(engine, tmp_path):
     path = sweep_file(tmp_path, {**SMALL, "gap": 0.1}, engine=engine, beads=[12])
     assert sweep(path, tmp_path / "s") == 0
@@ -110,6 +111,23 @@ def test_what_is_missing_failed_or_cut_short_is_computed_again_and_nothing_else(
     assert changed == {unanalysed, failed, killed, gone}
     assert before[unanalysed / "run.json"] == (unanalysed / "run.json").stat().st_mtime_ns
     assert before[kept / "run.json"] == (kept / "run.json").stat().st_mtime_ns
+
+
+@pytest.mark.usefixtures("here")
+def test_a_failed_case_beside_a_file_of_the_users_is_named_and_left_as_it_is(tmp_path, capsys):
+    path = sweep_file(tmp_path, engine="reference", beads=[12])
+    assert sweep(path, tmp_path / "s") == 0
+    case = tmp_path / "s" / "beads=12"
+    RunDirectory(case).update(outcome="failed")
+    (case / "notes.txt").write_text("mine")
+    frames = RunDirectory(case).dump.read_bytes()
+    capsys.readouterr()
+    assert sweep(path, tmp_path / "s") == 1
+    assert f"beads=12: {case / 'notes.txt'}: is not listed in run.json" in capsys.readouterr().out
+    assert (case / "notes.txt").read_text() == "mine"
+    assert RunDirectory(case).dump.read_bytes() == frames
+    (case / "notes.txt").unlink()
+    assert sweep(path, tmp_path / "s") == 0
 
 
 @pytest.mark.usefixtures("here")

@@ -15,7 +15,8 @@ from refusals import refusal
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.sharing.verdict import EquipartitionState
-from lammps_inputs import Coupling, Kick, Output, Scene, file_names, find, library
+from lammps_inputs import Kick, Output, Scene, file_names, find, library
+from lammps_inputs.ingredients.coupling import Coupling
 from lammps_inputs.units import make_scale
 from workflow.cli import main
 from workflow.runs.run import run

@@ -68,7 +68,6 @@ def printed(words, capsys):
         ({"timestep": None, "accuracy": 1e-3}, "lammps"),
         ({"chains": 2, "beads": 100, "duration": 100.0, "window": 64}, "lammps"),
         ({"chains": 2, "scheme": "suzuki4"}, "lammps"),
-        ({"gap": 1.0}, "collisions"),
         ({}, "reference"),
     ],
 )

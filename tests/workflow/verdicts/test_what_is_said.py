@@ -16,6 +16,7 @@ from analysis.sharing.verdict import EquipartitionState
 from lammps_inputs import installed_scenes, strict_yaml
 from lammps_inputs.units import hertz_constant, make_scale, sphere_mass
 from workflow.cli import main
+from workflow.engines.registry import engine_names
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -137,7 +138,7 @@ ROWS = (
 )
 
 
-@pytest.fixture(params=[pytest.param(row, id=row.name) for row in ROWS])
+@pytest.fixture(params=[pytest.param(row, id=row.name) for row in ROWS if row.engine in engine_names()])
 def told(request, tmp_path, capsys):
     """A row, what ``analyze`` prints of it, and its analysis.json."""
     row = request.param

@@ -12,7 +12,7 @@ from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.peaks import THRESHOLD
 from analysis.trajectory import EXCHANGES, Floats, Trajectory, frames_per_block, joined, of_atoms
 from lammps_inputs import Problem, System, physics
-from lammps_inputs.ingredients import coupled_chains
+from lammps_inputs.chains import coupled_chains
 from lammps_inputs.laws import dashpot
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.rates import stability_bound

@@ -15,7 +15,7 @@ from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Options, Writers
 from workflow.runs.files import complete
 from workflow.runs.labelled import need
-from workflow.runs.output_directory import claim, make_directory
+from workflow.runs.output_directory import make_directory, record_files
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import CommandResult, one_line
 
@@ -185,7 +185,7 @@ def _reserve(folder: Path, names: Iterable[str], ours: bool, overwrite: bool) ->
         InputError: a file stands there that is the user's.
     """
     if ours:
-        claim(folder, names)
+        record_files(folder, names)
         return
     for path in (folder / name for name in names):
         if not os.path.lexists(path):

@@ -13,7 +13,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis import dispersion
 from analysis.figures import style
 from analysis.gauges import forces
 from analysis.sharing import energies
@@ -100,11 +99,6 @@ class Ran(RunDirectory):
     def flow(self) -> energies.Flow:
         """Energy of the chains over time."""
         return watch(energies.EnergyFlow(self.problem), self.blocks()).result()
-
-    @cached_property
-    def spectrum(self) -> dispersion.Map:
-        """Power of the velocities over wavenumber and frequency."""
-        return watch(dispersion.Dispersion(self.problem), self.blocks()).result()
 
     def width(self, bead: int) -> float:
         """Full width at half maximum of the leading pulse at a bead of chain 1, in beads: duration times speed."""

@@ -13,7 +13,7 @@ from workflow.checked import checked
 from workflow.plugins.gallery import statements
 from workflow.plugins.gallery.criteria import RULE
 from workflow.plugins.gallery.entries import ENTRIES, GROUPS
-from workflow.runs.output_directory import claim
+from workflow.runs.output_directory import record_files
 from workflow.screen import CommandResult, count_bar, one_line, print_files, print_table
 from workflow.study_kit.directory import Study
 from workflow.workers import evaluate
@@ -127,7 +127,7 @@ def run_entry(name: str, folder: str) -> None:
     runs = entry_folder / "runs"
     runs.mkdir(parents=True, exist_ok=True)
     files = statements.files_of(ENTRIES[name].build(runs))
-    claim(entry_folder, tuple(files))
+    record_files(entry_folder, files)
     STUDY.write(entry_folder, files)
 
 

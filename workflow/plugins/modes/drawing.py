@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from analysis import loaded_pulse
+from analysis.shape.unit_cell import bands
 from lammps_inputs import units
 from workflow.plugins.modes.tables import BranchOfMode, ModesResult
 
@@ -36,7 +36,7 @@ def figures(result: ModesResult) -> "dict[str, Figure]":
         units.Label("displacement", "x", scale.symbol("length")),
         units.Label("time", "t", scale.symbol("time")),
     )
-    edges = loaded_pulse.bands(result.problem.system)
+    edges = bands(result.problem.system)
     measured = scale.measured(np.zeros(0) if edges is None else np.unique(edges), "frequency")
     return {
         FIGURES[0]: branch_figures.frequency_figure(curves, measured, (energy, frequency), name),

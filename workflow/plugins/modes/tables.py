@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from analysis import loaded_pulse
 from analysis.quantity import declare, plain, result
+from analysis.shape.unit_cell import bands
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 from workflow.plugins.modes.linear import LinearModes, centre
@@ -204,7 +204,7 @@ class ModesResult:
         scale, lines = self.problem.scale, []
         if self.linear.zeros:
             lines.append(f"linear modes of the frequency 0: {self.linear.zeros} of {len(self.linear.frequency)}")
-        edges = loaded_pulse.bands(self.problem.system)
+        edges = bands(self.problem.system)
         if edges is not None:
             texts = [" to ".join(f"{scale.measured(end, 'frequency'):.6g}" for end in band) for band in edges]
             lines.append(f"small waves of an infinite chain have frequencies from {', and from '.join(texts[:6])}")

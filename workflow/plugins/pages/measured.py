@@ -19,9 +19,8 @@ from bokeh.models import (
 )
 
 from analysis.conservation import Account
-from analysis.dispersion import Branches, Map
 from analysis.figures.energy import averaged, budget_curves
-from analysis.figures.spectra import DECADES, DEEPEST, highest_frequency, shown_power
+from analysis.figures.spectra import DEEPEST
 from analysis.figures.style import AxisUnit, axis_unit
 from analysis.gauges.spectra import SpectrumTable, VelocitySpectra
 from analysis.quantity import declared
@@ -31,7 +30,6 @@ from lammps_inputs.units import REDUCED, Label
 from workflow.measures.base import Measurement
 from workflow.measures.energy import BudgetMeasurement
 from workflow.measures.gauges import SpectrumMeasurement
-from workflow.measures.sound import DispersionMeasurement
 from workflow.plugins.pages.downsample import Thinned, Units
 from workflow.plugins.pages.plots import (
     MARKS,
@@ -46,6 +44,8 @@ from workflow.plugins.pages.plots import (
     number,
 )
 from workflow.plugins.pages.save_data import add_tool_of_curves, add_tool_of_image
+from workflow.plugins.sound.dispersion import DECADES, Branches, Map
+from workflow.plugins.sound.measure import DispersionMeasurement
 
 _MOST_PIXELS = 400
 """Rows and columns of a map of power at most; of more, each pixel has the largest of some."""
@@ -133,9 +133,9 @@ def _spectra(problem: Problem, part: Thinned, spectra: VelocitySpectra) -> Any:
 
 def _dispersion(problem: Problem, spectrum: Map) -> Any:
     """Power over wavenumber and frequency, with the exact branches and the edges of their bands."""
-    top = highest_frequency(spectrum)
+    top = spectrum.highest_frequency
     unit = _unit(problem, "frequency", top)
-    power, (left, right), (bottom, end) = shown_power(spectrum)
+    power, (left, right), (bottom, end) = spectrum.shown_power()
     power = _coarser(power)
     plot = graph("dispersion", "dispersion", {"velocity": unit}, "velocity", Range1d(-math.pi, math.pi), "")
     if problem.chains > 1:

@@ -16,7 +16,6 @@ from analysis.trajectory import Floats, along_the_way
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 from workflow.measures.base import Measurement
-from workflow.measures.sound import SoundMeasurement
 from workflow.plugins.pages.downsample import Thinned, Units
 from workflow.verdicts.analysis_report import last_clear_bead
 
@@ -59,8 +58,8 @@ def lines_of(
         speed = float(wave_of(problem.system).speed_at(final.value))
         name = f"exact solitary wave of {final.value:.5f} V: {speed / problem.scale.time:.6g}{per_time}"
         lines.append(TheoryLine(name, _through_waves(problem, chains, survey, speed)))
-    sound = measurements.get(SoundMeasurement.key)
-    if isinstance(sound, SoundMeasurement) and sound.values.speed is not None:
+    sound = measurements.get("sound")
+    if sound is not None and sound.values.speed is not None:
         speeds = dict.fromkeys(f"{speed / problem.scale.time:.6g}" for speed in sound.values.speed)
         lines.append(TheoryLine(f"sound: c0 = {' to '.join(speeds)}{per_time}", _sound(problem, chains)))
         pulse = sound.values.pulse

@@ -33,7 +33,7 @@ from workflow.plugins.pages.selection import open_link
 from workflow.plugins.pages.sweep_page import layout as sweep_layout
 from workflow.runs.engines import engine_called
 from workflow.runs.files import write_text
-from workflow.runs.output_directory import claim
+from workflow.runs.output_directory import record_files
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import PrintedTable
 from workflow.sweep.collect import collect
@@ -243,7 +243,7 @@ def _run(path: Path) -> Path:
         ready=[open_link(root)],
         foot=foot + provenance.foot(_cited([directory]), _computed(directory)),
     )
-    claim(path, (VIEW,))
+    record_files(path, (VIEW,))
     write_text(path / VIEW, made)
     return path / VIEW
 
@@ -361,7 +361,7 @@ def _compared(runs: tuple[RunDirectory, ...], comparison: Validation, file: str)
         head="".join(f"<p>{escape(line)}</p>" for line in lines) + _html_tables(setting_table(runs, comparison)),
         foot=_html_tables(*compared_tables(runs, comparison)) + provenance.foot(_cited(runs)),
     )
-    claim(directory.path, (file,))
+    record_files(directory.path, (file,))
     write_text(directory.path / file, made)
     return directory.path / file
 

@@ -120,8 +120,7 @@ class RigidEngine(Engine):
 
     def rounded_from(self, job: Job) -> float | None:
         """Time in the scene's unit of the first collision that follows rounding; None where none does."""
-        assert isinstance(job, RigidRecord)
-        return None if job.rounding is None else job.rounding.time
+        return job.rounding.time if isinstance(job, RigidRecord) and job.rounding is not None else None
 
 
 def _of_rounding(record: RoundingRecord) -> str:

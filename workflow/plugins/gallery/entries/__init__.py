@@ -6,7 +6,6 @@ from workflow.plugins.gallery.entries import (
     alternating,
     foundations,
     impacts,
-    loaded,
     losses,
     nonuniform,
     paper_touching,
@@ -20,6 +19,7 @@ GROUPS = {"paper": ("paper-touching", "paper-gapped")}
 """Name of a group -> its entries."""
 
 OF_RIGID_BEADS: dict[str, Entry] = {}
+OF_SOUND: dict[str, Entry] = {}
 OF_MODES: dict[str, Entry] = {}
 """Entries that other plug-ins compute, where they are installed."""
 
@@ -27,6 +27,15 @@ if find_spec("workflow.plugins.rigid"):
     from workflow.plugins.gallery.entries import paper_gapped
 
     OF_RIGID_BEADS = {"paper-gapped": paper_gapped.ENTRY}
+if find_spec("workflow.plugins.sound"):
+    from workflow.plugins.gallery.entries import loaded
+
+    OF_SOUND = {
+        "precompressed": loaded.PRECOMPRESSED,
+        "band-gap": loaded.BAND_GAP,
+        "resonators": loaded.RESONATORS,
+        "gravity": loaded.GRAVITY,
+    }
 if find_spec("workflow.plugins.modes"):
     from workflow.plugins.gallery.entries import breathers, mode_beats
 
@@ -60,10 +69,7 @@ ENTRIES: dict[str, Entry] = {
     "landau-zener": foundations.LANDAU_ZENER,
     "rosas": losses.ROSAS,
     "kuwabara-kono": losses.KUWABARA_KONO,
-    "precompressed": loaded.PRECOMPRESSED,
-    "band-gap": loaded.BAND_GAP,
-    "resonators": loaded.RESONATORS,
-    "gravity": loaded.GRAVITY,
+    **OF_SOUND,
     "rectifier": rectifier.RECTIFIER,
     **OF_MODES,
 }

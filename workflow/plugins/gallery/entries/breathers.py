@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis import loaded_pulse, motion
+from analysis import motion
+from analysis.shape.unit_cell import bands
 from analysis.trajectory import Floats
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statements, chain, line, panel
@@ -195,7 +196,7 @@ def _gap_breathers(_: Results) -> Statements:
 
 def _gap_edges(families: dict[str, PeriodicFamily]) -> Statements:
     heavy = families["heavy"]
-    edges = loaded_pulse.bands(heavy.problem.system)
+    edges = bands(heavy.problem.system)
     assert edges is not None
     exact = np.array([0.0, ACOUSTIC, OPTICAL, math.sqrt(2.0 * STIFFNESS * (1.0 + 1.0 / LIGHT))])
     frequencies = [family.linear.frequency for family in families.values()]

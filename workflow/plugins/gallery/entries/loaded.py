@@ -1,5 +1,6 @@
 """Chains under a static load: solitary waves on top of it, bands of sound and the gaps between them, a column."""
 
+import functools
 import math
 from collections.abc import Sequence
 from itertools import pairwise
@@ -8,10 +9,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis import loaded_pulse
 from analysis.trajectory import Floats, watch
 from workflow.plugins.gallery.criteria import MeasuredQuantity, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, exponent
+from workflow.plugins.sound import dispersion, loaded_pulse
 
 
 def _weakly_kicked(beads: int, duration: float, **keys: object) -> dict[str, object]:
@@ -87,10 +88,16 @@ Edge = tuple[float, str, str]
 """Angular frequency of the edge of a band, published claim, and its derivation."""
 
 
+@functools.cache
+def _spectrum(run: Ran) -> dispersion.Map:
+    """Power of the velocities over wavenumber and frequency."""
+    return watch(dispersion.Dispersion(run.problem), run.blocks()).result()
+
+
 def _edges(results: Results, scene: str, edges: Sequence[Edge], source: str) -> Statements:
     """The three edges, from the power of the velocities over wavenumber and frequency."""
-    resolved = max(each(lambda run: run.spectrum.bin / run.problem.scale.time, results[scene]).values())
-    bands = each(lambda run: run.spectrum.measured_bands() / run.problem.scale.time, results[scene])
+    resolved = max(each(lambda run: _spectrum(run).bin / run.problem.scale.time, results[scene]).values())
+    bands = each(lambda run: _spectrum(run).measured_bands() / run.problem.scale.time, results[scene])
     for place, (edge, published, derived) in zip(PLACES, edges, strict=True):
         frequencies = {engine: float(edges_of_engine[place]) for engine, edges_of_engine in bands.items()}
         yield state(
@@ -103,7 +110,7 @@ def _edges(results: Results, scene: str, edges: Sequence[Edge], source: str) -> 
 
 def _draw_bands(axis: Axes, run: Ran, edges: Sequence[Edge], *, exact: bool) -> None:
     """Branches, and the edges of the bands."""
-    spectrum, second = run.spectrum, run.problem.scale.time
+    spectrum, second = _spectrum(run), run.problem.scale.time
     for branch, (name, mark) in enumerate((("lower", "o"), ("upper", "s"))):
         look: dict[str, Any] = {"color": COLOURS[branch], "marker": mark, "linestyle": "none", "markersize": 4}
         axis.plot(spectrum.folded, spectrum.measured[:, branch] / second, label=f"{name} branch (LAMMPS)", **look)

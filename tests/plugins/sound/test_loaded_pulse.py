@@ -7,11 +7,11 @@ import pytest
 from synthetic_waves import of_keys
 
 from analysis import motion
-from analysis.dispersion import cell_of
-from analysis.loaded_pulse import LoadedPulse
+from analysis.shape.unit_cell import cell_of
 from analysis.trajectory import watch
 from lammps_inputs import laws
 from workflow.engines.reference import engine
+from workflow.plugins.sound.loaded_pulse import LoadedPulse
 
 KINDS = {"heavy": {"mass": 1.0}, "light": {"mass": 0.3}}
 

@@ -5,12 +5,12 @@ from collections.abc import Iterable
 import numpy as np
 
 from analysis import hermite, motion
-from analysis.dispersion import NoDispersionError, cell_of
 from analysis.quantity import declare, derived, result
 from analysis.shape.long_waves import cell_beads, sound_speed, speed_over_sound
+from analysis.shape.unit_cell import bands
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats, Trajectory, direction_of, joined
-from lammps_inputs import Problem, System, laws, physics
+from lammps_inputs import Problem, laws, physics
 from lammps_inputs.limits import rates
 
 CLEAR = 5
@@ -103,14 +103,6 @@ class Sound:
             crest=max((float(crest.peak_velocity.max()) for crest in crests), default=None),
             pulse=pulse,
         )
-
-
-def bands(system: System) -> Floats | None:
-    """Lowest and highest angular frequency of every branch of small waves, [branch, 2] in 1 / T; None if undefined."""
-    try:
-        return cell_of(system).bands()
-    except NoDispersionError:
-        return None
 
 
 def _ends(values: Floats) -> Floats:

@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from analysis.dispersion import Bands, Branches, Map, NoDispersionError
-from analysis.dispersion import Dispersion as Collected
-from analysis.loaded_pulse import LoadedPulse, bands
-from analysis.loaded_pulse import Sound as Measured
 from analysis.shape.long_waves import sound_speed
+from analysis.shape.unit_cell import NoDispersionError, bands
 from analysis.sharing.survey import Survey
 from lammps_inputs import Scene, laws, physics
 from lammps_inputs.facts import Fact
 from workflow.measures.base import FrameMeter, Measurement, Recorded
+from workflow.plugins.sound.dispersion import Bands, Branches, Map
+from workflow.plugins.sound.dispersion import Dispersion as Collected
+from workflow.plugins.sound.loaded_pulse import LoadedPulse
+from workflow.plugins.sound.loaded_pulse import Sound as Measured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,7 +48,7 @@ class DispersionMeasurement(Measurement):
 
     def draw(self) -> "Figure":
         """The map with the branches."""
-        from analysis.figures.spectra import dispersion_figure
+        from workflow.plugins.sound.figure import dispersion_figure
 
         assert self.map is not None
         return dispersion_figure(self.problem, self.map)

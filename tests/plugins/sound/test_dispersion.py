@@ -9,12 +9,13 @@ import pytest
 from small_problems import written_down
 
 from analysis import quantity
-from analysis.dispersion import Dispersion, Map, NoDispersionError, UnitCell, cell_of, measured_branches
 from analysis.shape.exact_wave import nesterenko
 from analysis.shape.long_waves import LoadedSpeed, sound_speed, speed_over_sound
+from analysis.shape.unit_cell import NoDispersionError, UnitCell, cell_of
 from analysis.trajectory import Trajectory, watch
 from lammps_inputs import library
 from lammps_inputs.units import make_scale
+from workflow.plugins.sound.dispersion import Dispersion, Map, measured_branches
 from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
