@@ -10,7 +10,7 @@ from lammps_inputs import physics
 from lammps_inputs.deck_lines import BeadLayout
 from lammps_inputs.facts import Fact
 from lammps_inputs.layout import layout_of
-from lammps_inputs.scheme import SchemeName
+from lammps_inputs.scheme import SchemeName, cycle
 from lammps_inputs.system import System
 from lammps_inputs.units import Scale
 
@@ -55,6 +55,11 @@ class Problem:
         """Diameter and places of the beads in LAMMPS."""
         layout = layout_of(self.system)
         return layout if self.window is None else replace(layout, rows=self.window)
+
+    @property
+    def cycle(self) -> int:
+        """Verlet steps in a cycle of the scheme."""
+        return cycle(self.scheme)
 
     @property
     def steps(self) -> int:

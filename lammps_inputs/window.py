@@ -46,7 +46,7 @@ def rows_for(rows: int) -> int:
 
 def stride(problem: Problem) -> int:
     """Steps between which a run may stop: a cycle of the scheme; with a window those between two looks at the front."""
-    cycle = scheme.cycle(problem.scheme)
+    cycle = problem.cycle
     if problem.window is None:
         return cycle
     return max(1, int(LOOK / (rates.front_speed(problem.system) * problem.timestep)) // cycle) * cycle

@@ -1,6 +1,6 @@
 """The leading waves: how the chains share them over the distance run, their shape, and velocities of a few beads."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,7 @@ from analysis.shape.waveforms import COMPARED, LARGER, Waveforms
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing, runs_exact_waves
 from analysis.tracking.leading_waves import Waves
-from analysis.trajectory import Floats, along_the_way
+from analysis.trajectory import Floats, Trajectory, along_the_way, watch
 from lammps_inputs import Problem, physics
 
 AGREED = 0.01
@@ -173,6 +173,11 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
     head(figure, title(problem, each_chain=True))
     legend_beside(figure, *axes[0, -1].get_legend_handles_labels(), handletextpad=0.3)
     return figure
+
+
+def response_of(problem: Problem, blocks: Iterable[Trajectory], beads: Sequence[int], waves: Waves) -> Figure:
+    """`response_figure` of some beads of a run, from consecutive frames [frame, chain, bead]."""
+    return response_figure(watch(BeadHistory(problem, beads), blocks), waves)
 
 
 @styled

@@ -13,7 +13,7 @@ import numpy as np
 
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError, dumps_of
 from analysis.files.dump_layout import header
-from analysis.trajectory import Floats, Integers, Trajectory, frames_per_block, of_atoms
+from analysis.trajectory import Floats, Integers, Trajectory, frames_per_block, joined, of_atoms
 from lammps_inputs import InputError, Problem, physics
 
 
@@ -96,6 +96,11 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
             raise empty
         if last + problem.steps_per_frame <= problem.steps:  # else it was to hold none
             warnings.warn(CutDumpWarning(f"{empty}; it is passed over"), stacklevel=2)
+
+
+def read(paths: Sequence[Path], problem: Problem) -> Trajectory:
+    """All frames of files in memory, [frame, chain, bead]; see `blocks`."""
+    return joined(blocks(paths, problem))
 
 
 def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajectory]:

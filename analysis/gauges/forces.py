@@ -13,7 +13,7 @@ it. The uncertainties of the largest force, its time, impulses and dwells follow
 uncertain is not stated.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -28,12 +28,13 @@ from analysis.gauges.gauge import (
     at_frames,
     borders,
     excursion,
+    gauges,
     maximum,
 )
 from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
 from analysis.sharing.run_error import MeasuredError
-from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
+from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined, watch
 from lammps_inputs import Problem
 from lammps_inputs.limits import rates
 
@@ -311,6 +312,20 @@ class _Frames:
         """Larger one of errors, [frame], at the two frames around a time."""
         second = int(np.clip(np.searchsorted(self.time, time), 1, len(self.time) - 1))
         return float(np.max(errors[second - 1 : second + 1]))
+
+
+def read(
+    blocks: Iterable[Trajectory], problem: Problem, *, contacts: tuple[int, ...] = (), wall: bool = False
+) -> Readings:
+    """Readings of gauges in a run: at its walls, and in contacts (contact n is between bead n and the next).
+
+    Args:
+        blocks: consecutive frames of the run, [frame, chain, bead] each, the first frame being the start.
+        problem: what was run.
+        contacts: numbers of contacts.
+        wall: whether walls have gauges, too.
+    """
+    return watch(ForceMeter(problem, gauges(problem.system, wall=wall, contacts=contacts)), blocks).result()
 
 
 class ForceMeter:

@@ -34,7 +34,7 @@ from analysis.tracking.leading_waves import (
     usual_arrival,
 )
 from analysis.tracking.peaks import PeakFinder, Peaks
-from analysis.tracking.pulses import Pulse, ahead_of_sound, track_pulses
+from analysis.tracking.pulses import Pulse, Train, ahead_of_sound, track_pulses, train_of
 from analysis.tracking.succession import Change, changes
 from analysis.tracking.undisturbed import clear_of_ends, clear_of_others, once_each, returns
 from analysis.trajectory import (
@@ -250,6 +250,15 @@ class Survey:
         mixed = _of_others(bead, self.waves, self.pulses, self.problem, self.direction)
         energies.wave[mixed] = energies.wave_error[mixed] = np.nan
         return energies
+
+    def pulses_towards(self, direction: int, smallest: float) -> tuple[Pulse, ...]:
+        """Pulses and crests of sound in one direction (1 or -1) that reach a velocity, in units of V."""
+        peaks = self.peaks_upwards if direction > 0 else self.peaks_downwards
+        return track_pulses(peaks, self.problem, smallest=smallest)
+
+    def train(self, chain: int, bead: int, smallest: float) -> Train:
+        """Pulses towards higher bead numbers that pass a bead in succession and reach a velocity, in units of V."""
+        return train_of(self.pulses_towards(1, smallest), chain, 1, bead)
 
     def leads(self, pulse: Pulse) -> bool:
         """Whether a pulse is the leading wave of its chain where it was last seen."""

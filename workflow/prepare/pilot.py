@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from analysis.compare.common_times import on_common_rows, velocity_error
-from lammps_inputs import InputError, Problem, Scene, complaints, physics, scheme
+from lammps_inputs import InputError, Problem, Scene, complaints, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
 from lammps_inputs.scene import DEFAULT_ACCURACY
@@ -109,7 +109,7 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> ChosenStep |
         UnreachableError: the problem has no solution of that accuracy.
     """
     problem = problem.coarser(stride(problem, CADENCE))  # the frames that are compared
-    cycle = scheme.cycle(problem.scheme)
+    cycle = problem.cycle
     fewest, cycles = (
         max(1, math.ceil(problem.every / (cycle * step) * (1.0 - 1e-9)))
         for step in (largest_step(problem, accuracy), guessed_step(problem, accuracy))
@@ -506,7 +506,7 @@ def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, ChosenStep]:
                 "take a larger one, or give a timestep"
             ) from None
         choice, unreached = by_rule(problem, accuracy), str(error)
-    cycle = scheme.cycle(problem.scheme)
+    cycle = problem.cycle
     steps = cycle * math.ceil(problem.every / (cycle * choice.timestep) * (1.0 - 1e-9))
     every = problem.every * scene.scale.time if scene.output.every is None else scene.output.every
     fields = {name: getattr(scene, name) for name in Scene.model_fields}

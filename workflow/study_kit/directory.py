@@ -8,14 +8,14 @@
         cases = [case(f"{__name__}:computed", {...}, cost=...) for ...]               # plan
         with STUDY.evaluating(directory) as values:
             points = [Point(**value) for value in values(cases)]   # evaluate
-            STUDY.write(directory, {"scan.csv": to_csv(Point, points)}, {"scan": draw(points)})  # report
+            STUDY.write(directory, {"scan.csv": (Point, points)}, {"scan": draw(points)})  # report
 
 - **Plan**: pure functions that return `workflow.workers.evaluate.Computation`, which name a function and plain data.
 - **Evaluate**: `evaluating` computes them in one pool of processes, with the directory's cache and a bar of progress. A
   search evaluates as often as it plans, in one open directory.
 - **Report**: a table is a list of records whose class declares its columns once (`analysis.quantity.result`): meaning,
-  unit, and how they are printed. `to_csv` and `print_records` follow from it. `write` writes tables, pages and figures;
-  `workflow.study_kit.page` makes a page of statements.
+  unit, and how they are printed. `write` writes it as CSV, and `print_records` prints it. `write` also writes figures,
+  and other files; `workflow.study_kit.page` makes pages.
 
 `opened` creates or resumes the directory, refuses files of others, keeps other commands out of it, and records for
 ``granchain status`` whether the study came to its end. A command adds arguments and prints.
@@ -36,8 +36,9 @@ from lammps_inputs.units import DIMENSIONLESS, Scale
 from workflow.formats import figure_files
 from workflow.runs import job
 from workflow.runs.figures import write_figure
-from workflow.runs.files import alone, write_text
+from workflow.runs.files import alone, as_json, write_bytes
 from workflow.runs.output_directory import make_directory, record_files
+from workflow.runs.run_directory import provenance
 from workflow.screen import count_bar, print_table
 from workflow.workers.evaluate import Computation, StoredResults, values
 from workflow.workers.pool import Pool
@@ -45,6 +46,9 @@ from workflow.workers.pool import Pool
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
     from matplotlib.figure import Figure
+
+    Records = tuple[type[DataclassInstance], Sequence[DataclassInstance]]
+    """Class of records, and its instances."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +74,15 @@ class Study:
     resume: str = "the same command resumes"
 
     @property
+    def figure_files(self) -> tuple[str, ...]:
+        """Names of the files of its figures, in the formats that were chosen."""
+        return figure_files(*self.figures)
+
+    @property
     def files(self) -> tuple[str, ...]:
         """Names of all files and folders that the study makes in the directory."""
         cache = (self.cache,) if self.cache else ()
-        return (*self.tables, *figure_files(*self.figures), *cache, *self.others)
+        return (*self.tables, *self.figure_files, *cache, *self.others)
 
     @contextlib.contextmanager
     def opened(self, directory: Path | None) -> Iterator[StoredResults]:
@@ -126,12 +135,58 @@ class Study:
 
             yield evaluated
 
-    def write(self, directory: Path, tables: Mapping[str, str], figures: "Mapping[str, Figure] | None" = None) -> None:
-        """Write tables by name, and figures by name without suffix; each file completely or not at all."""
-        for name, text in tables.items():
-            write_text(directory / name, text)
+    def write(
+        self,
+        directory: Path,
+        tables: "Mapping[str, str | bytes | Mapping[str, Any] | Records]",
+        figures: "Mapping[str, Figure] | None" = None,
+        scale: Scale = DIMENSIONLESS,
+    ) -> None:
+        """Write tables by name, and figures by name without suffix; each file completely or not at all.
+
+        Args:
+            directory: the study's directory.
+            tables: contents of files; data for JSON; or class and instances of records, for CSV with a line for each
+                record and a column for each field of the class.
+            figures: what is drawn.
+            scale: units of the fields that declare one.
+        """
+        for name, table in tables.items():
+            write_bytes(directory / name, _content(table, scale))
         for name, figure in (figures or {}).items():
             write_figure(directory, name, figure)
+
+    def remove_all_but(self, directory: Path, names: Sequence[str]) -> None:
+        """Remove files of an earlier start of the study, but for its cache and those of some names."""
+        record_files(directory, names, outdated=set(self.files).difference(names, (self.cache,)))
+
+    @staticmethod
+    def print_records(
+        title: str,
+        kind: "type[DataclassInstance]",
+        records: "Sequence[DataclassInstance]",
+        scale: Scale = DIMENSIONLESS,
+    ) -> None:
+        """Print a table of the columns that declare ``digits`` (`analysis.quantity.Quantity`), in the units of a scale.
+
+        Nothing is printed where there are no records.
+        """
+        if not records:
+            return
+        shown = {name: column for name, (column, _) in quantity.declared(kind).items() if column.digits is not None}
+        rows = [
+            [
+                quantity.cell(_measured(record, name, column.unit, scale), column.digits or "")
+                for name, column in shown.items()
+            ]
+            for record in records
+        ]
+        print_table(title, [scale.heading(column.head or name, column.unit) for name, column in shown.items()], rows)
+
+    @staticmethod
+    def with_provenance(report: Mapping[str, Any]) -> dict[str, Any]:
+        """A report, and where and with what it was computed."""
+        return {**report, **provenance()}
 
     def mark(self, directory: Path, *, done: bool) -> None:
         """Record in ``run.json``, as `opened` does, the command of a directory and whether the study is finished."""
@@ -139,40 +194,21 @@ class Study:
         job.update(directory, study=study.plain())
 
 
-def to_csv(
-    kind: "type[DataclassInstance]", records: "Sequence[DataclassInstance]", scale: Scale = DIMENSIONLESS
-) -> str:
-    """CSV text, a line for each record and a column for each field of their kind.
+def _content(table: "str | bytes | Mapping[str, Any] | Records", scale: Scale) -> bytes:
+    """Content of a file: as it is, as JSON, or as CSV."""
+    if isinstance(table, bytes):
+        return table
+    if isinstance(table, Mapping):
+        return f"{as_json(table)}\n".encode()
+    return (table if isinstance(table, str) else _csv_of(*table, scale)).encode()
 
-    Args:
-        kind: class of the records.
-        records: its instances.
-        scale: units of the fields that declare one.
-    """
+
+def _csv_of(kind: "type[DataclassInstance]", records: "Sequence[DataclassInstance]", scale: Scale) -> str:
+    """CSV text, a line for each record and a column for each field of their class."""
     units = {field.name: _declared(kind, field.name).unit for field in fields(kind)}
     head = [scale.heading(name, unit) for name, unit in units.items()]
     rows = [[_measured(record, name, unit, scale) for name, unit in units.items()] for record in records]
     return csv_text([dict(zip(head, row, strict=True)) for row in rows], head)
-
-
-def print_records(
-    title: str, kind: "type[DataclassInstance]", records: "Sequence[DataclassInstance]", scale: Scale = DIMENSIONLESS
-) -> None:
-    """Print a table of the columns that declare ``digits`` (`analysis.quantity.Quantity`), in the units of a scale.
-
-    Nothing is printed where there are no records.
-    """
-    if not records:
-        return
-    shown = {name: column for name, (column, _) in quantity.declared(kind).items() if column.digits is not None}
-    rows = [
-        [
-            quantity.cell(_measured(record, name, column.unit, scale), column.digits or "")
-            for name, column in shown.items()
-        ]
-        for record in records
-    ]
-    print_table(title, [scale.heading(column.head or name, column.unit) for name, column in shown.items()], rows)
 
 
 def _declared(kind: "type[DataclassInstance]", name: str) -> quantity.Quantity:

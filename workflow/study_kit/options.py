@@ -3,13 +3,13 @@
 import argparse
 import contextlib
 import textwrap
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from lammps_inputs import InputError, complaints, strict_yaml
+from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.units import Label
 from workflow.screen import CommandResult
 from workflow.study_kit.directory import floats
@@ -30,23 +30,6 @@ def add_output(parser: argparse.ArgumentParser) -> None:
 def add_jobs(parser: argparse.ArgumentParser, words: str = "scenes at a time (default all cores)") -> None:
     """Add the option for the number of worker processes; None by default."""
     parser.add_argument("--jobs", metavar="N", type=within(int, 1, 1024), help=words)
-
-
-def add_parts(parser: argparse.ArgumentParser, names: Iterable[str]) -> None:
-    """Add arguments for the parts of a study, of these names; all by default."""
-    parser.add_argument("parts", metavar="PART", nargs="*", help=f"of {', '.join(names)} (default all)")
-
-
-def refuse_unknown_parts(command: str, parts: Iterable[str], names: Collection[str]) -> None:
-    """Refuse what is no part of a study.
-
-    Raises:
-        InputError: a part is not among the names.
-    """
-    for name in parts:
-        if name not in names:
-            hint = complaints.suggestion(name[:60], names)
-            raise InputError(f"{command}: {name[:60]!r} given{hint}; of {', '.join(names)}")
 
 
 def within(kind: type[int] | type[float], low: float, high: float) -> Callable[[str], float]:

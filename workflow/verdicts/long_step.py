@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import scheme
 from workflow.engines.reference import engine
 from workflow.prepare.pilot import TABLES
 
@@ -40,7 +39,7 @@ def long_step(trajectory: Trajectory, reference: Trajectory) -> list[str]:
     if np.any(_apart(right, reference) > _MOSTLY * _apart(trajectory, reference)):  # the difference is not its own
         return []
     spent, best, steps = 0.0, np.full(2, np.inf), 1
-    cycle = scheme.cycle(problem.scheme)
+    cycle = problem.cycle
     others = range(1, _MOST_STEPS_PER_FRAME + 1) if cycle == 1 else ()
     for count in dict.fromkeys([problem.steps_per_frame // cycle, *others]):
         spent += count * (frames - 1) * trajectory.velocity[0].size

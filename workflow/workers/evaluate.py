@@ -106,9 +106,11 @@ class Computation(NamedTuple):
     alone: bool = False
 
 
-def case(function: str, arguments: dict[str, Any], *, cost: float = 0.0) -> Computation:
-    """A case whose key follows from the arguments of its function, ``module:name``."""
-    return Computation(key_of(arguments), Task(function, arguments), cost)
+def case(
+    function: str, arguments: dict[str, Any], *, key: str = "", cost: float = 0.0, alone: bool = False
+) -> Computation:
+    """A case of a function, ``module:name``, at arguments, from which its key follows unless another one is given."""
+    return Computation(key or key_of(arguments), Task(function, arguments), cost, alone)
 
 
 def evaluate(

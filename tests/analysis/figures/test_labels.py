@@ -1,17 +1,15 @@
 """Which bead, chain and time is where in a figure, in which unit, under which label: numbers made by hand."""
 
-import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from axis_units import unit_on
 from stock_lammps import scene
 from synthetic_waves import of_keys
 
 from analysis.compare.difference import Deviation, ErrorMap
-from analysis.figures import periodic_states
 from analysis.figures.energy import energy_figure
-from analysis.figures.engines import EngineCurve, PublishedPoint, engines_figure, relative_mode_figure, scan_figure
 from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figure
 from analysis.figures.forces import force_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
@@ -58,19 +56,6 @@ def all_shown(axis, problem):
     assert sorted(found) == [chain + 1 for chain in shown_chains(problem)] != list(range(1, 10))
     assert [line.get_color() for _, line in sorted(found.items())] == list(CHAIN_COLOURS)
     return found.items()
-
-
-PREFIXES = {"": 1.0, "m": 1e-3, "\N{MICRO SIGN}": 1e-6, "k": 1e3}
-
-
-def unit_on(label, what, unit):
-    """What the numbers on an axis, in an SI unit with some prefix, are to be multiplied with, in the scene's units."""
-    (word,) = re.findall(r"\(([^()]*)\)$", label)
-    if not what.scale.si:
-        assert word == "reduced"
-        return 1.0
-    assert word.endswith(unit)
-    return PREFIXES[word.removesuffix(unit)]
 
 
 def test_the_energy_figure_has_the_share_centre_and_spread_of_each_chain(problem):
@@ -205,22 +190,6 @@ def test_samples_from_before_the_peak_are_drawn_ahead_of_it():
     assert below.get_lines()[1].get_ydata()[1] == pytest.approx(0.2 - 1.0)
 
 
-def test_a_scan_has_a_panel_for_each_row_that_it_names_with_the_published_point():
-    point = PublishedPoint("gap of eq. 5", 0.15, np.array([0.55, 0.75]))
-    theta, differences = np.array([0.1, 0.2]), np.array([[0.5, 0.7], [0.6, 0.0]])
-    axes = scan_figure(theta, differences, (10, 55), 0.01, point).axes
-    found = {axis.get_title(loc="left"): {line.get_label(): line for line in axis.get_lines()} for axis in axes}
-    assert found["(a) row 10"]["rigid beads"].get_ydata().tolist() == [0.5, 0.6]
-    np.testing.assert_array_equal(found["(b) row 55"]["rigid beads"].get_ydata(), [0.7, np.nan])  # 0 has no logarithm
-    assert found["(b) row 55"]["gap of eq. 5"].get_xydata().tolist() == [[0.15, 0.75]]
-    assert set(found["(a) row 10"]["1 %"].get_ydata()) == {0.01}
-
-
-def test_a_difference_of_0_leaves_a_gap_in_the_relative_mode():
-    (axis,) = relative_mode_figure([("rigid", np.arange(4), np.array([0.5, 0.0, -0.1, 1e-9]))]).axes
-    np.testing.assert_array_equal(axis.get_lines()[0].get_ydata(), [0.5, np.nan, 0.1, np.nan])
-
-
 # --- places -----------------------------------------------------------------------------------------------------------
 
 
@@ -343,22 +312,6 @@ def test_the_distance_figure_has_each_chain_at_its_beads_in_its_units(si):
     assert "lag behind\nchain 1" in lag.get_ylabel()
 
 
-@pytest.mark.parametrize("si", [False, True])
-def test_the_engines_figure_has_each_bead_and_engine_where_it_says(si):
-    what = pair(si, gap=0.5 * pair(si).scale.length)
-    time, velocity = np.array([0.0, 1.0, 2.0]), np.zeros((3, 2, 2))
-    velocity[1, 1, 1] = 0.5  # chain 2, the second of the rows shown
-    curve = EngineCurve("rigid", time, velocity, np.array([2, 3]), np.array([[0.7, 0.6], [0.2, 0.1]]))
-    first, *rows = engines_figure(what, (4, 9), [curve]).axes
-    assert [axis.get_title(loc="left") for axis in (first, *rows)] == ["(a) rigid", "(b) bead 4", "(c) bead 9"]
-    assert first.get_ylabel() == "first impulse $I / (m V)$"
-    assert [line.get_ydata().tolist() for line in first.get_lines()] == [[0.7, 0.6], [0.2, 0.1]]
-    assert not np.any([line.get_ydata() for line in rows[0].get_lines()])
-    moved = rows[1].get_lines()[1]
-    assert moved.get_ydata() * unit_on(rows[1].get_ylabel(), what, "m/s") == pytest.approx([0.0, 0.5 * SPEED, 0.0])
-    assert moved.get_xdata() * unit_on(rows[1].get_xlabel(), what, "s") == pytest.approx(time * what.scale.time)
-
-
 def test_lines_are_interrupted_at_recorded_beads_where_no_pulse_leads():
     what = pair(False, chains=1, kappa=0.0, beads=40)
     bead = np.array([*range(2, 20), *range(25, 28), 30, *range(33, 36)])
@@ -415,31 +368,6 @@ def test_the_title_tells_name_chains_coupling_gap_and_v():
 def test_the_title_tells_the_static_load(keys, words):
     duration = 1e-4 if "material" in keys else 5.0
     assert title(of_keys(beads=10, kick={"velocity": 1.0}, duration=duration, **keys)).endswith(words)
-
-
-def test_figures_of_periodic_states_name_the_state_and_tell_it_from_the_linear_mode():
-    numbers, shape = np.linspace(0.1, 1.0, 3), np.array([[1.0, -0.5, 0.2]])
-    branch = periodic_states.BranchCurve(
-        name="mode 2",
-        last_state="state 3, energy 1",
-        energy=numbers,
-        frequency=numbers,
-        stable=np.ones(3, dtype=bool),
-        bifurcations=np.zeros((0, 2)),
-        linear=shape,
-        last=shape,
-        multipliers=np.exp(1j * numbers),
-        motion=np.ones((5, 1, 3)),
-        period=1.0,
-        chains=1,
-    )
-    multipliers, shapes = (
-        draw([branch], "the case").axes[0] for draw in (periodic_states.multiplier_figure, periodic_states.shape_figure)
-    )
-    assert multipliers.get_title() == shapes.get_title() == "mode 2: state 3, energy 1"
-    looks = {line.get_label(): (line.get_marker(), line.get_linestyle()) for line in shapes.get_lines()}
-    assert looks["last state"] == ("o", "None")
-    assert looks["linear mode"] == ("None", "-")
 
 
 @pytest.mark.parametrize("width", [3.2, 6.5])

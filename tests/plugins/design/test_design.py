@@ -87,7 +87,7 @@ def test_where_designs_can_be_counted_all_are_computed_and_the_table_begins_with
 
 @pytest.mark.slow
 def test_from_python_the_same_design_is_found_again_and_shows_itself(found, monkeypatch):
-    monkeypatch.setattr("workflow.plugins.design.report.page", lambda _: (found / "index.html").read_text())
+    monkeypatch.setattr("workflow.plugins.design.report.render", lambda _: (found / "index.html").read_text())
     again = granchain.design(SMALL, str(found), jobs=1)
     best = json.loads((found / "design.json").read_text())["quantities"]["wall_force"]
     assert again.best.quantities["wall_force"] == best

@@ -17,7 +17,7 @@ from workflow.cli import main
 from workflow.plugins.gallery import entries, sources
 from workflow.plugins.gallery.entries import ENTRIES, GROUPS
 from workflow.plugins.gallery.entry import Entry
-from workflow.study_kit.page import FAILS, kept
+from workflow.plugins.gallery.statements import FAILS, kept
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
 

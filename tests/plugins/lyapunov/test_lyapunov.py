@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 import granchain
-from analysis.figures import exponents as exponents_figure
 from lammps_inputs import InputError
 from workflow.cli import main
-from workflow.plugins.derivatives.linearised import problem_of
-from workflow.plugins.lyapunov import growth
+from workflow.plugins.derivatives import tangent
+from workflow.plugins.lyapunov import figure, growth
 from workflow.plugins.lyapunov.study import Exponent, GrowthOfRun, combined
 
 CHAOTIC = {
@@ -25,7 +24,7 @@ CHAOTIC = {
 }
 DRAG = 0.1
 
-draw_exponents = exponents_figure.draw
+draw_exponents = figure.draw
 
 
 def exponents(scene, count, duration, refinement=1):
@@ -38,7 +37,7 @@ def test_deviations_of_a_chain_with_drag_decay_at_half_of_its_coefficient():
     # near rest each mode is an oscillator with x'' + gamma x' + omega^2 x = 0, omega > gamma / 2
     scene = CHAOTIC | {"damping": {"beads": DRAG}, "kick": {"velocity": 0.01}}
     values, errors = exponents(scene, 24, 1000)
-    time = problem_of(scene, "scene").scale.time
+    time = tangent.problem_of(scene, "scene").scale.time
     # an interval of 2 pi / omega adds the ratio of lengths along an ellipse, omega^2, at its ends only
     assert np.allclose(values / time, -0.5 * DRAG, rtol=0.0, atol=2e-3)
     assert np.all(errors < 2e-3)
@@ -119,7 +118,7 @@ def test_exponents_of_the_size_of_their_uncertainty_or_of_regular_motion_are_bou
 def test_table_text_figure_and_data_say_that_regular_motion_has_no_exponent(tmp_path, capsys, monkeypatch):
     scene, out, drawn = tmp_path / "scene.yaml", str(tmp_path / "out"), []
     scene.write_text(json.dumps(CHAOTIC | {"kick": {"bead": 4, "velocity": 1e-4}}))
-    monkeypatch.setattr(exponents_figure, "draw", lambda *parts: drawn.append(parts) or draw_exponents(*parts))
+    monkeypatch.setattr(figure, "draw", lambda *parts: drawn.append(parts) or draw_exponents(*parts))
     words = ["lyapunov", str(scene), "--exponents", "2", "--duration", "2000", "-o", out]
     assert main(words) == 0
     printed = capsys.readouterr().out

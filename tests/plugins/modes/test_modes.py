@@ -12,7 +12,6 @@ from analysis import motion
 from lammps_inputs import InputError
 from workflow.cli import main
 from workflow.plugins.derivatives import tangent
-from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.modes import branches, continuation, floquet, lammps_check, linear, shooting, study
 
 CHAIN = {
@@ -35,7 +34,7 @@ FOUR = {
 
 
 def modes_of(scene):
-    problem = problem_of(scene, "scene")
+    problem = tangent.problem_of(scene, "scene")
     return problem, linear.linear_modes(problem, "scene")
 
 
@@ -293,7 +292,7 @@ def test_wrong_options_are_refused_in_one_line(options, says, tmp_path, capsys):
 def test_yielding_contacts_are_refused():
     scene = {"name": "plastic", "beads": 9, "kick": {"velocity": 1}, "contact": {"yield": {"overlap": 0.1}}}
     with pytest.raises(InputError, match="contacts that yield"):
-        problem_of(scene | {"duration": 1}, "scene")
+        tangent.problem_of(scene | {"duration": 1}, "scene")
 
 
 def test_the_command_writes_tables_arrays_and_figures(tmp_path, capsys):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from workflow.cli import main
-from workflow.plugins.derivatives.linearised import problem_of
+from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import driven, lammps_sweep, response, response_tables
 
 DRIVEN = {
@@ -29,14 +29,14 @@ def without(scene, *keys):
 
 def curve_of(scene, low, high, further=()):
     """Time unit, velocity unit and the curve between two frequencies, with responses of further ones."""
-    scale = problem_of(scene, "scene").scale
+    scale = tangent.problem_of(scene, "scene").scale
     low, high, *further = (1.0 / (frequency * scale.time) for frequency in (low, high, *further))
     return scale, response.computed(scene, "scene", (low, high), 400, further, 10)
 
 
 def response_of(scene, frequency, steps=512):
     """Shooting with so many steps, and the response near the linear one at a frequency of the scene."""
-    problem = problem_of(scene, "scene")
+    problem = tangent.problem_of(scene, "scene")
     solver = response.DrivenShooting(problem, steps, 2.0 * math.pi * frequency * problem.scale.time, 1.0)
     corrected = solver.linear(1.0 / (frequency * problem.scale.time))
     assert corrected is not None
@@ -78,7 +78,7 @@ def test_small_responses_are_those_of_springs_and_dashpots_up_to_the_square_of_t
 def test_the_linear_response_of_a_problem_is_that_of_springs_and_dashpots():
     drive = {"force": 1e-3, "frequency": 0.2, "phase": 50}
     scene = DRIVEN | {"beads": 4, "damping": {"beads": 0.05, "contact": 0.1}, "drive": drive}
-    problem = problem_of(scene, "scene")
+    problem = tangent.problem_of(scene, "scene")
     x = driven.linear_response(problem)[0][0] * problem.scale.length
     # overlaps at rest are rounded to what places in LAMMPS distinguish
     assert np.allclose(x, closed_form(scene, drive | {"angle": math.radians(50)}, 0.4 * math.pi), rtol=1e-6, atol=0.0)
@@ -165,7 +165,7 @@ def test_period_doubling_is_around_twice_the_frequency_of_a_mode():
 
 @pytest.mark.slow
 def test_lammps_jumps_at_the_folds_and_else_follows_the_curve_within_the_error_of_its_scheme(bent):
-    problem, (scale, curve) = problem_of(DRIVEN, "scene"), bent
+    problem, (scale, curve) = tangent.problem_of(DRIVEN, "scene"), bent
     periods = [1.0 / (frequency * scale.time) for frequency in SWEPT]
     energy = max(state["energy"] for state in curve["states"])
     sweep = lammps_sweep.computed(DRIVEN, "scene", periods, energy, driven.slowest_decay(problem, "scene"))

@@ -15,7 +15,6 @@ from analysis.figures.spacetime import RootScale
 from workflow.cli import main
 from workflow.plugins.pages import function
 from workflow.runs.run_directory import RunDirectory
-from workflow.study_kit.page import HOLDS, Section, Statement, render
 
 SCENE = {
     "name": "seen",
@@ -280,17 +279,6 @@ def test_the_page_of_a_run_is_readable_in_dark_mode(ran, tmp_path, look):
         ".every(one => one.background_fill_color == '#1b1d21')"
     )
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(27, 29, 33)"
-
-
-@pytest.mark.slow
-def test_a_page_of_statements_fits_a_narrow_screen(tmp_path, browser):
-    long = Statement("rosas2007" * 9, "rosas2007, abstract", "derived", ["LAMMPS 0.68163 V, " * 9], HOLDS, "corrected")
-    (tmp_path / "index.html").write_text(render("t", "s", [Section("Waves", "of beads", [long])]))
-    page = browser.new_page(viewport={"width": 600, "height": 800})
-    page.goto((tmp_path / "index.html").as_uri())
-    assert page.evaluate("document.documentElement.scrollWidth") == 600
-    page.get_by_role("link", name="contents").click()
-    assert page.url.endswith("#contents")
 
 
 @pytest.mark.slow

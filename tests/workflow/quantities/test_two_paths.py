@@ -11,7 +11,7 @@ from lammps_inputs import find, installed_scenes, physics
 from workflow.cli import main
 from workflow.quantities.columns import AT_BEAD, KNOWN, MASS, UNCERTAINTIES
 from workflow.quantities.evaluate import evaluate, of_frames, scene_to_run
-from workflow.runs.check import accountant
+from workflow.runs.exchange import accountant
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.collect import collect

@@ -105,7 +105,7 @@ class Travel:
             self._lmp.command(f"run {steps} pre no post no")
             return
         lines = scheme.cycle_lines(self._problem.scheme)
-        for _ in range(steps // scheme.cycle(self._problem.scheme)):
+        for _ in range(steps // self._problem.cycle):
             self._commands(lines)
 
     def _commands(self, lines: list[str]) -> None:

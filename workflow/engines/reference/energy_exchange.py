@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.conservation import FrameAccountant
 from analysis.trajectory import EXCHANGES, Floats, Trajectory, joined
-from lammps_inputs import Problem, System, physics
-from lammps_inputs.laws import dashpot
+from lammps_inputs import Problem, physics
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import BLANES_MOAN
 
@@ -70,7 +69,7 @@ class _Follower:
         problem, state = self._problem, self._state
         exchange = np.repeat(self._until, block.frames, axis=0)
         x, v = block.atoms
-        w = velocity_of_state(problem.system, x, v)
+        w = engine.velocity_of_state(problem.system, x, v)
         pushed = np.array(sorted({load.bead for load in problem.system.loads}), dtype=np.int64)
         end = state.frame_arrays(1, problem.chains, len(pushed))
         for frame in range(1, block.frames):
@@ -95,16 +94,3 @@ class _Follower:
             for load in self._problem.system.loads
             for place in np.flatnonzero(pushed == load.bead)
         )
-
-
-def velocity_of_state(system: System, x: Floats, v: Floats) -> Floats:
-    """Velocities of the kernel: less impulses of dashpots over masses where no tension is cut.
-
-    Args:
-        system: whose.
-        x: displacements, [..., line, bead] in units of L.
-        v: velocities, of that shape, in units of V.
-    """
-    if not system.dampers or any(dashpot.cut(link.law) for link in system.dampers):
-        return v
-    return np.asarray(v - engine.given_by_dashpots(system, x))

@@ -13,6 +13,7 @@ from analysis.tracking.peaks import THRESHOLD
 from analysis.trajectory import EXCHANGES, Floats, Trajectory, frames_per_block, joined, of_atoms
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.chains import coupled_chains
+from lammps_inputs.laws import dashpot
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.units import DIMENSIONLESS
@@ -24,6 +25,9 @@ from workflow.processor_time import check
 
 STEPS_PER_BOUND = 15.0
 """Steps of the default scheme in the stability bound of velocity Verlet; 0.05 for the paper's scenes."""
+
+FORCES_PER_STEP = BLANES_MOAN.forces_per_step
+"""Evaluations of all forces in a step of the default scheme."""
 
 _FORCES_A_CALL = 1e7
 """Forces on beads in one call of the compiled step, some 0.03 s, after which a limit on processor time is checked."""
@@ -288,6 +292,19 @@ def given_by_dashpots(system: System, x: Floats) -> Floats:
 
 
 # --- the leading pulse without frames, for chains too long to record --------------------------------------------------
+
+
+def velocity_of_state(system: System, x: Floats, v: Floats) -> Floats:
+    """Velocities of the kernel: less impulses of dashpots over masses where no tension is cut.
+
+    Args:
+        system: whose.
+        x: displacements, [..., line, bead] in units of L.
+        v: velocities, of that shape, in units of V.
+    """
+    if not system.dampers or any(dashpot.cut(link.law) for link in system.dampers):
+        return v
+    return np.asarray(v - given_by_dashpots(system, x))
 
 
 def usual_timestep(problem: Problem) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analysis import motion
 from lammps_inputs import Scene, physics
-from lammps_inputs.laws.dashpot import alpha
+from lammps_inputs.laws import dashpot
 from workflow.plugins.adopt.chains import Measured
 from workflow.plugins.adopt.wall_laws import WallLaw
 
@@ -87,7 +87,7 @@ def _dashpot_of_scene(side: str, measured: Measured, scene: Scene, overlap: Floa
     if damping.law == "restitution":
         critical = np.sqrt(measured.mass[:, end] * strength)
         return np.asarray(
-            alpha(damping.contact, measured.exponent) * critical * overlap ** ((measured.exponent - 1.0) / 2.0)
+            dashpot.alpha(damping.contact, measured.exponent) * critical * overlap ** ((measured.exponent - 1.0) / 2.0)
         )
     coefficient = damping.contact * unit
     if damping.law == "viscoelastic":

@@ -12,12 +12,15 @@ from typing import Any
 import numpy as np
 
 from analysis.trajectory import Flags, Floats
-from lammps_inputs import InputError, Problem, System, laws, physics
+from lammps_inputs import InputError, Problem, Scene, System, laws, library, physics
 from lammps_inputs.laws import dashpot
 from workflow.engines.reference import engine, kernel
 from workflow.engines.reference.kernel import TangentArrays
 from workflow.engines.reference.kernel_inputs import Terms, make_terms
 from workflow.engines.reference.schemes import BLANES_MOAN, Scheme
+
+_LEFT_OUT = ("window", "timestep", "accuracy", "scheme", "output")
+"""Keys of a scene that do not matter to a tangent flow along its run."""
 
 
 def refuse_without_slope(system: System) -> None:
@@ -37,6 +40,25 @@ def refuse_without_slope(system: System) -> None:
         exponent = laws.exponent(link.law)
         if exponent is not None and np.any(np.asarray(exponent) <= 1.0):
             raise InputError("the equations cannot be linearised: contacts of exponent 1 have a slope that jumps")
+
+
+def problem_of(plain: dict[str, Any], source: str) -> Problem:
+    """The problem of a scene, whatever its end, time step and output.
+
+    Args:
+        plain: the scene.
+        source: its name in messages.
+
+    Raises:
+        InputError: it is no scene, or one that cannot be linearised.
+    """
+    scene: Scene = library.from_plain({key: value for key, value in plain.items() if key not in _LEFT_OUT}, source)
+    problem = scene.model_copy(update={"duration": scene.scale.time}).resolved().problem()
+    try:
+        refuse_without_slope(problem.system)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+    return problem
 
 
 @dataclass(frozen=True)

@@ -15,17 +15,17 @@ from workflow.plugins.design.figures import Objective, front_figure, history_fig
 from workflow.plugins.design.result import SET_AGAINST, DesignResult
 from workflow.plugins.design.search import RULED_OUT, worth
 from workflow.runs.run_directory import RunDirectory
-from workflow.study_kit.page import PageFigure, document, drawn, shown, table
+from workflow.study_kit import page
 from workflow.sweep.axes import label
 
 
-def page(result: DesignResult) -> str:
+def render(result: DesignResult) -> str:
     """The report in HTML, with its figures."""
     design, best = result.design, result.verified[0]
     wanted = ("least" if design.sign > 0.0 else "largest") + f" {design.objective}"
     words = "".join(f"<p><b>Warning:</b> {html.escape(warning)}.</p>" for warning in result.warnings)
     parts = {
-        "The best": words + table(*result.table()) + _shown(_of_best(result)),
+        "The best": words + page.table(*result.table()) + _shown(_of_best(result)),
         "The search": _search_words(result) + _shown(_of_search(result)),
         f"Manufacturing tolerance of {result.sensitivity.spread:.2%}": _made(result),
     }
@@ -38,11 +38,11 @@ def page(result: DesignResult) -> str:
         summary += f" In {result.undefined} of them the objective or a quantity with a limit is undefined."
     cited = {key: None for keys in references.of_scene(best.directory.scene).values() for key in keys}
     body = "\n".join(f"<section><h2>{name}</h2>{part}</section>" for name, part in parts.items())
-    return document(f"{scene}: {wanted}", summary, body, cited)
+    return page.document(f"{scene}: {wanted}", summary, body, cited)
 
 
-def _shown(pictures: list[PageFigure]) -> str:
-    return "".join(shown(picture) for picture in pictures)
+def _shown(pictures: list[page.PageFigure]) -> str:
+    return "".join(page.shown(picture) for picture in pictures)
 
 
 def _search_words(result: DesignResult) -> str:
@@ -79,20 +79,20 @@ def _label(result: DesignResult, name: str) -> Label:
     return label(name, result.design.scene)
 
 
-def _of_search(result: DesignResult) -> list[PageFigure]:
+def _of_search(result: DesignResult) -> list[page.PageFigure]:
     objective, values = _objective(result), _values(result)
-    pictures = [drawn("history", history_figure(objective, values), "Every design, as the search came to it.")]
+    pictures = [page.drawn("history", history_figure(objective, values), "Every design, as the search came to it.")]
     if result.design.request.also:
         name = result.design.request.also[0]
         figure = front_figure(objective, values, _label(result, name), _values(result, name))
-        pictures.append(drawn("front", figure, f"Pareto front of {result.design.objective} and {name}."))
+        pictures.append(page.drawn("front", figure, f"Pareto front of {result.design.objective} and {name}."))
     return pictures
 
 
-def _of_best(result: DesignResult) -> list[PageFigure]:
+def _of_best(result: DesignResult) -> list[page.PageFigure]:
     best = result.verified[0].directory
     spacetime = spacetime_figure(watch(SpaceTime(best.problem), best.blocks()))
-    pictures = [drawn("spacetime", spacetime, "The best in space and time, by LAMMPS.")]
+    pictures = [page.drawn("spacetime", spacetime, "The best in space and time, by LAMMPS.")]
     against = [] if result.beside is None else [(SET_AGAINST, result.beside.directory)]
     curves = [
         (name, *curve) for name, directory in [("the best", best), *against] if (curve := _wall(directory)) is not None
@@ -103,7 +103,7 @@ def _of_best(result: DesignResult) -> list[PageFigure]:
             Label("time", "t", scale.symbol("time")),
             Label("force on the wall, all chains", "F", scale.symbol("force")),
         )
-        pictures.append(drawn("wall", wall_figure(curves, *labels), "Force on the far wall over time, by LAMMPS."))
+        pictures.append(page.drawn("wall", wall_figure(curves, *labels), "Force on the far wall over time, by LAMMPS."))
     return pictures
 
 
@@ -130,4 +130,4 @@ def _made(result: DesignResult) -> str:
     if not small.enough:
         return words
     figure: Figure = members_figure(_objective(result), best, small.members)
-    return words + _shown([drawn("members", figure, "Distribution over designs with these errors.")])
+    return words + _shown([page.drawn("members", figure, "Distribution over designs with these errors.")])

@@ -34,7 +34,6 @@ from workflow.plugins.design.polish import polished, refuse_no_gradient, smooth
 from workflow.plugins.design.result import DesignResult, Verified, sensitivity
 from workflow.plugins.design.search import RULED_OUT, Compute, DesignRecord, computed, search, worth
 from workflow.quantities.evaluate import evaluate, of_frames, scene_to_run
-from workflow.runs.files import as_json
 from workflow.screen import CommandResult, one_line, print_files, print_table
 from workflow.study_kit.directory import Study, csv_text
 from workflow.study_kit.kept_run import kept_run
@@ -126,10 +125,10 @@ def carry_out(design: Design, directory: Path, jobs: int | None = None, *, gradi
         slopes = gradient_at(best_scene.plain(), design) if gradient else []
         timed = [record.seconds for record in records if design.objective in record.quantities]
         result = DesignResult(design, records, verified, beside, small, sum(timed) / len(timed), slopes)
-        study.write(directory, {REPORT: as_json(result.plain()) + "\n"})
-        from workflow.plugins.design.report import page  # matplotlib takes half a second to import
+        study.write(directory, {REPORT: result.plain()})
+        from workflow.plugins.design.report import render  # matplotlib takes half a second to import
 
-        study.write(directory, {PAGE: page(result)})
+        study.write(directory, {PAGE: render(result)})
     return result
 
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import library, strict_yaml
+from lammps_inputs import InputError, complaints, library, strict_yaml
 from lammps_inputs.limits.rates import stability_bound
-from workflow.engines.lammps.mpi import cores
+from workflow.engines.lammps import mpi
 
 Plain = dict[str, Any]
 
@@ -39,10 +39,22 @@ BASE: Plain = _FILE["base"]
 PARTS: dict[str, dict[str, list[Plain]]] = {name: axes for name, axes in _FILE.items() if name != "base"}
 
 WORDS: Plain = {
-    "more than cores": cores() + 1,
+    "more than cores": mpi.cores() + 1,
     "every bead": [{"velocity": (-1.0) ** (i + j), "chain": j, "bead": i} for i in range(1, 31) for j in (1, 2)],
 }
 """Words of ``cells.yaml`` that stand for computed values."""
+
+
+def refuse_unknown(parts: Sequence[str], source: str) -> None:
+    """Refuse what is no part of the report.
+
+    Raises:
+        InputError: a part is not in `PARTS`.
+    """
+    for name in parts:
+        if name not in PARTS:
+            hint = complaints.suggestion(name[:60], PARTS)
+            raise InputError(f"{source}: {name[:60]!r} given{hint}; of {', '.join(PARTS)}")
 
 
 def changed(scene: Plain, **changes: Any) -> Plain:

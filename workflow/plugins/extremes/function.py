@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from workflow.checked import checked
-from workflow.plugins.extremes.cells import PARTS
+from workflow.plugins.extremes.cells import refuse_unknown
 from workflow.plugins.extremes.study import RunOutcome, carry_out
-from workflow.study_kit.options import refuse_unknown_parts
 
 
 @checked
@@ -32,5 +31,5 @@ def extremes(
         >>> {outcome.kind for outcome in outcomes} <= {"RIGHT", "REPORTED", "REFUSED"}
         True
     """
-    refuse_unknown_parts("parts", parts, PARTS)
+    refuse_unknown(parts, "parts")
     return carry_out(parts, None if directory is None else Path(directory), quick=quick)

@@ -16,26 +16,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from analysis import motion
+from analysis.compare import difference
 from analysis.compare.common_times import paired
-from analysis.compare.difference import errors_of
-from analysis.conservation import Conservation
 from analysis.quantity import declare, result
 from lammps_inputs import InputError, Problem, Scene, library, physics
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.reference import engine
-from workflow.engines.reference.schemes import BLANES_MOAN
 from workflow.engines.reference.step_halving import StepHalving
 from workflow.errors import RunError
-from workflow.plugins.extremes.cells import PARTS, ReportRun, grid, scaled
+from workflow.plugins.extremes.cells import PARTS, ReportRun, grid, refuse_unknown, scaled
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import print_files
-from workflow.study_kit.directory import Study, print_records, to_csv
-from workflow.study_kit.options import add_parts, refuse_unknown_parts
+from workflow.study_kit.directory import Study
 from workflow.verdicts.validate import TOLERANCES
 from workflow.workers import evaluate
-from workflow.workers.evaluate import key_of
-from workflow.workers.pool import Task
 
 # --- true error -------------------------------------------------------------------------------------------------------
 
@@ -68,7 +64,7 @@ def true_error(directory: RunDirectory, tolerance: float) -> LargestError:
     for _ in range(_HALVINGS):
         halving = StepHalving(problem, steps_per_frame=steps)
         references = (replace(block, problem=directory.problem) for block in halving.blocks())
-        error = errors_of(directory.blocks(), references)["velocity"].largest
+        error = difference.errors_of(directory.blocks(), references)["velocity"].largest
         steps *= 2
         if halving.uncertainty.velocity <= tolerance or _seconds(problem, steps) > LONGEST:
             break
@@ -80,7 +76,7 @@ def _seconds(problem: Problem, steps_per_frame: int) -> float:
     kicked = [bead for _, bead, _ in physics.excitations(problem.system)]
     rows = min(problem.beads, max(kicked) - min(kicked) + 1 + 0.5 * problem.duration)
     steps = 1.5 * problem.frames * steps_per_frame
-    return steps * BLANES_MOAN.forces_per_step * (rows * problem.chains * _BEAD_STAGE + _STAGE)
+    return steps * engine.FORCES_PER_STEP * (rows * problem.chains * _BEAD_STAGE + _STAGE)
 
 
 # --- measure ----------------------------------------------------------------------------------------------------------
@@ -240,16 +236,14 @@ def _apart(directory: RunDirectory, other: Scene, path: Path, factor: float = 1.
 
 def _drifts(directory: RunDirectory) -> str | None:
     problem = directory.problem
-    halves = (Conservation(), Conservation())
-    middle = 0.5 * problem.duration
+    energy, first, second = physics.energy(problem.system), 0.0, 0.0
     for block in directory.blocks():
-        split = int(np.searchsorted(block.time, middle))
-        for half, part in zip(halves, (block[:split], block[split:]), strict=True):
-            if part.frames:
-                half.add(part)
-    first, second = (half.energy_drift for half in halves)
+        split = int(np.searchsorted(block.time, 0.5 * problem.duration))
+        drift = np.abs(motion.energy(problem.system, *block.atoms) / energy - 1.0)
+        first = float(np.max(drift[:split], initial=first))
+        second = float(np.max(drift[split:], initial=second))
     # rounding of positions does work on contacts whose force is below 1
-    rounding = _rounding(problem) / physics.energy(problem.system)
+    rounding = _rounding(problem) / energy
     return None if second <= 1.1 * first + rounding else f"the energy drifts: off by {first:.1e}, then by {second:.1e}"
 
 
@@ -271,10 +265,11 @@ def plan(cells: Sequence[ReportRun]) -> list[evaluate.Computation]:
     """Cases of cells, which are computed again when the program changes; those of several ranks use all cores."""
     program = _program()
     return [
-        evaluate.Computation(
-            key_of([program, asdict(cell)]),
-            Task(f"{__name__}:computed", asdict(cell)),
-            cost(cell),
+        evaluate.case(
+            f"{__name__}:computed",
+            asdict(cell),
+            key=evaluate.key_of([program, asdict(cell)]),
+            cost=cost(cell),
             alone=cell.ranks > 1,
         )
         for cell in cells
@@ -295,7 +290,7 @@ def _program() -> str:
     """Checksum of the program's modules."""
     root = Path(__file__).parents[3]
     files = [path for package in ("lammps_inputs", "analysis", "workflow") for path in (root / package).rglob("*.py")]
-    return key_of([[path.relative_to(root).as_posix(), path.read_text("utf-8")] for path in sorted(files)])
+    return evaluate.key_of([[path.relative_to(root).as_posix(), path.read_text("utf-8")] for path in sorted(files)])
 
 
 def carry_out(parts: Sequence[str], directory: Path | None, *, quick: bool) -> list[RunOutcome]:
@@ -310,13 +305,13 @@ def carry_out(parts: Sequence[str], directory: Path | None, *, quick: bool) -> l
         InputError: there is no such part, or the directory cannot be used.
         RunError: a process was killed.
     """
-    refuse_unknown_parts("extremes", parts, PARTS)
+    refuse_unknown(parts, "extremes")
     chosen = [cell for cell in grid(parts) if not quick or cost(cell) <= QUICK]
     with STUDY.evaluating(directory) as values:
         results = values(plan(chosen), failed=lambda result: bool(result.failed) or result.value["kind"] == "WRONG")
         outcomes = [RunOutcome(**value) for value in results]
         if directory is not None:
-            STUDY.write(directory, {TABLE: to_csv(RunOutcome, outcomes)})
+            STUDY.write(directory, {TABLE: (RunOutcome, outcomes)})
     return outcomes
 
 
@@ -331,7 +326,7 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_parts(parser, PARTS)
+    parser.add_argument("parts", metavar="PART", nargs="*", help=f"of {', '.join(PARTS)} (default all)")
     parser.add_argument(
         "-o", "--output", metavar="DIR", type=Path, help="new directory, or one to resume: table, cells"
     )
@@ -342,7 +337,7 @@ def execute(arguments: argparse.Namespace) -> int:
     """Run what is missing, print a table; exit code 1 if a cell is silently wrong."""
     outcomes = carry_out(arguments.parts, arguments.output, quick=arguments.quick)
     title = "largest error of any velocity (V), against a more accurate reference"
-    print_records(title, RunOutcome, outcomes)
+    STUDY.print_records(title, RunOutcome, outcomes)
     for outcome in outcomes:
         if outcome.kind in ("REFUSED", "STOPPED", "WRONG"):
             print(f"{outcome.kind} {outcome.axis} {outcome.value}: {outcome.why}")

@@ -26,11 +26,9 @@ from lammps_inputs import InputError, installed_scenes, library, strict_yaml
 from workflow import formats
 from workflow.arguments import AnyScene, load, source_of
 from workflow.checked import checked
-from workflow.formats import figure_files
 from workflow.plugins.fit.estimate import FitResult, estimate
 from workflow.plugins.fit.model import NO_SCENE, Model, aligned, squares
 from workflow.plugins.fit.result import Fit, InLammps, judged
-from workflow.runs.files import as_json
 from workflow.runs.run import run
 from workflow.screen import CommandResult, one_line, print_files, print_table
 from workflow.study_kit.directory import Study
@@ -131,7 +129,7 @@ def carry_out(model: Model, directory: Path, *, lammps: bool = True) -> Fit:
             result = replace(result, lammps=_in_lammps(model, estimated, directory / LAMMPS))
         STUDY.write(
             directory,
-            {REPORT: as_json(result.plain()) + "\n"},
+            {REPORT: result.plain()},
             {FIGURE: _figure(model, estimated, rejected=result.fits is False)},
         )
     return result
@@ -274,5 +272,5 @@ def _print(result: Fit, arguments: argparse.Namespace) -> None:
         velocity = lammps.error_velocity
         error = "" if velocity is None else f", with an error of velocities of {velocity:.1e} V"
         print(f"traces of LAMMPS differ from the fitted ones by at most {lammps.difference:.2g} sigma{error}")
-    files = (FITTED, REPORT, *figure_files(FIGURE))
+    files = (FITTED, REPORT, *STUDY.figure_files)
     print_files(arguments.output, files)

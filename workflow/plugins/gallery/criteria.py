@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from workflow.study_kit.page import CORRECTED, FAILS, HOLDS, Statement
+from workflow.plugins.gallery.statements import CORRECTED, FAILS, HOLDS, Statement
 
 RULE = (
     "Rule of the verdicts. Each statement is reduced to quantities, which are measured in the runs of every engine, "

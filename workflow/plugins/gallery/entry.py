@@ -13,25 +13,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, label_log_axis, new_figure, styled
-from analysis.gauges.forces import ForceMeter, Readings
-from analysis.gauges.gauge import gauges
-from analysis.sharing.cells import left
-from analysis.sharing.energies import EnergyFlow, Flow
-from analysis.sharing.survey import survey
-from analysis.tracking.leading_waves import Waves, leading_waves
-from analysis.tracking.peaks import Peaks, find_peaks
-from analysis.tracking.pulses import Pulse, Train, track_pulses, train_of
+from analysis.figures import style
+from analysis.gauges import forces
+from analysis.sharing import energies
+from analysis.sharing.survey import Survey
+from analysis.tracking import leading_waves
 from analysis.trajectory import Floats, Trajectory, watch
 from lammps_inputs import library
-from workflow.plugins.sound.dispersion import Dispersion, Map
+from workflow.plugins.gallery.statements import Section, Statement
+from workflow.quantities.evaluate import of_frames
 from workflow.runs.engines import engine_called
 from workflow.runs.run_directory import RunDirectory
+from workflow.study_kit import page
 from workflow.study_kit.kept_run import kept_run
-from workflow.study_kit.page import PageFigure, Section, Statement, drawn
 
 ENGINES = ("lammps", "reference")
-COLOURS = CHAIN_COLOURS
+COLOURS = style.CHAIN_COLOURS
 
 # --- runs -------------------------------------------------------------------------------------------------------------
 
@@ -58,13 +55,14 @@ class Ran(RunDirectory):
         return super().trajectory
 
     @cached_property
-    def _forwards(self) -> Peaks:
-        return find_peaks(self.blocks(), direction=1)
+    def survey(self) -> Survey:
+        """Waves, pulses and energies, each computed when it is first needed."""
+        return Survey(self.problem, self.blocks, "maximum")
 
-    @cached_property
-    def waves(self) -> Waves:
+    @property
+    def waves(self) -> leading_waves.Waves:
         """Leading pulse at every bead."""
-        return leading_waves(self._forwards, self.problem, "maximum")
+        return self.survey.passages
 
     def peak(self, bead: int) -> float:
         """Peak velocity (V) of the leading pulse of chain 1 at a bead."""
@@ -80,41 +78,27 @@ class Ran(RunDirectory):
 
     def passages(self, bead: int) -> Floats:
         """Times (T) of all maxima of the velocity of a bead of chain 1, [passage]."""
-        peaks = self._forwards
+        peaks = self.survey.peaks_upwards
         return np.asarray(peaks.time[(peaks.bead == bead) & (peaks.chain == 1)])
 
     def speed(self, first: int, last: int) -> float:
         """Speed (beads / T) of the leading pulse of chain 1 between two beads."""
         return (last - first) / (self.arrival(last) - self.arrival(first))
 
-    def pulses(self, direction: int = 1, smallest: float = 0.01) -> tuple[Pulse, ...]:
-        """All pulses in one direction (1 or -1) that reach a velocity (V)."""
-        peaks = self._forwards if direction > 0 else find_peaks(self.blocks(), direction=-1)
-        return track_pulses(peaks, self.problem, smallest=smallest)
-
-    def train(self, bead: int, smallest: float = 0.01) -> Train:
-        """Pulses that pass a bead of chain 1 in succession and reach a velocity (V)."""
-        return train_of(self.pulses(1, smallest), 1, 1, bead)
-
-    def forces(self, *, contacts: Iterable[int] = (), wall: bool = False) -> Readings:
+    def forces(self, *, contacts: tuple[int, ...] = (), wall: bool = False) -> forces.Readings:
         """Readings of gauges at walls and in contacts (contact n is between bead n and the next)."""
-        places = gauges(self.problem.system, wall=wall, contacts=tuple(contacts))
-        return watch(ForceMeter(self.problem, places), self.blocks()).result()
-
-    def residual(self, period: int) -> float:
-        """Share of the energy of chain 1's pulse that stays in a cell of ``period`` beads; NaN where it passed none."""
-        residual = left(survey(self.blocks, self.problem), 1, period)
-        return float("nan") if residual is None else residual.per_cell
+        return forces.read(self.blocks(), self.problem, contacts=contacts, wall=wall)
 
     @cached_property
-    def flow(self) -> Flow:
+    def residual(self) -> float:
+        """Share of the energy of the kicked chain's pulse that stays in a cell; NaN where it passed none."""
+        residual = of_frames(self.problem, self.blocks, self.scene, ("residual_energy",))["residual_energy"]
+        return float("nan") if residual is None else residual
+
+    @cached_property
+    def flow(self) -> energies.Flow:
         """Energy of the chains over time."""
-        return watch(EnergyFlow(self.problem), self.blocks()).result()
-
-    @cached_property
-    def spectrum(self) -> Map:
-        """Power of the velocities over wavenumber and frequency."""
-        return watch(Dispersion(self.problem), self.blocks()).result()
+        return watch(energies.EnergyFlow(self.problem), self.blocks()).result()
 
     def width(self, bead: int) -> float:
         """Full width at half maximum of the leading pulse at a bead of chain 1, in beads: duration times speed."""
@@ -178,20 +162,20 @@ Draw = Callable[[Axes, Results], None]
 
 def line(place: int) -> dict[str, Any]:
     """Colour and dashes of one of several curves in a panel, distinct in greyscale, too."""
-    return {"color": COLOURS[place], "linestyle": CHAIN_DASHES[place]}
+    return {"color": COLOURS[place], "linestyle": style.CHAIN_DASHES[place]}
 
 
-@styled
+@style.styled
 def panel(labels: tuple[str, str], draw: Draw, results: Results) -> Figure:
     """A figure of one panel with labelled axes and a legend."""
-    figure = new_figure(3.4, 6.4)
+    figure = style.new_figure(3.4, 6.4)
     axis = figure.subplots()
     draw(axis, results)
     axis.set_xlabel(labels[0])
     axis.set_ylabel(labels[1])
     for setting in (axis.xaxis, axis.yaxis):
         if setting.get_scale() == "log":
-            label_log_axis(setting)
+            style.label_log_axis(setting)
     if axis.get_legend_handles_labels()[1]:
         axis.legend()
     return figure
@@ -221,7 +205,7 @@ class Entry:
     axes: tuple[str, str] = ("", "")
     draw: Draw | None = None
     caption: str = ""
-    pictures: Callable[[Results], Sequence[PageFigure]] = lambda _: ()
+    pictures: Callable[[Results], Sequence[page.PageFigure]] = lambda _: ()
     swept: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     sources: Mapping[str, str] = field(default_factory=dict)
 
@@ -244,7 +228,7 @@ class Entry:
         notes = [_own_errors(results)] if results else []
         pictures = [*self.pictures(results)]
         if self.draw is not None:
-            pictures.append(drawn("figure", panel(self.axes, self.draw, results), self.caption))
+            pictures.append(page.drawn("figure", panel(self.axes, self.draw, results), self.caption))
         return Section(self.title, self.introduction, list(self.statements(results)), pictures, notes, self.sources)
 
 

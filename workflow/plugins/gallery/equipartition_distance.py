@@ -12,12 +12,11 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures.style import STYLE
-from analysis.sharing.equipartition import sharing
-from analysis.tracking.leading_waves import Waves
-from lammps_inputs import Kick, Problem, Scene
-from lammps_inputs.ingredients.coupling import Coupling
-from workflow.engines.reference.engine import passages
+from analysis.figures import style
+from analysis.sharing.survey import Survey
+from analysis.tracking import leading_waves
+from lammps_inputs import Problem, library
+from workflow.engines.reference import engine
 
 MOST_BEADS = 12_000
 
@@ -69,15 +68,15 @@ def equipartition_distance(chains: int, kappa: float, most_beads: int = MOST_BEA
 
 
 def _in_chains_of(beads: int, chains: int, kappa: float) -> Distance:
-    coupling, kick = Coupling(stiffness=kappa), (Kick(velocity=1.0),)
-    scene = Scene(name="distance", chains=chains, beads=beads, coupling=coupling, kick=kick, duration=10.0 * beads)
-    problem = scene.problem()
+    keys = {"chains": chains, "beads": beads, "duration": 10.0 * beads}
+    scene = {"name": "distance", **keys, "coupling": {"stiffness": kappa}, "kick": {"velocity": 1.0}}
+    problem = library.from_plain(scene, "distance").problem()
     window, error, waves = NARROWEST, math.inf, _waves(problem, NARROWEST)
     while error > SAME and window < WIDEST:
         window *= 2
         narrow, waves = waves, _waves(problem, window)
         error = _difference(narrow, waves)
-    shared = sharing(waves, problem)
+    shared = Survey(problem, tuple, "maximum").replaced(passages=waves).shared
     return Distance(
         chains,
         kappa,
@@ -89,21 +88,21 @@ def _in_chains_of(beads: int, chains: int, kappa: float) -> Distance:
     )
 
 
-def _waves(problem: Problem, window: int) -> Waves:
+def _waves(problem: Problem, window: int) -> leading_waves.Waves:
     """Leading waves without those of the last rows, which the free end disturbs."""
     window = min(window, problem.beads + 30)
     until = problem.beads - 5
-    waves = passages(problem, window=window, until_bead=until, threshold=THRESHOLD)
+    waves = engine.passages(problem, window=window, until_bead=until, threshold=THRESHOLD)
     return waves.where(waves.bead <= until - 5)
 
 
-def _difference(narrow: Waves, wide: Waves) -> float:
+def _difference(narrow: leading_waves.Waves, wide: leading_waves.Waves) -> float:
     if len(narrow) != len(wide) or not np.array_equal(narrow.bead, wide.bead):
         return math.inf
     return float(np.max(np.abs(narrow.peak_velocity - wide.peak_velocity), initial=0.0))
 
 
-@mpl.rc_context(STYLE)
+@mpl.rc_context(style.STYLE)
 def distance_map(distances: Sequence[Distance]) -> Figure:
     """Draw distance (bead from which amplitudes agree to 1 % and 10 %) and final amplitude over kappa."""
     figure = Figure(figsize=(9.0, 4.0), layout="constrained")

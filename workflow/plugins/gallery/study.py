@@ -1,4 +1,4 @@
-"""Compute published results on granular chains and compare them with the publications, as an HTML page.
+"""Compute published results on granular chains and compare them with the publications, as an HTML statements.
 
 Entries are computed in parallel, each in a folder, then one page of all is written. The folder of an entry holds its
 runs, which a later start uses again, and its section of the page, which remains when only other entries are asked for.
@@ -8,30 +8,29 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from lammps_inputs import InputError, html
-from lammps_inputs.complaints import suggestion
+from lammps_inputs import InputError, complaints, html
 from workflow.checked import checked
+from workflow.plugins.gallery import statements
 from workflow.plugins.gallery.criteria import RULE
 from workflow.plugins.gallery.entries import ENTRIES, GROUPS
+from workflow.runs.output_directory import record_files
 from workflow.screen import CommandResult, count_bar, one_line, print_files, print_table
-from workflow.study_kit import page
 from workflow.study_kit.directory import Study
 from workflow.workers import evaluate
-from workflow.workers.pool import Task
 
 PAGE = "index.html"
 FOLDER = "entries"
 
 
-class Sections(dict[str, page.Section]):
-    """Name of an entry -> its section of the page."""
+class Sections(dict[str, statements.Section]):
+    """Name of an entry -> its section of the statements."""
 
     def __repr__(self) -> str:
         return f"<gallery: {', '.join(self)[:150]}>"
 
     def _repr_html_(self) -> str:
         rows = [(name, *section.verdicts.values(), section.failed) for name, section in self.items()]
-        return html.table("statements", ("entry", *page.VERDICTS, "failed"), rows)
+        return html.table("statements", ("entry", *statements.VERDICTS, "failed"), rows)
 
 
 STUDY = Study("gallery", f"{PAGE} is the page", tables=(PAGE,), others=(FOLDER,))
@@ -87,9 +86,9 @@ def carry_out(directory: Path, names: Sequence[str] = (), *, progress: evaluate.
     with STUDY.opened(directory):
         folder.mkdir(exist_ok=True)
         computed = _side_by_side(chosen, folder.absolute(), progress)
-        shown = {name: computed.get(name) or page.kept(folder / name) for name in ENTRIES}
+        shown = {name: computed.get(name) or statements.kept(folder / name) for name in ENTRIES}
         sections = [section for section in shown.values() if section is not None]
-        STUDY.write(directory, {PAGE: page.render(TITLE, f"{SUMMARY}\n{RULE}", sections)})
+        STUDY.write(directory, {PAGE: statements.render(TITLE, f"{SUMMARY}\n{RULE}", sections)})
     return Sections({name: computed[name] for name in chosen})
 
 
@@ -102,22 +101,23 @@ def _chosen(names: Sequence[str], argument: str = "ENTRY") -> list[str]:
     for name in names:
         if name not in ENTRIES and name not in GROUPS:
             names_and_groups = (*GROUPS, *ENTRIES)
-            hint = suggestion(name, names_and_groups)
+            hint = complaints.suggestion(name, names_and_groups)
             raise InputError(f"{argument}: {name!r} is no entry{hint}; entries are {', '.join(names_and_groups)}")
     chosen = {entry for name in names for entry in GROUPS.get(name, (name,))}
     return [name for name in ENTRIES if name in chosen or not names]
 
 
-def _side_by_side(names: Sequence[str], folder: Path, progress: evaluate.Progress | None) -> dict[str, page.Section]:
+def _side_by_side(
+    names: Sequence[str], folder: Path, progress: evaluate.Progress | None
+) -> dict[str, statements.Section]:
     """Run entries in parallel: name -> section; each entry uses runs of an earlier start again."""
-    cases = [
-        evaluate.Computation(name, Task(f"{__name__}:run_entry", {"name": name, "folder": str(folder)}))
-        for name in names
-    ]
+    cases = [evaluate.case(f"{__name__}:run_entry", {"name": name, "folder": str(folder)}, key=name) for name in names]
     sections = {}
     for name, answer in evaluate.evaluate(cases, progress=progress).items():
-        section = None if answer.failed else page.kept(folder / name)
-        sections[name] = section or page.Section(name, "", (), failed=answer.failed or "its section cannot be read")
+        section = None if answer.failed else statements.kept(folder / name)
+        sections[name] = section or statements.Section(
+            name, "", (), failed=answer.failed or "its section cannot be read"
+        )
     return sections
 
 
@@ -126,7 +126,9 @@ def run_entry(name: str, folder: str) -> None:
     entry_folder = Path(folder) / name
     runs = entry_folder / "runs"
     runs.mkdir(parents=True, exist_ok=True)
-    page.keep(ENTRIES[name].build(runs), entry_folder)
+    files = statements.files_of(ENTRIES[name].build(runs))
+    record_files(entry_folder, files)
+    STUDY.write(entry_folder, files)
 
 
 # --- command ----------------------------------------------------------------------------------------------------------
@@ -162,7 +164,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
         counts = section.verdicts
         rows.append([name, *(str(count or "-") for count in counts.values()), "failed" if section.failed else ""])
         plain.append({"name": name, "title": section.title, **counts, "failed": section.failed or None})
-    print_table("statements", ["entry", *page.VERDICTS, ""], rows)
+    print_table("statements", ["entry", *statements.VERDICTS, ""], rows)
     for name, section in sections.items():
         if section.failed:
             print(f"{name} failed: {one_line(section.failed)}")

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from workflow.arguments import AnyScene, load, source_of
 from workflow.checked import Between, checked
-from workflow.plugins.derivatives.linearised import problem_of
+from workflow.plugins.derivatives import tangent
 from workflow.plugins.lyapunov.study import LyapunovResult, duration_of, study
 
 
@@ -41,5 +41,5 @@ def lyapunov(
         False
     """
     plain, source = load(scene).plain(), source_of(scene)
-    until = duration_of(problem_of(plain, source), exponents, duration)
+    until = duration_of(tangent.problem_of(plain, source), exponents, duration)
     return study(plain, source, Path(directory), exponents, until)

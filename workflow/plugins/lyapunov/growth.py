@@ -14,7 +14,6 @@ from lammps_inputs import Problem
 from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.reference import engine
 from workflow.plugins.derivatives import tangent
-from workflow.plugins.derivatives.linearised import problem_of
 
 RECORDS = 200
 """Times at which the growth is recorded."""
@@ -51,7 +50,7 @@ def computed(plain: dict[str, Any], source: str, exponents: int, refinement: int
     Returns:
         ``time`` [record], in units of T; ``growth`` [record, exponent], logarithm of the growth since the start.
     """
-    problem = problem_of(plain, source)
+    problem = tangent.problem_of(plain, source)
     steps = STEPS_PER_INTERVAL * refinement
     step = usual_step(problem) / refinement
     flow = tangent.make_flow(problem, exponents, step)

@@ -25,17 +25,14 @@ import numpy as np
 
 from analysis.quantity import declare, plain, result
 from analysis.trajectory import Floats
-from lammps_inputs import InputError, Problem, library
+from lammps_inputs import InputError, Problem, library, units
 from lammps_inputs.scene import DEFAULT_ACCURACY
-from lammps_inputs.units import Label
-from workflow.formats import figure_files
 from workflow.plugins.derivatives import tangent
-from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.lyapunov import growth
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
-from workflow.study_kit.directory import Study, print_records, to_csv
-from workflow.workers.evaluate import Computation, case
+from workflow.study_kit.directory import Study
+from workflow.workers import evaluate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -226,7 +223,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, exponents: int, d
         InputError: the scene cannot be linearised, or the directory cannot be used.
         RunError: a process was killed.
     """
-    problem = problem_of(scene, source)
+    problem = tangent.problem_of(scene, source)
     plans = list(itertools.product(REFINEMENTS, STARTS))
     with STUDY.evaluating(directory) as values:
         answers = values([_case(scene, source, exponents, *plan, duration) for plan in plans])
@@ -236,13 +233,12 @@ def study(scene: dict[str, Any], source: str, directory: Path, exponents: int, d
         ]
         accuracy = scene.get("accuracy") or DEFAULT_ACCURACY
         spectrum = LyapunovResult(problem, runs, combined(runs), duration, accuracy)
-        scale = problem.scale
-        tables = {
-            TABLE: to_csv(Exponent, spectrum.exponents, scale),
-            RUNS: to_csv(RunExponent, _of_runs(spectrum), scale),
-            CONVERGENCE: to_csv(RunningEstimate, _estimates(spectrum), scale),
+        tables: dict[str, Any] = {
+            TABLE: (Exponent, spectrum.exponents),
+            RUNS: (RunExponent, _of_runs(spectrum)),
+            CONVERGENCE: (RunningEstimate, _estimates(spectrum)),
         }
-        STUDY.write(directory, tables, {FIGURE: _figure(spectrum)})
+        STUDY.write(directory, tables, {FIGURE: _figure(spectrum)}, problem.scale)
     return spectrum
 
 
@@ -270,7 +266,7 @@ def duration_of(problem: Problem, exponents: int, duration: float | None) -> flo
 
 def _case(
     scene: dict[str, Any], source: str, exponents: int, refinement: int, start: int, duration: float
-) -> Computation:
+) -> evaluate.Computation:
     arguments = {
         "plain": scene,
         "source": source,
@@ -279,7 +275,7 @@ def _case(
         "start": start,
         "duration": duration,
     }
-    return case("workflow.plugins.lyapunov.growth:computed", arguments, cost=float(refinement))
+    return evaluate.case("workflow.plugins.lyapunov.growth:computed", arguments, cost=float(refinement))
 
 
 def combined(runs: list[GrowthOfRun]) -> list[Exponent]:
@@ -323,8 +319,8 @@ def _estimates(spectrum: LyapunovResult) -> list[RunningEstimate]:
 
 
 def _figure(spectrum: LyapunovResult) -> "Figure":
-    from analysis.figures.exponents import Convergence, draw  # matplotlib takes half a second to import
-    from analysis.figures.style import title
+    from analysis.figures import style  # matplotlib takes half a second to import
+    from workflow.plugins.lyapunov import figure
 
     scale, usual = spectrum.problem.scale, growth.usual_step(spectrum.problem)
     lines = []
@@ -332,14 +328,14 @@ def _figure(spectrum: LyapunovResult) -> "Figure":
         step = scale.written(usual / run.refinement, "time", ".3g")
         name = f"step {step}, start {'nearby' if run.start else 'of the scene'}"
         exponent = scale.measured(run.growth[:, 0] / run.time, "rate")
-        lines.append(Convergence(name, scale.measured(run.time, "time"), exponent))
+        lines.append(figure.Convergence(name, scale.measured(run.time, "time"), exponent))
     results = [(exponent.exponent, exponent.uncertainty, exponent.bound) for exponent in spectrum.exponents]
     values, errors, bounds = (
         scale.measured(np.array([math.nan if number is None else number for number in part]), "rate")
         for part in zip(*results, strict=True)
     )
-    unit = Label("exponent", r"\lambda", scale.symbol("rate")), Label("time", "t", scale.symbol("time"))
-    return draw(lines, values, errors, bounds, unit, title(spectrum.problem))
+    unit = units.Label("exponent", r"\lambda", scale.symbol("rate")), units.Label("time", "t", scale.symbol("time"))
+    return figure.draw(lines, values, errors, bounds, unit, style.title(spectrum.problem))
 
 
 def seconds(problem: Problem, exponents: int, duration: float) -> float:
@@ -387,7 +383,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     name = arguments.scene
     scene = library.find(name)
     plain_scene = scene.plain()
-    problem = problem_of(plain_scene, name)
+    problem = tangent.problem_of(plain_scene, name)
     duration = duration_of(problem, arguments.exponents, arguments.duration)
     print_heading(scene.name, scene.units)
     print(f"four runs are computed, in about {seconds(problem, arguments.exponents, duration):.2g} s")
@@ -396,9 +392,9 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     except KeyboardInterrupt:
         return options.interrupted()
     if len(spectrum.exponents) > 1:
-        print_records("exponents", Exponent, spectrum.exponents, problem.scale)
+        STUDY.print_records("exponents", Exponent, spectrum.exponents, problem.scale)
     for line in spectrum.sentences():
         print(line)
-    print_files(arguments.output, (TABLE, RUNS, CONVERGENCE, *figure_files(FIGURE)))
+    print_files(arguments.output, (TABLE, RUNS, CONVERGENCE, *STUDY.figure_files))
     largest = spectrum.exponents[0]
     return CommandResult(1 if largest.exponent is None and largest.bound is None else 0, spectrum.plain())

@@ -11,7 +11,7 @@ import numpy as np
 
 from analysis import motion
 from lammps_inputs import Problem
-from workflow.plugins.derivatives.linearised import problem_of
+from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import shooting
 from workflow.plugins.modes.continuation import Branch, Continuable, PeriodicState, halfway
 from workflow.plugins.modes.floquet import KINDS, Multipliers, multipliers
@@ -95,7 +95,7 @@ def computed(
         branch ends early; ``states`` in order, and ``bifurcations``, see `_state` and `_bifurcation`; ``motion``,
         displacements [time, line, bead] of the last state of the continuation, at even times up to half a period.
     """
-    problem = problem_of(plain, source)
+    problem = tangent.problem_of(plain, source)
     modes = linear_modes(problem, source)
     solver, branch, uncertainty = _resolved(problem, modes, mode, energy, points)
     stability = partial(multipliers, solver)

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from analysis.shape.unit_cell import bands
-from lammps_inputs.units import Label
+from lammps_inputs import units
 from workflow.plugins.modes.tables import BranchOfMode, ModesResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from analysis.figures.periodic_states import BranchCurve
+    from workflow.plugins.modes.branch_figures import BranchCurve
 
 FIGURES = ("frequency", "shapes", "multipliers", "motion")
 
@@ -21,30 +21,33 @@ MOST_BRANCHES = 4
 
 def figures(result: ModesResult) -> "dict[str, Figure]":
     """Figures of the first branches; none without branches."""
-    from analysis.figures import periodic_states  # matplotlib takes half a second to import
-    from analysis.figures.style import title
+    from analysis.figures import style  # matplotlib takes half a second to import
+    from workflow.plugins.modes import branch_figures
 
     curves = [_curve(result, branch) for branch in result.branches if branch.states][:MOST_BRANCHES]
     if not curves:
         return {}
-    scale, name = result.problem.scale, title(result.problem)
+    scale, name = result.problem.scale, style.title(result.problem)
     energy, frequency = (
-        Label("energy", "E", scale.symbol("energy")),
-        Label("angular frequency", "\\omega", scale.symbol("frequency")),
+        units.Label("energy", "E", scale.symbol("energy")),
+        units.Label("angular frequency", "\\omega", scale.symbol("frequency")),
     )
-    displacement, time = Label("displacement", "x", scale.symbol("length")), Label("time", "t", scale.symbol("time"))
+    displacement, time = (
+        units.Label("displacement", "x", scale.symbol("length")),
+        units.Label("time", "t", scale.symbol("time")),
+    )
     edges = bands(result.problem.system)
     measured = scale.measured(np.zeros(0) if edges is None else np.unique(edges), "frequency")
     return {
-        FIGURES[0]: periodic_states.frequency_figure(curves, measured, (energy, frequency), name),
-        FIGURES[1]: periodic_states.shape_figure(curves, name),
-        FIGURES[2]: periodic_states.multiplier_figure(curves, name),
-        FIGURES[3]: periodic_states.motion_figure(curves, (displacement, time), name),
+        FIGURES[0]: branch_figures.frequency_figure(curves, measured, (energy, frequency), name),
+        FIGURES[1]: branch_figures.shape_figure(curves, name),
+        FIGURES[2]: branch_figures.multiplier_figure(curves, name),
+        FIGURES[3]: branch_figures.motion_figure(curves, (displacement, time), name),
     }
 
 
 def _curve(result: ModesResult, branch: BranchOfMode) -> "BranchCurve":
-    from analysis.figures.periodic_states import BranchCurve
+    from workflow.plugins.modes.branch_figures import BranchCurve
 
     scale, states = result.problem.scale, branch.states
     last = [state for state in states if state["role"] == "branch"][-1]

@@ -7,7 +7,7 @@ from typing import Annotated, TypedDict, Unpack
 
 from workflow.arguments import AnyScene, load, source_of
 from workflow.checked import Between, checked
-from workflow.plugins.derivatives.linearised import problem_of
+from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import response_study
 from workflow.plugins.modes.response_tables import ResponseResult
 from workflow.plugins.modes.study import modes_of, requested, study
@@ -79,7 +79,7 @@ def modes(
     chosen = {**defaults, **of_responses, "linear": linear, "no_lammps": not lammps, **options}
     arguments = argparse.Namespace(**chosen)
     plain, source = load(scene).plain(), source_of(scene)
-    problem = problem_of(plain, source)
+    problem = tangent.problem_of(plain, source)
     responses = response_study.requested(arguments, problem)
     if responses is not None:
         response_study.refuse_unusable(problem, source, responses)

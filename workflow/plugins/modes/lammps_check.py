@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 
 from analysis.files import recording
-from analysis.trajectory import Floats, joined
+from analysis.trajectory import Floats
 from lammps_inputs import Problem, file_names, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import text
 from workflow.engines.lammps import engine
-from workflow.plugins.derivatives.linearised import problem_of
+from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes.branches import shooting_of
 from workflow.plugins.modes.continuation import PeriodicState
 from workflow.plugins.modes.floquet import monodromy
@@ -98,7 +98,7 @@ def computed(plain: dict[str, Any], source: str, mode: int, state: dict[str, Any
         state; ``growth`` and ``fitted``, its standard error, for both, and ``predicted``, rates in 1 / T of an unstable
         state; None where it is not measured.
     """
-    problem = problem_of(plain, source)
+    problem = tangent.problem_of(plain, source)
     period, x = float(state["period"]), np.array(state["x"])
     count = steps_per_period(problem, period)
     growth = math.log(state["largest"]) if not state["stable"] else 0.0
@@ -134,7 +134,7 @@ def run(problem: Problem, displacement: Floats, velocity: Floats) -> tuple[Float
         for file, content in deck_files(problem, displacement, velocity).items():
             (directory / file).write_text(content, encoding="utf-8", newline="\n")
         engine.run(directory, problem=problem)
-        return joined(recording.blocks([directory / file_names.DUMP], problem)).atoms
+        return recording.read([directory / file_names.DUMP], problem).atoms
 
 
 def _coordinates(solver: Shooting, displacement: Floats, velocity: Floats) -> Floats:

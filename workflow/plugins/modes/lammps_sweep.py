@@ -14,7 +14,7 @@ import numpy as np
 
 from lammps_inputs import physics
 from lammps_inputs.limits.rates import stability_bound
-from workflow.plugins.derivatives.linearised import problem_of
+from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes.driven import at_period
 from workflow.plugins.modes.lammps_check import PER_BOUND, lammps_problem, run
 from workflow.plugins.modes.response import SAMPLES, largest
@@ -49,7 +49,7 @@ def computed(
         ``speed``, largest of each atom in the last period, [line, bead]; ``change`` of displacements and velocities by
         that period, over their size, displacements times the drive's angular frequency.
     """
-    problem = problem_of(plain, source)
+    problem = tangent.problem_of(plain, source)
     bound = stability_bound(problem.system)
     x, v = np.zeros((2, physics.lines(problem.system), problem.beads))
     sweep = []

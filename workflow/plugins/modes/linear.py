@@ -10,7 +10,6 @@ from analysis import motion
 from analysis.trajectory import Flags, Floats
 from lammps_inputs import InputError, Problem, System, laws, physics
 from lammps_inputs.laws import dashpot
-from lammps_inputs.links import Link
 
 MOST_FREE = 600
 """Atoms up to which periodic states and responses are computed, with dense matrices."""
@@ -105,7 +104,7 @@ def damping_matrix(system: System) -> Floats:
     return _matrix(system, system.dampers, dashpot.resistance)
 
 
-def _matrix(system: System, links: Sequence[Link], slope_of: Callable[[Any, Floats], Any]) -> Floats:
+def _matrix(system: System, links: Sequence[Any], slope_of: Callable[[Any, Floats], Any]) -> Floats:
     """Forces against displacements, or velocities, of one atom, from the slopes of laws at strains."""
     shape = physics.lines(system), system.beads
     units = np.eye(shape[0] * shape[1]).reshape(-1, *shape)

@@ -21,10 +21,7 @@ from analysis import motion
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, physics
 from workflow.engines.reference import engine
-from workflow.engines.reference.energy_exchange import velocity_of_state
-from workflow.engines.reference.schemes import BLANES_MOAN
 from workflow.plugins.derivatives import tangent
-from workflow.plugins.derivatives.linearised import problem_of
 from workflow.plugins.modes.branches import DOUBLINGS, Bifurcation, Point, changes_of_stability
 from workflow.plugins.modes.continuation import (
     LONGEST,
@@ -130,7 +127,7 @@ class DrivenShooting(Continuable):
         """The response near the linear one of a period; None without convergence."""
         problem = at_period(self.problem, period)
         x, v = linear_response(problem)
-        y = self.coordinates(x, velocity_of_state(problem.system, x, v))
+        y = self.coordinates(x, engine.velocity_of_state(problem.system, x, v))
         return self.corrected(y, period, self.of_period(period, float(np.linalg.norm(y))))
 
     def between_neighbours(self, first: PeriodicState, second: PeriodicState, period: float) -> PeriodicState | None:
@@ -150,7 +147,7 @@ class DrivenShooting(Continuable):
         flow, system = self.flow(state.y, state.period, 0), self.problem.system
         frames = flow.state.frame_arrays(SAMPLES, physics.lines(system), system.beads)
         recorded = np.arange(1, system.beads + 1)
-        flow.state.advance(BLANES_MOAN, state.period / self.steps, 0, self.steps // SAMPLES, recorded, frames)
+        flow.state.advance(flow.scheme, state.period / self.steps, 0, self.steps // SAMPLES, recorded, frames)
         return np.roll(frames.x, 1, axis=0), np.roll(frames.v, 1, axis=0)
 
 
@@ -186,7 +183,7 @@ def computed(
         ``steps`` in a period; ``uncertainty``, largest relative change of frequencies by twice the steps (`DIGITS`);
         ``why`` the branch ends early; ``states`` in order, see `_state`, and ``bifurcations``, see `_change`.
     """
-    problem = problem_of(plain, source)
+    problem = tangent.problem_of(plain, source)
     solver, branch, uncertainty = _resolved(problem, periods, points)
     along = [Point(float(k), "branch", state, solver.multipliers(state)) for k, state in enumerate(branch.states)]
     turns = [direction.period for direction in branch.directions]

@@ -13,18 +13,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from analysis.trajectory import Floats
-from lammps_inputs import InputError, Problem, Scene
+from lammps_inputs import InputError, Problem, Scene, units
 from lammps_inputs.decks import deck
-from lammps_inputs.units import Label
-from workflow.formats import figure_files
-from workflow.plugins.derivatives.linearised import problem_of
+from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import driven
 from workflow.plugins.modes.linear import MOST_FREE
 from workflow.plugins.modes.response_tables import ResponseBifurcation, ResponseLine, ResponseResult, SweepLine
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
-from workflow.study_kit.directory import Study, print_records, to_csv
-from workflow.workers.evaluate import case
+from workflow.study_kit.directory import Study
+from workflow.workers import evaluate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -92,7 +90,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
         InputError: the directory cannot be used.
         RunError: LAMMPS failed, and the curve is written; or a process was killed.
     """
-    problem = problem_of(scene, source)
+    problem = tangent.problem_of(scene, source)
     sweeping = bool(request.steps) and not deck.refusal(problem.system)
     arguments = {
         "plain": scene,
@@ -103,7 +101,9 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
         "bisections": BISECTIONS,
     }
     with STUDY.evaluating(directory) as values:
-        [data] = values([case("workflow.plugins.modes.response:computed", arguments, cost=1.0)], of=1 + sweeping)
+        [data] = values(
+            [evaluate.case("workflow.plugins.modes.response:computed", arguments, cost=1.0)], of=1 + sweeping
+        )
         curve = ResponseResult(problem, request.place or _largest(problem, data), data, [])
         _write(directory, curve)  # before LAMMPS, which may fail
         if sweeping and data["states"]:
@@ -115,7 +115,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
                 "energy": energy,
                 "decay": driven.slowest_decay(problem, source),
             }
-            [sweep] = values([case("workflow.plugins.modes.lammps_sweep:computed", sweep_arguments, cost=1.0)])
+            [sweep] = values([evaluate.case("workflow.plugins.modes.lammps_sweep:computed", sweep_arguments, cost=1.0)])
             curve = replace(curve, sweep=sweep)
             _write(directory, curve)
     return curve
@@ -123,13 +123,12 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
 
 def _write(directory: Path, curve: ResponseResult) -> None:
     """Write tables, and the figure where there are responses."""
-    scale = curve.problem.scale
-    tables = {
-        RESPONSES: to_csv(ResponseLine, curve.responses(), scale),
-        BIFURCATIONS: to_csv(ResponseBifurcation, curve.bifurcations(), scale),
-        SWEEP: to_csv(SweepLine, curve.steps(), scale),
+    tables: dict[str, Any] = {
+        RESPONSES: (ResponseLine, curve.responses()),
+        BIFURCATIONS: (ResponseBifurcation, curve.bifurcations()),
+        SWEEP: (SweepLine, curve.steps()),
     }
-    STUDY.write(directory, tables, {FIGURE: _figure(curve)} if curve.data["states"] else {})
+    STUDY.write(directory, tables, {FIGURE: _figure(curve)} if curve.data["states"] else {}, curve.problem.scale)
 
 
 def _largest(problem: Problem, data: dict[str, Any]) -> tuple[int, int]:
@@ -141,8 +140,8 @@ def _largest(problem: Problem, data: dict[str, Any]) -> tuple[int, int]:
 
 
 def _figure(curve: ResponseResult) -> "Figure":
-    from analysis.figures import periodic_states  # matplotlib takes half a second to import
-    from analysis.figures.style import title
+    from analysis.figures import style  # matplotlib takes half a second to import
+    from workflow.plugins.modes import branch_figures
 
     scale, lines, changes = curve.problem.scale, curve.responses(), curve.bifurcations()
 
@@ -162,11 +161,11 @@ def _figure(curve: ResponseResult) -> "Figure":
         for name in ("up", "down")
     }
     labels = (
-        Label("drive frequency", "f", scale.symbol("cycles")),
-        Label(f"largest speed of bead {curve.place[1]} of chain {curve.place[0]}", "", scale.symbol("velocity")),
+        units.Label("drive frequency", "f", scale.symbol("cycles")),
+        units.Label(f"largest speed of bead {curve.place[1]} of chain {curve.place[0]}", "", scale.symbol("velocity")),
     )
     stable = np.array([line.stable == "yes" for line in lines])
-    return periodic_states.response_figure(points(lines), stable, marked, labels, title(curve.problem))
+    return branch_figures.response_figure(points(lines), stable, marked, labels, style.title(curve.problem))
 
 
 # --- command ----------------------------------------------------------------------------------------------------------
@@ -224,7 +223,7 @@ def requested(arguments: argparse.Namespace, problem: Problem) -> ResponseReques
 def execute(arguments: argparse.Namespace, scene: Scene, request: ResponseRequest) -> CommandResult:
     """Print the responses; exit code 1 where there are none, 130 when interrupted."""
     plain_scene, name = scene.plain(), arguments.scene
-    refuse_unusable(problem_of(plain_scene, name), name, request)
+    refuse_unusable(tangent.problem_of(plain_scene, name), name, request)
     print_heading(scene.name, scene.units)
     try:
         curve = study(plain_scene, name, arguments.output, request)
@@ -235,11 +234,11 @@ def execute(arguments: argparse.Namespace, scene: Scene, request: ResponseReques
         ("changes of stability", ResponseBifurcation, curve.bifurcations()),
         ("LAMMPS, sweep of the frequency", SweepLine, curve.steps()),
     ):
-        print_records(title, kind, records, scale)
+        STUDY.print_records(title, kind, records, scale)
     for sentence in curve.sentences():
         print(sentence)
     if request.steps and (why := deck.refusal(curve.problem.system)):
         print(f"LAMMPS is not started: {why}")
-    figures = figure_files(FIGURE) if curve.data["states"] else ()
+    figures = STUDY.figure_files if curve.data["states"] else ()
     print_files(arguments.output, (*TABLES, *figures))
     return CommandResult(0 if curve.data["states"] else 1, curve.plain())

@@ -35,8 +35,7 @@ import numpy as np
 
 from lammps_inputs import InputError, Problem, library, physics
 from lammps_inputs.decks import deck
-from workflow.formats import figure_files
-from workflow.plugins.derivatives.linearised import problem_of
+from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import lammps_check, response_study
 from workflow.plugins.modes.drawing import FIGURES, figures
 from workflow.plugins.modes.linear import (
@@ -55,12 +54,11 @@ from workflow.plugins.modes.tables import (
     ModesResult,
     StateLine,
 )
-from workflow.runs.files import write_bytes, write_text
-from workflow.runs.output_directory import record_files
+from workflow.runs.files import write_text
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
-from workflow.study_kit.directory import Study, print_records, to_csv
-from workflow.workers.evaluate import Computation, case
+from workflow.study_kit.directory import Study
+from workflow.workers import evaluate
 
 MODES, STATES, BIFURCATIONS, LAMMPS = "modes.csv", "states.csv", "bifurcations.csv", "lammps.csv"
 ARRAYS, DECKS = "states.npz", "decks"
@@ -151,7 +149,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: ModesReq
         InputError: the scene has no such modes, or the directory cannot be used.
         RunError: LAMMPS failed, and all but its table is written; or a process was killed.
     """
-    problem = problem_of(scene, source)
+    problem = tangent.problem_of(scene, source)
     linear = modes_of(problem, source, linear_only=not request.modes)
     with STUDY.evaluating(directory) as values:
         computed = values([_branch_case(scene, source, linear, mode, request) for mode in request.modes])
@@ -164,21 +162,18 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: ModesReq
             _lammps_line(branch, number, value) for (branch, number), value in zip(chosen, values(cases), strict=True)
         ]
         if lines:
-            STUDY.write(directory, {LAMMPS: to_csv(LammpsLine, lines, problem.scale)})
+            STUDY.write(directory, {LAMMPS: (LammpsLine, lines)}, scale=problem.scale)
     return replace(result, checks=lines)
 
 
 def _write(directory: Path, result: ModesResult, chosen: Sequence[tuple[BranchOfMode, int]]) -> None:
     """Write tables, arrays and figures, and decks that start on chosen states, given by their numbers."""
-    scale = result.problem.scale
-    tables = {MODES: to_csv(LinearMode, result.modes(), scale)}
+    tables: dict[str, Any] = {MODES: (LinearMode, result.modes())}
     if result.branches:
-        tables[STATES] = to_csv(StateLine, result.states(), scale)
-        tables[BIFURCATIONS] = to_csv(BifurcationLine, result.bifurcations(), scale)
-    earlier = set(STUDY.files).difference((ARRAYS, DECKS, STUDY.cache))
-    record_files(directory, tables, outdated=earlier)
-    STUDY.write(directory, tables, figures(result))
-    write_bytes(directory / ARRAYS, _arrays(result))
+        tables[STATES] = (StateLine, result.states())
+        tables[BIFURCATIONS] = (BifurcationLine, result.bifurcations())
+    STUDY.remove_all_but(directory, (*tables, ARRAYS, DECKS))  # of an earlier start
+    STUDY.write(directory, {**tables, ARRAYS: _arrays(result)}, figures(result), result.problem.scale)
     for branch, number in chosen:
         name = f"mode-{branch.mode + 1}-state-{number}"
         _write_deck(result.problem, directory / DECKS / name, branch.states[number - 1])
@@ -186,7 +181,7 @@ def _write(directory: Path, result: ModesResult, chosen: Sequence[tuple[BranchOf
 
 def _branch_case(
     scene: dict[str, Any], source: str, linear: LinearModes, mode: int, request: ModesRequest
-) -> Computation:
+) -> evaluate.Computation:
     arguments = {
         "plain": scene,
         "source": source,
@@ -196,10 +191,12 @@ def _branch_case(
         "energies": list(request.energies),
         "bisections": BISECTIONS,
     }
-    return case("workflow.plugins.modes.branches:computed", arguments, cost=1.0 / float(linear.frequency[mode]))
+    return evaluate.case(
+        "workflow.plugins.modes.branches:computed", arguments, cost=1.0 / float(linear.frequency[mode])
+    )
 
 
-def _check_case(scene: dict[str, Any], source: str, branch: BranchOfMode, number: int) -> Computation:
+def _check_case(scene: dict[str, Any], source: str, branch: BranchOfMode, number: int) -> evaluate.Computation:
     state = branch.states[number - 1]
     arguments = {
         "plain": scene,
@@ -208,7 +205,7 @@ def _check_case(scene: dict[str, Any], source: str, branch: BranchOfMode, number
         "state": state,
         "steps": branch.data["steps"],
     }
-    return case("workflow.plugins.modes.lammps_check:computed", arguments, cost=state["period"])
+    return evaluate.case("workflow.plugins.modes.lammps_check:computed", arguments, cost=state["period"])
 
 
 def _checked(branches: Sequence[BranchOfMode], most: int | None) -> list[tuple[BranchOfMode, int]]:
@@ -358,7 +355,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     name = arguments.scene
     scene = library.find(name)
     plain_scene = scene.plain()
-    problem = problem_of(plain_scene, name)
+    problem = tangent.problem_of(plain_scene, name)
     request_of_responses = response_study.requested(arguments, problem)
     if request_of_responses is not None:
         return response_study.execute(arguments, scene, request_of_responses)
@@ -370,7 +367,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     except KeyboardInterrupt:
         return options.interrupted()
     _print(computed, request)
-    figures = figure_files(*FIGURES) if any(branch.states for branch in computed.branches) else ()
+    figures = STUDY.figure_files if any(branch.states for branch in computed.branches) else ()
     names = [name for name in (*STUDY.tables, ARRAYS, DECKS) if (arguments.output / name).exists()]
     print_files(arguments.output, (*names, *figures))
     return CommandResult(0 if all(branch.states for branch in computed.branches) else 1, computed.plain())
@@ -380,7 +377,7 @@ def _print(computed: ModesResult, request: ModesRequest) -> None:
     """Print tables of the modes that were followed, given energies, bifurcations and LAMMPS's runs, and sentences."""
     scale, numbers = computed.problem.scale, {mode + 1 for mode in request.modes}
     shown = [line for line in computed.modes() if not numbers or line.mode in numbers]
-    print_records("linear modes", LinearMode, shown, scale)
+    STUDY.print_records("linear modes", LinearMode, shown, scale)
     lines = computed.states()
     last = {branch.mode + 1: len(branch.states) for branch in computed.branches}
     ends = [line for line in lines if line.role == "energy" or line.state in (1, last[line.mode])]
@@ -389,7 +386,7 @@ def _print(computed: ModesResult, request: ModesRequest) -> None:
         ("changes of stability", BifurcationLine, computed.bifurcations()),
         ("LAMMPS", LammpsLine, computed.checks),
     ):
-        print_records(title, kind, records, scale)
+        STUDY.print_records(title, kind, records, scale)
     for sentence in computed.sentences():
         print(sentence)
     if request.lammps != 0 and (why := deck.refusal(computed.problem.system)):

@@ -19,13 +19,12 @@ from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 from lammps_inputs import InputError, library
 from lammps_inputs.units import REDUCED
 from workflow.checked import Between
-from workflow.formats import figure_files
 from workflow.plugins.threshold.crossings import Crossing, SearchedField, crossings, wanted
 from workflow.quantities.columns import UNCERTAINTIES, refuse_unknown
 from workflow.quantities.evaluate import case
 from workflow.screen import CommandResult, cell, one_line, print_files, print_table
 from workflow.study_kit import options
-from workflow.study_kit.directory import Study, floats, to_csv
+from workflow.study_kit.directory import Study, floats
 from workflow.sweep import fields
 from workflow.sweep.axes import heading, label
 from workflow.workers import evaluate
@@ -218,7 +217,7 @@ def carry_out(question: Question, directory: Path, jobs: int | None = None) -> T
             ],
             refused,
         )
-        tables = {TABLE: to_csv(Threshold, result.thresholds), POINTS: to_csv(ComputedPoint, result.points)}
+        tables: dict[str, Any] = {TABLE: (Threshold, result.thresholds), POINTS: (ComputedPoint, result.points)}
         STUDY.write(directory, tables, {FIGURE: _figure(result)})
     return result
 
@@ -378,7 +377,7 @@ def _print(result: ThresholdResult, output: Path) -> None:
         if not thresholds:
             print(one_line(result.missing(over)))
     print(f"{len(result.points)} scenes were computed; the error of the reference is not in the uncertainty")
-    print_files(output, (TABLE, POINTS, *figure_files(FIGURE)))
+    print_files(output, (TABLE, POINTS, *STUDY.figure_files))
 
 
 def _row(threshold: Threshold) -> list[str]:

@@ -13,26 +13,20 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.compare.difference import errors_of, matched
+from analysis.compare import difference
 from analysis.files import recording
 from analysis.quantity import declare, result
-from analysis.tracking.leading_waves import leading_finder, leading_passages
-from analysis.tracking.peaks import PeakFinder, Peaks, sharp
+from analysis.tracking import leading_waves, peaks
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem, file_names, physics
-from lammps_inputs import scheme as schemes
+from lammps_inputs import Problem, file_names, physics, window
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits.rates import stability_bound
-from lammps_inputs.scheme import SchemeName
-from lammps_inputs.window import HEADROOM, LEAST_WINDOW
 from workflow.engines.lammps import engine as lammps
 from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine as reference
-from workflow.engines.reference.schemes import BLANES_MOAN
 from workflow.engines.reference.step_halving import StepHalving
 from workflow.engines.reference.uncertainty import Uncertainty
-from workflow.runs.engines import write_frames
 
 # --- runs -------------------------------------------------------------------------------------------------------------
 
@@ -73,7 +67,7 @@ class EngineSetting:
     @property
     def forces(self) -> int:
         """Number of evaluations of all forces."""
-        return self.problem.steps * (BLANES_MOAN.forces_per_step if self.method == REFERENCE else 1)
+        return self.problem.steps * (reference.FORCES_PER_STEP if self.method == REFERENCE else 1)
 
     @property
     def effort(self) -> float:
@@ -95,16 +89,22 @@ def run(setting: EngineSetting, directory: Path) -> float:
     if setting.method == REFERENCE:
         reference.load()
         started = time.perf_counter()
-        ending = write_frames(dump, problem, reference.blocks(problem, steps_per_frame=problem.steps_per_frame))
-        outcome, seconds = ending["outcome"], time.perf_counter() - started
-    else:
-        for name, text in deck.files_of(problem).items():
-            (directory / name).write_text(text)
-        end = lammps.run(directory, ranks=setting.ranks, problem=problem)
-        outcome, seconds = end.end, end.seconds
-    if outcome != "done":
+        _write(dump, problem, reference.blocks(problem, steps_per_frame=problem.steps_per_frame))
+        return time.perf_counter() - started
+    for name, text in deck.files_of(problem).items():
+        (directory / name).write_text(text)
+    end = lammps.run(directory, ranks=setting.ranks, problem=problem)
+    if end.end != "done":
         raise KeyboardInterrupt
-    return seconds
+    return end.seconds
+
+
+def _write(path: Path, problem: Problem, blocks: Iterable[Trajectory]) -> None:
+    """Write frames as LAMMPS would."""
+    states = chain.from_iterable(block.states() for block in blocks)
+    with recording.Writer(path, problem) as writer:
+        for frame, state in enumerate(states):
+            writer.append(frame * problem.steps_per_frame, *state)
 
 
 # --- settings ---------------------------------------------------------------------------------------------------------
@@ -133,17 +133,18 @@ def settings(problem: Problem) -> list[EngineSetting]:
     ]
     if deck.refusal(problem.system):
         return by_reference
-    names: tuple[SchemeName, ...] = ("verlet", "suzuki4") if problem.system.holds(Fact.REVERSIBLE) else ("verlet",)
+    schemes = [replace(problem, scheme="verlet"), replace(problem, scheme="suzuki4")]
     by_lammps = []
-    for name in names:
-        several = stepped(replace(problem, scheme=name), FINEST[name], schemes.cycle(name))
+    for with_scheme in schemes if problem.system.holds(Fact.REVERSIBLE) else schemes[:1]:
+        name = with_scheme.scheme
+        several = stepped(with_scheme, FINEST[name], with_scheme.cycle)
         several += [problem] * (name == "verlet" and problem.timestep not in [variant.timestep for variant in several])
         several.sort(key=lambda variant: -variant.timestep)
         by_lammps += [EngineSetting(LAMMPS + name, variant.timestep, variant) for variant in several]
     most_ranks = 1 if mpi.launcher() is None else min(MOST_RANKS, mpi.cores(), problem.beads)
     ranks = [EngineSetting(RANKS, 2**power, problem, ranks=2**power) for power in range(1, most_ranks.bit_length())]
-    window = [EngineSetting(WINDOW, rows, replace(problem, window=rows)) for rows in windows(problem)]
-    return [*by_lammps, *by_reference, *ranks, *window]
+    with_window = [EngineSetting(WINDOW, rows, replace(problem, window=rows)) for rows in windows(problem)]
+    return [*by_lammps, *by_reference, *ranks, *with_window]
 
 
 def stepped(problem: Problem, finest: int, stages: int = 1) -> list[Problem]:
@@ -167,10 +168,12 @@ def stepped(problem: Problem, finest: int, stages: int = 1) -> list[Problem]:
 def windows(problem: Problem) -> list[int]:
     """Numbers of rows of the windows to measure; none where a scene can have no window or is too short for one."""
     system = problem.system
-    forward = all(velocity > 0.0 and bead <= LEAST_WINDOW - HEADROOM for _, bead, velocity in system.kicks)
+    forward = all(
+        velocity > 0.0 and bead <= window.LEAST_WINDOW - window.HEADROOM for _, bead, velocity in system.kicks
+    )
     if problem.recorded is not None or not (physics.uniform(system) and forward and system.holds(Fact.FRONT)):
         return []
-    widths = [round(LEAST_WINDOW * WIDEN**power) for power in range(MOST_WIDTHS)]
+    widths = [round(window.LEAST_WINDOW * WIDEN**power) for power in range(MOST_WIDTHS)]
     return [rows for rows in widths if rows < 0.9 * problem.beads]
 
 
@@ -219,7 +222,9 @@ class Truth:
         stride = max(1, round(first.problem.every / self.problem.every))
         truth_problem = replace(self.problem, window=first.problem.window)
         exact = recording.blocks([self.path], self.problem, stride)
-        errors = errors_of(chain([first], stream), (replace(block, problem=truth_problem) for block in exact))
+        errors = difference.errors_of(
+            chain([first], stream), (replace(block, problem=truth_problem) for block in exact)
+        )
         sizes = {name: errors[name].largest if name in errors else math.inf for name in QUANTITIES}
         return {name: size if math.isfinite(size) else math.inf for name, size in sizes.items()}
 
@@ -237,8 +242,7 @@ def make_truth(problem: Problem, directory: Path, *, seconds: float) -> Truth:
     while True:
         started = time.perf_counter()
         halving = StepHalving(problem, steps_per_frame=steps)
-        if write_frames(path, problem, halving.blocks())["outcome"] != "done":
-            raise KeyboardInterrupt
+        _write(path, problem, halving.blocks())
         truth = Truth(problem, path, halving.uncertainty, time.perf_counter() - started)
         if truth.uncertainty.velocity <= GOAL or REFINEMENT * truth.seconds > seconds:
             return truth
@@ -272,12 +276,12 @@ def intervals(problem: Problem) -> list[Interval]:
     coarsest_power = min(math.log2(FARTHEST / step), math.log2(fine.frames / LEAST_FRAMES))
     seldom = [fine.coarser(2**power) for power in range(1 + max(0, math.floor(coarsest_power)))]
     exact, *others = _passages(fine, seldom)
-    return [_interval(sampled, peaks, exact) for sampled, peaks in zip(seldom[1:], others, strict=True)][::-1]
+    return [_interval(sampled, read, exact) for sampled, read in zip(seldom[1:], others, strict=True)][::-1]
 
 
-def _passages(fine: Problem, seldom: list[Problem]) -> Iterator[Peaks]:
+def _passages(fine: Problem, seldom: list[Problem]) -> Iterator[peaks.Peaks]:
     """Leading pulse at each bead, for several times between frames."""
-    finders: list[PeakFinder] = [leading_finder(problem) for problem in seldom]
+    finders: list[peaks.PeakFinder] = [leading_waves.leading_finder(problem) for problem in seldom]
     done = 0
     for block in reference.blocks(fine):
         for problem, finder in zip(seldom, finders, strict=True):
@@ -285,16 +289,20 @@ def _passages(fine: Problem, seldom: list[Problem]) -> Iterator[Peaks]:
             if part.frames:
                 finder.add(replace(part, problem=problem))
         done += block.frames
-    return (leading_passages(finder.result(), problem).first() for finder, problem in zip(finders, seldom, strict=True))
+    return (
+        leading_waves.leading_passages(finder.result(), problem).first()
+        for finder, problem in zip(finders, seldom, strict=True)
+    )
 
 
-def _interval(problem: Problem, measured: Peaks, exact: Peaks) -> Interval:
+def _interval(problem: Problem, measured: peaks.Peaks, exact: peaks.Peaks) -> Interval:
     """Errors of measured passages; infinite where a passage is missing that does not end with the run."""
     early = exact.where(exact.time < problem.duration - 2.0 * problem.every)
+    matched = difference.matched
     missing = len(matched(measured, early, problem.beads)[0]) < len(matched(early, early, problem.beads)[0])
     measured, true = matched(measured, exact, problem.beads)
     amplitude = float(np.max(np.abs(measured.velocity - true.velocity), initial=math.inf if missing else 0.0))
-    arrival = float(np.max(np.abs(measured.time - true.time)[sharp(true)], initial=math.inf if missing else 0.0))
+    arrival = float(np.max(np.abs(measured.time - true.time)[peaks.sharp(true)], initial=math.inf if missing else 0.0))
     return Interval(
         problem.every, amplitude, arrival, 24e-6 * problem.frames * problem.chains * len(problem.recorded_beads)
     )

@@ -29,10 +29,8 @@ from workflow.engines.lammps import mpi
 from workflow.plugins.trade.points import Findings, Order, Points, TrialLimits, measure, sentences
 from workflow.plugins.trade.settings import QUANTITIES, WINDOW, Interval, Truth, intervals, make_truth, run, settings
 from workflow.prepare.settings import settle
-from workflow.runs.files import as_json
-from workflow.runs.run_directory import provenance
 from workflow.screen import count_bar, print_files, print_heading
-from workflow.study_kit.directory import Study, print_records, to_csv
+from workflow.study_kit.directory import Study
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -167,7 +165,7 @@ def _measure(findings: Findings, directory: Path, work: Path, limits: TrialLimit
 
     def keep(points: Points, done: int, total: int) -> None:
         findings.points = points
-        STUDY.write(directory, {ENGINES: to_csv(PrintedSetting, records(findings), problem.scale)})
+        STUDY.write(directory, {ENGINES: (PrintedSetting, records(findings))}, scale=problem.scale)
         follow(done, total)
 
     measure(
@@ -178,7 +176,7 @@ def _measure(findings: Findings, directory: Path, work: Path, limits: TrialLimit
         keep,
     )
     findings.frames = intervals(problem)
-    STUDY.write(directory, {FRAMES: to_csv(Interval, findings.frames, problem.scale)})
+    STUDY.write(directory, {FRAMES: (Interval, findings.frames)}, scale=problem.scale)
 
 
 # --- report -----------------------------------------------------------------------------------------------------------
@@ -187,13 +185,13 @@ def _measure(findings: Findings, directory: Path, work: Path, limits: TrialLimit
 def _write(findings: Findings, directory: Path) -> None:
     """Write ``trade.json`` and the figure."""
     figures = {FIGURE: _figure(findings, findings.truth)} if findings.truth is not None and findings.comparable else {}
-    STUDY.write(directory, {REPORT: as_json(report(findings)) + "\n"}, figures)
+    STUDY.write(directory, {REPORT: report(findings)}, figures)
 
 
 def report(findings: Findings) -> dict[str, Any]:
     """Contents of ``trade.json``; times in the scene's units, errors in V and T."""
     truth, scale = findings.truth, findings.problem.scale
-    return {
+    contents = {
         "scene": findings.problem.name,
         "whole": findings.complete,
         "seconds": findings.seconds,
@@ -202,12 +200,12 @@ def report(findings: Findings) -> dict[str, Any]:
         "orders": plain(findings.orders(), scale),
         "engines": plain(records(findings), scale),
         "frames": plain(findings.frames, scale),
-        **provenance(),
     }
+    return STUDY.with_provenance(contents)
 
 
 def _figure(findings: Findings, truth: Truth) -> "Figure":
-    from analysis.figures.errors import work_precision_figure  # matplotlib takes a while to import
+    from workflow.plugins.trade.figure import work_precision_figure  # matplotlib takes a while to import
 
     methods: dict[str, list[dict[str, Any]]] = {}
     for record in records(findings):
@@ -267,6 +265,6 @@ def _print(findings: Findings) -> None:
         ("errors of amplitudes (V) and arrivals (T), by the time between frames", Interval, findings.frames),
     )
     for title, kind, found_of in tables:
-        print_records(title, kind, found_of, scale)
+        STUDY.print_records(title, kind, found_of, scale)
     for sentence in sentences(findings):
         print(sentence)

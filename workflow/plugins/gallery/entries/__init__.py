@@ -1,16 +1,15 @@
 """The entries, in the order of the page. A new one is an `Entry` in the module of its subject, and a line here."""
 
+from importlib.util import find_spec
+
 from workflow.plugins.gallery.entries import (
     alternating,
-    breathers,
     foundations,
     impacts,
-    loaded,
     losses,
     nonuniform,
-    paper_gapped,
     paper_touching,
-    periodic,
+    rectifier,
     reflections,
     solitary_waves,
 )
@@ -19,9 +18,36 @@ from workflow.plugins.gallery.entry import Entry
 GROUPS = {"paper": ("paper-touching", "paper-gapped")}
 """Name of a group -> its entries."""
 
+OF_RIGID_BEADS: dict[str, Entry] = {}
+OF_SOUND: dict[str, Entry] = {}
+OF_MODES: dict[str, Entry] = {}
+"""Entries that other plug-ins compute, where they are installed."""
+
+if find_spec("workflow.plugins.rigid"):
+    from workflow.plugins.gallery.entries import paper_gapped
+
+    OF_RIGID_BEADS = {"paper-gapped": paper_gapped.ENTRY}
+if find_spec("workflow.plugins.sound"):
+    from workflow.plugins.gallery.entries import loaded
+
+    OF_SOUND = {
+        "precompressed": loaded.PRECOMPRESSED,
+        "band-gap": loaded.BAND_GAP,
+        "resonators": loaded.RESONATORS,
+        "gravity": loaded.GRAVITY,
+    }
+if find_spec("workflow.plugins.modes"):
+    from workflow.plugins.gallery.entries import breathers, mode_beats
+
+    OF_MODES = {
+        "dark-breathers": breathers.DARK_BREATHERS,
+        "gap-breathers": breathers.GAP_BREATHERS,
+        "mode-beats": mode_beats.MODE_BEATS,
+    }
+
 ENTRIES: dict[str, Entry] = {
     "paper-touching": paper_touching.ENTRY,
-    "paper-gapped": paper_gapped.ENTRY,
+    **OF_RIGID_BEADS,
     "kicked-chain": solitary_waves.KICKED_CHAIN,
     "nesterenko": solitary_waves.NESTERENKO,
     "exact-wave": solitary_waves.EXACT_WAVE,
@@ -43,12 +69,7 @@ ENTRIES: dict[str, Entry] = {
     "landau-zener": foundations.LANDAU_ZENER,
     "rosas": losses.ROSAS,
     "kuwabara-kono": losses.KUWABARA_KONO,
-    "precompressed": loaded.PRECOMPRESSED,
-    "band-gap": loaded.BAND_GAP,
-    "resonators": loaded.RESONATORS,
-    "gravity": loaded.GRAVITY,
-    "rectifier": periodic.RECTIFIER,
-    "dark-breathers": breathers.DARK_BREATHERS,
-    "gap-breathers": breathers.GAP_BREATHERS,
-    "mode-beats": periodic.MODE_BEATS,
+    **OF_SOUND,
+    "rectifier": rectifier.RECTIFIER,
+    **OF_MODES,
 }

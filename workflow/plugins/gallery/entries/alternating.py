@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape import exact_wave
 from analysis.trajectory import Floats
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_most, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, line
@@ -25,7 +25,7 @@ def _dimer(ratio: float, beads: int) -> dict[str, object]:
 
 def _residuals(results: Results, ratio: float, factors: Iterable[float]) -> list[float]:
     """Share of the energy that stays in a cell, by the reference, at a mass ratio times factors, [factor]."""
-    return [results[f"ratio-{ratio * factor:.4f}"]["reference"].residual(2) for factor in factors]
+    return [results[f"ratio-{ratio * factor:.4f}"]["reference"].residual for factor in factors]
 
 
 def _least(results: Results, ratio: float) -> float:
@@ -41,7 +41,7 @@ def _anti_resonances(results: Results) -> Statements:
     for ratio in ANTI_RESONANCES:
         least, left = (
             {"reference": _least(results, ratio)},
-            each(lambda run: run.residual(2), results[f"ratio-{ratio:.4f}"]),
+            each(lambda run: run.residual, results[f"ratio-{ratio:.4f}"]),
         )
         yield state(
             MeasuredQuantity("mass ratio of the smallest residual energy", least, near(ratio, 1e-4, 2e-3)),
@@ -173,7 +173,7 @@ def _effective(radius: float, velocity: float) -> float:
     A small bead between two large ones is light: its two contacts feel the same force and share the overlap.
     """
     contact, mass = (2.0 * radius / (1.0 + radius)) ** 0.5 / math.sqrt(8.0), 1.0 + radius**3
-    return float((contact / mass) ** 0.4 * solitary_wave().speed_at(velocity))
+    return float((contact / mass) ** 0.4 * exact_wave.solitary_wave().speed_at(velocity))
 
 
 def _decorated(results: Results) -> Statements:

@@ -10,11 +10,11 @@ from matplotlib.axes import Axes
 from analysis import motion
 from analysis.shape.unit_cell import bands
 from analysis.trajectory import Floats
-from lammps_inputs.laws.contact import Hertz
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statements, chain, line, panel
-from workflow.plugins.gallery.periodic_family import COMPUTED, PeriodicFamily, follow, stays
-from workflow.study_kit.page import drawn
+from workflow.plugins.gallery.periodic_family import COMPUTED, stays
+from workflow.plugins.modes.family import PeriodicFamily, follow
+from workflow.study_kit import page
 
 LOAD = {"force": 1.0}
 STIFFNESS = 1.5
@@ -41,7 +41,7 @@ def _alternating(amplitude: float) -> float:
     def rates(_: float, motion_of_bead: Floats) -> list[float]:
         """Velocity and acceleration, from displacement and velocity [2]."""
         twice = 2.0 * float(motion_of_bead[0])
-        return [float(motion_of_bead[1]), float(Hertz.force(1.0 - twice, 1.0) - Hertz.force(1.0 + twice, 1.0))]
+        return [float(motion_of_bead[1]), (1.0 - twice) ** 1.5 - (1.0 + twice) ** 1.5]
 
     def middle(_: float, motion_of_bead: Floats) -> float:
         """Displacement, from displacement and velocity [2]."""
@@ -334,7 +334,7 @@ GAP_BREATHERS = Entry(
     draw=_draw_gap,
     caption="Energy of the two families of breathers over frequency; filled symbols are stable.",
     pictures=lambda results: [
-        drawn(
+        page.drawn(
             "shapes",
             panel(("bead, from the middle one", "displacement at the start (reduced)"), _draw_shapes, results),
             "Displacements of a state of each family in the middle of the gap, at the instant at which all beads rest.",

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy.special import beta
 
-from analysis.gauges.forces import Readings
+from analysis.gauges import forces
 from analysis.trajectory import Floats
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_most, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, each
@@ -82,7 +82,7 @@ class Impact:
         }  # fmt: skip
 
 
-def _readings(run: Ran) -> Readings:
+def _readings(run: Ran) -> forces.Readings:
     """Readings of the force between the spheres, or on the plane."""
     plane = bool(run.scene.gap)
     return run.forces(contacts=() if plane else (1,), wall=plane)

@@ -1,5 +1,6 @@
 """Chains under a static load: solitary waves on top of it, bands of sound and the gaps between them, a column."""
 
+import functools
 import math
 from collections.abc import Sequence
 from itertools import pairwise
@@ -8,11 +9,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.shape.long_waves import speed_over_sound
-from analysis.trajectory import watch
+from analysis.trajectory import Floats, watch
 from workflow.plugins.gallery.criteria import MeasuredQuantity, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, exponent
-from workflow.plugins.sound.loaded_pulse import LoadedPulse, LoadedWave
+from workflow.plugins.sound import dispersion, loaded_pulse
 
 
 def _weakly_kicked(beads: int, duration: float, **keys: object) -> dict[str, object]:
@@ -25,8 +25,8 @@ def _weakly_kicked(beads: int, duration: float, **keys: object) -> dict[str, obj
 LOADS = {f"load-{load:g}": load for load in (0.1, 0.01, 0.003)}
 
 
-def _wave(run: Ran) -> LoadedWave:
-    wave = watch(LoadedPulse(run.problem), run.blocks()).result()
+def _wave(run: Ran) -> loaded_pulse.LoadedWave:
+    wave = watch(loaded_pulse.LoadedPulse(run.problem), run.blocks()).result()
     assert wave is not None
     return wave
 
@@ -48,10 +48,16 @@ def _precompressed(results: Results) -> Statements:
         )
 
 
+def _long_wave(ratio: Floats) -> Floats:
+    """Speed over that of sound by the long-wave theory, [ratio], over the force ratio f."""
+    strain = ratio ** (2.0 / 3.0)
+    return np.sqrt(4.0 / 15.0 * (3.0 + 2.0 * ratio * strain - 5.0 * strain)) / (strain - 1.0)
+
+
 def _draw_precompressed(axis: Axes, results: Results) -> None:
     """Speed over sound, over the force ratio."""
     every = np.geomspace(1.05, 300.0, 100)
-    axis.semilogx(every, speed_over_sound(every), label="Nesterenko", **PUBLISHED)
+    axis.semilogx(every, _long_wave(every), label="Nesterenko", **PUBLISHED)
     waves = [_wave(results[name]["lammps"]) for name in LOADS]
     axis.semilogx([w.force_ratio for w in waves], [w.over_sound for w in waves], "o", color=COLOURS[0], label="LAMMPS")
 
@@ -82,10 +88,16 @@ Edge = tuple[float, str, str]
 """Angular frequency of the edge of a band, published claim, and its derivation."""
 
 
+@functools.cache
+def _spectrum(run: Ran) -> dispersion.Map:
+    """Power of the velocities over wavenumber and frequency."""
+    return watch(dispersion.Dispersion(run.problem), run.blocks()).result()
+
+
 def _edges(results: Results, scene: str, edges: Sequence[Edge], source: str) -> Statements:
     """The three edges, from the power of the velocities over wavenumber and frequency."""
-    resolved = max(each(lambda run: run.spectrum.bin / run.problem.scale.time, results[scene]).values())
-    bands = each(lambda run: run.spectrum.measured_bands() / run.problem.scale.time, results[scene])
+    resolved = max(each(lambda run: _spectrum(run).bin / run.problem.scale.time, results[scene]).values())
+    bands = each(lambda run: _spectrum(run).measured_bands() / run.problem.scale.time, results[scene])
     for place, (edge, published, derived) in zip(PLACES, edges, strict=True):
         frequencies = {engine: float(edges_of_engine[place]) for engine, edges_of_engine in bands.items()}
         yield state(
@@ -98,7 +110,7 @@ def _edges(results: Results, scene: str, edges: Sequence[Edge], source: str) -> 
 
 def _draw_bands(axis: Axes, run: Ran, edges: Sequence[Edge], *, exact: bool) -> None:
     """Branches, and the edges of the bands."""
-    spectrum, second = run.spectrum, run.problem.scale.time
+    spectrum, second = _spectrum(run), run.problem.scale.time
     for branch, (name, mark) in enumerate((("lower", "o"), ("upper", "s"))):
         look: dict[str, Any] = {"color": COLOURS[branch], "marker": mark, "linestyle": "none", "markersize": 4}
         axis.plot(spectrum.folded, spectrum.measured[:, branch] / second, label=f"{name} branch (LAMMPS)", **look)

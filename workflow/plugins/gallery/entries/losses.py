@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.contacts import YieldMeter
+from analysis import contacts
 from analysis.trajectory import Floats, watch
 from lammps_inputs.laws.plastic import restitution_of
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
@@ -53,7 +53,7 @@ def _worst(*runs: Ran) -> float:
 
 def _force_exponent(first: int, last: int, run: Ran) -> float:
     """Exponent of the largest force as a power of the number of the contact, from a contact to another."""
-    yields = watch(YieldMeter(), run.blocks()).result()
+    yields = watch(contacts.YieldMeter(), run.blocks()).result()
     assert yields is not None
     return exponent(yields[1].force[first - 1 : last - 1], np.arange(float(first), last))
 
@@ -88,7 +88,10 @@ def _plastic(results: Results) -> Statements:
     )
     yield state(
         MeasuredQuantity(
-            "pulses that pass bead 40", each(lambda run: run.train(40).pulses, single), at_least(2.0), "0"
+            "pulses that pass bead 40",
+            each(lambda run: run.survey.train(1, 40, 0.01).pulses, single),
+            at_least(2.0),
+            "0",
         ),
         published="In elasto-plastic chains energy dissipation leads to the formation of wave trains.",
         source="pal2013, abstract",

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape import exact_wave
 from lammps_inputs import laws, physics
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import (
@@ -205,7 +205,7 @@ def _passed(run: Ran) -> float:
 def _impurity(results: Results) -> Statements:
     """Light beads oscillate, heavy ones reflect."""
     light = [results[name] for name in LIGHT]
-    width = solitary_wave().width
+    width = exact_wave.solitary_wave().width
     above = each(lambda run: _frequency(run) / (float(run.speed(60, 75)) / width), results["mass-0.1"])
     slope = each(lambda *runs: exponent(np.array([*map(_frequency, runs)]), np.array([*LIGHT.values()])), *light)
     yield state(

@@ -14,20 +14,23 @@ from functools import cache
 
 import numpy as np
 
-from analysis.figures.engines import EngineCurve, PublishedPoint, engines_figure, relative_mode_figure, scan_figure
 from analysis.sharing import impulses
-from analysis.sharing.impulses import Impulses, relative_difference
 from analysis.trajectory import Floats, Integers, Trajectory
-from lammps_inputs import Problem, System, physics
-from lammps_inputs.chains import coupled_chains
+from lammps_inputs import Problem, library, physics
 from lammps_inputs.limits.closing import THETA_OF_EQ_5
-from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines.reference import engine as reference
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
+from workflow.plugins.gallery.engines_figure import (
+    EngineCurve,
+    PublishedPoint,
+    engines_figure,
+    relative_mode_figure,
+    scan_figure,
+)
 from workflow.plugins.gallery.entry import Entry, Results, Statements
 from workflow.plugins.rigid import engine as collisions
-from workflow.plugins.rigid.events import Collisions, from_events
-from workflow.study_kit.page import PageFigure, drawn
+from workflow.plugins.rigid import events
+from workflow.study_kit import page
 
 AGREE = 0.01
 """Relative difference of the chains' impulses up to which they count as equal (the paper: "identical")."""
@@ -52,15 +55,18 @@ def problem_at(theta: float, kappa: float, row: int, *, every: float = 0.25, slo
     omega = math.sqrt(2.0 * kappa)
     gap = theta / omega
     duration = row * (gap / slowest + 3.0) + 6.0 * math.pi / omega
-    return Problem(
-        name="gapped",
-        system=System(chains=2, beads=row + 10, kicks=((1, 1, 1.0),), links=coupled_chains(2, kappa, gap)),
-        timestep=every,
-        steps_per_frame=1,
-        frames=math.ceil(duration / every),
-        recorded=None,
-        scale=DIMENSIONLESS,
-    )
+    scene = {
+        "name": "gapped",
+        "chains": 2,
+        "beads": row + 10,
+        "coupling": {"stiffness": kappa},
+        "gap": gap,
+        "kick": {"velocity": 1.0},
+        "duration": every * math.ceil(duration / every),
+        "timestep": every,
+        "output": {"every": every},
+    }
+    return library.from_plain(scene, "gapped").problem()
 
 
 def rigid_problem(theta: float, row: int) -> Problem:
@@ -68,16 +74,16 @@ def rigid_problem(theta: float, row: int) -> Problem:
     return problem_at(theta, 0.5, row, slowest=LAST_STRAGGLERS)
 
 
-def rigid_impulses(problem: Problem) -> Impulses:
+def rigid_impulses(problem: Problem) -> impulses.Impulses:
     """Impulses of a problem's rigid beads."""
     return _impulses(problem, collisions.run(problem))
 
 
-def _impulses(problem: Problem, run: collisions.CollisionRun) -> Impulses:
-    return from_events(problem, Collisions(run.time, run.chain, run.row, run.striker, run.target))
+def _impulses(problem: Problem, run: collisions.CollisionRun) -> impulses.Impulses:
+    return events.from_events(problem, events.Collisions(run.time, run.chain, run.row, run.striker, run.target))
 
 
-def hertz_impulses(problem: Problem) -> Impulses:
+def hertz_impulses(problem: Problem) -> impulses.Impulses:
     """Impulses of a problem's Hertz beads, by the reference, frame by frame."""
     return impulses.measure(problem, reference.blocks(problem))
 
@@ -86,7 +92,7 @@ def curves(problem: Problem, rows: Sequence[int]) -> list[EngineCurve]:
     """Velocities over time and first impulses of rows of rigid beads (exact) and of Hertz beads (reference)."""
     place = [int(np.flatnonzero(problem.recorded_beads == row)[0]) for row in rows]
     rigid = collisions.run(problem)
-    models: dict[str, tuple[Iterable[Trajectory], Impulses]] = {
+    models: dict[str, tuple[Iterable[Trajectory], impulses.Impulses]] = {
         "rigid": (collisions.blocks(rigid), _impulses(problem, rigid)),
         "Hertz": (reference.blocks(problem), hertz_impulses(problem)),
     }
@@ -182,7 +188,7 @@ def scan(thetas: Floats, last_bead: int = 30) -> Scan:
     """Compute first impulses of rigid rows at thetas, [theta], up to a last bead; it takes about 2 ms a theta."""
     bead = np.arange(2, last_bead + 1)
     first = [rigid_impulses(rigid_problem(theta, last_bead)).first[:, : len(bead)] for theta in thetas]
-    return Scan(thetas, bead, np.array([relative_difference(received) for received in first]))
+    return Scan(thetas, bead, np.array([impulses.relative_difference(received) for received in first]))
 
 
 def sensitivity(thetas: Iterable[float], bead: int = 25) -> Floats:
@@ -204,13 +210,13 @@ def _scan() -> Scan:
     return scan(THETAS)
 
 
-def _partition_of_rigid_beads(rigid: Impulses) -> Statements:
+def _partition_of_rigid_beads(rigid: impulses.Impulses) -> Statements:
     swept = _scan()
     sensitive = sensitivity(THETAS[:: len(THETAS) // 100])
     at_25, keeping = swept.keeping(25, 25), {"rigid beads": len(swept.keeping(20, 30))}
     median = dict(zip(swept.bead, np.median(swept.difference, axis=0), strict=True))
     name = "difference of the impulses at the gap of eq. 5"
-    apart = {row: {"rigid beads": float(relative_difference(rigid.first)[rigid.row(row)])} for row in ROWS}
+    apart = {row: {"rigid beads": float(impulses.relative_difference(rigid.first)[rigid.row(row)])} for row in ROWS}
     yield state(
         *(MeasuredQuantity(f"{name}, row {row}", difference, at_most(0.01), "3") for row, difference in apart.items()),
         MeasuredQuantity("gaps at which rows 20 to 30 agree within 1%", keeping, at_least(1.0), "0"),
@@ -229,7 +235,7 @@ def _partition_of_rigid_beads(rigid: Impulses) -> Statements:
     )
 
 
-def _pair(label: str, received: Impulses, row: int) -> str:
+def _pair(label: str, received: impulses.Impulses, row: int) -> str:
     first, second = received.first[:, received.row(row)]
     return f"{label}: first impulses {first:.3f}, {second:.3f}"
 
@@ -258,7 +264,7 @@ class RelativeMode:
     equal_from: int | None
 
 
-def relative_mode(received: Impulses, first_bead: int, last_bead: int) -> RelativeMode:
+def relative_mode(received: impulses.Impulses, first_bead: int, last_bead: int) -> RelativeMode:
     """Relative mode of two chains between two rows; the fit takes every row, also those near a change of sign."""
     rows = slice(received.row(first_bead), received.row(last_bead) + 1)
     bead, first = received.bead[rows], received.first[:, rows]
@@ -273,13 +279,13 @@ def relative_mode(received: Impulses, first_bead: int, last_bead: int) -> Relati
 
 
 @cache
-def _both_models() -> tuple[dict[float, Impulses], Impulses]:
+def _both_models() -> tuple[dict[float, impulses.Impulses], impulses.Impulses]:
     """Impulses at the gap of eq. 5 of Hertz beads by coupling, and of rigid ones."""
     hertz = {kappa: hertz_impulses(problem_at(THETA_OF_EQ_5, kappa, LAST)) for kappa in KAPPAS}
     return hertz, rigid_impulses(rigid_problem(THETA_OF_EQ_5, LAST))
 
 
-def _partition_of_hertz_beads(hertz: dict[float, Impulses]) -> Statements:
+def _partition_of_hertz_beads(hertz: dict[float, impulses.Impulses]) -> Statements:
     modes = {f"kappa = {kappa:g}": relative_mode(received, 10, LAST) for kappa, received in hertz.items()}
     since = {name: math.nan if mode.equal_from is None else mode.equal_from for name, mode in modes.items()}
     yield state(
@@ -369,26 +375,26 @@ def statements(_: Results) -> Statements:
     yield from _limit()
 
 
-def pictures(_: Results) -> list[PageFigure]:
+def pictures(_: Results) -> list[page.PageFigure]:
     """Figs 8 and 9, the scan and the relative mode."""
     swept, (hertz, rigid) = _scan(), _both_models()
     figures = []
     for kappa, number in zip(KAPPAS, (8, 9), strict=True):
         problem = problem_at(THETA_OF_EQ_5, kappa, 40, every=0.05)
         caption = f"Fig. {number}: first impulses, and velocities of beads 5 and 25; kappa = {kappa:g}, gap of eq. 5."
-        figures.append(drawn(f"fig{number}", engines_figure(problem, ROWS, curves(problem, ROWS)), caption))
+        figures.append(page.drawn(f"fig{number}", engines_figure(problem, ROWS, curves(problem, ROWS)), caption))
     shown = (5, 25, 30)
     rows, chosen = np.isin(swept.bead, shown), scan(np.array([THETA_OF_EQ_5]))
     published = PublishedPoint("gap of eq. 5", THETA_OF_EQ_5, chosen.difference[0, rows])
     scanned = scan_figure(swept.theta, swept.difference[:, rows], shown, AGREE, published)
-    figures.append(drawn("scan", scanned, "Rigid beads: difference of the chains over the gap."))
+    figures.append(page.drawn("scan", scanned, "Rigid beads: difference of the chains over the gap."))
     labelled = {"rigid": rigid, **{rf"Hertz, $\kappa$ = {kappa:g}": received for kappa, received in hertz.items()}}
     modes = {label: relative_mode(received, 2, LAST) for label, received in labelled.items()}
     curve = relative_mode_figure([(label, mode.bead, mode.difference) for label, mode in modes.items()])
     caption = (
         "Difference of the chains over the rows, at the gap of eq. 5: it decays for Hertzian beads, not for rigid ones."
     )
-    return [*figures, drawn("relative-mode", curve, caption)]
+    return [*figures, page.drawn("relative-mode", curve, caption)]
 
 
 ENTRY = Entry(

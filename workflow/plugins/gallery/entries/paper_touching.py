@@ -6,14 +6,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
-from analysis.figures.waves import response_figure
-from analysis.sharing.equipartition import Estimate, Sharing, sharing
+from analysis.figures.spacetime import SpaceTime, spacetime_figure
+from analysis.figures.waves import response_of
 from analysis.trajectory import watch
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import Entry, Ran, Results, Statements, each
 from workflow.plugins.gallery.equipartition_distance import distance_map, equipartition_distance
-from workflow.study_kit.page import PageFigure, drawn
+from workflow.study_kit import page
 
 CASES = (("two-chains", 55, "1", "2"), ("two-chains-strong", 55, "3", "4"), ("three-chains", 90, "5", "6"))
 """Scene, the bead of the paper's figure, and the numbers of its figures in space and time and of that bead."""
@@ -27,7 +26,7 @@ def statements(results: Results) -> Statements:
     """Statements on the paper's scenes, then on couplings and numbers of chains beyond them."""
     runs = {name: results[name] for name, *_ in CASES}
     two, strong, three = runs.values()
-    final = each(lambda run: _final(run).value, two)
+    final = each(lambda run: _final(run)[0], two)
     settled, apart = final["reference"], each(lambda run: _mismatch(run, 55), two)
     yield state(
         MeasuredQuantity("final amplitude", final, near(0.4, 0.025, 0.05), "4 V"),
@@ -41,7 +40,7 @@ def statements(results: Results) -> Statements:
         ("N = 2, kappa = 0.5: the reduction is 65%.", "Figs 3 and 4", 0.65, strong),
         ("N = 3, kappa = 0.1: the reduction is 75%.", "Figs 5 and 6", 0.75, three),
     ):
-        reduction = each(lambda run: 1.0 - _final(run).value, those)
+        reduction = each(lambda run: 1.0 - _final(run)[0], those)
         yield state(
             MeasuredQuantity("reduction of the final amplitude", reduction, near(claimed, 0.025), "4"),
             published=says,
@@ -56,7 +55,7 @@ def statements(results: Results) -> Statements:
         derived="Identical: the peaks differ by at most 1% of their mean.",
         correction=f"At kappa = 0.1 they become so: at bead 55 they still differ by {apart['reference']:.1%}.",
         also=[
-            f"{name}: {_within('1%', _sharing(scene_runs['reference']).agrees_from(0.01))}"
+            f"{name}: {_within('1%', scene_runs['reference'].survey.shared.agrees_from(0.01))}"
             for name, scene_runs in runs.items()
         ],
     )
@@ -75,7 +74,7 @@ def statements(results: Results) -> Statements:
             for engine, run in scene_runs.items()
         ],
     )
-    yield from _beyond(final, each(lambda run: _final(run).value, strong))
+    yield from _beyond(final, each(lambda run: _final(run)[0], strong))
 
 
 def _beyond(two: Mapping[str, float], strong: Mapping[str, float]) -> Statements:
@@ -104,21 +103,18 @@ def _beyond(two: Mapping[str, float], strong: Mapping[str, float]) -> Statements
     )
 
 
-def _sharing(run: Ran) -> Sharing:
-    return sharing(run.waves, run.problem)
-
-
-def _final(run: Ran) -> Estimate:
-    """Amplitude over the last half beat, and its variation."""
-    final = _sharing(run).final
+def _final(run: Ran) -> tuple[float, float]:
+    """Amplitude over the last half beat, and its variation (V)."""
+    final = run.survey.shared.final
     assert final is not None, "the paper's scenes run far enough"
-    return final
+    return final.value, final.uncertainty
 
 
 def _final_line(run: Ran) -> str:
+    amplitude, variation = _final(run)
     return (
-        f"final amplitude {_final(run).value:.5f} V, uncertainty {run.errors[0]:.0e} V, variation over the last half "
-        f"beat {_final(run).uncertainty:.0e} V"
+        f"final amplitude {amplitude:.5f} V, uncertainty {run.errors[0]:.0e} V, variation over the last half "
+        f"beat {variation:.0e} V"
     )
 
 
@@ -128,7 +124,7 @@ def _peaks_at_55(run: Ran) -> str:
 
 
 def _mismatch(run: Ran, bead: int) -> float:
-    shared = _sharing(run)
+    shared = run.survey.shared
     return float(shared.mismatch[shared.bead == bead][0])
 
 
@@ -142,19 +138,21 @@ def _within(tolerance: str, bead: int | None) -> str:
     return f"within {tolerance} from bead {bead} on"
 
 
-def pictures(runs: Results) -> list[PageFigure]:
+def pictures(runs: Results) -> list[page.PageFigure]:
     """The paper's Figs 1 to 6, and the map of the distance to equipartition."""
     figures = []
     for name, bead, space, time in CASES:
         run = runs[name]["lammps"]
         caption = f"Fig. {space}: velocity in space and time ({name}, LAMMPS)."
-        figures.append(drawn(f"fig{space}", spacetime_figure(watch(SpaceTime(run.problem), run.blocks())), caption))
+        figures.append(
+            page.drawn(f"fig{space}", spacetime_figure(watch(SpaceTime(run.problem), run.blocks())), caption)
+        )
         caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
-        history = watch(BeadHistory(run.problem, (bead,)), run.blocks())
-        figures.append(drawn(f"fig{time}", response_figure(history, run.waves), caption))
+        response = response_of(run.problem, run.blocks(), (bead,), run.waves)
+        figures.append(page.drawn(f"fig{time}", response, caption))
     cases = [equipartition_distance(chains, kappa) for chains in MAP_CHAINS for kappa in MAP_COUPLINGS]
     caption = "Distance to equipartition and final amplitude over coupling and number of chains (reference integrator)."
-    figures.append(drawn("map", distance_map(cases), caption))
+    figures.append(page.drawn("map", distance_map(cases), caption))
     return figures
 
 

@@ -19,7 +19,7 @@ def _both_ends(beads: int) -> dict[str, object]:
 
 def _after(run: Ran) -> tuple[float, float]:
     """Arrival and velocity of the pulse that passes bead `PASSED` after the collision."""
-    train = run.train(PASSED, 0.3)
+    train = run.survey.train(1, PASSED, 0.3)
     return float(train.arrival[-1]), float(train.peak_velocity[-1])
 
 
@@ -30,7 +30,8 @@ def _lost(run: Ran) -> float:
 
 def _secondary(run: Ran) -> float:
     """Velocity of the strongest pulse behind the wave, in the middle of its path."""
-    late = [pulse for pulse in run.pulses(1, 0.003) if pulse.bead[0] > 50 and pulse.peak_velocity.max() < 0.3]
+    pulses = run.survey.pulses_towards(1, 0.003)
+    late = [pulse for pulse in pulses if pulse.bead[0] > 50 and pulse.peak_velocity.max() < 0.3]
     return max((float(pulse.peak_velocity[len(pulse) // 2]) for pulse in late), default=0.0)
 
 
@@ -108,7 +109,7 @@ def _force_ratio(run: Ran) -> float:
 
 def _back(run: Ran) -> tuple[float, float]:
     """Time from the incident to the reflected pulse at a bead, and the ratio of their velocities."""
-    pulse = max(run.pulses(-1, 0.1), key=lambda candidate: float(candidate.peak_velocity.max()))
+    pulse = max(run.survey.pulses_towards(-1, 0.1), key=lambda candidate: float(candidate.peak_velocity.max()))
     at = int(list(pulse.bead).index(SEEN))
     return float(pulse.arrival[at]) - run.arrival(SEEN), float(pulse.peak_velocity[at]) / run.peak(SEEN)
 

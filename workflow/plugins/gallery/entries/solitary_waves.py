@@ -5,7 +5,7 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.shape.exact_wave import nesterenko, solitary_wave
+from analysis.shape import exact_wave
 from analysis.trajectory import Floats
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import (
@@ -76,7 +76,7 @@ HALF = 2.0 * math.acos(0.5**0.25) / math.pi
 
 def _train(run: Ran) -> tuple[Floats, Floats, Floats]:
     """Velocities (V), speeds (beads / T) and forces (m V / T) of the pulses of a train that pass one bead, [pulse]."""
-    before, at = run.train(FAR - 20, 0.1), run.train(FAR, 0.1)
+    before, at = run.survey.train(1, FAR - 20, 0.1), run.survey.train(1, FAR, 0.1)
     count = min(len(before), len(at))
     speed = 20.0 / (at.arrival[:count] - before.arrival[:count])
     read = run.forces(contacts=(FAR,))
@@ -90,7 +90,7 @@ def _train(run: Ran) -> tuple[Floats, Floats, Floats]:
 def _nesterenko(results: Results) -> Statements:
     """Constants of the wave, and exponents of the train of a heavy striker."""
     single, train = results["single"], each(_train, results["striker-4"])
-    theory, exact = nesterenko(), solitary_wave()
+    theory, exact = exact_wave.nesterenko(), exact_wave.solitary_wave()
     width = HALF * theory.width
     yield state(
         MeasuredQuantity("speed over V_m^(1/5)", each(_speed, single), near(theory.speed, 1e-4, 0.01)),
@@ -161,7 +161,7 @@ def _deviation(run: Ran) -> tuple[Floats, Floats]:
     """Distance of `BEAD` ahead of the wave, and displacement by the series minus that of the run over the final one."""
     xi = run.speed(BEAD - 10, BEAD + 10) * (run.arrival(BEAD) - run.trajectory.time)
     close = np.abs(xi) < 4.0
-    shift = solitary_wave().shift_at(run.peak(BEAD))
+    shift = exact_wave.solitary_wave().shift_at(run.peak(BEAD))
     return xi[close], _series(xi[close]) - run.trajectory.displacement[close, 0, BEAD - 1] / shift
 
 
@@ -175,7 +175,7 @@ def _tail(run: Ran) -> Floats:
 
 def _exact(results: Results) -> Statements:
     """The series, the tails, the shape."""
-    runs, exact = results["chain"], solitary_wave()
+    runs, exact = results["chain"], exact_wave.solitary_wave()
     series, tails = each(lambda run: np.max(np.abs(_deviation(run)[1])), runs), each(_tail, runs)
     rise, last = float(np.max(np.diff(tails["reference"]))), float(tails["reference"][-1])
     yield state(
@@ -234,7 +234,9 @@ LAUNCHED = {f"launched-{count}": count for count in (2, 3)}
 
 def _trains(results: Results) -> Statements:
     """Number of waves, equal to that of the beads launched; nearly geometric decrease after a heavy striker."""
-    trains = {name: each(lambda run: run.train(PASSED, LEAST).peak_velocity, runs) for name, runs in results.items()}
+    trains = {
+        name: each(lambda run: run.survey.train(1, PASSED, LEAST).peak_velocity, runs) for name, runs in results.items()
+    }
     count = {
         name: {engine: len(velocities) for engine, velocities in by_engines.items()}
         for name, by_engines in trains.items()

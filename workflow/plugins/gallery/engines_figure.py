@@ -10,20 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from analysis.figures.style import (
-    CHAIN_COLOURS,
-    CHAIN_DASHES,
-    FrameContent,
-    axis_unit,
-    head,
-    label_log_axis,
-    legend_below,
-    letter,
-    new_figure,
-    shown_chains,
-    styled,
-    title,
-)
+from analysis.figures import style
 from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem
 
@@ -53,17 +40,19 @@ class EngineCurve:
     first: Floats
 
 
-@styled
+@style.styled
 def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[EngineCurve]) -> Figure:
     """First impulses of all rows above, one panel an engine; below the velocities of a few rows.
 
     A colour and, above, a marker is a chain; below, a line style is an engine.
     """
-    chains = shown_chains(problem)
+    chains = style.shown_chains(problem)
     spans = [_window(curves, position) for position in range(len(rows))]
-    time = axis_unit(problem, "time", max(high for _, high in spans))
-    velocity = axis_unit(problem, "velocity", max(float(np.abs(curve.velocity).max(initial=0.0)) for curve in curves))
-    figure = new_figure(3.0 + 1.8 * len(rows), 7.5)
+    time = style.axis_unit(problem, "time", max(high for _, high in spans))
+    velocity = style.axis_unit(
+        problem, "velocity", max(float(np.abs(curve.velocity).max(initial=0.0)) for curve in curves)
+    )
+    figure = style.new_figure(3.0 + 1.8 * len(rows), 7.5)
     grid = figure.add_gridspec(1 + len(rows), len(curves), height_ratios=[1.3] + [1.0] * len(rows))
     first = None
     for column, curve in enumerate(curves):
@@ -84,19 +73,19 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Engin
                 axis.plot(curve.time * time.worth, values, color=_colour(place), label=curve.engine, **_look(number))
         axis.set_xlim(span[0] * time.worth, span[1] * time.worth)
         axis.set_title(f"bead {row}", loc="left")
-        axis.set_ylabel(velocity.label(FrameContent, "velocity"))
-    letter(figure.axes)
-    axis.set_xlabel(time.label(FrameContent, "time"))
+        axis.set_ylabel(velocity.label(style.FrameContent, "velocity"))
+    style.letter(figure.axes)
+    axis.set_xlabel(time.label(style.FrameContent, "time"))
     handles = [Line2D([], [], color="black", label=curve.engine, **_look(k)) for k, curve in enumerate(curves)]
     if len(chains) > 1:
         handles += [Line2D([], [], label=f"chain {chain + 1}", **_chain_marks(k)) for k, chain in enumerate(chains)]
-    legend_below(figure, handles, [str(handle.get_label()) for handle in handles])
-    head(figure, title(problem, each_chain=True))
+    style.legend_below(figure, handles, [str(handle.get_label()) for handle in handles])
+    style.head(figure, style.title(problem, each_chain=True))
     return figure
 
 
 def _colour(place: int) -> str:
-    return CHAIN_COLOURS[place % len(CHAIN_COLOURS)]
+    return style.CHAIN_COLOURS[place % len(style.CHAIN_COLOURS)]
 
 
 def _look(engine: int) -> dict[str, Any]:
@@ -145,7 +134,7 @@ class PublishedPoint:
     difference: Floats
 
 
-@styled
+@style.styled
 def scan_figure(
     theta: Floats, differences: Floats, rows: Sequence[int], agree: float, published: PublishedPoint
 ) -> Figure:
@@ -158,22 +147,22 @@ def scan_figure(
         agree: below which chains count as equal; drawn as a line.
         published: a point that is marked.
     """
-    figure = new_figure(1.0 + 1.7 * len(rows), 8.0)
+    figure = style.new_figure(1.0 + 1.7 * len(rows), 8.0)
     axes = figure.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     for place, (axis, row, difference) in enumerate(zip(axes, rows, differences.T, strict=True)):
         positive = np.where(difference > 0.0, difference, np.nan)
-        axis.plot(theta, positive, ".", markersize=2, color=CHAIN_COLOURS[0], label="rigid beads")
+        axis.plot(theta, positive, ".", markersize=2, color=style.CHAIN_COLOURS[0], label="rigid beads")
         axis.axhline(agree, color="black", linewidth=0.8, label=f"{100.0 * agree:g} %")
         at = [published.theta], [published.difference[place] or np.nan]
-        axis.plot(*at, "D", color=CHAIN_COLOURS[1], markersize=6, markeredgecolor="black", label=published.label)
-        axis.axvline(published.theta, color=CHAIN_COLOURS[1], linewidth=0.8, zorder=0)
+        axis.plot(*at, "D", color=style.CHAIN_COLOURS[1], markersize=6, markeredgecolor="black", label=published.label)
+        axis.axvline(published.theta, color=style.CHAIN_COLOURS[1], linewidth=0.8, zorder=0)
         axis.set_yscale("log")
         axis.set_title(f"row {row}", loc="left")
-    label_log_axis(axes[0].yaxis)
-    letter(axes)
+    style.label_log_axis(axes[0].yaxis)
+    style.letter(axes)
     figure.supylabel("difference of the chains' first impulses / mean", fontsize="medium")
     axes[-1].set_xlabel(r"$\theta = \omega D / V$")
-    legend_below(figure, *axes[0].get_legend_handles_labels())
+    style.legend_below(figure, *axes[0].get_legend_handles_labels())
     return figure
 
 
@@ -181,27 +170,27 @@ SMALLEST = 1e-5
 """Least relative difference that is drawn: below it the uncertainty of the runs decides."""
 
 
-@styled
+@style.styled
 def relative_mode_figure(curves: Sequence[tuple[str, Integers, Floats]]) -> Figure:
     """|I1 - I2| / (I1 + I2) of first impulses along the chains; curves are interrupted where it is below `SMALLEST`.
 
     Args:
         curves: label, row numbers [row] and values [row] of each model; dimensionless.
     """
-    figure = new_figure(3.6)
+    figure = style.new_figure(3.6)
     axis = figure.subplots()
     for k, (label, bead, difference) in enumerate(curves):
         size = np.abs(difference)
         axis.plot(
             bead,
             np.where(size >= SMALLEST, size, np.nan),
-            color=CHAIN_COLOURS[k % len(CHAIN_COLOURS)],
-            linestyle=CHAIN_DASHES[k % len(CHAIN_DASHES)],
+            color=style.CHAIN_COLOURS[k % len(style.CHAIN_COLOURS)],
+            linestyle=style.CHAIN_DASHES[k % len(style.CHAIN_DASHES)],
             label=label,
         )
     axis.set_yscale("log")
     axis.set_ylim(SMALLEST, 1.5)
     axis.set_xlabel("row")
     axis.set_ylabel("$|I_1 - I_2| / (I_1 + I_2)$")
-    legend_below(figure, *axis.get_legend_handles_labels())  # the curves fill the axes
+    style.legend_below(figure, *axis.get_legend_handles_labels())  # the curves fill the axes
     return figure

@@ -8,17 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.figures.style import (
-    CHAIN_COLOURS,
-    CHAIN_DASHES,
-    head,
-    legend_below,
-    letter,
-    new_figure,
-    styled,
-)
+from analysis.figures import style
 from analysis.trajectory import Flags, Floats
-from lammps_inputs.units import Label
+from lammps_inputs import units
 
 MOST_CHAINS = 4
 """Chains that a figure shows at most."""
@@ -56,8 +48,10 @@ class BranchCurve:
     chains: int
 
 
-@styled
-def frequency_figure(branches: Sequence[BranchCurve], bands: Floats, labels: tuple[Label, Label], title: str) -> Figure:
+@style.styled
+def frequency_figure(
+    branches: Sequence[BranchCurve], bands: Floats, labels: tuple[units.Label, units.Label], title: str
+) -> Figure:
     """Frequency of the states over their energy, a panel for each branch.
 
     Args:
@@ -66,7 +60,7 @@ def frequency_figure(branches: Sequence[BranchCurve], bands: Floats, labels: tup
         labels: of energy and frequency.
         title: for the top.
     """
-    figure = new_figure(3.2, 3.6 * max(2, min(3, len(branches))))
+    figure = style.new_figure(3.2, 3.6 * max(2, min(3, len(branches))))
     axes = np.ravel(figure.subplots(1, len(branches), squeeze=False))
     for axis, branch in zip(axes, branches, strict=True):
         _draw_by_stability(axis, branch.energy, branch.frequency, branch.stable)
@@ -79,8 +73,8 @@ def frequency_figure(branches: Sequence[BranchCurve], bands: Floats, labels: tup
         axis.set_title(branch.name)
         axis.set_xlabel(labels[0].mathtext)
         axis.set_ylabel(labels[1].mathtext)
-    letter(axes)
-    head(figure, title)
+    style.letter(axes)
+    style.head(figure, title)
     _legend_of_all(figure, axes)
     return figure
 
@@ -95,12 +89,12 @@ def _draw_by_stability(axis: Axes, x: Floats, y: Floats, stable_states: Flags) -
         joined[1:] |= shown[:-1]  # the piece between two belongs to the state before
         name = "stable" if stable else "unstable"
         values = np.where(joined, y, np.nan)
-        axis.plot(x, values, color=CHAIN_COLOURS[not stable], linestyle=dashes, label=name)
+        axis.plot(x, values, color=style.CHAIN_COLOURS[not stable], linestyle=dashes, label=name)
 
 
-@styled
+@style.styled
 def response_figure(
-    curve: Floats, stable: Flags, marked: Mapping[str, Floats], labels: tuple[Label, Label], title: str
+    curve: Floats, stable: Flags, marked: Mapping[str, Floats], labels: tuple[units.Label, units.Label], title: str
 ) -> Figure:
     """Amplitude of periodic responses over the frequency of the drive, with folds and LAMMPS's sweep.
 
@@ -111,7 +105,7 @@ def response_figure(
         labels: of frequency and amplitude.
         title: for the top.
     """
-    figure = new_figure(3.6)
+    figure = style.new_figure(3.6)
     axis = figure.subplots()
     _draw_by_stability(axis, curve[:, 0], curve[:, 1], stable)
     for (name, points), marker in zip(marked.items(), "os^v", strict=True):
@@ -121,12 +115,12 @@ def response_figure(
     axis.set_xlabel(labels[0].mathtext)
     axis.set_ylabel(labels[1].mathtext)
     axis.set_ylim(bottom=0.0)
-    head(figure, title)
+    style.head(figure, title)
     _legend_of_all(figure, [axis])
     return figure
 
 
-@styled
+@style.styled
 def shape_figure(branches: Sequence[BranchCurve], title: str) -> Figure:
     """Displacements at the start of the last state, and of the linear mode, each over its largest.
 
@@ -134,12 +128,12 @@ def shape_figure(branches: Sequence[BranchCurve], title: str) -> Figure:
         branches: a panel each.
         title: for the top.
     """
-    figure = new_figure(0.6 + 1.9 * len(branches))
+    figure = style.new_figure(0.6 + 1.9 * len(branches))
     axes = np.ravel(figure.subplots(len(branches), 1, squeeze=False, sharex=True))
     for axis, branch in zip(axes, branches, strict=True):
         for chain in range(min(branch.chains, MOST_CHAINS)):
-            number, colour = np.arange(1, branch.last.shape[1] + 1), CHAIN_COLOURS[chain]
-            line = {"color": colour, "linestyle": CHAIN_DASHES[chain]}
+            number, colour = np.arange(1, branch.last.shape[1] + 1), style.CHAIN_COLOURS[chain]
+            line = {"color": colour, "linestyle": style.CHAIN_DASHES[chain]}
             words = f" of chain {chain + 1}" if branch.chains > 1 else ""
             last, linear = (shape / np.max(np.abs(shape)) for shape in (branch.last, branch.linear))
             axis.plot(number, last[chain], "o", markersize=3, label=f"last state{words}", **line | {"linestyle": ""})
@@ -150,13 +144,13 @@ def shape_figure(branches: Sequence[BranchCurve], title: str) -> Figure:
         axis.set_ylabel("displacement / largest")
         axis.set_title(f"{branch.name}: {branch.last_state}")
     axes[-1].set_xlabel("bead")
-    letter(axes)
-    head(figure, title)
+    style.letter(axes)
+    style.head(figure, title)
     _legend_of_all(figure, axes)
     return figure
 
 
-@styled
+@style.styled
 def multiplier_figure(branches: Sequence[BranchCurve], title: str) -> Figure:
     """Floquet multipliers of the last state of each branch, with the unit circle.
 
@@ -164,23 +158,23 @@ def multiplier_figure(branches: Sequence[BranchCurve], title: str) -> Figure:
         branches: a panel each.
         title: for the top.
     """
-    figure = new_figure(3.2, 3.3 * max(1, min(3, len(branches))))
+    figure = style.new_figure(3.2, 3.3 * max(1, min(3, len(branches))))
     axes = np.ravel(figure.subplots(1, len(branches), squeeze=False))
     angle = np.linspace(0.0, 2.0 * np.pi, 361)
     for axis, branch in zip(axes, branches, strict=True):
         axis.plot(np.cos(angle), np.sin(angle), color="0.7", linewidth=0.8)
-        axis.plot(branch.multipliers.real, branch.multipliers.imag, "o", color=CHAIN_COLOURS[0], markersize=3.5)
+        axis.plot(branch.multipliers.real, branch.multipliers.imag, "o", color=style.CHAIN_COLOURS[0], markersize=3.5)
         axis.set_aspect("equal", adjustable="datalim")
         axis.set_title(f"{branch.name}: {branch.last_state}")
         axis.set_xlabel("real part")
         axis.set_ylabel("imaginary part")
-    letter(axes)
-    head(figure, title)
+    style.letter(axes)
+    style.head(figure, title)
     return figure
 
 
-@styled
-def motion_figure(branches: Sequence[BranchCurve], labels: tuple[Label, Label], title: str) -> Figure:
+@style.styled
+def motion_figure(branches: Sequence[BranchCurve], labels: tuple[units.Label, units.Label], title: str) -> Figure:
     """Displacements over one period of the last state of each branch, in space and time, a column for each chain.
 
     Args:
@@ -189,7 +183,7 @@ def motion_figure(branches: Sequence[BranchCurve], labels: tuple[Label, Label], 
         title: for the top.
     """
     columns = min(max(branch.chains for branch in branches), MOST_CHAINS)
-    figure = new_figure(0.6 + 2.2 * len(branches), 2.2 + 2.4 * columns)
+    figure = style.new_figure(0.6 + 2.2 * len(branches), 2.2 + 2.4 * columns)
     axes = figure.subplots(len(branches), columns, squeeze=False)
     for row, branch in zip(axes, branches, strict=True):
         largest = float(np.max(np.abs(branch.motion)))
@@ -209,8 +203,8 @@ def motion_figure(branches: Sequence[BranchCurve], labels: tuple[Label, Label], 
             axis.set_xlabel("bead")
         row[0].set_ylabel(labels[1].mathtext)
         figure.colorbar(image, ax=list(row), label=labels[0].mathtext)
-    letter(np.ravel(axes))
-    head(figure, title)
+    style.letter(np.ravel(axes))
+    style.head(figure, title)
     return figure
 
 
@@ -220,4 +214,4 @@ def _legend_of_all(figure: Figure, axes: Iterable[Axes]) -> None:
     for axis in axes:
         handles, names = axis.get_legend_handles_labels()
         entries.update(dict(zip(names, handles, strict=True)))
-    legend_below(figure, list(entries.values()), list(entries))
+    style.legend_below(figure, list(entries.values()), list(entries))

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, head, legend_below, letter, new_figure, styled
+from analysis.figures import style
 from analysis.trajectory import Floats
-from lammps_inputs.units import Label
+from lammps_inputs import units
 
 
 @dataclass(frozen=True)
@@ -26,13 +26,13 @@ class Convergence:
     exponent: Floats
 
 
-@styled
+@style.styled
 def draw(
     runs: Sequence[Convergence],
     exponents: Floats,
     errors: Floats,
     bounds: Floats,
-    labels: tuple[Label, Label],
+    labels: tuple[units.Label, units.Label],
     title: str,
 ) -> Figure:
     """Estimates of the largest exponent over time, with the result; beside them all exponents where there are several.
@@ -46,10 +46,16 @@ def draw(
         title: for the top.
     """
     several = len(exponents) > 1
-    figure = new_figure(3.2, 7.0 if several else 5.5)
+    figure = style.new_figure(3.2, 7.0 if several else 5.5)
     axes = np.ravel(figure.subplots(1, 2 if several else 1, squeeze=False))
     for place, run in enumerate(runs):
-        axes[0].plot(run.time, run.exponent, color=CHAIN_COLOURS[place], linestyle=CHAIN_DASHES[place], label=run.name)
+        axes[0].plot(
+            run.time,
+            run.exponent,
+            color=style.CHAIN_COLOURS[place],
+            linestyle=style.CHAIN_DASHES[place],
+            label=run.name,
+        )
     if np.isfinite(exponents[0]):
         axes[0].axhspan(
             exponents[0] - errors[0], exponents[0] + errors[0], color="0.8", label="result, with its uncertainty"
@@ -66,7 +72,7 @@ def draw(
         axes[1].axhline(0.0, color="0.6", linewidth=0.8)
         axes[1].set_xlabel("number of the exponent")
         axes[1].set_ylabel(labels[0].mathtext)
-        letter(axes)
-    head(figure, title)
-    legend_below(figure, *axes[0].get_legend_handles_labels())
+        style.letter(axes)
+    style.head(figure, title)
+    style.legend_below(figure, *axes[0].get_legend_handles_labels())
     return figure

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from small_problems import problem
 
-from analysis.figures.errors import work_precision_figure
+from workflow.plugins.trade.figure import work_precision_figure
 
 QUANTITIES = ("velocity", "amplitude", "arrival")
 ERRORS = [f"{name}_error" for name in QUANTITIES]

@@ -4,11 +4,13 @@ import html
 import importlib.metadata
 import re
 
+import pytest
 from matplotlib.figure import Figure
 
 from lammps_inputs import references
 from workflow import provenance
-from workflow.study_kit.page import FAILS, HEADS, HOLDS, SECTION, Section, Statement, drawn, keep, kept, render
+from workflow.plugins.gallery.statements import FAILS, HEADS, HOLDS, SECTION, Section, Statement, files_of, kept, render
+from workflow.study_kit.page import drawn
 
 SOME = Section(
     "Waves",
@@ -20,6 +22,11 @@ SOME = Section(
     notes=["read"],
     sources={"rosas2007": "abstract read"},
 )
+
+
+def keep(section, folder):
+    for name, content in files_of(section).items():
+        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
 
 
 def test_a_section_that_was_kept_is_the_same_again(tmp_path):
@@ -71,3 +78,14 @@ def test_an_installed_package_has_no_commit(tmp_path, monkeypatch):
     monkeypatch.setattr(provenance, "HOME", tmp_path)
     assert provenance.commit() == ""
     provenance.commit.cache_clear()
+
+
+@pytest.mark.slow
+def test_a_page_of_statements_fits_a_narrow_screen(tmp_path, browser):
+    long = Statement("rosas2007" * 9, "rosas2007, abstract", "derived", ["LAMMPS 0.68163 V, " * 9], HOLDS, "corrected")
+    (tmp_path / "index.html").write_text(render("t", "s", [Section("Waves", "of beads", [long])]))
+    page = browser.new_page(viewport={"width": 600, "height": 800})
+    page.goto((tmp_path / "index.html").as_uri())
+    assert page.evaluate("document.documentElement.scrollWidth") == 600
+    page.get_by_role("link", name="contents").click()
+    assert page.url.endswith("#contents")
