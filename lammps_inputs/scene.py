@@ -714,6 +714,10 @@ class BaseScene(ScenePart, metaclass=SceneType):
             copy.__dict__.pop(name, None)
         return copy
 
+    def __iter__(self) -> Iterator[tuple[str, Any]]:  # type: ignore[override]  # as pydantic declares it
+        """Keys and their values, without what was built of them."""
+        return ((key, value) for key, value in super().__iter__() if key not in _BUILT)
+
     def __getstate__(self) -> dict[Any, Any]:
         state = super().__getstate__()
         values = {name: value for name, value in state["__dict__"].items() if name not in _BUILT}

@@ -78,8 +78,8 @@ def unasked(text: str) -> list[str]:
     return sorted(names.union(*(PATH.findall(text) for text in texts)) - ALWAYS)
 
 
-ASK_FIRST = {"executables", "gridengine", "slurm"}
-"""Modules of support whose fixtures ask for a package before they start its programs by name."""
+ASK_FIRST = {"core_alone", "executables", "gridengine", "slurm"}
+"""Modules of support whose users ask for a package before they start its programs by name."""
 
 
 def _sources() -> Iterator[tuple[Path, str]]:

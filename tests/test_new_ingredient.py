@@ -53,7 +53,8 @@ UNFILLED = {
 
 
 @pytest.mark.slow
-def test_what_a_new_ingredient_owes_is_written_and_its_tests_fail_for_what_is_to_be_filled_alone(tmp_path):
+def test_what_a_new_ingredient_owes_is_written_and_its_tests_fail_for_what_is_to_be_filled_alone(tmp_path, executable):
+    executable("git")
     copy_without(set(), tmp_path)
     (tmp_path / "lammps_inputs/ingredients/tether.py").write_text(CODE)
     project = tmp_path / "pyproject.toml"

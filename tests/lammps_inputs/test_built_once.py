@@ -86,5 +86,6 @@ def test_what_was_built_of_a_scene_neither_changes_it_nor_is_stored_with_it():
     assert problem.system is scene.system
     assert scene == Scene.model_validate(TWO.plain())
     assert b"Hertz" not in stored
+    assert Scene(**dict(scene)) == scene
     assert pickle.loads(stored) == scene
     assert pickle.loads(stored).problem() == problem

@@ -27,8 +27,8 @@ from workflow.measures.base import Measurement, Recorded
 from workflow.prepare.extent import with_duration
 from workflow.quantities.columns import AT_THE_END, MASS, MEASURED, QUANTITIES, at_bead, kicked_chain
 from workflow.verdicts.analysis_report import WAVES, LeadingWave, Report
-from workflow.workers.evaluate import Computation
-from workflow.workers.evaluate import case as computation
+from workflow.workers.computations import Computation
+from workflow.workers.computations import case as computation
 
 Measured = dict[str, float | None]
 """Numbers by name, in the scene's units; None where there is none."""

@@ -10,7 +10,7 @@
             points = [Point(**value) for value in values(cases)]   # evaluate
             STUDY.write(directory, {"scan.csv": (Point, points)}, {"scan": draw(points)})  # report
 
-- **Plan**: pure functions that return `workflow.workers.evaluate.Computation`, which name a function and plain data.
+- **Plan**: pure functions that return `Computation` of `workflow.workers.computations`, which name a function and data.
 - **Evaluate**: `evaluating` computes them in one pool of processes, with the directory's cache and a bar of progress. A
   search evaluates as often as it plans, in one open directory.
 - **Report**: a table is a list of records whose class declares its columns once (`analysis.quantity.result`): meaning,
@@ -40,7 +40,7 @@ from workflow.runs.files import alone, as_json, write_bytes
 from workflow.runs.output_directory import make_directory, record_files
 from workflow.runs.run_directory import provenance
 from workflow.screen import count_bar, print_table
-from workflow.workers.evaluate import Computation, StoredResults, values
+from workflow.workers.computations import Computation, StoredResults, values
 from workflow.workers.pool import Pool
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ class Study:
 
         The block gets a function from cases to their values, which it may call as often as a search plans. Options of
         the function are ``of`` and ``words``, how many cases there may be and what else the bar says, and ``failed``
-        (`workflow.workers.evaluate.values`).
+        (`workflow.workers.computations.values`).
 
         Args:
             directory: see `opened`.

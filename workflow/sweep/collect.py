@@ -29,7 +29,7 @@ from workflow.sweep import fields
 from workflow.sweep.run_sweep import Asked, asked, is_analysed, read_json, task
 from workflow.verdicts.analysis_report import REPORT, WAVES
 from workflow.verdicts.places import OWN
-from workflow.workers import evaluate
+from workflow.workers import computations
 from workflow.workers.pool import Pool
 
 if TYPE_CHECKING:
@@ -438,9 +438,9 @@ def _analyse(directories: list[Path]) -> dict[str, str]:
     """Analyse directories; name -> what went wrong."""
     if not directories:
         return {}
-    cases = [evaluate.Computation(path.name, task(path.absolute(), None, check=False)) for path in directories]
+    cases = [computations.Computation(path.name, task(path.absolute(), None, check=False)) for path in directories]
     with count_bar("analyse") as progress, Pool() as pool:
-        answers = evaluate.evaluate(cases, pool=pool, progress=progress)
+        answers = computations.evaluate(cases, pool=pool, progress=progress)
     return {name: " ".join(answer.failed.split()) for name, answer in answers.items() if answer.failed}
 
 

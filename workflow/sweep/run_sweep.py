@@ -35,7 +35,7 @@ from workflow.screen import count_bar
 from workflow.sweep.file import Sweep, SweepCase, all_cases, scene_of
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.analysis_report import REPORT
-from workflow.workers import evaluate
+from workflow.workers import computations
 from workflow.workers.pool import Pool, Task, TaskResult
 
 DEFINITION = "sweep.yaml"
@@ -250,11 +250,11 @@ def sweep(
             scene = scene_of(definition, case)
             wanted = request(definition, case, scene) if unfinished else None
             case_task = task((directory / case.name).absolute(), wanted, check=check, figures=drawn)
-            tasks.append(evaluate.Computation(case.name, case_task, cost=_work(scene)))
+            tasks.append(computations.Computation(case.name, case_task, cost=_work(scene)))
 
         try:
             with count_bar("sweep") as progress, Pool(processes) as pool:
-                evaluate.evaluate(
+                computations.evaluate(
                     tasks,
                     pool=pool,
                     progress=lambda now, _, bad: progress(before + now, len(cases), bad),

@@ -20,7 +20,7 @@ from workflow.plugins.design.search import DesignRecord, computed, search, worth
 from workflow.quantities.evaluate import evaluate
 from workflow.runs.run import run
 from workflow.sweep.collect import collect
-from workflow.workers.evaluate import StoredResults, values
+from workflow.workers.computations import StoredResults, values
 from workflow.workers.pool import Pool
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")

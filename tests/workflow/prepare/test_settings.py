@@ -15,6 +15,7 @@ from lammps_inputs.ingredients.coupling import Coupling
 from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.limits.rates import stability_bound, timestep_for
 from lammps_inputs.scene import DEFAULT_ACCURACY
+from lammps_inputs.scheme import cycle
 from lammps_inputs.units import make_scale
 from workflow.cli import main
 from workflow.engines.reference import engine
@@ -72,7 +73,7 @@ def error(problem, accuracy):
         engine.blocks(
             problem,
             scheme=pilot.TABLES[problem.scheme],
-            steps_per_frame=problem.steps_per_frame // pilot.scheme.cycle(problem.scheme),
+            steps_per_frame=problem.steps_per_frame // cycle(problem.scheme),
         ),
         accurate_reference(problem, accuracy / 5.0).blocks(),
     )
@@ -98,7 +99,7 @@ def test_the_error_ends_below_what_was_asked_with_at_most_five_times_the_steps_t
     settled, settings = settle(asking(GRID[name], accuracy, scheme=scheme))
     problem = settled.problem()
     found = error(problem, accuracy)
-    assert problem.steps_per_frame % pilot.scheme.cycle(scheme) == 0
+    assert problem.steps_per_frame % cycle(scheme) == 0
     assert found <= accuracy
     order = 2.0 if scheme == "verlet" else 2.5  # from 4 down to that
     assert (accuracy / found) ** (1.0 / order) <= 5.0 or settings.limited
@@ -130,8 +131,8 @@ def test_so_it_does_where_less_than_the_run_can_be_measured(changes, work):
 def test_the_rule_alone_errs_on_the_safe_side_by_a_factor_of_five_in_the_step_at_most(name, scheme):
     problem, accuracy = replace((GRID.get(name) or find(name)).problem(), scheme=scheme), 1e-5
     step = timestep_for(accuracy, problem.duration, problem.system, scheme)
-    cycles = math.ceil(problem.every / (step * pilot.scheme.cycle(scheme)))
-    steps = cycles * pilot.scheme.cycle(scheme)
+    cycles = math.ceil(problem.every / (step * cycle(scheme)))
+    steps = cycles * cycle(scheme)
     found = error(replace(problem, timestep=problem.every / steps, steps_per_frame=steps), accuracy)
     assert found <= accuracy
     assert (accuracy / found) ** (1.0 / pilot.TABLES[scheme].order) <= 5.0
@@ -210,11 +211,11 @@ def test_where_frames_are_too_far_apart_no_step_is_named_that_divides_their_dist
 @pytest.mark.parametrize("step", [1e-3, 0.0136, 0.012, 0.07, 0.0083, 0.3])
 def test_without_a_cadence_frames_are_as_many_whole_steps_apart_as_fit_into_a_tenth_of_t(step, scheme):
     problem = scene(timestep=step, scheme=scheme).problem()
-    cycle = pilot.scheme.cycle(scheme)
+    steps = cycle(scheme)
     assert problem.timestep == pytest.approx(step, rel=1e-9)
-    assert problem.steps_per_frame % cycle == 0
-    assert problem.every <= max(0.1, cycle * step) * (1.0 + 1e-9)
-    assert problem.every + cycle * step > 0.1
+    assert problem.steps_per_frame % steps == 0
+    assert problem.every <= max(0.1, steps * step) * (1.0 + 1e-9)
+    assert problem.every + steps * step > 0.1
     resolved = scene(timestep=step, scheme=scheme).resolved()
     assert resolved.resolved() == resolved
 

@@ -9,7 +9,7 @@ from lammps_inputs import InputError
 from workflow.errors import RunError
 from workflow.runs.status import status
 from workflow.study_kit.directory import Study
-from workflow.workers.evaluate import StoredResults, case, evaluate, values
+from workflow.workers.computations import StoredResults, case, evaluate, values
 from workflow.workers.pool import Pool, TaskResult
 
 SPECIMEN = Study("specimen", "specimen.csv is the table", tables=("specimen.csv",))

@@ -16,7 +16,7 @@ from workflow.plugins.derivatives.gradient import why_no_derivative
 from workflow.plugins.design.file import Design, Variable, values_of
 from workflow.plugins.design.search import DesignRecord
 from workflow.sweep import fields
-from workflow.workers.evaluate import Computation, case
+from workflow.workers.computations import Computation, case
 
 STEPS = 30
 """Largest number of steps; one takes an evaluation, or a few."""

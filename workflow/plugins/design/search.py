@@ -19,7 +19,7 @@ from workflow.plugins.design.file import Design, Variable, values_of
 from workflow.quantities.columns import MASS
 from workflow.quantities.evaluate import NO_LIMIT, case
 from workflow.sweep import fields
-from workflow.workers.evaluate import key_of
+from workflow.workers.computations import key_of
 
 # --- designs ----------------------------------------------------------------------------------------------------------
 

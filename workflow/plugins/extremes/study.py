@@ -31,7 +31,7 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.screen import print_files
 from workflow.study_kit.directory import Study
 from workflow.verdicts.validate import TOLERANCES
-from workflow.workers import evaluate
+from workflow.workers import computations
 
 # --- true error -------------------------------------------------------------------------------------------------------
 
@@ -261,14 +261,14 @@ QUICK = 1e7
 """Largest cost of a cell of the quick report, see `cost`: about a second, most of it for its start and comparison."""
 
 
-def plan(cells: Sequence[ReportRun]) -> list[evaluate.Computation]:
+def plan(cells: Sequence[ReportRun]) -> list[computations.Computation]:
     """Cases of cells, which are computed again when the program changes; those of several ranks use all cores."""
     program = _program()
     return [
-        evaluate.case(
+        computations.case(
             f"{__name__}:computed",
             asdict(cell),
-            key=evaluate.key_of([program, asdict(cell)]),
+            key=computations.key_of([program, asdict(cell)]),
             cost=cost(cell),
             alone=cell.ranks > 1,
         )
@@ -290,7 +290,7 @@ def _program() -> str:
     """Checksum of the program's modules."""
     root = Path(__file__).parents[3]
     files = [path for package in ("lammps_inputs", "analysis", "workflow") for path in (root / package).rglob("*.py")]
-    return evaluate.key_of([[path.relative_to(root).as_posix(), path.read_text("utf-8")] for path in sorted(files)])
+    return computations.key_of([[path.relative_to(root).as_posix(), path.read_text("utf-8")] for path in sorted(files)])
 
 
 def carry_out(parts: Sequence[str], directory: Path | None, *, quick: bool) -> list[RunOutcome]:

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from analysis.quantity import cell
 from analysis.trajectory import Flags, Floats
 from lammps_inputs import html
 from lammps_inputs.numbers import known
 from workflow.plugins.fit.estimate import FitResult
 from workflow.plugins.fit.goodness import LEVEL, TESTS, Goodness, clipped, goodness, resolution
 from workflow.plugins.fit.model import Model, reversed_channels
+from workflow.screen import cell
 from workflow.sweep import fields
 
 

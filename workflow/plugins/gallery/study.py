@@ -16,7 +16,7 @@ from workflow.plugins.gallery.entries import ENTRIES, GROUPS
 from workflow.runs.output_directory import record_files
 from workflow.screen import CommandResult, count_bar, one_line, print_files, print_table
 from workflow.study_kit.directory import Study
-from workflow.workers import evaluate
+from workflow.workers import computations
 
 PAGE = "index.html"
 FOLDER = "entries"
@@ -67,7 +67,7 @@ def gallery(directory: Path | str, names: Sequence[str] = ()) -> Sections:
         return carry_out(Path(directory), names, progress=progress)
 
 
-def carry_out(directory: Path, names: Sequence[str] = (), *, progress: evaluate.Progress | None = None) -> Sections:
+def carry_out(directory: Path, names: Sequence[str] = (), *, progress: computations.Progress | None = None) -> Sections:
     """Run entries, and write the page of these and of those that earlier starts have run.
 
     Args:
@@ -108,12 +108,14 @@ def _chosen(names: Sequence[str], argument: str = "ENTRY") -> list[str]:
 
 
 def _side_by_side(
-    names: Sequence[str], folder: Path, progress: evaluate.Progress | None
+    names: Sequence[str], folder: Path, progress: computations.Progress | None
 ) -> dict[str, statements.Section]:
     """Run entries in parallel: name -> section; each entry uses runs of an earlier start again."""
-    cases = [evaluate.case(f"{__name__}:run_entry", {"name": name, "folder": str(folder)}, key=name) for name in names]
+    cases = [
+        computations.case(f"{__name__}:run_entry", {"name": name, "folder": str(folder)}, key=name) for name in names
+    ]
     sections = {}
-    for name, answer in evaluate.evaluate(cases, progress=progress).items():
+    for name, answer in computations.evaluate(cases, progress=progress).items():
         section = None if answer.failed else statements.kept(folder / name)
         sections[name] = section or statements.Section(
             name, "", (), failed=answer.failed or "its section cannot be read"

@@ -20,7 +20,7 @@ from workflow.runs.status import cluster_queue, status
 from workflow.screen import count_bar
 from workflow.sweep.file import Sweep, SweepCase, scene_of
 from workflow.sweep.run_sweep import Asked, begin, planned, refuse_if_queued, request
-from workflow.workers import evaluate
+from workflow.workers import computations
 from workflow.workers.pool import Pool, Task, TaskResult
 
 
@@ -115,9 +115,9 @@ def _write_cases(definition: Sweep, todo: list[SweepCase], directory: Path, sche
             "source": source,
             "scheduler": scheduler,
         }
-        cases.append(evaluate.Computation(case.name, Task(f"{__name__}:write_case", arguments)))
+        cases.append(computations.Computation(case.name, Task(f"{__name__}:write_case", arguments)))
     with count_bar("decks") as progress, Pool() as pool:
-        sizes = evaluate.evaluate(cases, pool=pool, progress=progress, tell=ready)
+        sizes = computations.evaluate(cases, pool=pool, progress=progress, tell=ready)
     fewest = [min(sizes, key=lambda name: sizes[name].value[of]) for of in ("beads", "rows")]
     return [load(directory / name / file_names.SCENE).problem() for name in fewest]
 

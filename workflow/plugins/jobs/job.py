@@ -28,11 +28,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from lammps_inputs import file_names, window
+from lammps_inputs import Problem, file_names, window
 from lammps_inputs.decks import deck
 from lammps_inputs.decks.continuation import onward_lines, render_continuation, restart_lines
 from lammps_inputs.errors import InputError
-from lammps_inputs.problem import Problem
 from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.schedulers import SLURM, Request, Scheduler
 from workflow.plugins.jobs.site import RANKS, JobOptions

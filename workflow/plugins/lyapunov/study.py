@@ -32,7 +32,7 @@ from workflow.plugins.lyapunov import growth
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study
-from workflow.workers import evaluate
+from workflow.workers import computations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -266,7 +266,7 @@ def duration_of(problem: Problem, exponents: int, duration: float | None) -> flo
 
 def _case(
     scene: dict[str, Any], source: str, exponents: int, refinement: int, start: int, duration: float
-) -> evaluate.Computation:
+) -> computations.Computation:
     arguments = {
         "plain": scene,
         "source": source,
@@ -275,7 +275,7 @@ def _case(
         "start": start,
         "duration": duration,
     }
-    return evaluate.case("workflow.plugins.lyapunov.growth:computed", arguments, cost=float(refinement))
+    return computations.case("workflow.plugins.lyapunov.growth:computed", arguments, cost=float(refinement))
 
 
 def combined(runs: list[GrowthOfRun]) -> list[Exponent]:

@@ -22,7 +22,7 @@ from workflow.plugins.modes.response_tables import ResponseBifurcation, Response
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study
-from workflow.workers import evaluate
+from workflow.workers import computations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -102,7 +102,7 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
     }
     with STUDY.evaluating(directory) as values:
         [data] = values(
-            [evaluate.case("workflow.plugins.modes.response:computed", arguments, cost=1.0)], of=1 + sweeping
+            [computations.case("workflow.plugins.modes.response:computed", arguments, cost=1.0)], of=1 + sweeping
         )
         curve = ResponseResult(problem, request.place or _largest(problem, data), data, [])
         _write(directory, curve)  # before LAMMPS, which may fail
@@ -115,7 +115,9 @@ def study(scene: dict[str, Any], source: str, directory: Path, request: Response
                 "energy": energy,
                 "decay": driven.slowest_decay(problem, source),
             }
-            [sweep] = values([evaluate.case("workflow.plugins.modes.lammps_sweep:computed", sweep_arguments, cost=1.0)])
+            [sweep] = values(
+                [computations.case("workflow.plugins.modes.lammps_sweep:computed", sweep_arguments, cost=1.0)]
+            )
             curve = replace(curve, sweep=sweep)
             _write(directory, curve)
     return curve

@@ -58,7 +58,7 @@ from workflow.runs.files import write_text
 from workflow.screen import CommandResult, print_files, print_heading
 from workflow.study_kit import options
 from workflow.study_kit.directory import Study
-from workflow.workers import evaluate
+from workflow.workers import computations
 
 MODES, STATES, BIFURCATIONS, LAMMPS = "modes.csv", "states.csv", "bifurcations.csv", "lammps.csv"
 ARRAYS, DECKS = "states.npz", "decks"
@@ -181,7 +181,7 @@ def _write(directory: Path, result: ModesResult, chosen: Sequence[tuple[BranchOf
 
 def _branch_case(
     scene: dict[str, Any], source: str, linear: LinearModes, mode: int, request: ModesRequest
-) -> evaluate.Computation:
+) -> computations.Computation:
     arguments = {
         "plain": scene,
         "source": source,
@@ -191,12 +191,12 @@ def _branch_case(
         "energies": list(request.energies),
         "bisections": BISECTIONS,
     }
-    return evaluate.case(
+    return computations.case(
         "workflow.plugins.modes.branches:computed", arguments, cost=1.0 / float(linear.frequency[mode])
     )
 
 
-def _check_case(scene: dict[str, Any], source: str, branch: BranchOfMode, number: int) -> evaluate.Computation:
+def _check_case(scene: dict[str, Any], source: str, branch: BranchOfMode, number: int) -> computations.Computation:
     state = branch.states[number - 1]
     arguments = {
         "plain": scene,
@@ -205,7 +205,7 @@ def _check_case(scene: dict[str, Any], source: str, branch: BranchOfMode, number
         "state": state,
         "steps": branch.data["steps"],
     }
-    return evaluate.case("workflow.plugins.modes.lammps_check:computed", arguments, cost=state["period"])
+    return computations.case("workflow.plugins.modes.lammps_check:computed", arguments, cost=state["period"])
 
 
 def _checked(branches: Sequence[BranchOfMode], most: int | None) -> list[tuple[BranchOfMode, int]]:

@@ -27,7 +27,7 @@ from workflow.study_kit import options
 from workflow.study_kit.directory import Study, floats
 from workflow.sweep import fields
 from workflow.sweep.axes import heading, label
-from workflow.workers import evaluate
+from workflow.workers import computations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -69,7 +69,7 @@ class Question:
         """Name of the quantity's uncertainty; empty where it has none."""
         return UNCERTAINTIES.get(self.quantity, "")
 
-    def case(self, over: Any, value: float) -> evaluate.Computation:
+    def case(self, over: Any, value: float) -> computations.Computation:
         """Case of the scene with values in both fields."""
         number = int(value) if self.axis.integer else value
         scene = fields.put_all(self.over.put(self.scene, over), {self.field: number})
