@@ -125,7 +125,7 @@ def draw_only(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
 def lammps_here() -> Iterator[None]:
     """Runs of LAMMPS on one rank take place in this process, for tests whose claim is not about one of its own."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(engine, "run", run)
+        patch.setattr(engine, "run_deck", run)
         yield
 
 

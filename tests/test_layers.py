@@ -9,7 +9,14 @@ from pathlib import Path
 
 import pytest
 
+from granchain import parts
+from workflow import lazy_names
+
 ROOT = Path(__file__).parents[1]
+PLUG_INS = ROOT / "workflow" / "plugins"
+FACES = ("granchain", "granchain.parts")
+MOST_NAMES = 290
+"""Names of the core that all plug-ins together may take."""
 BELOW = {
     "lammps_inputs": set(),
     "analysis": {"lammps_inputs"},
@@ -63,7 +70,9 @@ def violations(package: str, source: str) -> set[str]:
 
 @pytest.mark.parametrize("package", BELOW)
 def test_modules_of_a_package_import_only_it_and_those_below(package):
-    found = {path: violations(package, path.read_text(encoding="utf-8")) for path in (ROOT / package).rglob("*.py")}
+    paths = [path for path in (ROOT / package).rglob("*.py") if path.parts[-3:-1] != ("python", "granchain")]
+    core = [path for path in paths if not path.is_relative_to(PLUG_INS)]
+    found = {path: violations(package, path.read_text(encoding="utf-8")) for path in core}
     assert {path: names for path, names in found.items() if names} == {}
     assert len(found) > 1
 
@@ -92,6 +101,37 @@ def test_the_core_imports_no_plug_in():
     assert len(core) > 100
     found = {path: " ".join(imported(path.read_text(encoding="utf-8"))) for path in core}
     assert [path for path, names in found.items() if "workflow.plugins." in names] == []
+
+
+# --- plug-ins ---------------------------------------------------------------------------------------------------------
+
+
+def taken(source: str) -> set[str]:
+    """Dotted names of the project that a source of a plug-in imports, but those of plug-ins."""
+    ours = (*BELOW, "tests", "granchain", ".")
+    names = {name for name in imported(source) if name.partition(".")[0] in ours or name == "."}
+    return {name for name in names if not name.startswith("workflow.plugins.")}
+
+
+def test_plug_ins_take_names_of_the_core_from_two_modules_and_not_too_many():
+    names = set().union(*(taken(path.read_text(encoding="utf-8")) for path in PLUG_INS.rglob("*.py")))
+    assert {name for name in names if name.rpartition(".")[0] not in FACES} == set()
+    assert len(names) <= MOST_NAMES
+    assert {name.rpartition(".")[2] for name in names if name.startswith("granchain.parts.")} == set(
+        lazy_names.sources(parts.__file__)
+    )
+
+
+@pytest.mark.parametrize(
+    ("source", "found"),
+    [
+        ("from granchain.parts import Trajectory", {"granchain.parts.Trajectory"}),
+        ("def late():\n    from analysis.motion import energy", {"analysis.motion.energy"}),
+        ("from workflow.plugins.modes import family\nimport numpy", set()),
+    ],
+)
+def test_the_walk_finds_what_a_plug_in_takes_of_the_core(source, found):
+    assert taken(source) == found
 
 
 # --- within a package -------------------------------------------------------------------------------------------------

@@ -157,7 +157,7 @@ def _long(beads: int, **keys: Any) -> Scene:
 
 def _run(case: Scene, directory: Path) -> float:
     write_deck(case, directory)
-    return lammps_engine.run(directory, problem=case.problem()).seconds
+    return lammps_engine.run_deck(directory, problem=case.problem()).seconds
 
 
 # --- runs -------------------------------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ import pytest
 from lammps_inputs import Problem
 from workflow.engines.lammps import engine, hosted
 
-_in_its_own_process = engine.run
+_in_its_own_process = engine.run_deck
 
 
 @contextmanager
@@ -26,7 +26,7 @@ def standard_input() -> Iterator[TextIOBase]:
 
 
 def run(directory: Path, *, ranks: int = 1, **options: Any) -> engine.LammpsOutcome:
-    """As `engine.run`; more ranks than one have processes of their own."""
+    """As `engine.run_deck`; more ranks than one have processes of their own."""
     if ranks > 1:
         return _in_its_own_process(directory, ranks=ranks, **options)
     where = Path.cwd()

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int], None]
 
 Start = Callable[..., Any]
-"""Runs the deck in a directory, with the arguments and the result of `workflow.engines.lammps.engine.run`."""
+"""Runs the deck in a directory, with the arguments and the result of `workflow.engines.lammps.engine.run_deck`."""
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,7 @@ class LammpsEngine(Engine):
 
     def compute(self, work: Work) -> dict[str, Any]:
         """Run the deck in the directory."""
-        start = work.lammps or engine.run
+        start = work.lammps or engine.run_deck
         if work.restart_every is not None:
             start = functools.partial(start, restart_every=work.restart_every)
         end = start(

@@ -62,7 +62,7 @@ def refused_ranks(ranks: int, beads: int) -> str:
     return ""
 
 
-def run(
+def run_deck(
     directory: Path,
     *,
     problem: Problem,

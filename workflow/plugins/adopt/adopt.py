@@ -8,10 +8,8 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import InputError, Scene, file_names, library
-from lammps_inputs.decks import scene_files
-from workflow.errors import RunError
+from granchain import InputError, RunError, Scene
+from granchain.parts import BinaryDump, file_names, library, scene_files
 from workflow.plugins.adopt import differences, evaluate
 from workflow.plugins.adopt.chains import TIME, Measured, NotMeasuredError
 from workflow.plugins.adopt.deck_text import FIXES_WITHOUT_EFFECT, WITHOUT_EFFECT, Command, Deck, words_of

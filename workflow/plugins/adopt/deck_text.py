@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from lammps_inputs import InputError
+from granchain import InputError
 
 MARK = "@@granchain"
 """First word of lines that the copy prints into the log; the number of a command follows, or `STEPS` or `EVERY`."""

@@ -9,9 +9,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis import motion
-from lammps_inputs import Scene, physics
-from lammps_inputs.laws import dashpot
+from granchain import Scene
+from granchain.parts import dashpot, motion, physics
 from workflow.plugins.adopt.chains import Measured
 from workflow.plugins.adopt.wall_laws import WallLaw
 

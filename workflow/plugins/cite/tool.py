@@ -3,9 +3,8 @@
 import argparse
 from importlib.metadata import version
 
-from lammps_inputs import library, references
+from granchain.parts import CommandResult, library, references
 from workflow.plugins.cite import software
-from workflow.screen import CommandResult
 
 JOB = "Scenes"
 PRINTS = True

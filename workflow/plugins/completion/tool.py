@@ -4,7 +4,7 @@ import argparse
 
 import shtab
 
-from workflow import cli
+from granchain.parts import cli
 
 JOB = "Setting up"
 PRINTS = True

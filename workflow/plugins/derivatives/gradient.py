@@ -11,22 +11,24 @@ from typing import Any
 
 import numpy as np
 
-from analysis.trajectory import Floats
-from lammps_inputs import InputError
-from lammps_inputs.facts import Fact
-from lammps_inputs.numbers import known
-from lammps_inputs.units import REDUCED
+from granchain import Analysis, InputError
+from granchain.parts import (
+    REDUCED,
+    Fact,
+    Floats,
+    RunDirectory,
+    column_called,
+    count_bar,
+    csv_text,
+    known,
+    label,
+    record_files,
+    refuse_unknown,
+    write_text,
+)
 from workflow.plugins.derivatives.derivative import Derivative
 from workflow.plugins.derivatives.motion import DerivativesOfMotion
 from workflow.plugins.derivatives.varied_scene import JUMP, VariedScene
-from workflow.quantities.columns import column_called, refuse_unknown
-from workflow.runs.files import write_text
-from workflow.runs.output_directory import record_files
-from workflow.runs.run_directory import RunDirectory
-from workflow.screen import count_bar
-from workflow.study_kit.directory import csv_text
-from workflow.sweep.axes import label
-from workflow.verdicts.analyse import Analysis
 
 FORCES = 1e-7
 """Error of differences of forces, over the size of a derivative: rounding of the way of beads whose motion is given;

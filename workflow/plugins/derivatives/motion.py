@@ -15,14 +15,25 @@ from typing import Any
 
 import numpy as np
 
-from analysis import motion
-from analysis.trajectory import Floats, Trajectory, frames_per_block, of_atoms
-from lammps_inputs import InputError, Problem, physics
-from lammps_inputs.units import Scale
-from workflow.engines.reference import engine, kernel
-from workflow.engines.reference.kernel import DerivativeFrames, ShiftArrays
-from workflow.engines.reference.kernel_inputs import Term, Terms, make_terms
-from workflow.engines.reference.schemes import BLANES_MOAN
+from granchain import InputError
+from granchain.parts import (
+    BLANES_MOAN,
+    DerivativeFrames,
+    Floats,
+    Problem,
+    Scale,
+    ShiftArrays,
+    Term,
+    Terms,
+    Trajectory,
+    engine,
+    frames_per_block,
+    kernel,
+    make_terms,
+    motion,
+    of_atoms,
+    physics,
+)
 from workflow.plugins.derivatives import tangent
 
 MOST_BYTES = 4e9

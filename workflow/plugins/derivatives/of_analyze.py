@@ -4,11 +4,9 @@ import argparse
 from collections.abc import Callable
 from dataclasses import asdict
 
-from workflow.commands.analyze import analysis_of, report
+from granchain.parts import CommandResult, RunDirectory, analysis_of, report
 from workflow.plugins.derivatives.derivative import HEAD
 from workflow.plugins.derivatives.gradient import with_derivatives
-from workflow.runs.run_directory import RunDirectory
-from workflow.screen import CommandResult
 
 ANSWERS = "with --gradient also the derivatives"
 EXAMPLES = ("analyze demo --gradient peak_velocity@50,arrival@50 --by coupling.stiffness",)

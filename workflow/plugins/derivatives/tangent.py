@@ -11,13 +11,24 @@ from typing import Any
 
 import numpy as np
 
-from analysis.trajectory import Flags, Floats
-from lammps_inputs import InputError, Problem, Scene, System, laws, library, physics
-from lammps_inputs.laws import dashpot
-from workflow.engines.reference import engine, kernel
-from workflow.engines.reference.kernel import TangentArrays
-from workflow.engines.reference.kernel_inputs import Terms, make_terms
-from workflow.engines.reference.schemes import BLANES_MOAN, Scheme
+from granchain import InputError, Scene
+from granchain.parts import (
+    BLANES_MOAN,
+    Flags,
+    Floats,
+    Problem,
+    Scheme,
+    System,
+    TangentArrays,
+    Terms,
+    dashpot,
+    engine,
+    kernel,
+    laws,
+    library,
+    make_terms,
+    physics,
+)
 
 _LEFT_OUT = ("window", "timestep", "accuracy", "scheme", "output")
 """Keys of a scene that do not matter to a tangent flow along its run."""

@@ -12,10 +12,19 @@ from typing import Any, Self
 
 import numpy as np
 
-from analysis.trajectory import Floats, Trajectory, blocks
-from lammps_inputs import InputError, Problem, Scene, library
-from lammps_inputs.limits.rates import stability_bound
-from workflow.engines.reference import engine
+from granchain import InputError, Scene
+from granchain.parts import (
+    Floats,
+    Problem,
+    Trajectory,
+    blocks,
+    engine,
+    fields,
+    library,
+    of_frames,
+    scene_to_run,
+    stability_bound,
+)
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.derivatives.motion import (
     MOST_BYTES,
@@ -25,8 +34,6 @@ from workflow.plugins.derivatives.motion import (
     derivatives_of_motion,
     same_form,
 )
-from workflow.quantities.evaluate import of_frames, scene_to_run
-from workflow.sweep import fields
 
 SIDES = (-1e-4, -5e-5, 5e-5, 1e-4)
 """Relative changes of a field, for central differences of forces."""

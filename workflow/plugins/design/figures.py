@@ -8,10 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from analysis.figures.studies import largest_of
-from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, new_figure, styled
-from analysis.trajectory import Floats, Integers
-from lammps_inputs.units import Label
+from granchain.parts import CHAIN_COLOURS, CHAIN_DASHES, Floats, Integers, Label, largest_of, new_figure, styled
 
 
 @dataclass(frozen=True)

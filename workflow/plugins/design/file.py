@@ -27,11 +27,21 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, PlainValidator, model_validator
 
-from lammps_inputs import InputError, schema, strict_yaml
-from workflow.quantities.columns import AT_BEAD, KNOWN, refuse_unknown
-from workflow.sweep import fields
-from workflow.sweep.axes import heading
-from workflow.sweep.file import SweepPart, number, scene_in, scene_of_file, validated
+from granchain import InputError
+from granchain.parts import (
+    AT_BEAD,
+    KNOWN,
+    SweepPart,
+    fields,
+    heading,
+    number,
+    refuse_unknown,
+    scene_in,
+    scene_of_file,
+    schema,
+    strict_yaml,
+    validated,
+)
 
 # --- variables --------------------------------------------------------------------------------------------------------
 

@@ -9,14 +9,12 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from analysis.trajectory import Floats
-from lammps_inputs import InputError, library
+from granchain import InputError
+from granchain.parts import Floats, computations, fields, library
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.derivatives.gradient import why_no_derivative
 from workflow.plugins.design.file import Design, Variable, values_of
 from workflow.plugins.design.search import DesignRecord
-from workflow.sweep import fields
-from workflow.workers.computations import Computation, case
 
 STEPS = 30
 """Largest number of steps; one takes an evaluation, or a few."""
@@ -56,7 +54,7 @@ def smooth(design: Design) -> list[Variable]:
 
 
 def polished(
-    design: Design, start: DesignRecord, evaluated: Callable[[list[Computation]], list[Any]]
+    design: Design, start: DesignRecord, evaluated: Callable[[list[computations.Computation]], list[Any]]
 ) -> dict[str, Any]:
     """Values of the fields, field -> value, after the steps from a design; the design's own if there are none.
 
@@ -87,7 +85,9 @@ def polished(
                 "by": names,
                 "source": design.source,
             }
-            [answer] = evaluated([case("workflow.plugins.derivatives.gradient:values_and_slopes", arguments)])
+            [answer] = evaluated(
+                [computations.case("workflow.plugins.derivatives.gradient:values_and_slopes", arguments)]
+            )
             if "refused" in answer or None in [*answer["values"], *np.ravel(answer["slopes"]).tolist()]:
                 raise _NoValueError
             by_share = [(high[k] - low[k]) * (values[v.field] if v.log else 1.0) for k, v in enumerate(variables)]

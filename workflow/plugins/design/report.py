@@ -6,17 +6,23 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures.spacetime import SpaceTime, spacetime_figure
-from analysis.gauges.gauge import at_frames, gauges
-from analysis.trajectory import Floats, direction_of, watch
-from lammps_inputs import references
-from lammps_inputs.units import Label
+from granchain.parts import (
+    Floats,
+    Label,
+    RunDirectory,
+    SpaceTime,
+    at_frames,
+    direction_of,
+    gauges,
+    label,
+    page,
+    references,
+    spacetime_figure,
+    watch,
+)
 from workflow.plugins.design.figures import Objective, front_figure, history_figure, members_figure, wall_figure
 from workflow.plugins.design.result import SET_AGAINST, DesignResult
 from workflow.plugins.design.search import RULED_OUT, worth
-from workflow.runs.run_directory import RunDirectory
-from workflow.study_kit import page
-from workflow.sweep.axes import label
 
 
 def render(result: DesignResult) -> str:

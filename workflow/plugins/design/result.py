@@ -8,12 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import html
+from granchain.parts import RunDirectory, cell, html
 from workflow.plugins.derivatives.derivative import Derivative
 from workflow.plugins.design.file import Design, Variable
 from workflow.plugins.design.search import Compute, DesignRecord, worth
-from workflow.runs.run_directory import RunDirectory
-from workflow.screen import cell
 
 SET_AGAINST = "set against"
 """Heading of the scene `beside`."""

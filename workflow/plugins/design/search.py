@@ -14,12 +14,8 @@ import numpy as np
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
-from analysis.trajectory import Floats
+from granchain.parts import MASS, NO_LIMIT, Floats, case, computations, fields
 from workflow.plugins.design.file import Design, Variable, values_of
-from workflow.quantities.columns import MASS
-from workflow.quantities.evaluate import NO_LIMIT, case
-from workflow.sweep import fields
-from workflow.workers.computations import key_of
 
 # --- designs ----------------------------------------------------------------------------------------------------------
 
@@ -112,7 +108,7 @@ def search(design: Design, compute: Compute) -> list[DesignRecord]:
         """Worth of the designs of vectors, each [coordinate]."""
         records = compute([values_of(design.variables, vector.tolist()) for vector in vectors])
         for record in records:
-            by_key.setdefault(key_of(record.values), record)
+            by_key.setdefault(computations.key_of(record.values), record)
         return [worth(design, record) for record in records]
 
     if design.exhaustive:

@@ -22,9 +22,29 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import InputError, library, strict_yaml
-from workflow.arguments import AnyDefinition, Processes
-from workflow.checked import checked
+from granchain import InputError
+from granchain.parts import (
+    AnyDefinition,
+    CommandResult,
+    Processes,
+    Study,
+    add_jobs,
+    add_output,
+    checked,
+    csv_text,
+    evaluate,
+    example_file,
+    fields,
+    interrupted,
+    kept_run,
+    library,
+    of_frames,
+    one_line,
+    print_files,
+    print_table,
+    scene_to_run,
+    strict_yaml,
+)
 from workflow.plugins.derivatives.derivative import HEAD, Derivative
 from workflow.plugins.derivatives.gradient import gradient as derivatives
 from workflow.plugins.derivatives.gradient import why_no_derivative
@@ -33,12 +53,6 @@ from workflow.plugins.design.file import Design
 from workflow.plugins.design.polish import polished, refuse_no_gradient, smooth
 from workflow.plugins.design.result import DesignResult, Verified, sensitivity
 from workflow.plugins.design.search import RULED_OUT, Compute, DesignRecord, computed, search, worth
-from workflow.quantities.evaluate import evaluate, of_frames, scene_to_run
-from workflow.screen import CommandResult, one_line, print_files, print_table
-from workflow.study_kit.directory import Study, csv_text
-from workflow.study_kit.kept_run import kept_run
-from workflow.study_kit.options import add_jobs, add_output, example_file, interrupted
-from workflow.sweep import fields
 
 REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "index.html", "beside"
 STUDY = Study("design", f"{PAGE} is the report", tables=(REPORT, TABLE, BEST, PAGE), cache="evaluations.jsonl")

@@ -2,13 +2,19 @@
 
 from dataclasses import dataclass
 
-from analysis.figures.style import shown_chains
-from analysis.sharing.survey import Survey, survey
-from lammps_inputs import InputError, Problem, Scene, numbers
-from workflow.engines.reference.step_halving import StepHalving
+from granchain import InputError, Scene
+from granchain.parts import (
+    Problem,
+    StepHalving,
+    Survey,
+    engine_called,
+    numbers,
+    refuse_unanalysable,
+    settle,
+    shown_chains,
+    survey,
+)
 from workflow.plugins.pages.downsample import Thinned, thinned
-from workflow.prepare.settings import refuse_unanalysable, settle
-from workflow.runs.engines import engine_called
 
 MOST_SECONDS = 2.0
 """Estimated time above which a scene is not computed while its numbers are changed."""

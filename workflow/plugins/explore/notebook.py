@@ -4,8 +4,8 @@ import asyncio
 import threading
 from html import escape
 
-from workflow.arguments import AnyScene, load, source_of
-from workflow.checked import checked
+from granchain import load
+from granchain.parts import AnyScene, checked, source_of
 from workflow.plugins.pages import need_bokeh
 
 HEIGHT = 1100

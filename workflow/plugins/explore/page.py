@@ -12,16 +12,22 @@ from bokeh.events import DocumentReady
 from bokeh.layouts import column, row
 from bokeh.models import Button, CheckboxGroup, CustomJS, Div, Slider, TextInput
 
-from lammps_inputs import InputError, Scene, html, library, numbers, references, strict_yaml
-from workflow import provenance
-from workflow.errors import RunError
+from granchain import InputError, RunError, Scene
+from granchain.parts import (
+    fields,
+    html,
+    library,
+    numbers,
+    provenance,
+    pulse_sentences,
+    references,
+    strict_yaml,
+    with_hints,
+)
 from workflow.plugins.explore.compute import ComputedScene, computed
 from workflow.plugins.explore.picture import Picture
 from workflow.plugins.explore.scene_numbers import SWITCHED, SceneNumber, numbers_of, read, slider_range, written
 from workflow.plugins.pages.write import TEMPLATE, page_scripts
-from workflow.screen import with_hints
-from workflow.sweep import fields
-from workflow.verdicts import pulse_sentences
 
 _FIELD = """
 .bk-input-group > label { white-space: nowrap; }

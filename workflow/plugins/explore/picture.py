@@ -7,9 +7,7 @@ from bokeh.events import Tap
 from bokeh.layouts import column, row
 from bokeh.models import ColumnDataSource, HoverTool, Range1d, Span
 
-from analysis.figures.spacetime import RootScale
-from analysis.trajectory import Floats
-from lammps_inputs.facts import Fact
+from granchain.parts import Fact, Floats, RootScale, default_beads
 from workflow.plugins.explore.compute import ComputedScene
 from workflow.plugins.pages import run_page
 from workflow.plugins.pages.downsample import Thinned, units_of
@@ -25,7 +23,6 @@ from workflow.plugins.pages.plots import (
     root_colours,
 )
 from workflow.plugins.pages.write import themed
-from workflow.verdicts.analyse import default_beads
 
 NARROWEST = 330
 """Pixels of a plot of lines; two stand side by side where there is room."""

@@ -5,9 +5,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lammps_inputs import InputError, numbers, strict_yaml
-from lammps_inputs.ingredients import registry
-from workflow.sweep import fields
+from granchain import InputError
+from granchain.parts import fields, numbers, registry, strict_yaml
 
 SWITCHED = (*registry.INGREDIENTS, "pattern", "replace", "taper", "disorder", "striker")
 """Keys of a scene that can be left out."""

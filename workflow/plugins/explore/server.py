@@ -12,7 +12,7 @@ from bokeh.server.util import bind_sockets
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop
 
-from lammps_inputs import InputError, Scene
+from granchain import InputError, Scene
 from workflow.plugins.explore.page import Tab
 
 HOST = "127.0.0.1"

@@ -3,7 +3,7 @@
 import argparse
 import asyncio
 
-from lammps_inputs import library
+from granchain.parts import library
 from workflow.plugins.pages import need_bokeh, open_in_browser
 
 EXAMPLES = (

@@ -4,9 +4,9 @@ import io
 from pathlib import Path
 from typing import Any
 
+from granchain.parts import dataset
 from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Writers
-from workflow.runs.labelled import dataset
 
 _BYTES = 32.0
 """Of a bead in a frame, before compression: displacement, velocity, overlap and contact force."""

@@ -13,13 +13,9 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.files.recording import all_ids
-from analysis.trajectory import Flags, Floats, Integers, Trajectory
-from lammps_inputs import Problem
-from lammps_inputs.ingredients.unequal import radii
+from granchain.parts import Flags, Floats, Integers, Problem, Trajectory, all_ids, one_line, radii
 from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Writers
-from workflow.screen import one_line
 
 
 def springs(problem: Problem) -> list[tuple[int, int, Flags]]:

@@ -11,7 +11,7 @@ from matplotlib.container import BarContainer
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from analysis.trajectory import Floats
+from granchain.parts import Floats
 
 SERIES = "series"
 """Heading of the column that names a curve as its legend does."""

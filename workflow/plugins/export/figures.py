@@ -15,7 +15,7 @@ def pdf(request: ExportRequest) -> Writers:
 
 
 def _figures(request: ExportRequest, suffix: str) -> Writers:
-    from analysis.figures.style import picture  # matplotlib takes half a second to import
+    from granchain.parts import picture  # matplotlib takes half a second to import
 
     drawn: Writers = {
         f"{name}.{suffix}": lambda path, figure=figure: path.write_bytes(picture(figure, suffix))  # type: ignore[misc]

@@ -17,15 +17,29 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from analysis.figures.spacetime import RootScale, SpaceTime, draw_maps, panels
-from analysis.figures.style import AxisUnit, shown_chains, styled, title
-from analysis.trajectory import Floats, Integers, Trajectory, direction_of, watch
-from lammps_inputs import InputError, Problem
-from lammps_inputs.ingredients.unequal import radii
+from granchain import InputError
+from granchain.parts import (
+    AxisUnit,
+    Floats,
+    Integers,
+    Problem,
+    RootScale,
+    SpaceTime,
+    Trajectory,
+    count_bar,
+    direction_of,
+    draw_maps,
+    hint,
+    panels,
+    radii,
+    shown_chains,
+    styled,
+    title,
+    watch,
+)
 from workflow.plugins.export.atoms import springs
 from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Writers
-from workflow.screen import count_bar, hint
 
 BEADS_IN_SIGHT = 40
 """Beads that are drawn, about the front."""

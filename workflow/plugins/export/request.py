@@ -7,12 +7,18 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from analysis.files.binary_dump import CutDumpWarning
-from analysis.trajectory import BLOCK_BYTES, Trajectory
-from workflow.runs.run_directory import RunDirectory
-from workflow.screen import count_bar, hint
-from workflow.sweep.collect import SweepTable, collect
-from workflow.verdicts.analyse import MeasuredFrames, measure
+from granchain import SweepTable
+from granchain.parts import (
+    BLOCK_BYTES,
+    CutDumpWarning,
+    MeasuredFrames,
+    RunDirectory,
+    Trajectory,
+    collect,
+    count_bar,
+    hint,
+    measure,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -3,7 +3,7 @@
 import io
 from pathlib import Path
 
-from analysis.quantity import to_csv
+from granchain.parts import to_csv
 from workflow.plugins.export.request import ExportRequest, Writers
 
 CAPTIONS = "figures.csv"

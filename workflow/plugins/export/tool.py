@@ -7,17 +7,26 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, TypedDict, Unpack
 
-from lammps_inputs import InputError, complaints, file_names
-from workflow.arguments import AnyRun, directory_of
-from workflow.checked import Between, checked
-from workflow.formats import width_from_words, written_as
+from granchain import InputError
+from granchain.parts import (
+    AnyRun,
+    Between,
+    CommandResult,
+    RunDirectory,
+    checked,
+    complaints,
+    complete,
+    directory_of,
+    file_names,
+    make_directory,
+    need,
+    one_line,
+    record_files,
+    width_from_words,
+    written_as,
+)
 from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Options, Writers
-from workflow.runs.files import complete
-from workflow.runs.labelled import need
-from workflow.runs.output_directory import make_directory, record_files
-from workflow.runs.run_directory import RunDirectory
-from workflow.screen import CommandResult, one_line
 
 ANSWERS = "the paths of the files"
 EXAMPLES = (

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import InputError, complaints, library, strict_yaml
-from lammps_inputs.limits.rates import stability_bound
-from workflow.engines.lammps import mpi
+from granchain import InputError
+from granchain.parts import complaints, library, mpi, stability_bound, strict_yaml
 
 Plain = dict[str, Any]
 

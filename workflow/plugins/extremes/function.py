@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from workflow.checked import checked
+from granchain.parts import checked
 from workflow.plugins.extremes.cells import refuse_unknown
 from workflow.plugins.extremes.study import RunOutcome, carry_out
 

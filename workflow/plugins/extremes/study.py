@@ -16,22 +16,27 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis import motion
-from analysis.compare import difference
-from analysis.compare.common_times import paired
-from analysis.quantity import declare, result
-from lammps_inputs import InputError, Problem, Scene, library, physics
-from lammps_inputs.scene import DEFAULT_ACCURACY
-from workflow.engines.reference import engine
-from workflow.engines.reference.step_halving import StepHalving
-from workflow.errors import RunError
+from granchain import InputError, RunError, Scene
+from granchain.parts import (
+    DEFAULT_ACCURACY,
+    TOLERANCES,
+    Problem,
+    RunDirectory,
+    StepHalving,
+    Study,
+    computations,
+    declare,
+    difference,
+    engine,
+    library,
+    motion,
+    paired,
+    physics,
+    print_files,
+    result,
+    run,
+)
 from workflow.plugins.extremes.cells import PARTS, ReportRun, grid, refuse_unknown, scaled
-from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
-from workflow.screen import print_files
-from workflow.study_kit.directory import Study
-from workflow.verdicts.validate import TOLERANCES
-from workflow.workers import computations
 
 # --- true error -------------------------------------------------------------------------------------------------------
 

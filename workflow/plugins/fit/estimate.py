@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from analysis.trajectory import Floats
+from granchain.parts import Floats
 
 Residuals = Callable[[Floats], Floats]
 """Parameters -> data minus model, [row, channel]; NaN without data; all infinite where there is no model."""

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, f, norm
 
-from analysis.trajectory import Floats
+from granchain.parts import Floats
 from workflow.plugins.fit.estimate import BLIND
 
 LEVEL = 0.01

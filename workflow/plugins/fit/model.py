@@ -10,19 +10,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.files import traces
-from analysis.files.traces import Channel
-from analysis.gauges.channels import beads_of, read, read_at
-from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import InputError, Problem, Scene, library
-from lammps_inputs.units import REDUCED, SI
-from workflow.engines.reference import engine
-from workflow.engines.reference.schemes import VERLET
+from granchain import InputError, Scene
+from granchain.parts import (
+    REDUCED,
+    SI,
+    VERLET,
+    Channel,
+    Floats,
+    Problem,
+    Trajectory,
+    beads_of,
+    check_channels,
+    engine,
+    fields,
+    library,
+    read,
+    read_at,
+    traces,
+)
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.derivatives.motion import Sides, derivatives_of_motion
 from workflow.plugins.derivatives.varied_scene import SceneInUnits, numbers
-from workflow.sweep import fields
-from workflow.verdicts.validate_table import check_channels
 
 Mask = NDArray[np.bool_]
 

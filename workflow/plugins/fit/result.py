@@ -6,14 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from analysis.trajectory import Flags, Floats
-from lammps_inputs import html
-from lammps_inputs.numbers import known
+from granchain.parts import Flags, Floats, cell, fields, html, known
 from workflow.plugins.fit.estimate import FitResult
 from workflow.plugins.fit.goodness import LEVEL, TESTS, Goodness, clipped, goodness, resolution
 from workflow.plugins.fit.model import Model, reversed_channels
-from workflow.screen import cell
-from workflow.sweep import fields
 
 
 @dataclass(frozen=True)

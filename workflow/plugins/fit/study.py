@@ -20,19 +20,28 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import qmc
 
-from analysis.gauges.channels import read_at
-from analysis.trajectory import Floats
-from lammps_inputs import InputError, installed_scenes, library, strict_yaml
-from workflow import formats
-from workflow.arguments import AnyScene, load, source_of
-from workflow.checked import checked
+from granchain import InputError, load
+from granchain.parts import (
+    AnyScene,
+    CommandResult,
+    Floats,
+    Study,
+    add_output,
+    checked,
+    formats,
+    installed_scenes,
+    library,
+    one_line,
+    print_files,
+    print_table,
+    read_at,
+    run,
+    source_of,
+    strict_yaml,
+)
 from workflow.plugins.fit.estimate import FitResult, estimate
 from workflow.plugins.fit.model import NO_SCENE, Model, aligned, squares
 from workflow.plugins.fit.result import Fit, InLammps, judged
-from workflow.runs.run import run
-from workflow.screen import CommandResult, one_line, print_files, print_table
-from workflow.study_kit.directory import Study
-from workflow.study_kit.options import add_output
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -183,7 +192,7 @@ def _in_lammps(model: Model, estimated: FitResult, directory: Path) -> InLammps:
 
 
 def _figure(model: Model, estimated: FitResult, *, rejected: bool) -> "Figure":
-    from analysis.figures.errors import residual_figure  # matplotlib takes half a second to import
+    from granchain.parts import residual_figure  # matplotlib takes half a second to import
 
     traces, run = model.traces(estimated.parameters), model.trajectory(estimated.parameters)
     assert traces is not None

@@ -10,9 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from analysis.figures import style
-from analysis.trajectory import Floats, Integers
-from lammps_inputs import Problem
+from granchain.parts import Floats, Integers, Problem, style
 
 ENGINE_LOOKS: tuple[dict[str, Any], ...] = (
     {"linestyle": "-", "linewidth": 3.5, "alpha": 0.35},

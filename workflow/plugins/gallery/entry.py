@@ -13,19 +13,23 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.figures import style
-from analysis.gauges import forces
-from analysis.sharing import energies
-from analysis.sharing.survey import Survey
-from analysis.tracking import leading_waves
-from analysis.trajectory import Floats, Trajectory, watch
-from lammps_inputs import library
+from granchain.parts import (
+    Floats,
+    RunDirectory,
+    Survey,
+    Trajectory,
+    energies,
+    engine_called,
+    forces,
+    kept_run,
+    leading_waves,
+    library,
+    of_frames,
+    page,
+    style,
+    watch,
+)
 from workflow.plugins.gallery.statements import Section, Statement
-from workflow.quantities.evaluate import of_frames
-from workflow.runs.engines import engine_called
-from workflow.runs.run_directory import RunDirectory
-from workflow.study_kit import page
-from workflow.study_kit.kept_run import kept_run
 
 ENGINES = ("lammps", "reference")
 COLOURS = style.CHAIN_COLOURS

@@ -12,11 +12,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures import style
-from analysis.sharing.survey import Survey
-from analysis.tracking import leading_waves
-from lammps_inputs import Problem, library
-from workflow.engines.reference import engine
+from granchain.parts import Problem, Survey, engine, leading_waves, library, style
 
 MOST_BEADS = 12_000
 

@@ -3,7 +3,7 @@
 import importlib.resources
 from pathlib import Path
 
-from lammps_inputs import references
+from granchain.parts import references
 from workflow.plugins.gallery.entries import ENTRIES
 
 PAGE = Path(str(importlib.resources.files("lammps_inputs") / "MODEL.md"))

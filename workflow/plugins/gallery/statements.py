@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
-from lammps_inputs import references
-from workflow.study_kit import page
+from granchain.parts import page, references
 
 SECTION = "section.json"
 

@@ -8,15 +8,23 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from lammps_inputs import InputError, complaints, html
-from workflow.checked import checked
+from granchain import InputError
+from granchain.parts import (
+    CommandResult,
+    Study,
+    checked,
+    complaints,
+    computations,
+    count_bar,
+    html,
+    one_line,
+    print_files,
+    print_table,
+    record_files,
+)
 from workflow.plugins.gallery import statements
 from workflow.plugins.gallery.criteria import RULE
 from workflow.plugins.gallery.entries import ENTRIES, GROUPS
-from workflow.runs.output_directory import record_files
-from workflow.screen import CommandResult, count_bar, one_line, print_files, print_table
-from workflow.study_kit.directory import Study
-from workflow.workers import computations
 
 PAGE = "index.html"
 FOLDER = "entries"

@@ -6,10 +6,7 @@
 import textwrap
 from collections.abc import Iterator
 
-from analysis.quantity import Quantity
-from lammps_inputs.units import SI
-from workflow.verdicts import terms
-from workflow.verdicts.places import QuantityPlace, places
+from granchain.parts import SI, Quantity, QuantityPlace, places, terms
 
 WIDTH = 100
 

@@ -4,8 +4,8 @@ import argparse
 import textwrap
 from collections.abc import Iterator
 
-from lammps_inputs import InputError, Scene, complaints
-from workflow import cli
+from granchain import InputError, Scene
+from granchain.parts import cli, complaints
 from workflow.plugins.help import handbook, vocabulary
 
 MOST_SHOWN = 6
@@ -83,7 +83,7 @@ def _mentions(phrase: str) -> str:
 
 def _places(phrase: str) -> Iterator[tuple[str, str]]:
     """Name of each term, quantity, key and option whose explanation holds a phrase, and that explanation."""
-    from workflow.verdicts.places import places
+    from granchain.parts import places
 
     def fits(text: str) -> bool:
         return phrase.lower() in text.lower()
@@ -107,9 +107,7 @@ def _places(phrase: str) -> Iterator[tuple[str, str]]:
 
 def _suggestion(phrase: str) -> str:
     """The word that a phrase is closest to, in brackets: as it stands or in lower case, whole or its last part."""
-    from workflow.quantities.columns import QUANTITIES
-    from workflow.sweep import fields
-    from workflow.verdicts.places import places
+    from granchain.parts import QUANTITIES, fields, places
 
     names = {name for names, _ in handbook.terms() for name in names}
     names |= {*handbook.keys(), *fields.all_fields(Scene), *cli.COMMANDS, *QUANTITIES, *vocabulary.words()}

@@ -13,10 +13,8 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel
 
-from lammps_inputs import Scene, complaints, installed_scenes, plugins
-from lammps_inputs.materials import CATALOGUE
-from workflow import cli
-from workflow.study_kit.options import example_file
+from granchain import Scene, materials
+from granchain.parts import cli, complaints, example_file, installed_scenes, plugins
 
 WIDTH = 100
 
@@ -112,7 +110,7 @@ def _of_scenes() -> Iterator[tuple[str, WordMeaning]]:
 
 
 def _of_materials() -> Iterator[tuple[str, WordMeaning]]:
-    for name, solid in CATALOGUE.items():
+    for name, solid in materials.items():
         constants = (
             f"{solid.meaning}; Young's modulus {solid.youngs_modulus:g} Pa, Poisson's ratio {solid.poisson_ratio:g}, "
             f"density {solid.density:g} kg/m^3"

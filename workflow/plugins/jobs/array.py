@@ -4,24 +4,42 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import InputError, Problem, Scene, file_names, library, load
-from lammps_inputs.decks import scene_files
-from workflow.errors import RunError
+from granchain import InputError, RunError, Scene
+from granchain.parts import (
+    LAMMPS_FILES,
+    RECORD,
+    Asked,
+    Job,
+    Pool,
+    Problem,
+    Sweep,
+    SweepCase,
+    Task,
+    TaskResult,
+    begin,
+    cluster_queue,
+    computations,
+    count_bar,
+    file_names,
+    library,
+    listed,
+    load,
+    planned,
+    record_files,
+    refuse_if_queued,
+    request,
+    scene_files,
+    scene_of,
+    settle,
+    status,
+    write_json,
+    write_text,
+)
 from workflow.plugins.jobs import job, job_files
 from workflow.plugins.jobs.ranks import with_ranks
 from workflow.plugins.jobs.registry import JOB_FILES, SCHEDULERS, SCRIPTS
 from workflow.plugins.jobs.schedulers import Scheduler
 from workflow.plugins.jobs.site import JobOptions
-from workflow.prepare.settings import settle
-from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text
-from workflow.runs.job import Job
-from workflow.runs.output_directory import listed, record_files
-from workflow.runs.status import cluster_queue, status
-from workflow.screen import count_bar
-from workflow.sweep.file import Sweep, SweepCase, scene_of
-from workflow.sweep.run_sweep import Asked, begin, planned, refuse_if_queued, request
-from workflow.workers import computations
-from workflow.workers.pool import Pool, Task, TaskResult
 
 
 @dataclass(frozen=True)

@@ -28,14 +28,22 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from lammps_inputs import Problem, file_names, window
-from lammps_inputs.decks import deck
-from lammps_inputs.decks.continuation import onward_lines, render_continuation, restart_lines
-from lammps_inputs.errors import InputError
+from granchain import InputError
+from granchain.parts import (
+    MESSAGES,
+    Problem,
+    deck,
+    file_names,
+    frame_seconds,
+    onward_lines,
+    render_continuation,
+    restart_lines,
+    step_seconds,
+    window,
+)
 from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.schedulers import SLURM, Request, Scheduler
 from workflow.plugins.jobs.site import RANKS, JobOptions
-from workflow.step_time import MESSAGES, frame_seconds, step_seconds
 
 _DIRECTORY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._=,+-]{0,254}")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")

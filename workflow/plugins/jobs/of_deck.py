@@ -3,13 +3,12 @@
 import argparse
 from collections.abc import Callable
 
-from lammps_inputs import Scene
-from workflow.commands.deck import write
+from granchain import Scene
+from granchain.parts import one_line, print_files, write
 from workflow.plugins.jobs.job import render_job
 from workflow.plugins.jobs.options import add_job_arguments, job_options
 from workflow.plugins.jobs.ranks import sentence, too_many, with_ranks
 from workflow.plugins.jobs.registry import JOB_FILES
-from workflow.screen import one_line, print_files
 
 EXAMPLES = (
     "deck my/scene.yaml -o job --slurm --nodes 2 --time 12:00:00   # then, there: sbatch job.sbatch",

@@ -9,14 +9,11 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from lammps_inputs import plugins
+from granchain.parts import CommandResult, make_directory, plugins, record_files, write_text
 from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.job import render_command
 from workflow.plugins.jobs.options import add_job_arguments, job_options
 from workflow.plugins.jobs.registry import SCRIPTS
-from workflow.runs.files import write_text
-from workflow.runs.output_directory import make_directory, record_files
-from workflow.screen import CommandResult
 
 Command = Callable[[argparse.Namespace], CommandResult]
 

@@ -3,9 +3,8 @@
 import argparse
 from collections.abc import Callable
 
-from workflow.commands.sweep import definition_of
+from granchain.parts import CommandResult, definition_of
 from workflow.plugins.jobs.options import add_job_arguments, job_options
-from workflow.screen import CommandResult
 
 EXAMPLES = ("sweep sweep.yaml -o swept --slurm --time 02:00:00   # then, there: sbatch job.sbatch",)
 

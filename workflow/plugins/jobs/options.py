@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import InputError
+from granchain import InputError
 from workflow.plugins.jobs import site
 from workflow.plugins.jobs.registry import SCHEDULERS
 from workflow.plugins.jobs.site import JobOptions

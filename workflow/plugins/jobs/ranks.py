@@ -2,11 +2,8 @@
 
 import math
 
-from lammps_inputs import Problem, physics
-from lammps_inputs.numbers import size_text, time_text
-from workflow.cost_model import MEMORY, cost
+from granchain.parts import MEMORY, MESSAGES, Problem, bead_seconds, cost, physics, size_text, time_text
 from workflow.plugins.jobs.site import JobOptions
-from workflow.step_time import MESSAGES, bead_seconds
 
 PROCESS = 40_000_000
 """Memory in bytes of a rank without beads."""

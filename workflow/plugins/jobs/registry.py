@@ -1,6 +1,6 @@
 """Schedulers by the name that users give them: those of granchain, and those that other distributions declare."""
 
-from lammps_inputs import plugins
+from granchain.parts import plugins
 from workflow.plugins.jobs import job_files, schedulers
 from workflow.plugins.jobs.schedulers import Scheduler
 

@@ -13,10 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from lammps_inputs import schema, strict_yaml
-from lammps_inputs.complaints import describe
-from lammps_inputs.errors import InputError
-from lammps_inputs.output import Limits
+from granchain import InputError
+from granchain.parts import Limits, describe, schema, strict_yaml
 from workflow.plugins.jobs.registry import SCHEDULERS
 from workflow.plugins.jobs.schedulers import Scheduler
 

@@ -10,11 +10,10 @@ from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 
-from lammps_inputs import file_names
+from granchain.parts import Queue, Queued, Reached, Status, file_names
 from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.registry import SCHEDULERS
 from workflow.plugins.jobs.schedulers import SLURM, ListedJob, Scheduler
-from workflow.runs.status import Queue, Queued, Reached, Status
 
 ANSWER = 15.0
 """Seconds in which a scheduler is to answer."""

@@ -6,9 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures import style
-from analysis.trajectory import Floats
-from lammps_inputs import units
+from granchain.parts import Floats, style, units
 
 
 @dataclass(frozen=True)

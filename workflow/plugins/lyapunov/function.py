@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Annotated
 
-from workflow.arguments import AnyScene, load, source_of
-from workflow.checked import Between, checked
+from granchain import load
+from granchain.parts import AnyScene, Between, checked, source_of
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.lyapunov.study import LyapunovResult, duration_of, study
 

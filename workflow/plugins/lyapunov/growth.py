@@ -9,10 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.trajectory import Floats
-from lammps_inputs import Problem
-from lammps_inputs.limits.rates import stability_bound
-from workflow.engines.reference import engine
+from granchain.parts import Floats, Problem, engine, stability_bound
 from workflow.plugins.derivatives import tangent
 
 RECORDS = 200

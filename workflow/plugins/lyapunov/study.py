@@ -23,16 +23,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from analysis.quantity import declare, plain, result
-from analysis.trajectory import Floats
-from lammps_inputs import InputError, Problem, library, units
-from lammps_inputs.scene import DEFAULT_ACCURACY
+from granchain import InputError
+from granchain.parts import (
+    DEFAULT_ACCURACY,
+    CommandResult,
+    Floats,
+    Problem,
+    Study,
+    computations,
+    declare,
+    library,
+    options,
+    plain,
+    print_files,
+    print_heading,
+    result,
+    units,
+)
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.lyapunov import growth
-from workflow.screen import CommandResult, print_files, print_heading
-from workflow.study_kit import options
-from workflow.study_kit.directory import Study
-from workflow.workers import computations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -319,7 +328,7 @@ def _estimates(spectrum: LyapunovResult) -> list[RunningEstimate]:
 
 
 def _figure(spectrum: LyapunovResult) -> "Figure":
-    from analysis.figures import style  # matplotlib takes half a second to import
+    from granchain.parts import style  # matplotlib takes half a second to import
     from workflow.plugins.lyapunov import figure
 
     scale, usual = spectrum.problem.scale, growth.usual_step(spectrum.problem)

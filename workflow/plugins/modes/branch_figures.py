@@ -8,9 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.figures import style
-from analysis.trajectory import Flags, Floats
-from lammps_inputs import units
+from granchain.parts import Flags, Floats, style, units
 
 MOST_CHAINS = 4
 """Chains that a figure shows at most."""

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis import motion
-from lammps_inputs import Problem
+from granchain.parts import Problem, motion
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import shooting
 from workflow.plugins.modes.continuation import Branch, Continuable, PeriodicState, halfway

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analysis.trajectory import Floats
+from granchain.parts import Floats
 
 RESIDUAL = 1e-12
 """Residual, over the size of a state, at which Newton's method ends."""

@@ -4,8 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from analysis.shape.unit_cell import bands
-from lammps_inputs import units
+from granchain.parts import bands, units
 from workflow.plugins.modes.tables import BranchOfMode, ModesResult
 
 if TYPE_CHECKING:
@@ -21,7 +20,7 @@ MOST_BRANCHES = 4
 
 def figures(result: ModesResult) -> "dict[str, Figure]":
     """Figures of the first branches; none without branches."""
-    from analysis.figures import style  # matplotlib takes half a second to import
+    from granchain.parts import style  # matplotlib takes half a second to import
     from workflow.plugins.modes import branch_figures
 
     curves = [_curve(result, branch) for branch in result.branches if branch.states][:MOST_BRANCHES]

@@ -6,8 +6,8 @@ from typing import Any, cast
 
 import numpy as np
 
-from analysis.trajectory import Flags, Floats
-from lammps_inputs import InputError, Problem, System, physics
+from granchain import InputError
+from granchain.parts import Flags, Floats, Problem, System, physics
 from workflow.plugins.modes.linear import damping_matrix, free_atoms, mass_of_atoms, stiffness_matrix
 
 UNDAMPED = 1e-9

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.trajectory import Flags, Floats
-from lammps_inputs import Problem
+from granchain.parts import Flags, Floats, Problem
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import branches, lammps_check
 from workflow.plugins.modes.linear import LinearModes, centre, linear_modes

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.trajectory import Floats
+from granchain.parts import Floats
 from workflow.plugins.modes.continuation import PeriodicState
 from workflow.plugins.modes.shooting import Shooting
 

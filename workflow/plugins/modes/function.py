@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, TypedDict, Unpack
 
-from workflow.arguments import AnyScene, load, source_of
-from workflow.checked import Between, checked
+from granchain import load
+from granchain.parts import AnyScene, Between, checked, source_of
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import response_study
 from workflow.plugins.modes.response_tables import ResponseResult

@@ -13,13 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.files import recording
-from analysis.trajectory import Floats
-from lammps_inputs import Problem, file_names, physics
-from lammps_inputs.decks import deck
-from lammps_inputs.limits.rates import stability_bound
-from lammps_inputs.numbers import text
-from workflow.engines.lammps import engine
+from granchain.parts import Floats, Problem, deck, file_names, physics, recording, run_deck, stability_bound, text
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes.branches import shooting_of
 from workflow.plugins.modes.continuation import PeriodicState
@@ -133,7 +127,7 @@ def run(problem: Problem, displacement: Floats, velocity: Floats) -> tuple[Float
         directory = Path(name)
         for file, content in deck_files(problem, displacement, velocity).items():
             (directory / file).write_text(content, encoding="utf-8", newline="\n")
-        engine.run(directory, problem=problem)
+        run_deck(directory, problem=problem)
         return recording.read([directory / file_names.DUMP], problem).atoms
 
 

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import physics
-from lammps_inputs.limits.rates import stability_bound
+from granchain.parts import physics, stability_bound
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes.driven import at_period
 from workflow.plugins.modes.lammps_check import PER_BOUND, lammps_problem, run

@@ -6,10 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from analysis import motion
-from analysis.trajectory import Flags, Floats
-from lammps_inputs import InputError, Problem, System, laws, physics
-from lammps_inputs.laws import dashpot
+from granchain import InputError
+from granchain.parts import Flags, Floats, Problem, System, dashpot, laws, motion, physics
 
 MOST_FREE = 600
 """Atoms up to which periodic states and responses are computed, with dense matrices."""

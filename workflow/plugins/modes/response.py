@@ -17,10 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis import motion
-from analysis.trajectory import Floats
-from lammps_inputs import Problem, physics
-from workflow.engines.reference import engine
+from granchain.parts import Floats, Problem, engine, motion, physics
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes.branches import DOUBLINGS, Bifurcation, Point, changes_of_stability
 from workflow.plugins.modes.continuation import (

@@ -12,17 +12,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from analysis.trajectory import Floats
-from lammps_inputs import InputError, Problem, Scene, units
-from lammps_inputs.decks import deck
+from granchain import InputError, Scene
+from granchain.parts import (
+    CommandResult,
+    Floats,
+    Problem,
+    Study,
+    computations,
+    deck,
+    options,
+    print_files,
+    print_heading,
+    units,
+)
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import driven
 from workflow.plugins.modes.linear import MOST_FREE
 from workflow.plugins.modes.response_tables import ResponseBifurcation, ResponseLine, ResponseResult, SweepLine
-from workflow.screen import CommandResult, print_files, print_heading
-from workflow.study_kit import options
-from workflow.study_kit.directory import Study
-from workflow.workers import computations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -142,7 +148,7 @@ def _largest(problem: Problem, data: dict[str, Any]) -> tuple[int, int]:
 
 
 def _figure(curve: ResponseResult) -> "Figure":
-    from analysis.figures import style  # matplotlib takes half a second to import
+    from granchain.parts import style  # matplotlib takes half a second to import
     from workflow.plugins.modes import branch_figures
 
     scale, lines, changes = curve.problem.scale, curve.responses(), curve.bifurcations()

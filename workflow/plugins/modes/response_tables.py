@@ -10,9 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.quantity import declare, plain, result
-from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from granchain.parts import Floats, Problem, declare, plain, result
 from workflow.plugins.modes.response import SAME
 
 UNMATCHED = "no stable response of the curve has this frequency"

@@ -14,9 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis import motion
-from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from granchain.parts import Floats, Problem, motion
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes.continuation import (
     NO_CONVERGENCE,

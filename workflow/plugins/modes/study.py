@@ -33,8 +33,20 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import InputError, Problem, library, physics
-from lammps_inputs.decks import deck
+from granchain import InputError
+from granchain.parts import (
+    CommandResult,
+    Problem,
+    Study,
+    computations,
+    deck,
+    library,
+    options,
+    physics,
+    print_files,
+    print_heading,
+    write_text,
+)
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes import lammps_check, response_study
 from workflow.plugins.modes.drawing import FIGURES, figures
@@ -54,11 +66,6 @@ from workflow.plugins.modes.tables import (
     ModesResult,
     StateLine,
 )
-from workflow.runs.files import write_text
-from workflow.screen import CommandResult, print_files, print_heading
-from workflow.study_kit import options
-from workflow.study_kit.directory import Study
-from workflow.workers import computations
 
 MODES, STATES, BIFURCATIONS, LAMMPS = "modes.csv", "states.csv", "bifurcations.csv", "lammps.csv"
 ARRAYS, DECKS = "states.npz", "decks"

@@ -6,10 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.quantity import declare, plain, result
-from analysis.shape.unit_cell import bands
-from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from granchain.parts import Floats, Problem, bands, declare, plain, result
 from workflow.plugins.modes.linear import LinearModes, centre
 
 _ROUNDING = 1e-13

@@ -4,7 +4,7 @@ import os
 import sys
 import webbrowser
 
-from lammps_inputs import InputError
+from granchain import InputError
 
 
 def need_bokeh(command: str = "view") -> None:

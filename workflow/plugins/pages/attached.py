@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from bokeh.models import ColumnDataSource, CustomJS, Slider
 
-from lammps_inputs import Problem, physics
+from granchain.parts import Problem, physics
 from workflow.plugins.pages.downsample import Thinned
 
 _THICK = 0.22

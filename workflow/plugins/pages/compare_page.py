@@ -9,9 +9,7 @@ from bokeh.events import Tap
 from bokeh.layouts import column, gridplot, row
 from bokeh.models import ColorBar, ColumnDataSource, CustomJS, HoverTool, Range1d, Span
 
-from analysis.figures.spacetime import RootScale
-from analysis.trajectory import Trajectory
-from lammps_inputs import Problem
+from granchain.parts import Problem, RootScale, Trajectory
 from workflow.plugins.pages.downsample import MOST_NUMBERS, Thinned, thinned, units_of
 from workflow.plugins.pages.plots import (
     LINE_WIDTH,

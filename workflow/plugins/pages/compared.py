@@ -4,13 +4,8 @@ import math
 
 import numpy as np
 
-from workflow.runs.engines import engine_called
-from workflow.runs.run_directory import RunDirectory
-from workflow.screen import PrintedTable
-from workflow.sweep.collect import table_of
-from workflow.verdicts import validation_tables
-from workflow.verdicts.validate import Validation
-from workflow.verdicts.validate_run import scene_changes
+from granchain import Validation
+from granchain.parts import PrintedTable, RunDirectory, engine_called, scene_changes, table_of, validation_tables
 
 # --- sentences --------------------------------------------------------------------------------------------------------
 

@@ -9,11 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis import motion
-from analysis.figures.spacetime import RootScale
-from analysis.trajectory import Floats, Integers, Trajectory
-from lammps_inputs import Problem
-from lammps_inputs.facts import Fact
+from granchain.parts import Fact, Floats, Integers, Problem, RootScale, Trajectory, motion
 from workflow.plugins.pages.units import PageUnit, Units, page_unit
 
 MOST_BEADS = 500

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from workflow.arguments import AnyRun, directory_of
-from workflow.checked import checked
+from granchain.parts import AnyRun, checked, directory_of
 from workflow.plugins.pages import need_bokeh
 
 MOST_EMBEDDED = 6_000_000

@@ -8,9 +8,7 @@ import numpy as np
 from bokeh.layouts import row
 from bokeh.models import ColorBar, CustomJS, LinearColorMapper, SaveTool, Toolbar
 
-from analysis.figures.spacetime import RootScale
-from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from granchain.parts import Floats, Problem, RootScale
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import MAPPED, choice, label_of, lists, map_palette, shown_quantities
 from workflow.plugins.pages.save_data import tool_of_maps

@@ -18,8 +18,7 @@ from bokeh.models import (
     Span,
 )
 
-from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from granchain.parts import Floats, Problem
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import (
     MARKS,

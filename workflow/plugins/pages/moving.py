@@ -15,9 +15,7 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from analysis.figures.spacetime import RootScale
-from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from granchain.parts import Floats, Problem, RootScale
 from workflow.plugins.pages.attached import draw_resonators, draw_walls
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.plots import chain_name, label, label_of, lists, name_places, number

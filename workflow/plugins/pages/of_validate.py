@@ -6,10 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import InputError
+from granchain import InputError, Validation
+from granchain.parts import RunDirectory
 from workflow.plugins.pages import need_bokeh
-from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.validate import Validation
 
 EXAMPLES = ("validate demo --page            # writes demo/validation.html, too",)
 

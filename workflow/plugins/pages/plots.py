@@ -24,11 +24,9 @@ from bokeh.models import (
 from bokeh.plotting import figure
 from matplotlib.colors import to_hex
 
-from analysis.figures.spacetime import RootScale, panels
-from analysis.figures.style import CHAIN_COLOURS as ON_PAPER
-from analysis.figures.style import CHAIN_DASHES as DASHES_ON_PAPER
-from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from granchain.parts import CHAIN_COLOURS as ON_PAPER
+from granchain.parts import CHAIN_DASHES as DASHES_ON_PAPER
+from granchain.parts import Floats, Problem, RootScale, panels
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.units import PageUnit, Units, axis_label
 

@@ -3,8 +3,7 @@
 from collections.abc import Iterable
 from html import escape
 
-from lammps_inputs import html
-from workflow.screen import PrintedTable
+from granchain.parts import PrintedTable, html
 
 
 def results(lines: Iterable[str | PrintedTable]) -> str:

@@ -8,12 +8,7 @@ import numpy as np
 from bokeh.layouts import column, gridplot, row
 from bokeh.models import CheckboxGroup, ColumnDataSource, CustomJS, Div, HoverTool, Range1d
 
-from analysis.figures.spacetime import RootScale
-from analysis.sharing.survey import Survey
-from analysis.tracking.leading_waves import Waves
-from analysis.trajectory import Floats, Integers
-from lammps_inputs import Problem, physics
-from lammps_inputs.facts import Fact
+from granchain.parts import Fact, Floats, Integers, Problem, RootScale, Survey, Waves, physics
 from workflow.plugins.pages.downsample import Thinned, units_of
 from workflow.plugins.pages.map_choice import map_choice
 from workflow.plugins.pages.measured import plots_of

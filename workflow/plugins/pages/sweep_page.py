@@ -33,9 +33,9 @@ from bokeh.models import (
 from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
+from granchain import SweepTable
 from workflow.plugins.pages.plots import CHAIN_COLOURS, TICK, TOOLS, choice, label, number
 from workflow.plugins.pages.units import PageUnit
-from workflow.sweep.collect import SweepTable
 
 _LINK = '<% if (link) { %><a href="<%= link %>"><%- value %></a><% } else { %><%- value %><% } %>'
 

@@ -8,14 +8,9 @@ from typing import Any, TypeVar
 import numpy as np
 from bokeh.models import CheckboxGroup, CustomJS
 
-from analysis.sharing.equipartition import exact_speed
-from analysis.sharing.survey import Survey
-from analysis.trajectory import Floats, Integers
-from lammps_inputs import Problem, physics
-from lammps_inputs.facts import Fact
+from granchain.parts import Fact, Floats, Integers, Problem, Survey, exact_speed, last_clear_bead, physics
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.units import Units
-from workflow.verdicts.analysis_report import last_clear_bead
 
 _COLOURS = ("#2fc774", "#d85cf0", "#ff9f1c")
 """Green, purple and orange, which on a black rim are seen on all colours of the maps."""

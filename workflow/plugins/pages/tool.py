@@ -3,9 +3,8 @@
 import argparse
 from pathlib import Path
 
+from granchain.parts import RunDirectory, one_line
 from workflow.plugins.pages import need_bokeh, open_in_browser
-from workflow.runs.run_directory import RunDirectory
-from workflow.screen import one_line
 
 JOB = "Analysis"
 EXAMPLES = (

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from lammps_inputs import Problem
-from lammps_inputs.units import Label
+from granchain.parts import Label, Problem
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,28 @@ from bokeh.events import DocumentReady
 from bokeh.models import CustomJS, GridPlot, Plot, SaveTool, Slider
 from bokeh.resources import INLINE
 
-from analysis.figures.style import shown_chains
-from lammps_inputs import InputError, Problem, file_names, references, strict_yaml
-from lammps_inputs.ingredients.unequal import radii
-from workflow import provenance
+from granchain import InputError, Validation
+from granchain.parts import (
+    PrintedTable,
+    Problem,
+    RunDirectory,
+    analyse,
+    collect,
+    compare_runs,
+    compared_pairs,
+    default_beads,
+    engine_called,
+    figures_in,
+    file_names,
+    provenance,
+    radii,
+    record_files,
+    references,
+    shown_chains,
+    strict_yaml,
+    write_text,
+)
+from granchain.parts import lines as analysis_lines
 from workflow.plugins.pages import compare_page
 from workflow.plugins.pages.compared import (
     compared_lines,
@@ -27,17 +45,6 @@ from workflow.plugins.pages.run_page import layout
 from workflow.plugins.pages.selection import open_link
 from workflow.plugins.pages.sweep_page import layout as sweep_layout
 from workflow.plugins.pages.units import page_unit
-from workflow.runs.engines import engine_called
-from workflow.runs.files import write_text
-from workflow.runs.output_directory import record_files
-from workflow.runs.run_directory import RunDirectory
-from workflow.screen import PrintedTable
-from workflow.sweep.collect import collect
-from workflow.verdicts.analyse import analyse, default_beads, figures_in
-from workflow.verdicts.analysis_lines import lines as analysis_lines
-from workflow.verdicts.compared_pairs import compared_pairs
-from workflow.verdicts.validate import Validation
-from workflow.verdicts.validate_run import compare_runs
 
 # --- HTML -------------------------------------------------------------------------------------------------------------
 

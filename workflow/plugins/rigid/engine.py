@@ -20,9 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.trajectory import Floats, Trajectory, frames_per_block
-from lammps_inputs import Problem, physics
-from workflow.compiled import ieee, ieee_called_by_compiled
+from granchain.parts import Floats, Problem, Trajectory, frames_per_block, ieee, ieee_called_by_compiled, physics
 from workflow.plugins.rigid.modes import Modes, advance, make_modes
 from workflow.plugins.rigid.roots import CONTACT, NEVER, PairDistance, first_contact
 

@@ -4,11 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.quantity import declare, declared, headings, result
-from analysis.sharing.impulses import Impulses
-from analysis.trajectory import Floats, Integers
-from lammps_inputs import InputError, Problem
-from lammps_inputs.units import Scale
+from granchain import InputError
+from granchain.parts import Floats, Impulses, Integers, Problem, Scale, declare, declared, headings, result
 
 EVENTS = "events.csv"
 """Name of the table in a run's directory."""

@@ -3,9 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from analysis.quantity import declare, result
-from lammps_inputs.facts import Fact
-from workflow.measures.base import FrameMeter, Measurement, Recorded
+from granchain.parts import Fact, FrameMeter, Measurement, Recorded, declare, result
 from workflow.plugins.rigid.runs import RigidRecord
 
 

@@ -17,8 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analysis.trajectory import Floats
-from workflow.compiled import ieee_called_by_compiled
+from granchain.parts import Floats, ieee_called_by_compiled
 
 
 class Modes(NamedTuple):

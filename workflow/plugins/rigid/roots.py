@@ -18,8 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analysis.trajectory import Floats
-from workflow.compiled import ieee, ieee_called_by_compiled
+from granchain.parts import Floats, ieee, ieee_called_by_compiled
 
 EPS = float(np.finfo(np.float64).eps)
 

@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import Problem, physics
-from lammps_inputs.links import Along
+from granchain.parts import Along, Problem, physics
 from workflow.plugins.rigid.engine import CollisionRun, played_back, run
 
 CHANGE = 2.0**-48

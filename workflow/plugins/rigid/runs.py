@@ -7,14 +7,24 @@ from typing import Any
 
 import numpy as np
 
-from analysis.quantity import csv_of
-from analysis.sharing.impulses import Impulses
-from lammps_inputs import Problem, Scene, file_names, physics
-from lammps_inputs.facts import Fact
+from granchain import Scene
+from granchain.parts import (
+    Count,
+    Engine,
+    Fact,
+    Impulses,
+    Job,
+    Number,
+    Problem,
+    RecordPart,
+    Work,
+    csv_of,
+    file_names,
+    physics,
+    write_frames,
+    write_text,
+)
 from workflow.plugins.rigid.events import EVENTS, Collisions, from_csv, from_events
-from workflow.runs.engines import Engine, Work, write_frames
-from workflow.runs.files import write_text
-from workflow.runs.job import Count, Job, Number, RecordPart
 
 
 class RoundingRecord(RecordPart):

@@ -2,8 +2,7 @@
 
 import argparse
 
-from lammps_inputs import plugins
-from workflow.runs.files import as_json
+from granchain.parts import as_json, plugins
 
 JOB = "Setting up"
 PRINTS = True

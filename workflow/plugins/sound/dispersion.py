@@ -11,10 +11,18 @@ from typing import ClassVar
 
 import numpy as np
 
-from analysis.quantity import declare, result
-from analysis.shape.unit_cell import NoDispersionError, UnitCell, cell_of
-from analysis.trajectory import Floats, Integers, Trajectory
-from lammps_inputs import Problem, physics
+from granchain.parts import (
+    Floats,
+    Integers,
+    NoDispersionError,
+    Problem,
+    Trajectory,
+    UnitCell,
+    cell_of,
+    declare,
+    physics,
+    result,
+)
 
 MOST_NUMBERS = 10_000_000
 """Largest number of velocities that are held in memory."""

@@ -7,16 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from analysis.figures.style import (
-    AxisUnit,
-    axis_unit,
-    head,
-    legend_below,
-    new_figure,
-    styled,
-    title,
-)
-from lammps_inputs import Problem
+from granchain.parts import AxisUnit, Problem, axis_unit, head, legend_below, new_figure, styled, title
 from workflow.plugins.sound.dispersion import Branches, Map
 
 

@@ -4,14 +4,26 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from analysis import hermite, motion
-from analysis.quantity import declare, derived, result
-from analysis.shape.long_waves import cell_beads, sound_speed, speed_over_sound
-from analysis.shape.unit_cell import bands
-from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Floats, Trajectory, direction_of, joined
-from lammps_inputs import Problem, laws, physics
-from lammps_inputs.limits import rates
+from granchain.parts import (
+    Floats,
+    Problem,
+    Pulse,
+    Trajectory,
+    bands,
+    cell_beads,
+    declare,
+    derived,
+    direction_of,
+    hermite,
+    joined,
+    laws,
+    motion,
+    physics,
+    rates,
+    result,
+    sound_speed,
+    speed_over_sound,
+)
 
 CLEAR = 5
 """Contacts from the far end, nearer to which the pulse feels it, and as many that it must have passed at least."""

@@ -7,13 +7,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from analysis.shape.long_waves import sound_speed
-from analysis.shape.unit_cell import NoDispersionError, bands
-from analysis.sharing.survey import Survey
-from analysis.trajectory import Floats
-from lammps_inputs import Scene, laws, physics
-from lammps_inputs.facts import Fact
-from workflow.measures.base import FrameMeter, Measurement, Recorded
+from granchain import Scene
+from granchain.parts import (
+    Fact,
+    Floats,
+    FrameMeter,
+    Measurement,
+    NoDispersionError,
+    Recorded,
+    Survey,
+    bands,
+    laws,
+    physics,
+    sound_speed,
+)
 from workflow.plugins.sound.dispersion import Bands, Branches, Map
 from workflow.plugins.sound.dispersion import Dispersion as Collected
 from workflow.plugins.sound.loaded_pulse import LoadedPulse

@@ -4,12 +4,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, Unpack
 
-from lammps_inputs import InputError
-from lammps_inputs.numbers import plain_values
-from workflow.arguments import AnyScene, Processes, load, source_of
-from workflow.checked import checked
+from granchain import InputError, load
+from granchain.parts import AnyScene, Processes, SecondField, checked, hashable, plain_values, source_of
 from workflow.plugins.threshold.study import ScanOptions, ThresholdResult, carry_out, question_of
-from workflow.study_kit.options import SecondField, hashable
 
 T = TypeVar("T")
 

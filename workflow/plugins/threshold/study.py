@@ -16,18 +16,28 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
-from lammps_inputs import InputError, library
-from lammps_inputs.units import REDUCED
-from workflow.checked import Between
+from granchain import InputError
+from granchain.parts import (
+    REDUCED,
+    UNCERTAINTIES,
+    Between,
+    CommandResult,
+    Study,
+    case,
+    cell,
+    computations,
+    fields,
+    floats,
+    heading,
+    label,
+    library,
+    one_line,
+    options,
+    print_files,
+    print_table,
+    refuse_unknown,
+)
 from workflow.plugins.threshold.crossings import Crossing, SearchedField, crossings, wanted
-from workflow.quantities.columns import UNCERTAINTIES, refuse_unknown
-from workflow.quantities.evaluate import case
-from workflow.screen import CommandResult, cell, one_line, print_files, print_table
-from workflow.study_kit import options
-from workflow.study_kit.directory import Study, floats
-from workflow.sweep import fields
-from workflow.sweep.axes import heading, label
-from workflow.workers import computations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -234,8 +244,8 @@ def _threshold(question: Question, over: Any, crossing: Crossing, errors: list[f
 
 
 def _figure(result: ThresholdResult) -> "Figure":
-    from analysis.figures.studies import MOST_LINES, Sought, map_figure, swept_figure
-    from analysis.figures.studies import StudyAxis as Shown  # matplotlib takes half a second to import
+    from granchain.parts import MOST_LINES, Sought, map_figure, swept_figure
+    from granchain.parts import StudyAxis as Shown  # matplotlib takes half a second to import
 
     question = result.question
     quantity, field = label(question.quantity, question.scene), label(question.field, question.scene)

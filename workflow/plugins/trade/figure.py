@@ -6,9 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.figures import style
-from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from granchain.parts import Floats, Problem, style
 
 MARKERS = "osD^v<>Px*h"
 

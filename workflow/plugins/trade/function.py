@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Annotated
 
-from workflow.arguments import AnyScene, load
-from workflow.checked import Between, checked
+from granchain import load
+from granchain.parts import AnyScene, Between, checked
 from workflow.plugins.trade.points import Findings
 from workflow.plugins.trade.study import BUDGET, plain_problem, study
 

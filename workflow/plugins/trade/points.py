@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from analysis.quantity import declare, result
-from lammps_inputs import Problem
-from workflow.errors import RunError
+from granchain import RunError
+from granchain.parts import Problem, declare, result
 from workflow.plugins.trade.settings import LAMMPS, REFERENCE, WINDOW, EngineSetting, Interval, Truth
 
 

@@ -13,20 +13,27 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.compare import difference
-from analysis.files import recording
-from analysis.quantity import declare, result
-from analysis.tracking import leading_waves, peaks
-from analysis.trajectory import Trajectory
-from lammps_inputs import Problem, file_names, physics, window
-from lammps_inputs.decks import deck
-from lammps_inputs.facts import Fact
-from lammps_inputs.limits.rates import stability_bound
-from workflow.engines.lammps import engine as lammps
-from workflow.engines.lammps import mpi
-from workflow.engines.reference import engine as reference
-from workflow.engines.reference.step_halving import StepHalving
-from workflow.engines.reference.uncertainty import Uncertainty
+from granchain.parts import (
+    Fact,
+    Problem,
+    StepHalving,
+    Trajectory,
+    Uncertainty,
+    deck,
+    declare,
+    difference,
+    file_names,
+    leading_waves,
+    mpi,
+    peaks,
+    physics,
+    recording,
+    result,
+    run_deck,
+    stability_bound,
+    window,
+)
+from granchain.parts import engine as reference
 
 # --- runs -------------------------------------------------------------------------------------------------------------
 
@@ -93,7 +100,7 @@ def run(setting: EngineSetting, directory: Path) -> float:
         return time.perf_counter() - started
     for name, text in deck.files_of(problem).items():
         (directory / name).write_text(text)
-    end = lammps.run(directory, ranks=setting.ranks, problem=problem)
+    end = run_deck(directory, ranks=setting.ranks, problem=problem)
     if end.end != "done":
         raise KeyboardInterrupt
     return end.seconds

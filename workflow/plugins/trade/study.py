@@ -22,15 +22,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from analysis.files import recording
-from analysis.quantity import declare, plain, result
-from lammps_inputs import InputError, Problem, Scene, file_names, library
-from workflow.engines.lammps import mpi
+from granchain import InputError, Scene
+from granchain.parts import (
+    Problem,
+    Study,
+    count_bar,
+    declare,
+    file_names,
+    library,
+    mpi,
+    plain,
+    print_files,
+    print_heading,
+    recording,
+    result,
+    settle,
+)
 from workflow.plugins.trade.points import Findings, Order, Points, TrialLimits, measure, sentences
 from workflow.plugins.trade.settings import QUANTITIES, WINDOW, Interval, Truth, intervals, make_truth, run, settings
-from workflow.prepare.settings import settle
-from workflow.screen import count_bar, print_files, print_heading
-from workflow.study_kit.directory import Study
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -28,7 +28,7 @@ LONG = scene(chains=2, beads=120, kappa=0.1, duration=1e5, every=1.0)
 def failure(directory, ranks=1, case=SCENE, **options):
     """The one line that a run of the deck in a directory ends with."""
     with pytest.raises(RunError) as caught:
-        engine.run(directory, problem=case.problem(), ranks=ranks, **options)
+        engine.run_deck(directory, problem=case.problem(), ranks=ranks, **options)
     message = str(caught.value)
     assert len(message.splitlines()) == 1
     assert "Traceback" not in message

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.shape import exact_wave
-from analysis.trajectory import Floats
+from granchain.parts import Floats, exact_wave
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_most, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, line
 

@@ -7,14 +7,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis import motion
-from analysis.shape.unit_cell import bands
-from analysis.trajectory import Floats
+from granchain.parts import Floats, bands, motion, page
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statements, chain, line, panel
 from workflow.plugins.gallery.periodic_family import COMPUTED, stays
 from workflow.plugins.modes.family import PeriodicFamily, follow
-from workflow.study_kit import page
 
 LOAD = {"force": 1.0}
 STIFFNESS = 1.5

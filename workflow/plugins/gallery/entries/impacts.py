@@ -9,8 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy.special import beta
 
-from analysis.gauges import forces
-from analysis.trajectory import Floats
+from granchain.parts import Floats, forces
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_most, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, each
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.trajectory import Floats, watch
+from granchain.parts import Floats, watch
 from workflow.plugins.gallery.criteria import MeasuredQuantity, near, state
 from workflow.plugins.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statements, chain, each, exponent
 from workflow.plugins.sound import dispersion, loaded_pulse

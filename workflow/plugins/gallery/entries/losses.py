@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis import contacts
-from analysis.trajectory import Floats, watch
-from lammps_inputs.laws.plastic import restitution_of
+from granchain.parts import Floats, contacts, restitution_of, watch
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import (
     COLOURS,

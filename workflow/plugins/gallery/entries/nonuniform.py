@@ -6,8 +6,7 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.shape import exact_wave
-from lammps_inputs import laws, physics
+from granchain.parts import exact_wave, laws, physics
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import (
     COLOURS,

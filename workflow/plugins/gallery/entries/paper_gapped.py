@@ -14,11 +14,8 @@ from functools import cache
 
 import numpy as np
 
-from analysis.sharing import impulses
-from analysis.trajectory import Floats, Integers, Trajectory
-from lammps_inputs import Problem, library, physics
-from lammps_inputs.limits.closing import THETA_OF_EQ_5
-from workflow.engines.reference import engine as reference
+from granchain.parts import THETA_OF_EQ_5, Floats, Integers, Problem, Trajectory, impulses, library, page, physics
+from granchain.parts import engine as reference
 from workflow.plugins.gallery.criteria import MeasuredQuantity, at_least, at_most, near, state
 from workflow.plugins.gallery.engines_figure import (
     EngineCurve,
@@ -30,7 +27,6 @@ from workflow.plugins.gallery.engines_figure import (
 from workflow.plugins.gallery.entry import Entry, Results, Statements
 from workflow.plugins.rigid import engine as collisions
 from workflow.plugins.rigid import events
-from workflow.study_kit import page
 
 AGREE = 0.01
 """Relative difference of the chains' impulses up to which they count as equal (the paper: "identical")."""

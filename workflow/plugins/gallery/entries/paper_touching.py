@@ -6,13 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from analysis.figures.spacetime import SpaceTime, spacetime_figure
-from analysis.figures.waves import response_of
-from analysis.trajectory import watch
+from granchain.parts import SpaceTime, page, response_of, spacetime_figure, watch
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import Entry, Ran, Results, Statements, each
 from workflow.plugins.gallery.equipartition_distance import distance_map, equipartition_distance
-from workflow.study_kit import page
 
 CASES = (("two-chains", 55, "1", "2"), ("two-chains-strong", 55, "3", "4"), ("three-chains", 90, "5", "6"))
 """Scene, the bead of the paper's figure, and the numbers of its figures in space and time and of that bead."""

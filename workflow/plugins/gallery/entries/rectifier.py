@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.trajectory import Floats
+from granchain.parts import Floats
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, state
 from workflow.plugins.gallery.entry import Entry, Ran, Results, Statements, chain, each, line
 

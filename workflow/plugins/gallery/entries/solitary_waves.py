@@ -5,8 +5,7 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 
-from analysis.shape import exact_wave
-from analysis.trajectory import Floats
+from granchain.parts import Floats, exact_wave
 from workflow.plugins.gallery.criteria import NAMES, MeasuredQuantity, at_least, at_most, by_engine, near, state
 from workflow.plugins.gallery.entry import (
     COLOURS,
