@@ -26,7 +26,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunDirectory, RunDir
     place = tmp_path_factory.mktemp("runs")
     moving = SCENE.model_copy(update={"beads": 100, "window": 64, "duration": 130.0, "output": Output(every=0.5)})
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(engine, "run", run_here)
+        patch.setattr(engine, "run_deck", run_here)
         whole, window = (run(one, place / name, check=False).directory for name, one in (("a", SCENE), ("b", moving)))
     return whole, window
 
