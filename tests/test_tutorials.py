@@ -20,14 +20,18 @@ MANUAL = [ROOT / "README.md", *(page for name in PACKAGES for page in sorted((RO
 TUTORIALS = {path.stem: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.md"))}
 PAGES = list(TUTORIALS)
 COMMANDS = FOLDER.parent / "README.md"
+PAGES_OF_PLUG_INS = sorted(
+    str(path.relative_to(ROOT))
+    for path in FOLDER.parent.glob("plugins/*/README.md")
+    if path.parent.name != "jobs"  # which shows a site's file
+)
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("lammps_here", "pool_here")
 @pytest.mark.parametrize("name", [*(name for name in PAGES if not tutorial.types_studies(TUTORIALS[name])), "README"])
 def test_the_commands_of_a_page_print_what_it_quotes(name, tmp_path, request):
-    sections = tutorial.sections(COMMANDS.read_text(encoding="utf-8"))
-    page = TUTORIALS.get(name) or "".join(section for section in sections if not tutorial.types_studies(section))
+    page = TUTORIALS.get(name) or COMMANDS.read_text(encoding="utf-8")
     more = request.getfixturevalue("slurm").environment if "sbatch" in page else {}
     tutorial.follow(page, tmp_path, tutorial.environment(more))
 
@@ -67,7 +71,7 @@ def test_links_and_pictures_of_the_manual_exist(page):
             assert anchor in {re.sub(r"[^\w -]", "", head).lower().replace(" ", "-") for head in heads}, link
 
 
-@pytest.mark.parametrize("page", ["README.md", "workflow/README.md"])
+@pytest.mark.parametrize("page", ["README.md", "workflow/README.md", *PAGES_OF_PLUG_INS])
 def test_scenes_and_sweeps_of_the_readme_pages_are_valid(page, tmp_path):
     for block in re.findall(r"```yaml\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.S):
         data = strict_yaml.parse(block, page)

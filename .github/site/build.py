@@ -32,6 +32,9 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PACKAGES = ("lammps_inputs", "analysis", "workflow")
 
+COMMANDS = "workflow/README.md"
+"""Page of the commands, which links to those of plug-ins."""
+
 PICTURES = ".github"
 """Folder of the pictures; in the site another name is needed, as names that begin with a dot are left out."""
 
@@ -101,14 +104,22 @@ def computed(place: Path, *, pages_only: bool) -> None:
 
 
 def manual() -> dict[str, str]:
-    """Text of each page of the manual, by its path in the repository."""
+    """Text of each page of the manual, by its path in the repository; pages of plug-ins stand in that of commands."""
     tops = (ROOT, *(ROOT / package for package in PACKAGES), ROOT / "workflow" / "tutorials")
-    return {path.relative_to(ROOT).as_posix(): path.read_text() for top in tops for path in sorted(top.glob("*.md"))}
+    texts = {path.relative_to(ROOT).as_posix(): path.read_text() for top in tops for path in sorted(top.glob("*.md"))}
+    plug_ins = {
+        path.relative_to(ROOT).as_posix(): path.read_text() for path in ROOT.glob("workflow/plugins/*/README.md")
+    }
+    texts[COMMANDS] = sections.with_pages(texts[COMMANDS], COMMANDS, plug_ins)
+    places = {
+        (path, sections.anchor(title)): COMMANDS for path, text in plug_ins.items() for title in sections.titles(text)
+    }
+    return {path: sections.relinked(text, path, places, anchors=True) for path, text in texts.items()}
 
 
 def cut_pages() -> dict[str, sections.CutPage]:
     """The pages with several headings of the first level, in sections."""
-    stems = {"lammps_inputs/SCENES.md": "scene", "workflow/README.md": "commands"}
+    stems = {"lammps_inputs/SCENES.md": "scene", COMMANDS: "commands"}
     texts = {path: text for path, text in manual().items() if sections.has_parts(text)}
     return {path: sections.cut(text, stems.get(path, Path(path).stem)) for path, text in texts.items()}
 

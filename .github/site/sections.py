@@ -8,6 +8,13 @@ from dataclasses import dataclass
 
 FENCE = "```"
 LINK = re.compile(r"\]\(([^)#\s]*)#([^)\s]+)\)")
+ANY_LINK = re.compile(r"\]\(([^)#\s]*)((?:#[^)\s]*)?)\)")
+FURTHER = "Further pages:\n\n"
+"""What stands above the links from a page to those of plug-ins."""
+
+ENTRY = re.compile(r"^- \[([^]]+)\]\(([^)#\s]*plugins/[^)#\s]+)#([^)\s]+)\)$", re.MULTILINE)
+"""Link to a section of another page, alone in an entry of a list."""
+
 SENTENCE = re.compile(r"(`[^`]*`|[^`])+?(?=[.:]( |$))")
 
 NO_PARAGRAPH = ("<!--", "|", FENCE, "![", "- ", "    ")
@@ -93,16 +100,60 @@ def moved(path: str, page: CutPage) -> dict[tuple[str, str], str]:
     return {(path, anchor(one.part)): f"{path}#{anchor(one.part)}" for one in page.sections} | places
 
 
-def relinked(text: str, path: str, places: dict[tuple[str, str], str]) -> str:
-    """The text that stood at a path, with its links to places that have moved."""
+def relinked(text: str, path: str, places: dict[tuple[str, str], str], *, anchors: bool = False) -> str:
+    """The text that stood at a path, with its links to places that have moved; with their anchors where these stay."""
     folder = posixpath.dirname(path)
 
     def link(match: re.Match[str]) -> str:
         target = posixpath.normpath(posixpath.join(folder, match[1])) if match[1] else path
         place = places.get((target, match[2]))
-        return match[0] if place is None else f"]({posixpath.relpath(place, folder or '.')})"
+        if place is None:
+            return match[0]
+        page = "" if place == path else posixpath.relpath(place, folder or ".")
+        return f"]({page}#{match[2]})" if anchors else f"]({page})"
 
     return LINK.sub(link, text)
+
+
+def titles(text: str) -> list[str]:
+    """Headings of the second level."""
+    return [title for _, level, title in headings(text) if level == 2]
+
+
+def with_pages(text: str, path: str, pages: dict[str, str]) -> str:
+    """A page with the sections of other pages in place of the lists of links to them.
+
+    Args:
+        text: the page, in which ``- [Title](PATH#title)`` names a section.
+        path: its path.
+        pages: path -> text of the other pages.
+    """
+    sections = {}
+    for other, content in pages.items():
+        lines = content.splitlines()
+        starts = [*(entry for entry in headings(content) if entry[1] == 2), (len(lines), 0, "")]
+        for (start, _, title), (end, _, _) in itertools.pairwise(starts):
+            body = "\n".join(lines[start:end]).strip()
+            sections[other, anchor(title)] = _moved_links(body, other, path)
+
+    def section(match: re.Match[str]) -> str:
+        target = posixpath.normpath(posixpath.join(posixpath.dirname(path), match[2]))
+        return f"\n{sections[target, match[3]]}\n"
+
+    return ENTRY.sub(section, text.replace(FURTHER, ""))
+
+
+def _moved_links(text: str, path: str, target: str) -> str:
+    """The text of a page as it stands at another path: its links lead where they did."""
+    old, new = posixpath.dirname(path), posixpath.dirname(target)
+
+    def link(match: re.Match[str]) -> str:
+        if ":" in match[1]:
+            return match[0]
+        page = posixpath.normpath(posixpath.join(old, match[1])) if match[1] else path
+        return f"]({posixpath.relpath(page, new)}{match[2]})"
+
+    return ANY_LINK.sub(link, text)
 
 
 def with_sections(navigation: str, path: str, page: CutPage) -> str:

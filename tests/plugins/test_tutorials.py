@@ -1,4 +1,4 @@
-"""A reader can follow the pages of the manual that type commands of studies."""
+"""A reader can follow the tutorials that type commands of studies, and the pages of plug-ins."""
 
 from pathlib import Path
 
@@ -12,9 +12,10 @@ TUTORIALS = {path.stem: path.read_text(encoding="utf-8") for path in sorted((FOL
 PAGES = {
     **{name: page for name, page in TUTORIALS.items() if tutorial.types_studies(page)},
     **{
-        section.partition("\n")[0].removeprefix("## "): section
-        for section in tutorial.sections((FOLDER / "README.md").read_text(encoding="utf-8"))
-        if tutorial.types_studies(section)
+        f"{path.parent.name}: {section.partition(chr(10))[0].removeprefix('## ')}": section
+        for path in sorted(FOLDER.glob("plugins/*/README.md"))
+        for section in tutorial.sections(path.read_text(encoding="utf-8"))
+        if "```sh\n" in section
     },
 }
 

@@ -85,6 +85,9 @@ def copy_without(names: set[str], copy: Path) -> None:
         if not name.startswith(folders):
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, copy / name)
+    page = copy / "workflow" / "README.md"
+    text = page.read_text(encoding="utf-8")
+    page.write_text(re.sub(rf"^- \[.*\]\(plugins/({'|'.join(names)})/.*\n", "", text, flags=re.M), encoding="utf-8")
     project_file = copy / "pyproject.toml"
     declared = re.compile(rf'["/]{PLUG_INS.replace("/", "[./]")}[./]({"|".join(names)})\b')
     lines = project_file.read_text(encoding="utf-8").splitlines(keepends=True)

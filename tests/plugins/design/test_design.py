@@ -334,7 +334,7 @@ def test_lammps_differs_from_the_reference_by_a_share_of_its_number():
 
 
 def test_the_example_of_the_readme_is_a_design(tmp_path):
-    text = (Path(__file__).parents[3] / "workflow" / "README.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[3] / "workflow" / "plugins" / "design" / "README.md").read_text(encoding="utf-8")
     path = tmp_path / "design.yaml"
     path.write_text(text.partition("<!-- design -->\n```yaml\n")[2].partition("```")[0])
     design = file.load(path)
