@@ -107,7 +107,6 @@ if TYPE_CHECKING:
     from lammps_inputs import units as units
     from lammps_inputs import window as window
     from lammps_inputs.complaints import describe as describe
-    from lammps_inputs.deck_atoms import text_of as text_of
     from lammps_inputs.decks import deck as deck
     from lammps_inputs.decks import scene_files as scene_files
     from lammps_inputs.decks.continuation import onward_lines as onward_lines
@@ -115,11 +114,8 @@ if TYPE_CHECKING:
     from lammps_inputs.decks.continuation import restart_lines as restart_lines
     from lammps_inputs.facts import Fact as Fact
     from lammps_inputs.ingredients import registry as registry
-    from lammps_inputs.ingredients.registry import environment_of_children as environment_of_children
     from lammps_inputs.ingredients.unequal import radii as radii
-    from lammps_inputs.ingredients.walls import STRENGTHS as STRENGTHS
     from lammps_inputs.laws import dashpot as dashpot
-    from lammps_inputs.laws.dashpot import alpha as alpha
     from lammps_inputs.laws.plastic import restitution_of as restitution_of
     from lammps_inputs.limits import rates as rates
     from lammps_inputs.limits.closing import THETA_OF_EQ_5 as THETA_OF_EQ_5
@@ -137,9 +133,8 @@ if TYPE_CHECKING:
     from lammps_inputs.units import SI as SI
     from lammps_inputs.units import Label as Label
     from lammps_inputs.units import Scale as Scale
-    from lammps_inputs.units import make_scale as make_scale
-    from lammps_inputs.units import sphere_mass as sphere_mass
     from workflow import cli as cli
+    from workflow import errors as errors
     from workflow import formats as formats
     from workflow import provenance as provenance
     from workflow.arguments import AnyDefinition as AnyDefinition
@@ -160,7 +155,6 @@ if TYPE_CHECKING:
     from workflow.cost_model import cost as cost
     from workflow.engines.lammps import mpi as mpi
     from workflow.engines.lammps.engine import run_deck as run_deck
-    from workflow.engines.lammps.worker import first_line as first_line
     from workflow.engines.reference import engine as engine
     from workflow.engines.reference import kernel as kernel
     from workflow.engines.reference.kernel import DerivativeFrames as DerivativeFrames
@@ -174,8 +168,6 @@ if TYPE_CHECKING:
     from workflow.engines.reference.schemes import Scheme as Scheme
     from workflow.engines.reference.step_halving import StepHalving as StepHalving
     from workflow.engines.reference.uncertainty import Uncertainty as Uncertainty
-    from workflow.errors import complaint as complaint
-    from workflow.errors import how_it_ended as how_it_ended
     from workflow.formats import width_from_words as width_from_words
     from workflow.formats import written_as as written_as
     from workflow.measures.base import FrameMeter as FrameMeter
