@@ -80,21 +80,3 @@ def _pieces(text: str) -> list[range]:
         last, step = first if last is None else last, max(1, step or 1)
         ranges.append(range(first, last + 1, step) if last >= first else range(first, last - 1, -step))
     return ranges
-
-
-def text_of(atoms: NDArray[np.int64]) -> str:
-    """Shortest text of ranges that names the atoms, [bead], of one chain in their order."""
-    parts, start = [], 0
-    while start < len(atoms):
-        end = start + 1
-        if end < len(atoms):
-            step = int(atoms[end] - atoms[start])
-            while end < len(atoms) and atoms[end] - atoms[end - 1] == step:
-                end += 1
-            if end - start < 3 and abs(step) != 1:  # two far apart are no range
-                end, step = start + 1, 1
-        first, last = int(atoms[start]), int(atoms[end - 1])
-        every = f":{abs(step)}" if end - start > 1 and abs(step) != 1 else ""
-        parts.append(f"{first}" if end - start == 1 else f"{first}-{last}{every}")
-        start = end
-    return ",".join(parts)

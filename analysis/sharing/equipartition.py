@@ -495,11 +495,6 @@ def runs_exact_waves(system: System) -> bool:
     return has_wave(system) and physics.alike(system) and not physics.gap(system) and not dissipates(system)
 
 
-def exact_speed(system: System, amplitude: float) -> float | None:
-    """Speed of the exact solitary wave of an amplitude in V, in beads / T; None where it cannot run."""
-    return float(wave_of(system).speed_at(amplitude)) if runs_exact_waves(system) else None
-
-
 def _extrapolated(tops: Floats, tolerance: float) -> float | None:
     """Bead at which an exponential through (bead, mismatch) rows reaches a tolerance; None if it does not fall."""
     slope, intercept = np.polyfit(tops[:, 0], np.log(tops[:, 1]), 1)

@@ -23,7 +23,7 @@ from analysis.shape.waveforms import REACH
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing
 from analysis.sharing.is_solitary import Character
-from analysis.sharing.survey import Survey, completed, numbered
+from analysis.sharing.survey import Survey, numbered
 from analysis.sharing.verdict import fit_decay, verdict_on
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse
@@ -85,7 +85,7 @@ def with_run_error(of_frames: Survey, error: MeasuredError) -> Survey:
     """A survey whose uncertainties, and the verdict that depends on them, cover the error of the run."""
     if not error.measured:
         return of_frames
-    survey = completed(of_frames)
+    survey = of_frames.completed()
     shared, pulses = _of_shared(survey.shared, error), tuple(_of_pulse(pulse, survey, error) for pulse in survey.pulses)
     decay = fit_decay(shared.followed, survey.along)
     waves = _of_waves(survey, error)

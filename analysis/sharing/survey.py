@@ -18,7 +18,7 @@ from analysis.shape.exact_wave import wave_of
 from analysis.shape.long_waves import LoadedSpeed
 from analysis.shape.waveforms import Passages, Shape, Waveforms, reach
 from analysis.sharing.energies import EnergyShares
-from analysis.sharing.equipartition import Sharing, sharing
+from analysis.sharing.equipartition import Sharing, runs_exact_waves, sharing
 from analysis.sharing.impulses import Impulses, meter_of
 from analysis.sharing.is_solitary import Character, Tolerances, characterise, measured_at
 from analysis.sharing.verdict import DecayFit, Verdict, fit_decay, verdict_on
@@ -36,12 +36,13 @@ from analysis.tracking.leading_waves import (
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, Train, ahead_of_sound, track_pulses, train_of
 from analysis.tracking.succession import Change, changes
-from analysis.tracking.undisturbed import clear_of_ends, clear_of_others, once_each, returns
+from analysis.tracking.undisturbed import CLEAR, clear_of_ends, clear_of_others, once_each, returns
 from analysis.trajectory import (
     Flags,
     Integers,
     Trajectory,
     Watcher,
+    along_the_way,
     direction_of,
     mirrored,
     mirrored_bead,
@@ -264,6 +265,27 @@ class Survey:
         """Whether a pulse is the leading wave of its chain where it was last seen."""
         return _leads(pulse, self.waves, self.direction)
 
+    def last_clear_bead(self, waves: Waves) -> int:
+        """Position of the last bead that waves passed undisturbed by the end that they run to, five beads before it.
+
+        That of the first bead passed, where they passed none so far from that end.
+        """
+        passed = along_the_way(self.problem, waves.bead)
+        clear = np.where(passed <= max(self.problem.beads - CLEAR, 1), passed, 0)
+        return int(np.argmax(clear)) if clear.any() else int(np.argmin(passed))
+
+    @property
+    def exact_speed(self) -> float | None:
+        """Speed of the exact solitary wave of the asymptotic amplitude, in beads / T; None where none can run."""
+        final, system = self.shared.followed.final, self.problem.system
+        if final is None or not runs_exact_waves(system):
+            return None
+        return float(wave_of(system).speed_at(final.value))
+
+    def completed(self) -> "Survey":
+        """Survey all of whose parts have been computed, which needs no frames any more."""
+        return self.replaced(**{name: getattr(self, name) for name in PARTS}, read=tuple)
+
 
 PARTS = tuple(name for name, value in vars(Survey).items() if isinstance(value, cached_property))
 """Names of all parts of a survey."""
@@ -326,12 +348,7 @@ def survey(
     made = Survey(problem, read, usual_arrival(problem) if arrival is None else arrival, tolerances)
     _first_reading(made, watchers, counted, impulses)
     _second_reading(made)
-    return completed(made)
-
-
-def completed(lazy: Survey) -> Survey:
-    """A survey all of whose parts have been computed, which needs no frames any more."""
-    return lazy.replaced(**{name: getattr(lazy, name) for name in PARTS}, read=tuple)
+    return made.completed()
 
 
 def _of_waves(shapes: Shape, chosen: Integers, sharp: Flags) -> Shape:

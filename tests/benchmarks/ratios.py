@@ -46,7 +46,6 @@ from workflow.engines.lammps import mpi
 from workflow.engines.lammps.mpi import cores
 from workflow.engines.reference import engine as reference
 from workflow.engines.reference.step_halving import accurate_reference
-from workflow.plugins.rigid import engine as collisions
 from workflow.runs.run import run
 from workflow.screen import print_table
 
@@ -348,6 +347,8 @@ PER_ROW = 3
 
 def collision_ratios(_root: Path) -> Iterator[Ratio]:
     """A collision beside a force at N = 2, and in chains of 100 to 100,000 rows; about 20 s."""
+    from workflow.plugins.rigid import engine as collisions  # the other parts do without that plug-in
+
     collisions.run(crowd(100), max_events=1)  # loads the compiled loop
     pairs = [(collision_seconds(1_000), force_seconds(crowd(1_000))) for _ in range(7)]
     yield ratio_of("a force on all 2 x 1000 beads in numpy / a collision", pairs, 40.0)
@@ -367,6 +368,8 @@ def force_seconds(problem: Problem, times: int = 2000) -> float:
 
 def collision_seconds(rows: int) -> float:
     """Of the processor for one collision, without the start, which predicts every pair once."""
+    from workflow.plugins.rigid import engine as collisions
+
     count, found = PER_ROW * rows, []
     for seed in range(max(1, EVENTS // count)):
         problem = crowd(rows, seed)

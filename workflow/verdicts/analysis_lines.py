@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from analysis.sharing.survey import Survey
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import along_the_way
 from lammps_inputs import physics
@@ -74,6 +75,12 @@ def _drifts(analysis: Analysis) -> dict[str, float]:
 
 UNCHECKED = "the run was not checked against the reference, so that uncertainties cover the time between frames alone"
 """What is printed of a run without a measured error."""
+
+
+def of_pulses(survey: Survey) -> Iterator[str]:
+    """Sentences on the succession of pulses, and on each of them."""
+    yield from change_sentences(survey)
+    yield from pulse_sentences(survey)
 
 
 def _accuracy(analysis: Analysis) -> Iterator[str]:

@@ -27,9 +27,9 @@ from analysis.sharing.survey import Survey
 from analysis.sharing.verdict import DecayFit
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse, Train, train_of
-from analysis.tracking.undisturbed import CLEAR, clear_of_others
-from analysis.trajectory import Flags, Floats, along_the_way, mirrored_bead
-from lammps_inputs import Problem, html, physics
+from analysis.tracking.undisturbed import clear_of_others
+from analysis.trajectory import Flags, Floats, mirrored_bead
+from lammps_inputs import html, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.units import DIMENSIONLESS, Scale
 
@@ -321,7 +321,7 @@ class LeadingWave:
             places = places[waves.bead[places] == self.at_bead]
         if len(places) == 0:
             return None
-        return int(places[last_clear_bead(waves.where(places), self.survey.problem)])
+        return int(places[self.survey.last_clear_bead(waves.where(places))])
 
     def column(self, name: str) -> Any:
         """Number of a column of ``waves.csv``, dimensionless; None where the bead was not reached."""
@@ -636,13 +636,3 @@ def pulse_entry(survey: Survey, pulse: Pulse, character: Character) -> PulseEntr
         first=int(pulse.bead[0]),
         last=int(pulse.bead[-1]),
     )
-
-
-def last_clear_bead(waves: Waves, problem: Problem) -> int:
-    """Position of the last bead that the pulse passed undisturbed by the end that it runs to, five beads before it.
-
-    That of the first bead passed, where it passed none so far from that end.
-    """
-    passed = along_the_way(problem, waves.bead)
-    clear = np.where(passed <= max(problem.beads - CLEAR, 1), passed, 0)
-    return int(np.argmax(clear)) if clear.any() else int(np.argmin(passed))

@@ -11,7 +11,6 @@ from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from workflow.measures.base import MOST_CHAINS
 from workflow.screen import PrintedTable
-from workflow.verdicts.analysis_report import last_clear_bead
 
 MOST_BEADS = 7
 """Largest number of beads in the table."""
@@ -60,7 +59,7 @@ def selected_beads(survey: Survey) -> list[int]:
     passed = _passed(survey)
     if len(passed) == 0:
         return []
-    last = int(along_the_way(problem, waves.bead)[last_clear_bead(waves, problem)])
+    last = int(along_the_way(problem, waves.bead)[survey.last_clear_bead(waves)])
     count = max(2, min(MOST_BEADS, MOST_ROWS // min(problem.chains, MOST_CHAINS)))
     places = [2, 5, 10, 20, 55, 90, last] if last <= 200 else np.geomspace(5, last, 7).round().astype(int).tolist()
     chosen = [places[k] for k in np.linspace(0, len(places) - 1, count).round().astype(int)]

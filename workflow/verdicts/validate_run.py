@@ -9,13 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from analysis.compare.common_times import near_the_front, of_recorded, on_common_rows, simultaneous
+from analysis.compare.common_times import near_the_front, of_recorded, on_common_rows, paired, simultaneous
 from analysis.compare.difference import Deviation, Difference
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.sharing.chain_differences import ChainDifference, ChainMeter
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene
 from lammps_inputs.facts import Fact
+from workflow.engines.reference import engine as reference
+from workflow.engines.reference.step_halving import compared_rows
 from workflow.runs.engines import engine_called
 from workflow.runs.exchange import accountant
 from workflow.runs.files import RECORD
@@ -359,6 +361,22 @@ def _larger(frames: dict[str, Deviation], snapshots: dict[str, Deviation]) -> di
 
     in_both = {name: larger(frames[name], snapshots[name]) for name in frames.keys() & snapshots.keys()}
     return {**frames, **snapshots, **in_both}
+
+
+def compared_pairs(runs: tuple[RunDirectory, ...], comparison: Validation) -> Iterator[tuple[Trajectory, Trajectory]]:
+    """Blocks of a run, and of what it was compared with, at the beads and times that were compared.
+
+    Args:
+        runs: the run, and the other one where it was not compared with the reference.
+        comparison: their comparison.
+    """
+    directory, *others = runs
+    for other in others:
+        return (where_both_hold(*pair) for pair in recorded_by_both((directory, other)).pairs((directory, other)))
+    steps = None if comparison.uncertainty is None else comparison.uncertainty.steps_per_frame
+    problem = directory.problem
+    exact = reference.blocks(problem, steps_per_frame=steps, window=compared_rows(problem))
+    return paired(directory.blocks_so_far(), exact)
 
 
 # --- what they were computed with -------------------------------------------------------------------------------------

@@ -16,9 +16,8 @@ import time
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
-from lammps_inputs.ingredients.registry import environment_of_children
 from workflow import screen
-from workflow.engines.lammps.mpi import cores
+from workflow.engines.lammps import mpi
 from workflow.errors import complaint, how_it_ended
 
 _STOP_SECONDS = 60.0
@@ -59,7 +58,7 @@ class Pool:
     """
 
     def __init__(self, processes: int | None = None, *, interrupt: bool = False) -> None:
-        self.processes = processes or cores()
+        self.processes = processes or mpi.cores()
         self._interrupt = interrupt
         self._idle: list[_Process] = []
         self._everyone: set[_Process] = set()  # also those that are neither idle nor busy when Ctrl-C comes
@@ -139,7 +138,7 @@ class _Process:
         # a session of its own, so that Ctrl-C does not reach it; -P: a directory it works in is no place for modules
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "workflow.workers.worker", str(os.getpid())],
-            env={**os.environ, **_ONE_THREAD, **environment_of_children()},
+            env={**mpi.environment(), **_ONE_THREAD},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,

@@ -9,7 +9,7 @@ from analysis.files import table
 from analysis.files.dump_layout import MAGIC
 from analysis.files.text_dump import is_text_dump, load_dump
 from lammps_inputs import InputError
-from lammps_inputs.deck_atoms import DeckAtoms, text_of
+from lammps_inputs.deck_atoms import DeckAtoms
 
 HEAD = "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS ff ff ff\n-1 1\n-2 2\n{low} {high}\n"
 
@@ -110,12 +110,3 @@ def test_a_binary_dump_is_no_table_and_is_named(tmp_path):
 def test_a_dump_of_another_axis_or_other_atoms_is_refused(columns, atoms, says, tmp_path):
     with pytest.raises(InputError, match=says):
         load_dump(dump(tmp_path, columns, FRAMES), 3, 0.5, deck(atoms=(atoms,)))
-
-
-@pytest.mark.parametrize(
-    "atoms", [[1, 2, 3], [30, 29, 28, 2], [1, 3, 5, 7], [5, 1, 2, 3, 9], [8, 1], [58, 55, 52, 1], [4, 11, 2, 1]]
-)
-def test_atoms_are_those_of_their_text(atoms):
-    text = text_of(np.array(atoms))
-    assert deck(atoms=(text,)).numbers.tolist() == [atoms]
-    assert len(text) <= len(",".join(map(str, atoms)))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lammps_inputs.limits.closing import THETA_OF_EQ_5
+from lammps_inputs.limits import closing
 from workflow.plugins.gallery.entries import paper_gapped as study
 
 
@@ -54,16 +54,20 @@ def test_late_rigid_rows_belong_to_the_arithmetic():
     assert np.mean(study.sensitivity(theta, bead=3) > 0.01) < 0.1
 
 
+def test_the_gap_of_eq_5_is_that_which_the_program_names():
+    assert study.THETA_OF_EQ_5 == closing.THETA_OF_EQ_5
+
+
 @pytest.mark.parametrize(("kappa", "equal_from", "last"), [(1.0, 12, 60), (0.1, 63, 110)])
 def test_gapped_hertz_chains_become_equal(kappa, equal_from, last):
-    impulses = study.hertz_impulses(study.problem_at(THETA_OF_EQ_5, kappa, last))
+    impulses = study.hertz_impulses(study.problem_at(study.THETA_OF_EQ_5, kappa, last))
     found = study.relative_mode(impulses, 5, last)
     assert found.equal_from == equal_from
     assert 0.0 < found.rows_per_e < 20.0
 
 
 def test_the_relative_mode_of_a_known_decay_is_found():
-    impulses = study.hertz_impulses(study.problem_at(THETA_OF_EQ_5, 1.0, 40))
+    impulses = study.hertz_impulses(study.problem_at(study.THETA_OF_EQ_5, 1.0, 40))
     decay = 0.3 * np.exp(-impulses.bead / 7.0)
     known = impulses.__class__(
         impulses.bead, np.array([1.0 + decay, 1.0 - decay]), impulses.total, impulses.contacts, impulses.time, 0.0
@@ -79,7 +83,7 @@ def test_relative_mode_without_decay_never_becomes_equal():
 
 
 def test_curves_of_both_models_cover_the_same_rows_and_time():
-    problem = study.problem_at(THETA_OF_EQ_5, 1.0, 25)
+    problem = study.problem_at(study.THETA_OF_EQ_5, 1.0, 25)
     rigid, hertz = study.curves(problem, (5, 25))
     np.testing.assert_array_equal(rigid.time, hertz.time)
     assert rigid.velocity.shape == hertz.velocity.shape == (problem.frames + 1, 2, 2)

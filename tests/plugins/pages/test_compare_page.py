@@ -14,8 +14,7 @@ from workflow.plugins.pages import compare_page
 from workflow.plugins.pages.compared import compared_lines, quantity_table, setting_table, written
 from workflow.runs.files import RECORD
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.compared_pairs import compared_pairs
-from workflow.verdicts.validate_run import compare_runs
+from workflow.verdicts.validate_run import compare_runs, compared_pairs
 
 SCENE = {
     "name": "pair",

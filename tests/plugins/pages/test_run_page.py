@@ -72,7 +72,7 @@ def found(waves):
     """What a survey found, where chains are compared by peak velocities."""
     shared = SimpleNamespace(of_impulses=False, final=None)
     shared.followed = shared
-    return SimpleNamespace(waves=waves, shared=shared, decay=None)
+    return SimpleNamespace(waves=waves, shared=shared, decay=None, exact_speed=None)
 
 
 def test_lines_over_beads_break_at_recorded_beads_without_a_wave_and_show_those_that_stand_alone(held):

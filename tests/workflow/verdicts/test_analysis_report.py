@@ -10,7 +10,7 @@ from small_problems import problem
 
 from analysis.quantity import plain
 from analysis.sharing.equipartition import AmplitudeRange, Estimate, Final
-from analysis.sharing.survey import survey
+from analysis.sharing.survey import Survey, survey
 from analysis.sharing.verdict import DecayFit, EquipartitionState, Verdict
 from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.pulses import Pulse, Train
@@ -47,7 +47,8 @@ class Shared(SimpleNamespace):
 
 def summary(waves, problem, chain, succession=()):
     """Leading wave of a chain, by waves and changes alone."""
-    return LeadingWave(SimpleNamespace(passages=waves, waves=waves, problem=problem, succession=succession), chain)
+    of_waves = Survey(problem, tuple, "maximum").replaced(passages=waves, waves=waves, succession=succession)
+    return LeadingWave(of_waves, chain)
 
 
 def test_how_chains_share_the_pulse_is_told_key_by_key():

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import Problem
-from lammps_inputs.ingredients.registry import environment_of_children
 from workflow.engines.lammps import files_on_disk, mpi
 from workflow.errors import EndedError, RunError, complaint, how_it_ended
 
@@ -99,7 +98,7 @@ def run_deck(
         process = subprocess.Popen(
             [*command, handed.name],
             cwd=directory,
-            env={**os.environ, "OMP_NUM_THREADS": "1", **environment_of_children()},
+            env=mpi.environment(),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=errors,

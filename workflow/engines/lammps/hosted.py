@@ -10,7 +10,7 @@ from pathlib import Path
 from lammps_inputs import Problem
 from workflow.engines.lammps import worker
 from workflow.engines.lammps.engine import RESTART_EVERY, LammpsOutcome, Progress
-from workflow.errors import RunError
+from workflow.errors import RunError, first_line
 
 
 class LammpsError(RunError):
@@ -46,7 +46,7 @@ def run(
         instance = worker.instance(part)
         end = worker.segments(instance, problem, tell, part=part, every=restart_every)
     except Exception as error:  # LAMMPS raises nothing more specific
-        raise LammpsError(f"LAMMPS: {worker.first_line(error)}") from None
+        raise LammpsError(f"LAMMPS: {first_line(error)}") from None
     instance.close()
     if end["end"] == "failed":
         raise RunError(end["reason"])

@@ -1,4 +1,4 @@
-"""Finding the MPI library and launcher that belong to the installed LAMMPS."""
+"""What a process of LAMMPS needs: the MPI library and launcher that belong to it, cores, and its environment."""
 
 import ctypes
 import importlib.metadata
@@ -8,6 +8,8 @@ import signal
 import sys
 import sysconfig
 from pathlib import Path
+
+from lammps_inputs.ingredients.registry import environment_of_children
 
 _PDEATHSIG = 1
 
@@ -44,3 +46,8 @@ def launcher() -> str | None:
 def cores() -> int:
     """Cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def environment() -> dict[str, str]:
+    """Environment of a process of Python in which LAMMPS lives: no threads of its own, and the modules of this one."""
+    return {**os.environ, "OMP_NUM_THREADS": "1", **environment_of_children()}

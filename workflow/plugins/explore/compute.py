@@ -8,11 +8,11 @@ from granchain.parts import (
     StepHalving,
     Survey,
     engine_called,
-    numbers,
-    refuse_unanalysable,
+    leading_waves,
     settle,
     shown_chains,
-    survey,
+    time_text,
+    too_far_apart,
 )
 from workflow.plugins.pages.downsample import Thinned, thinned
 
@@ -59,13 +59,14 @@ def computed(scene: Scene) -> ComputedScene:
     if scene.until_bead is not None:
         duration = SLOW_PULSE * scene.until_bead * scene.scale.time
         _refuse_slow(scene.model_copy(update={"until_bead": None, "duration": duration}).problem())
-    refuse_unanalysable(scene)
     settled, _ = settle(scene, source=scene.name, own_step=False)
     problem = settled.resolved().problem()
+    if why := too_far_apart(problem.every, problem.scale):
+        raise InputError(f"output.every: {why}")
     _refuse_slow(problem)
     halving = StepHalving(problem, velocity_only=True)
     blocks = list(halving.blocks())
-    waves = survey(lambda: iter(blocks), problem)
+    waves = Survey(problem, lambda: iter(blocks), leading_waves.usual_arrival(problem)).completed()
     part = thinned(problem, blocks, shown_chains(problem), deforms=False)
     return ComputedScene(problem, part, waves, halving.uncertainty.velocity)
 
@@ -80,6 +81,6 @@ def _refuse_slow(problem: Problem) -> None:
     seconds = estimated_seconds(problem)
     if seconds > MOST_SECONDS:
         raise InputError(
-            f"this scene takes about {numbers.time_text(seconds)}, more than the {MOST_SECONDS:g} s up to which this "
+            f"this scene takes about {time_text(seconds)}, more than the {MOST_SECONDS:g} s up to which this "
             "page computes; take a shorter duration or fewer beads, or save the scene and use `granchain run`"
         )

@@ -14,14 +14,14 @@ from bokeh.models import Button, CheckboxGroup, CustomJS, Div, Slider, TextInput
 
 from granchain import InputError, RunError, Scene
 from granchain.parts import (
+    analysis_lines,
     fields,
     html,
     library,
-    numbers,
     provenance,
-    pulse_sentences,
     references,
     strict_yaml,
+    time_text,
     with_hints,
 )
 from workflow.plugins.explore.compute import ComputedScene, computed
@@ -80,7 +80,7 @@ def answer(plain: dict[str, Any], source: str, validated: Callable[[Scene], None
         return Answer(None, str(error))
     except Exception as error:  # no memory, or a mistake of ours: the page goes on
         return Answer(None, f"{type(error).__name__}: {error}")
-    seconds = numbers.time_text(time.perf_counter() - started)
+    seconds = time_text(time.perf_counter() - started)
     return Answer(result, f"uncertainty of velocities {result.uncertainty:.1e} V; computed in {seconds}")
 
 
@@ -284,5 +284,5 @@ class Tab:
 
 def _listed(result: ComputedScene) -> str:
     """Sentences on the pulses, as `granchain analyze` prints them."""
-    sentences = [*pulse_sentences.change_sentences(result.survey), *pulse_sentences.pulse_sentences(result.survey)]
-    return f"<ul>{''.join(f'<li>{escape(sentence)}</li>' for sentence in sentences)}</ul>"
+    sentences = "".join(f"<li>{escape(sentence)}</li>" for sentence in analysis_lines.of_pulses(result.survey))
+    return f"<ul>{sentences}</ul>"

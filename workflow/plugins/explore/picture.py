@@ -7,7 +7,7 @@ from bokeh.events import Tap
 from bokeh.layouts import column, row
 from bokeh.models import ColumnDataSource, HoverTool, Range1d, Span
 
-from granchain.parts import Fact, Floats, RootScale, default_beads
+from granchain.parts import Fact, Floats, RootScale, analyse
 from workflow.plugins.explore.compute import ComputedScene
 from workflow.plugins.pages import run_page
 from workflow.plugins.pages.downsample import Thinned, units_of
@@ -184,7 +184,7 @@ def _has_pulse(result: ComputedScene) -> bool:
 
 
 def _middle_bead(result: ComputedScene) -> int:
-    beads = default_beads(result.problem)
+    beads = analyse.default_beads(result.problem)
     return beads[len(beads) // 2]
 
 

@@ -79,7 +79,7 @@ class ExportRequest:
     @cached_property
     def sweep(self) -> SweepTable:
         """Table of the sweep."""
-        return collect(self.path)
+        return collect.collect(self.path)
 
     def pieces(self, name: str, bytes_of_bead: float) -> Iterator[Trajectory]:
         """The frames to write, in pieces of bounded size, under a bar of progress.

@@ -19,7 +19,6 @@ import numpy as np
 from granchain import InputError, RunError, Scene
 from granchain.parts import (
     DEFAULT_ACCURACY,
-    TOLERANCES,
     Problem,
     RunDirectory,
     StepHalving,
@@ -35,6 +34,7 @@ from granchain.parts import (
     print_files,
     result,
     run,
+    validate,
 )
 from workflow.plugins.extremes.cells import PARTS, ReportRun, grid, refuse_unknown, scaled
 
@@ -152,7 +152,7 @@ def classify(accuracy: float, reported: LargestError, truth: LargestError) -> tu
     return "WRONG", f"is {truth.value:.1e} V, more than {accuracy:.0e} V, and does not report it"
 
 
-PROMISED = TOLERANCES["velocity"]
+PROMISED = validate.TOLERANCES["velocity"]
 """Largest error, in units of V, that a run with a `timestep` of its own has without a remark."""
 
 SHARPER = 10.0

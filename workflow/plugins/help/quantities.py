@@ -6,7 +6,7 @@
 import textwrap
 from collections.abc import Iterator
 
-from granchain.parts import SI, Quantity, QuantityPlace, places, terms
+from granchain.parts import places, quantity, terms, units
 
 WIDTH = 100
 
@@ -22,12 +22,12 @@ def explained(word: str) -> str | None:
             others (``budget``, ``waves.csv``), whose names are listed; or a term.
     """
     keys = tuple(word.split("."))
-    named = [place for place in places() if any(column.name == word for column in place.quantity.columns)]
-    named += [place for place in places() if place.path[-len(keys) :] == keys]
-    by_quantity: dict[Quantity, list[QuantityPlace]] = {}
+    named = [place for place in places.places() if any(column.name == word for column in place.quantity.columns)]
+    named += [place for place in places.places() if place.path[-len(keys) :] == keys]
+    by_quantity: dict[quantity.Quantity, list[places.QuantityPlace]] = {}
     for place in named:
         by_quantity.setdefault(place.quantity, []).append(place)
-    lines = [line for quantity, at in by_quantity.items() for line in _lines(word, quantity, at)]
+    lines = [line for entry, at in by_quantity.items() for line in _lines(word, entry, at)]
     lines += _held(word)
     if (criterion := terms.explained(word)) is not None:
         lines += _filled(criterion, "    ")
@@ -37,7 +37,7 @@ def explained(word: str) -> str | None:
 def _held(word: str) -> Iterator[str]:
     """Names under a key, or in a file, wherever there is one of that name."""
     held: dict[tuple[str, ...], dict[str, None]] = {}
-    for place in places():
+    for place in places.places():
         chain = (place.file, *place.path)
         for depth, name in enumerate(chain[:-1], 1):
             if name == word:
@@ -47,16 +47,16 @@ def _held(word: str) -> Iterator[str]:
         yield from _filled(f"{holder} holds {', '.join(names)}", "    ")
 
 
-def _lines(word: str, quantity: Quantity, at: list[QuantityPlace]) -> Iterator[str]:
-    columns = [column for column in quantity.columns if word in (column.name, at[0].path[-1])]
+def _lines(word: str, entry: quantity.Quantity, at: list[places.QuantityPlace]) -> Iterator[str]:
+    columns = [column for column in entry.columns if word in (column.name, at[0].path[-1])]
     labels = [column.label for column in columns if column.name == word and column.label]
-    yield from _filled("; ".join(dict.fromkeys([*labels, quantity.meaning])), "    ")
-    if quantity.symbol:
-        yield f"      symbol: {quantity.symbol}"
-    if unit := _unit(quantity):
+    yield from _filled("; ".join(dict.fromkeys([*labels, entry.meaning])), "    ")
+    if entry.symbol:
+        yield f"      symbol: {entry.symbol}"
+    if unit := _unit(entry):
         yield f"      unit: {unit}"
-    if quantity.undefined:
-        yield from _filled(f"undefined where: {quantity.undefined}", "      ")
+    if entry.undefined:
+        yield from _filled(f"undefined where: {entry.undefined}", "      ")
     keys = [column.key for column in columns if column.name == word and column.key]
     for where in dict.fromkeys(place.where for place in at):
         yield f"      {' > '.join([where, *keys])}"
@@ -68,10 +68,10 @@ def _filled(text: str, indent: str) -> list[str]:
     return textwrap.wrap(text.replace("``", ""), WIDTH, initial_indent=indent, subsequent_indent=indent + "  ")
 
 
-def _unit(quantity: Quantity) -> str:
-    if quantity.pure:
+def _unit(entry: quantity.Quantity) -> str:
+    if entry.pure:
         return "1"
-    return f"{SI[quantity.unit]} with a material, else reduced" if quantity.unit in SI else quantity.unit
+    return f"{units.SI[entry.unit]} with a material, else reduced" if entry.unit in units.SI else entry.unit
 
 
 INTRODUCTION = """# Quantities
@@ -113,8 +113,8 @@ HEAD = """
 def manual() -> str:
     """The manual's page of quantities, in Markdown."""
     page, last = INTRODUCTION, ""
-    inside = {place.path[0] for place in places() if place.file == REPORT and len(place.path) > 1}
-    for place in places():
+    inside = {place.path[0] for place in places.places() if place.file == REPORT and len(place.path) > 1}
+    for place in places.places():
         grouped = place.file == REPORT and place.path[0] in inside
         name = f"{place.file}: {place.path[0]}" if grouped else place.file
         path = place.path[1:] if grouped else place.path
@@ -125,19 +125,19 @@ def manual() -> str:
     return page + terms.manual()
 
 
-def _sentence(quantity: Quantity) -> str:
-    text = quantity.meaning + (f"; null where {quantity.undefined}" if quantity.undefined else "")
+def _sentence(entry: quantity.Quantity) -> str:
+    text = entry.meaning + (f"; null where {entry.undefined}" if entry.undefined else "")
     return f"{text[0].upper()}{text[1:]}.".replace("``", "`")
 
 
-def _row(quantity: Quantity, path: tuple[str, ...]) -> str:
+def _row(entry: quantity.Quantity, path: tuple[str, ...]) -> str:
     cells = [
         f"`{'.'.join(path)}`",
-        f"${quantity.symbol}$" if quantity.symbol else "",
-        "1" if quantity.pure else SI.get(quantity.unit, quantity.unit),
-        quantity.meaning.replace("``", "`"),
-        quantity.undefined.replace("``", "`"),
-        ", ".join(f"`{column.name}`" for column in quantity.columns),
+        f"${entry.symbol}$" if entry.symbol else "",
+        "1" if entry.pure else units.SI.get(entry.unit, entry.unit),
+        entry.meaning.replace("``", "`"),
+        entry.undefined.replace("``", "`"),
+        ", ".join(f"`{column.name}`" for column in entry.columns),
     ]
     return f"| {' | '.join(cells)} |\n"
 

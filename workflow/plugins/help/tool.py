@@ -92,7 +92,7 @@ def _places(phrase: str) -> Iterator[tuple[str, str]]:
         if fits(meaning):
             yield names[0], "\n".join(textwrap.wrap(meaning, 96, initial_indent="  ", subsequent_indent="  "))
     yield from handbook.mentions(phrase)
-    for place in places():
+    for place in places.places():
         quantity = place.quantity
         if fits(quantity.meaning) or any(fits(column.label) for column in quantity.columns):
             yield ".".join(place.path[-2:]), "\n".join(textwrap.wrap(quantity.meaning, 96, initial_indent="  "))
@@ -107,11 +107,17 @@ def _places(phrase: str) -> Iterator[tuple[str, str]]:
 
 def _suggestion(phrase: str) -> str:
     """The word that a phrase is closest to, in brackets: as it stands or in lower case, whole or its last part."""
-    from granchain.parts import QUANTITIES, fields, places
+    from granchain.parts import fields, places
 
     names = {name for names, _ in handbook.terms() for name in names}
-    names |= {*handbook.keys(), *fields.all_fields(Scene), *cli.COMMANDS, *QUANTITIES, *vocabulary.words()}
-    names |= {place.path[-1] for place in places() if place.path}
+    names |= {
+        *handbook.keys(),
+        *fields.all_fields(Scene),
+        *cli.COMMANDS,
+        *places.collect_columns(),
+        *vocabulary.words(),
+    }
+    names |= {place.path[-1] for place in places.places() if place.path}
     names |= {name.rpartition(".")[2] for name in names}
     spelt = dict.fromkeys([phrase[:200], phrase[:200].lower(), phrase[:200].replace(" ", "_")])
     return next(filter(None, (complaints.suggestion(word, sorted(names)) for word in spelt)), "")

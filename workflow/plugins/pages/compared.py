@@ -4,13 +4,20 @@ import math
 
 import numpy as np
 
-from granchain import Validation
-from granchain.parts import PrintedTable, RunDirectory, engine_called, scene_changes, table_of, validation_tables
+from granchain.parts import (
+    PrintedTable,
+    RunDirectory,
+    collect,
+    engine_called,
+    validate,
+    validate_run,
+    validation_tables,
+)
 
 # --- sentences --------------------------------------------------------------------------------------------------------
 
 
-def compared_lines(runs: tuple[RunDirectory, ...], comparison: Validation) -> list[str]:
+def compared_lines(runs: tuple[RunDirectory, ...], comparison: validate.Validation) -> list[str]:
     """Sentences on what was compared, and whether it agrees."""
     letters = [
         f"{letter} is {run.path} ({engine_called(run.engine).title})" for letter, run in zip("AB", runs, strict=False)
@@ -32,22 +39,22 @@ def compared_lines(runs: tuple[RunDirectory, ...], comparison: Validation) -> li
 
 
 def _of_other_scenes(runs: tuple[RunDirectory, ...]) -> bool:
-    return len(runs) == 2 and bool(scene_changes(runs[0].scene, runs[1].scene))
+    return len(runs) == 2 and bool(validate_run.scene_changes(runs[0].scene, runs[1].scene))
 
 
 # --- tables -----------------------------------------------------------------------------------------------------------
 
 
-def setting_table(runs: tuple[RunDirectory, ...], comparison: Validation) -> PrintedTable | None:
+def setting_table(runs: tuple[RunDirectory, ...], comparison: validate.Validation) -> PrintedTable | None:
     """Fields of the scenes, settings and versions that differ between two runs; None where nothing does."""
     if comparison.runs is None:
         return None
     return validation_tables.change_table(
-        {**scene_changes(runs[0].scene, runs[1].scene), **comparison.runs.changes}, comparison.against
+        {**validate_run.scene_changes(runs[0].scene, runs[1].scene), **comparison.runs.changes}, comparison.against
     )
 
 
-def compared_tables(runs: tuple[RunDirectory, ...], comparison: Validation) -> list[PrintedTable]:
+def compared_tables(runs: tuple[RunDirectory, ...], comparison: validate.Validation) -> list[PrintedTable]:
     """Tables of the differences of the motion, and of the quantities of both runs."""
     tables = [
         validation_tables.deviation_table(comparison, judged=not _of_other_scenes(runs)),
@@ -62,7 +69,7 @@ def quantity_table(first: RunDirectory, second: RunDirectory) -> PrintedTable | 
 
     The uncertainty of a difference is the sum of both. None where neither run could be analysed.
     """
-    table = table_of((first, second))
+    table = collect.table_of((first, second))
     uncertainties = {name: table.uncertainty(name) for name in table.columns}
     lines = []
     for name, uncertainty in uncertainties.items():

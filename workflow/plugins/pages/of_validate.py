@@ -6,8 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from granchain import InputError, Validation
-from granchain.parts import RunDirectory
+from granchain import InputError
+from granchain.parts import RunDirectory, validate
 from workflow.plugins.pages import need_bokeh
 
 EXAMPLES = ("validate demo --page            # writes demo/validation.html, too",)
@@ -45,7 +45,7 @@ def _refuse_file(against: Path | None) -> None:
         raise InputError(f"--page: shows two runs, or a run and the reference, and {against} is a file; leave it out")
 
 
-def _write_page(directory: RunDirectory, comparison: Validation, against: RunDirectory | None) -> str:
+def _write_page(directory: RunDirectory, comparison: validate.Validation, against: RunDirectory | None) -> str:
     """Write the page of a validation into the directory of its run; the name of its file."""
     from workflow.plugins.pages.write import write_validation  # bokeh takes half a second to import
 

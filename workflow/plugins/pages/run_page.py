@@ -8,7 +8,7 @@ import numpy as np
 from bokeh.layouts import column, gridplot, row
 from bokeh.models import CheckboxGroup, ColumnDataSource, CustomJS, Div, HoverTool, Range1d
 
-from granchain.parts import Fact, Floats, Integers, Problem, RootScale, Survey, Waves, physics
+from granchain.parts import Fact, Floats, Integers, Problem, RootScale, Survey, leading_waves, physics
 from workflow.plugins.pages.downsample import Thinned, units_of
 from workflow.plugins.pages.map_choice import map_choice
 from workflow.plugins.pages.measured import plots_of
@@ -69,13 +69,13 @@ def distances(problem: Problem, part: Thinned, survey: Survey, bead_range: Range
     return graphs
 
 
-def _pulse_by_pulse(waves: Waves, values: Floats) -> tuple[Floats, Floats]:
+def _pulse_by_pulse(waves: leading_waves.Waves, values: Floats) -> tuple[Floats, Floats]:
     """Beads and values of a chain's leading waves, with NaN half a bead behind the end of each pulse but the last."""
     at = waves.ends + 1
     return np.insert(waves.bead.astype(np.float64), at, waves.bead[at - 1] + 0.5), np.insert(values, at, np.nan)
 
 
-def _lag(waves: Waves, reference: Waves, worth: float) -> tuple[Integers, Floats]:
+def _lag(waves: leading_waves.Waves, reference: leading_waves.Waves, worth: float) -> tuple[Integers, Floats]:
     """Beads that two chains' waves passed, and the time from one to the other."""
     both, mine, theirs = np.intersect1d(waves.bead, reference.bead, return_indices=True)
     return both, (waves.arrival[mine] - reference.arrival[theirs]) * worth

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 from bokeh.models import CheckboxGroup, CustomJS
 
-from granchain.parts import Fact, Floats, Integers, Problem, Survey, exact_speed, last_clear_bead, physics
+from granchain.parts import Fact, Floats, Integers, Problem, Survey, physics
 from workflow.plugins.pages.downsample import Thinned
 from workflow.plugins.pages.units import Units
 
@@ -55,7 +55,7 @@ def lines_of(
         return []
     final = survey.shared.followed.final
     lines, per_time = [], problem.scale.each("beads")
-    speed = None if final is None else exact_speed(problem.system, final.value)
+    speed = survey.exact_speed
     if final is not None and speed is not None:
         name = f"exact solitary wave of {final.value:.5f} V: {speed / problem.scale.time:.6g}{per_time}"
         lines.append(TheoryLine(name, _through_waves(problem, chains, survey, speed)))
@@ -81,7 +81,7 @@ def _through_waves(
         waves = survey.waves.of_chain(chain)
         if len(waves) == 0:
             continue
-        last = last_clear_bead(waves, problem)
+        last = survey.last_clear_bead(waves)
         distance = along(survey, np.array([1, problem.beads]))
         time = waves.arrival[last] + (distance - along(survey, int(waves.bead[last]))) / speed
         if not np.isfinite(time).all():

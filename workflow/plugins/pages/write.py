@@ -11,18 +11,15 @@ from bokeh.events import DocumentReady
 from bokeh.models import CustomJS, GridPlot, Plot, SaveTool, Slider
 from bokeh.resources import INLINE
 
-from granchain import InputError, Validation
+from granchain import InputError
 from granchain.parts import (
     PrintedTable,
     Problem,
     RunDirectory,
     analyse,
+    analysis_lines,
     collect,
-    compare_runs,
-    compared_pairs,
-    default_beads,
     engine_called,
-    figures_in,
     file_names,
     provenance,
     radii,
@@ -30,9 +27,10 @@ from granchain.parts import (
     references,
     shown_chains,
     strict_yaml,
+    validate,
+    validate_run,
     write_text,
 )
-from granchain.parts import lines as analysis_lines
 from workflow.plugins.pages import compare_page
 from workflow.plugins.pages.compared import (
     compared_lines,
@@ -224,10 +222,10 @@ def _run(path: Path) -> Path:
     problem, scene = directory.problem, directory.scene
     lines, shown_results, survey, measurements = [sentence(scene.units)], "", None, None
     try:
-        analysis = analyse(directory, figures=False)
+        analysis = analyse.analyse(directory, figures=False)
         survey = analysis.survey
         measurements = analysis.measurements
-        shown_results = results(analysis_lines(analysis))
+        shown_results = results(analysis_lines.lines(analysis))
     except InputError as error:
         lines.append(f"Not analysed: {error}")
     check = directory.job.check
@@ -240,7 +238,12 @@ def _run(path: Path) -> Path:
         texts[file_names.DECK] = (path / file_names.DECK).read_text(encoding="utf-8", errors="replace")
     foot = "".join(folded(heading, text) for heading, text in texts.items())
     root = layout(
-        problem, part, survey, list(default_beads(problem)), measurements=measurements, radius=radii(scene.setting)
+        problem,
+        part,
+        survey,
+        list(analyse.default_beads(problem)),
+        measurements=measurements,
+        radius=radii(scene.setting),
     )
     made = render(
         f"{scene.name}: {problem.chains} x {problem.beads} beads",
@@ -326,11 +329,11 @@ def write_comparison(directory: RunDirectory, against: RunDirectory) -> Path:
         InputError: they have other numbers of chains or beads, other units, or no bead or time in common.
     """
     runs = directory, against
-    comparison, _ = compare_runs(runs)
+    comparison, _ = validate_run.compare_runs(runs)
     return _compared(runs, comparison, f"against-{against.path.resolve().name}.html")
 
 
-def write_validation(directory: RunDirectory, comparison: Validation, against: RunDirectory | None) -> Path:
+def write_validation(directory: RunDirectory, comparison: validate.Validation, against: RunDirectory | None) -> Path:
     """Write the page of a validation into the directory of its run.
 
     Args:
@@ -341,7 +344,7 @@ def write_validation(directory: RunDirectory, comparison: Validation, against: R
     return _compared((directory,) if against is None else (directory, against), comparison, comparison.page)
 
 
-def _compared(runs: tuple[RunDirectory, ...], comparison: Validation, file: str) -> Path:
+def _compared(runs: tuple[RunDirectory, ...], comparison: validate.Validation, file: str) -> Path:
     """Write the page of a comparison into the directory of its run.
 
     Args:
@@ -351,9 +354,9 @@ def _compared(runs: tuple[RunDirectory, ...], comparison: Validation, file: str)
     """
     directory, problem = runs[0], comparison.problem
     first, second = [*(run.path.resolve().name for run in runs), comparison.against][:2]
-    pairs = compared_pairs(runs, comparison)
+    pairs = validate_run.compared_pairs(runs, comparison)
     frames = compare_page.compared_frames(problem, pairs, shown_chains(problem))
-    root, choose = compare_page.layout(problem, frames, (first, second), default_beads(problem)[0])
+    root, choose = compare_page.layout(problem, frames, (first, second), analyse.default_beads(problem)[0])
     lines = [*compared_lines(runs, comparison), *_shown(problem, frames.first)]
     if frames.first.frame_stride > 1:
         lines.append("Each velocity and each difference is the largest in size around its frame.")
@@ -391,12 +394,12 @@ def _html_table(table: PrintedTable) -> str:
 
 
 def _sweep(directory: Path) -> Path:
-    table = collect(directory)
+    table = collect.collect(directory)
     title = table.scene or directory.name
     files = {}
     for case in (row["case"] for row in table.rows):
         page = [VIEW] if (directory / case / VIEW).is_file() else []
-        files[case] = [*page, *figures_in(directory / case)]
+        files[case] = [*page, *analyse.figures_in(directory / case)]
     root, ready = sweep_layout(table, files, title, directory.resolve().name)
     made = render(
         f"{title}: {len(table.rows)} cases",

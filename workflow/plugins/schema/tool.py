@@ -1,8 +1,9 @@
 """Print the JSON schema of scenes, sweeps, designs or sites, for completion and checks in editors."""
 
 import argparse
+import json
 
-from granchain.parts import as_json, plugins
+from granchain.parts import plugins
 
 JOB = "Setting up"
 PRINTS = True
@@ -20,5 +21,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Print the schema of a kind of file."""
-    print(as_json(plugins.load("schemas", arguments.of)()))
+    print(json.dumps(plugins.load("schemas", arguments.of)(), indent=2, ensure_ascii=False))
     return 0

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from analysis import contacts as contacts
     from analysis import hermite as hermite
     from analysis import motion as motion
+    from analysis import quantity as quantity
     from analysis.compare import difference as difference
     from analysis.compare.common_times import paired as paired
     from analysis.figures import style as style
@@ -51,7 +52,6 @@ if TYPE_CHECKING:
     from analysis.gauges.channels import read_at as read_at
     from analysis.gauges.gauge import at_frames as at_frames
     from analysis.gauges.gauge import gauges as gauges
-    from analysis.quantity import Quantity as Quantity
     from analysis.quantity import csv_of as csv_of
     from analysis.quantity import declare as declare
     from analysis.quantity import declared as declared
@@ -70,13 +70,10 @@ if TYPE_CHECKING:
     from analysis.shape.unit_cell import cell_of as cell_of
     from analysis.sharing import energies as energies
     from analysis.sharing import impulses as impulses
-    from analysis.sharing.equipartition import exact_speed as exact_speed
     from analysis.sharing.impulses import Impulses as Impulses
     from analysis.sharing.survey import Survey as Survey
-    from analysis.sharing.survey import survey as survey
     from analysis.tracking import leading_waves as leading_waves
     from analysis.tracking import peaks as peaks
-    from analysis.tracking.leading_waves import Waves as Waves
     from analysis.tracking.pulses import Pulse as Pulse
     from analysis.trajectory import BLOCK_BYTES as BLOCK_BYTES
     from analysis.trajectory import Flags as Flags
@@ -98,7 +95,6 @@ if TYPE_CHECKING:
     from lammps_inputs import laws as laws
     from lammps_inputs import library as library
     from lammps_inputs import load as load
-    from lammps_inputs import numbers as numbers
     from lammps_inputs import physics as physics
     from lammps_inputs import plugins as plugins
     from lammps_inputs import references as references
@@ -107,7 +103,6 @@ if TYPE_CHECKING:
     from lammps_inputs import units as units
     from lammps_inputs import window as window
     from lammps_inputs.complaints import describe as describe
-    from lammps_inputs.deck_atoms import text_of as text_of
     from lammps_inputs.decks import deck as deck
     from lammps_inputs.decks import scene_files as scene_files
     from lammps_inputs.decks.continuation import onward_lines as onward_lines
@@ -115,14 +110,10 @@ if TYPE_CHECKING:
     from lammps_inputs.decks.continuation import restart_lines as restart_lines
     from lammps_inputs.facts import Fact as Fact
     from lammps_inputs.ingredients import registry as registry
-    from lammps_inputs.ingredients.registry import environment_of_children as environment_of_children
     from lammps_inputs.ingredients.unequal import radii as radii
-    from lammps_inputs.ingredients.walls import STRENGTHS as STRENGTHS
     from lammps_inputs.laws import dashpot as dashpot
-    from lammps_inputs.laws.dashpot import alpha as alpha
     from lammps_inputs.laws.plastic import restitution_of as restitution_of
     from lammps_inputs.limits import rates as rates
-    from lammps_inputs.limits.closing import THETA_OF_EQ_5 as THETA_OF_EQ_5
     from lammps_inputs.limits.rates import stability_bound as stability_bound
     from lammps_inputs.links import Along as Along
     from lammps_inputs.numbers import known as known
@@ -137,9 +128,8 @@ if TYPE_CHECKING:
     from lammps_inputs.units import SI as SI
     from lammps_inputs.units import Label as Label
     from lammps_inputs.units import Scale as Scale
-    from lammps_inputs.units import make_scale as make_scale
-    from lammps_inputs.units import sphere_mass as sphere_mass
     from workflow import cli as cli
+    from workflow import errors as errors
     from workflow import formats as formats
     from workflow import provenance as provenance
     from workflow.arguments import AnyDefinition as AnyDefinition
@@ -160,7 +150,6 @@ if TYPE_CHECKING:
     from workflow.cost_model import cost as cost
     from workflow.engines.lammps import mpi as mpi
     from workflow.engines.lammps.engine import run_deck as run_deck
-    from workflow.engines.lammps.worker import first_line as first_line
     from workflow.engines.reference import engine as engine
     from workflow.engines.reference import kernel as kernel
     from workflow.engines.reference.kernel import DerivativeFrames as DerivativeFrames
@@ -174,19 +163,15 @@ if TYPE_CHECKING:
     from workflow.engines.reference.schemes import Scheme as Scheme
     from workflow.engines.reference.step_halving import StepHalving as StepHalving
     from workflow.engines.reference.uncertainty import Uncertainty as Uncertainty
-    from workflow.errors import complaint as complaint
-    from workflow.errors import how_it_ended as how_it_ended
     from workflow.formats import width_from_words as width_from_words
     from workflow.formats import written_as as written_as
     from workflow.measures.base import FrameMeter as FrameMeter
     from workflow.measures.base import Measurement as Measurement
     from workflow.measures.base import Recorded as Recorded
-    from workflow.prepare.settings import refuse_unanalysable as refuse_unanalysable
     from workflow.prepare.settings import settle as settle
     from workflow.quantities.columns import AT_BEAD as AT_BEAD
     from workflow.quantities.columns import KNOWN as KNOWN
     from workflow.quantities.columns import MASS as MASS
-    from workflow.quantities.columns import QUANTITIES as QUANTITIES
     from workflow.quantities.columns import UNCERTAINTIES as UNCERTAINTIES
     from workflow.quantities.columns import column_called as column_called
     from workflow.quantities.columns import refuse_unknown as refuse_unknown
@@ -201,7 +186,6 @@ if TYPE_CHECKING:
     from workflow.runs.engines import write_frames as write_frames
     from workflow.runs.files import LAMMPS_FILES as LAMMPS_FILES
     from workflow.runs.files import RECORD as RECORD
-    from workflow.runs.files import as_json as as_json
     from workflow.runs.files import complete as complete
     from workflow.runs.files import write_json as write_json
     from workflow.runs.files import write_text as write_text
@@ -248,11 +232,10 @@ if TYPE_CHECKING:
     from workflow.study_kit.options import example_file as example_file
     from workflow.study_kit.options import hashable as hashable
     from workflow.study_kit.options import interrupted as interrupted
+    from workflow.sweep import collect as collect
     from workflow.sweep import fields as fields
     from workflow.sweep.axes import heading as heading
     from workflow.sweep.axes import label as label
-    from workflow.sweep.collect import collect as collect
-    from workflow.sweep.collect import table_of as table_of
     from workflow.sweep.file import Sweep as Sweep
     from workflow.sweep.file import SweepCase as SweepCase
     from workflow.sweep.file import SweepPart as SweepPart
@@ -266,22 +249,15 @@ if TYPE_CHECKING:
     from workflow.sweep.run_sweep import planned as planned
     from workflow.sweep.run_sweep import refuse_if_queued as refuse_if_queued
     from workflow.sweep.run_sweep import request as request
-    from workflow.verdicts import pulse_sentences as pulse_sentences
+    from workflow.verdicts import analyse as analyse
+    from workflow.verdicts import analysis_lines as analysis_lines
+    from workflow.verdicts import places as places
     from workflow.verdicts import terms as terms
+    from workflow.verdicts import validate as validate
+    from workflow.verdicts import validate_run as validate_run
     from workflow.verdicts import validation_tables as validation_tables
     from workflow.verdicts.analyse import MeasuredFrames as MeasuredFrames
-    from workflow.verdicts.analyse import analyse as analyse
-    from workflow.verdicts.analyse import default_beads as default_beads
-    from workflow.verdicts.analyse import figures_in as figures_in
     from workflow.verdicts.analyse import measure as measure
-    from workflow.verdicts.analysis_lines import lines as lines
-    from workflow.verdicts.analysis_report import last_clear_bead as last_clear_bead
-    from workflow.verdicts.compared_pairs import compared_pairs as compared_pairs
-    from workflow.verdicts.places import QuantityPlace as QuantityPlace
-    from workflow.verdicts.places import places as places
-    from workflow.verdicts.validate import TOLERANCES as TOLERANCES
-    from workflow.verdicts.validate_run import compare_runs as compare_runs
-    from workflow.verdicts.validate_run import scene_changes as scene_changes
     from workflow.verdicts.validate_table import check_channels as check_channels
     from workflow.workers import computations as computations
     from workflow.workers.pool import Pool as Pool
