@@ -12,13 +12,14 @@ if TYPE_CHECKING:
     from analysis import contacts as contacts
     from analysis import hermite as hermite
     from analysis import motion as motion
+    from analysis import quantity as quantity
     from analysis.compare import difference as difference
     from analysis.compare.common_times import paired as paired
+    from analysis.figures import spacetime as spacetime
     from analysis.figures import style as style
     from analysis.figures.errors import residual_figure as residual_figure
     from analysis.figures.spacetime import RootScale as RootScale
     from analysis.figures.spacetime import SpaceTime as SpaceTime
-    from analysis.figures.spacetime import draw_maps as draw_maps
     from analysis.figures.spacetime import panels as panels
     from analysis.figures.spacetime import spacetime_figure as spacetime_figure
     from analysis.figures.studies import MOST_LINES as MOST_LINES
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from analysis.figures.style import head as head
     from analysis.figures.style import legend_below as legend_below
     from analysis.figures.style import new_figure as new_figure
-    from analysis.figures.style import picture as picture
     from analysis.figures.style import shown_chains as shown_chains
     from analysis.figures.style import styled as styled
     from analysis.figures.style import title as title
@@ -42,8 +42,6 @@ if TYPE_CHECKING:
     from analysis.files import recording as recording
     from analysis.files import traces as traces
     from analysis.files.binary_dump import BinaryDump as BinaryDump
-    from analysis.files.binary_dump import CutDumpWarning as CutDumpWarning
-    from analysis.files.recording import all_ids as all_ids
     from analysis.files.traces import Channel as Channel
     from analysis.gauges import forces as forces
     from analysis.gauges.channels import beads_of as beads_of
@@ -59,7 +57,6 @@ if TYPE_CHECKING:
     from analysis.quantity import headings as headings
     from analysis.quantity import plain as plain
     from analysis.quantity import result as result
-    from analysis.quantity import to_csv as to_csv
     from analysis.shape import exact_wave as exact_wave
     from analysis.shape.long_waves import cell_beads as cell_beads
     from analysis.shape.long_waves import sound_speed as sound_speed
@@ -78,7 +75,6 @@ if TYPE_CHECKING:
     from analysis.tracking import peaks as peaks
     from analysis.tracking.leading_waves import Waves as Waves
     from analysis.tracking.pulses import Pulse as Pulse
-    from analysis.trajectory import BLOCK_BYTES as BLOCK_BYTES
     from analysis.trajectory import Flags as Flags
     from analysis.trajectory import Floats as Floats
     from analysis.trajectory import Integers as Integers
@@ -170,8 +166,6 @@ if TYPE_CHECKING:
     from workflow.engines.reference.uncertainty import Uncertainty as Uncertainty
     from workflow.errors import complaint as complaint
     from workflow.errors import how_it_ended as how_it_ended
-    from workflow.formats import width_from_words as width_from_words
-    from workflow.formats import written_as as written_as
     from workflow.measures.base import FrameMeter as FrameMeter
     from workflow.measures.base import Measurement as Measurement
     from workflow.measures.base import Recorded as Recorded
@@ -189,6 +183,7 @@ if TYPE_CHECKING:
     from workflow.quantities.evaluate import evaluate as evaluate
     from workflow.quantities.evaluate import of_frames as of_frames
     from workflow.quantities.evaluate import scene_to_run as scene_to_run
+    from workflow.runs import labelled as labelled
     from workflow.runs import status as status
     from workflow.runs.engines import Engine as Engine
     from workflow.runs.engines import Work as Work
@@ -201,8 +196,6 @@ if TYPE_CHECKING:
     from workflow.runs.job import Job as Job
     from workflow.runs.job import Number as Number
     from workflow.runs.job import RecordPart as RecordPart
-    from workflow.runs.labelled import dataset as dataset
-    from workflow.runs.labelled import need as need
     from workflow.runs.output_directory import make_directory as make_directory
     from workflow.runs.output_directory import record_files as record_files
     from workflow.runs.run import run as run
@@ -242,7 +235,6 @@ if TYPE_CHECKING:
     from workflow.verdicts import pulse_sentences as pulse_sentences
     from workflow.verdicts import terms as terms
     from workflow.verdicts import validation_tables as validation_tables
-    from workflow.verdicts.analyse import MeasuredFrames as MeasuredFrames
     from workflow.verdicts.analyse import analyse as analyse
     from workflow.verdicts.analyse import default_beads as default_beads
     from workflow.verdicts.analyse import figures_in as figures_in
