@@ -7,7 +7,7 @@ import pytest
 import granchain
 from workflow import cli, formats
 from workflow.cli import main
-from workflow.sweep import run_sweep
+from workflow.sweep import cases, run_sweep
 
 
 @pytest.fixture
@@ -52,7 +52,7 @@ def test_figures_have_the_width_that_is_asked_for(ran):
 
 def test_cases_of_a_sweep_are_drawn_with_the_width_that_is_asked_for(ran):
     with formats.written_as(("png",), 3.4):
-        asked = run_sweep.task(ran, None, check=False, figures=("png",)).arguments
+        asked = cases.task(ran, None, check=False, figures=("png",)).arguments
     assert run_sweep.compute(**asked) == "done"
     assert inches(ran / "response.png") == pytest.approx(3.4, abs=0.01)
 

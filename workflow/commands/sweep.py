@@ -2,6 +2,7 @@
 
 import argparse
 import textwrap
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 from lammps_inputs import InputError
@@ -9,6 +10,7 @@ from workflow.engines.lammps.mpi import cores
 from workflow.screen import CommandResult, one_line
 from workflow.study_kit.options import add_output, example_file
 from workflow.sweep import file, run_sweep
+from workflow.sweep.case_decks import CaseDecks, planned_decks
 
 ANSWERS = "how many cases there are, are done, have failed"
 DRAWS = True
@@ -27,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Run what is missing or failed; exit code 1 when a case failed, 130 when the sweep was interrupted."""
-    definition = definition_of(arguments)
+    definition = _definition(arguments)
     end = run_sweep.sweep(
         definition,
         arguments.output,
@@ -56,7 +58,16 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     return CommandResult(1 if end.failed else 0, data)
 
 
-def definition_of(arguments: argparse.Namespace) -> file.Sweep:
+def case_decks(arguments: argparse.Namespace) -> AbstractContextManager[CaseDecks]:
+    """Cases of the command's sweep, whose decks are written in place of runs.
+
+    Raises:
+        InputError: an option cannot be used; else as `workflow.sweep.case_decks.planned_decks`.
+    """
+    return planned_decks(_definition(arguments), arguments.output)
+
+
+def _definition(arguments: argparse.Namespace) -> file.Sweep:
     """The sweep of the command's file.
 
     Raises:

@@ -158,11 +158,11 @@ class RunDirectory:
             return self._begun_as_the_scene(recording.blocks(dumps, problem, stride))
         return self._begun_as_the_scene(self._in_memory.frames(dumps, problem))
 
-    def blocks_so_far(self) -> Iterator[Trajectory]:
-        """Blocks of the frames, without a warning where the file ends within one, for those who say so in words."""
+    def blocks_so_far(self, stride: int = 1) -> Iterator[Trajectory]:
+        """Blocks as `blocks` yields them, without a warning where the file ends within a frame."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", CutDumpWarning)
-            yield from self.blocks()
+            yield from self.blocks(stride)
 
     @cached_property
     def _in_memory(self) -> "FramesInMemory":

@@ -22,11 +22,10 @@ from workflow.quantities.columns import AT_BEAD, QUANTITIES, UNCERTAINTIES, at_b
 from workflow.runs.figures import write_figure
 from workflow.runs.files import RECORD
 from workflow.runs.job import account
-from workflow.runs.run_directory import RunDirectory
 from workflow.runs.status import cluster_queue, status
 from workflow.screen import count_bar
 from workflow.sweep import fields
-from workflow.sweep.run_sweep import Asked, asked, is_analysed, read_json, task
+from workflow.sweep.cases import CaseRequest, is_analysed, read_json, request_of, task
 from workflow.verdicts.analysis_report import REPORT, WAVES
 from workflow.verdicts.places import OWN
 from workflow.workers import computations
@@ -355,7 +354,7 @@ def collect(directory: Path, at_beads: Sequence[str] = ()) -> SweepTable:
     states = {path: status(path, queue) for path in directories}
     done = [path for path in directories if states[path].state == "done"]
     complaints = _analyse([path for path in done if not is_analysed(path)])
-    requests = {path: asked(path) or Asked({}, {}, "") for path in directories}
+    requests = {path: request_of(path) or CaseRequest({}, {}, "") for path in directories}
     names = sorted({name for request in requests.values() for name in request.swept})
     paths = {name: _path(name, directory, requests.values()) for name in names}
     reads_waves = any(column.file == WAVES for column in QUANTITIES.values())
@@ -388,25 +387,7 @@ def collect(directory: Path, at_beads: Sequence[str] = ()) -> SweepTable:
     )
 
 
-def table_of(runs: Sequence[RunDirectory]) -> SweepTable:
-    """Table of the quantities of some runs in the units of the first; those that were not analysed are analysed first.
-
-    A run that cannot be analysed has only what it recorded.
-    """
-    from workflow.verdicts.analyse import analyse  # a sweep's table needs none of it
-
-    rows = []
-    for run in runs:
-        if not is_analysed(run.path):
-            with contextlib.suppress(InputError):
-                analyse(run, figures=False)
-        report = read_json(run.path / REPORT) if is_analysed(run.path) else {}
-        measured = quantities(report, run.account.plain(), run.scene.plain())
-        rows.append({"case": run.path.name, "outcome": None, **measured, "reason": None})
-    return SweepTable([], rows, si=runs[0].problem.scale.si)
-
-
-def _shared_label(path: fields.Path, requests: Iterable[Asked]) -> Label:
+def _shared_label(path: fields.Path, requests: Iterable[CaseRequest]) -> Label:
     """Label of a field; without a unit where the cases have several."""
     labels = {fields.label(path, request.scene) for request in requests if request.scene} or {fields.label(path, {})}
     return labels.pop() if len(labels) == 1 else replace(labels.pop(), unit="")
@@ -427,7 +408,7 @@ def _scene(directory: Path) -> dict[str, Any]:
         return {}
 
 
-def _path(name: str, directory: Path, requests: Iterable[Asked]) -> fields.Path:
+def _path(name: str, directory: Path, requests: Iterable[CaseRequest]) -> fields.Path:
     try:
         return fields.parse(name, next((request.scene for request in requests if name in request.swept), {}))
     except InputError as error:

@@ -1,21 +1,10 @@
-"""Carry out a sweep on this machine: what is missing or failed, on all cores, each case in a run directory.
-
-The ``run.json`` of a case also holds what was asked for, under ``request``:
-
-| key      | what                                                        |
-|----------|-------------------------------------------------------------|
-| swept    | field -> value                                              |
-| scene    | the scene as asked: its ending at a bead, say, is not found yet |
-| engine   | what computes                                               |
-"""
+"""Carry out a sweep on this machine: what is missing or failed, on all cores, each case in a run directory."""
 
 import contextlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-from pydantic_core import from_json
 
 from lammps_inputs import InputError, Scene, file_names, library, strict_yaml
 from workflow import formats
@@ -32,11 +21,11 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.runs.size import refuse_beforehand
 from workflow.runs.status import Queue, cluster_queue, status
 from workflow.screen import count_bar
+from workflow.sweep.cases import CaseRequest, is_analysed, request_of, task
 from workflow.sweep.file import Sweep, SweepCase, all_cases, scene_of
 from workflow.verdicts.analyse import analyse
-from workflow.verdicts.analysis_report import REPORT
 from workflow.workers import computations
-from workflow.workers.pool import Pool, Task, TaskResult
+from workflow.workers.pool import Pool, TaskResult
 
 DEFINITION = "sweep.yaml"
 """File in the directory of a sweep that makes its cases again."""
@@ -46,44 +35,7 @@ _WRITTEN = "# written by `granchain sweep`: it makes the cases of this directory
 # --- directory --------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Asked:
-    """Request of a case.
-
-    Attributes:
-        swept: field -> value.
-        scene: plain data of the scene.
-        engine: what computes.
-    """
-
-    swept: dict[str, Any]
-    scene: dict[str, Any]
-    engine: str
-
-    def plain(self) -> dict[str, Any]:
-        """Plain data of the request, for ``run.json``."""
-        return {"swept": self.swept, "scene": self.scene, "engine": self.engine}
-
-
-def read_json(path: Path) -> dict[str, Any]:
-    """A JSON object from a file; empty if there is none or it is not one."""
-    try:
-        data = from_json(path.read_bytes(), allow_inf_nan=False)
-    except (OSError, ValueError):
-        return {}
-    return data if isinstance(data, dict) else {}
-
-
-def asked(path: Path) -> Asked | None:
-    """Request of the case in a directory; None if it is no case's directory."""
-    data = job.account(path).request or {}
-    swept, scene, engine = data.get("swept"), data.get("scene"), data.get("engine")
-    if isinstance(swept, dict) and isinstance(scene, dict) and isinstance(engine, str):
-        return Asked(swept, scene, engine)
-    return None
-
-
-def begin(path: Path, wanted: Asked, scene: Scene) -> None:
+def begin(path: Path, wanted: CaseRequest, scene: Scene) -> None:
     """Make a case's directory; from then on it is a run directory that may be overwritten."""
     path.mkdir(parents=True, exist_ok=True)
     record_files(path, (file_names.SCENE,))
@@ -91,14 +43,14 @@ def begin(path: Path, wanted: Asked, scene: Scene) -> None:
     write_text(path / file_names.SCENE, library.render_scene(scene))
 
 
-def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
+def refuse_another(path: Path, wanted: CaseRequest, scene: Scene) -> None:
     """See that a directory is not there, or this case's.
 
     Raises:
         InputError: it holds something else, or the same case of another scene or engine.
     """
     complete_replacement(path)  # of a sweep that was killed
-    earlier = asked(path)
+    earlier = request_of(path)
     if earlier is None:
         if path.is_dir() and (not (rest := others(path)) or (rest == {RECORD} and RECORD in job.account(path).files)):
             return  # interrupted before anything was written
@@ -125,12 +77,6 @@ def _first_difference(first: dict[str, Any], second: dict[str, Any], ignored: It
     return keys[0] if keys else None
 
 
-def is_analysed(path: Path, *, figures: bool = False) -> bool:
-    """Whether a run that is done was analysed when it was, and drawn where that is asked for."""
-    drawn = not figures or all((path / file).is_file() for file in formats.figure_files("spacetime"))
-    return drawn and read_json(path / REPORT).get("complete") is True
-
-
 def note_failure(path: Path, reason: str) -> None:
     """Let ``run.json`` say why a case failed, where the run could not do so itself."""
     record = job.account(path)
@@ -141,27 +87,13 @@ def note_failure(path: Path, reason: str) -> None:
 # --- computation ------------------------------------------------------------------------------------------------------
 
 
-def task(directory: Path, case: Asked | None, *, check: bool, figures: tuple[str, ...] = ()) -> Task:
-    """The task of a case, for the worker pool.
-
-    Args:
-        directory: of the case, an absolute path.
-        case: what to run first; None to analyse only what is there.
-        check: whether to measure the error of a LAMMPS run.
-        figures: formats of the figures to draw, of the width that is asked for now; none without any.
-    """
-    plain = None if case is None else case.plain()
-    drawn = {"figures": list(figures), "width": formats.width_asked()}
-    return Task(f"{__name__}:compute", {"directory": str(directory), "case": plain, "check": check, **drawn})
-
-
 def compute(
     directory: str, case: dict[str, Any] | None, check: bool, figures: list[str], width: float | None = None
 ) -> str:
     """Run and analyse a case; "done" or "stopped"."""
     path = Path(directory)
     if case is not None:
-        done = _run(path, Asked(**case), check=check)
+        done = _run(path, CaseRequest(**case), check=check)
         if done.outcome != "done":
             return "stopped"
         analysed = done.directory  # with the frames that were read for the check
@@ -174,7 +106,7 @@ def compute(
     return "done"
 
 
-def _run(directory: Path, case: Asked, *, check: bool) -> CompletedRun:
+def _run(directory: Path, case: CaseRequest, *, check: bool) -> CompletedRun:
     """Run a case from its last restart if there is one; most cases end before one is written."""
     if (directory / file_names.RESTART).is_file():
         with contextlib.suppress(InputError):  # not one to resume from
@@ -324,7 +256,7 @@ def _others(directory: Path, cases: list[SweepCase]) -> list[SweepCase]:
     """Cases in a directory that are none of these: of an earlier version of the sweep's file."""
     names = {case.name for case in cases}
     paths = sorted(path for path in directory.iterdir() if path.name not in names) if directory.is_dir() else []
-    requests = ((path.name, asked(path)) for path in paths)
+    requests = ((path.name, request_of(path)) for path in paths)
     return [SweepCase(name, case_request.swept) for name, case_request in requests if case_request is not None]
 
 
@@ -343,9 +275,9 @@ def _refuse_of_another_sweep(definition: Sweep, directory: Path, case: SweepCase
     refuse_another(directory / case.name, request(definition, case, scene), scene)
 
 
-def request(definition: Sweep, case: SweepCase, scene: Scene) -> Asked:
+def request(definition: Sweep, case: SweepCase, scene: Scene) -> CaseRequest:
     """Request of a case of a sweep, whose scene this is."""
-    return Asked(case.values, scene.plain(), definition.engine)
+    return CaseRequest(case.values, scene.plain(), definition.engine)
 
 
 def _refuse_what_is_not_a_sweep(directory: Path, cases: list[SweepCase]) -> None:
@@ -357,7 +289,7 @@ def _refuse_what_is_not_a_sweep(directory: Path, cases: list[SweepCase]) -> None
         names = {entry.name for entry in directory.iterdir()}
     except OSError as error:
         raise InputError(f"{directory}: cannot be read ({error.strerror})") from None
-    is_sweep = any(case.name in names for case in cases) or any(asked(directory / name) for name in names)
+    is_sweep = any(case.name in names for case in cases) or any(request_of(directory / name) for name in names)
     if names and not is_sweep:
         raise InputError(f"{directory}: exists and is not the directory of a sweep; choose another -o")
 

@@ -7,9 +7,8 @@ from typing import Any
 from analysis.quantity import Quantity, QuantityColumn, declare, result, walk
 from analysis.statistics import Histogram, Statistics
 from lammps_inputs.units import SI, Label
-from workflow.engines.registry import engine_names
+from workflow.engines.registry import engine_names, load_engine
 from workflow.measures.registry import MEASUREMENTS
-from workflow.runs.engines import engine_called
 from workflow.runs.files import RECORD
 from workflow.verdicts.analysis_report import REPORT, WAVES, Report, WavesTable
 
@@ -119,7 +118,7 @@ def tables() -> dict[str, Any]:
     of_measurements = {
         measurement.table[0]: measurement.table[1] for measurement in MEASUREMENTS if measurement.table is not None
     }
-    of_engines = dict(engine.table for name in engine_names() if (engine := engine_called(name)).table is not None)
+    of_engines = dict(engine.table for name in engine_names() if (engine := load_engine(name)).table is not None)
     return {WAVES: WavesTable, **of_measurements, **of_engines, STATISTICS: Statistics, HISTOGRAM: Histogram}
 
 

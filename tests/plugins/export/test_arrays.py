@@ -25,7 +25,7 @@ FILES = {"netcdf": ("frames.nc", xarray.open_dataset), "zarr": ("frames.zarr", x
 def read(request, tmp_path, monkeypatch):
     """A function: the dataset of a run as it is read from a file of one format, written in several pieces."""
     name, read = FILES[request.param]
-    monkeypatch.setattr("workflow.plugins.export.request.BLOCK_BYTES", 16 * 24 * 30)
+    monkeypatch.setattr("workflow.plugins.export.request.PIECE_BYTES", 16 * 24 * 30)
 
     def dataset(run, **options):
         [path] = granchain.export(run, request.param, tmp_path, **options)
@@ -150,7 +150,7 @@ def test_a_write_that_fails_is_raised_when_that_is_checked_and_not_before():
 
 def test_a_window_is_cut_into_pieces_by_the_beads_that_are_written_not_by_those_of_its_frames(run_of, monkeypatch):
     run = run_of("coupled")
-    monkeypatch.setattr(request, "BLOCK_BYTES", 16 * 24 * 3)
+    monkeypatch.setattr(request, "PIECE_BYTES", 16 * 24 * 3)
     asked = request.ExportRequest(run.directory.path, request.Options(), is_run=True)
     assert {piece.frames for piece in asked.pieces("x", 1.0)} <= {1, 2, 3}
     assert isinstance(asked.directory, RunDirectory)

@@ -36,7 +36,8 @@ from workflow.runs.resume import resume
 from workflow.runs.run import prepare_run, run, run_prepared
 from workflow.runs.run_directory import RunDirectory
 from workflow.study_kit.directory import Study
-from workflow.sweep.run_sweep import Asked, refuse_another
+from workflow.sweep.cases import CaseRequest
+from workflow.sweep.run_sweep import refuse_another
 
 Printed, Patch = pytest.CaptureFixture[str], pytest.MonkeyPatch
 
@@ -251,7 +252,7 @@ def half_replaced(tmp_path: Path) -> Path:
     """A directory of a run of 1 T that a kill left between the removal of its files and the move of those of 2 T."""
     run(scene(), tmp_path / "run", engine="reference", check=False)
     ready = prepare_run(scene(2.0), tmp_path / "run", engine="reference", overwrite=True)
-    RunDirectory(tmp_path / "run").update(request=Asked({}, scene(2.0).plain(), "reference").plain())
+    RunDirectory(tmp_path / "run").update(request=CaseRequest({}, scene(2.0).plain(), "reference").plain())
     assert killed(lambda: run_prepared(ready, check=False), 1, ["os.rename"])
     assert others(tmp_path / "run") == {".granchain-next"}
     return tmp_path / "run"
@@ -263,7 +264,7 @@ def test_a_run_whose_replacement_was_killed_is_resumed_as_the_new_one(half_repla
 
 
 def test_a_case_whose_replacement_was_killed_is_the_same_case(half_replaced: Path) -> None:
-    refuse_another(half_replaced, Asked({}, scene(2.0).plain(), "reference"), scene(2.0))
+    refuse_another(half_replaced, CaseRequest({}, scene(2.0).plain(), "reference"), scene(2.0))
 
 
 def test_a_run_whose_replacement_was_killed_is_overwritten_only_on_request(half_replaced: Path) -> None:

@@ -19,7 +19,8 @@ from workflow.runs.files import alone
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import file as sweep_files
-from workflow.sweep.run_sweep import Asked, begin, task
+from workflow.sweep.cases import CaseRequest, task
+from workflow.sweep.run_sweep import begin
 from workflow.workers.pool import Pool
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -217,7 +218,7 @@ def test_a_pulse_that_does_not_arrive_is_its_cases_failure(tmp_path, capsys):
 
 
 def case(directory, **changes):
-    return task(directory, Asked({}, {**SMALL, "timestep": 0.01, **changes}, "lammps"), check=False)
+    return task(directory, CaseRequest({}, {**SMALL, "timestep": 0.01, **changes}, "lammps"), check=False)
 
 
 @pytest.mark.slow
@@ -328,5 +329,5 @@ def test_an_interrupted_case_goes_on_from_its_restart_and_ends_as_if_it_had_not_
 
 def test_a_case_directory_is_a_run_directory_from_its_first_moment(tmp_path):
     scene = library.from_plain(SMALL, "")
-    begin(tmp_path / "case", Asked({}, SMALL, "lammps"), scene)
+    begin(tmp_path / "case", CaseRequest({}, SMALL, "lammps"), scene)
     assert RunDirectory(tmp_path / "case").scene == scene.resolved()

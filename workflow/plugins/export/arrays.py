@@ -4,7 +4,7 @@ import io
 from pathlib import Path
 from typing import Any
 
-from granchain.parts import dataset
+from granchain.parts import labelled
 from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Writers
 
@@ -51,7 +51,7 @@ def _fill(file: Any, stream: _SureFile, request: ExportRequest) -> None:
     """Write all pieces into a file of h5netcdf, until a write to its stream fails."""
     written = 0
     for piece in request.pieces(FORMATS["netcdf"].file, _BYTES):
-        part = dataset(request.directory, piece)
+        part = labelled.dataset(request.directory, piece)
         if not written:
             _begin(file, part)
         file.resize_dimension("time", written + piece.frames)
@@ -83,7 +83,7 @@ def zarr(request: ExportRequest) -> Writers:
 def _write_zarr(request: ExportRequest, path: Path) -> None:
     written = 0
     for piece in request.pieces(FORMATS["zarr"].file, _BYTES):
-        part = dataset(request.directory, piece)
+        part = labelled.dataset(request.directory, piece)
         if written:
             part.to_zarr(path, append_dim="time", consolidated=True, zarr_format=2)
         else:

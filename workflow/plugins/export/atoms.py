@@ -13,7 +13,7 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from granchain.parts import Flags, Floats, Integers, Problem, Trajectory, all_ids, one_line, radii
+from granchain.parts import Flags, Floats, Integers, Problem, Trajectory, one_line, radii, recording
 from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Writers
 
@@ -54,7 +54,7 @@ class DrawnAtoms:
         """Place of each atom in a frame [line, bead], [atom] from 0."""
         problem = self.problem
         if problem.lines > problem.chains:
-            return all_ids(problem) - 1
+            return recording.all_ids(problem) - 1
         return np.arange(problem.chains * problem.rows_a_frame)
 
     @cached_property

@@ -15,10 +15,10 @@ def pdf(request: ExportRequest) -> Writers:
 
 
 def _figures(request: ExportRequest, suffix: str) -> Writers:
-    from granchain.parts import picture  # matplotlib takes half a second to import
+    from granchain.parts import style  # matplotlib takes half a second to import
 
     drawn: Writers = {
-        f"{name}.{suffix}": lambda path, figure=figure: path.write_bytes(picture(figure, suffix))  # type: ignore[misc]
+        f"{name}.{suffix}": lambda path, figure=figure: path.write_bytes(style.picture(figure, suffix))  # type: ignore[misc]
         for name, figure in request.figures.items()
     }
     return {**drawn, **numbers(request)}

@@ -23,16 +23,13 @@ from granchain.parts import (
     Floats,
     Integers,
     Problem,
-    RootScale,
-    SpaceTime,
     Trajectory,
     count_bar,
     direction_of,
-    draw_maps,
     hint,
-    panels,
     radii,
     shown_chains,
+    spacetime,
     styled,
     title,
     watch,
@@ -112,14 +109,14 @@ def _pictures(request: ExportRequest, name: str) -> Iterator[Picture]:
     """The pictures of a film, one at a time: frames at equal distances in time."""
     directory, options = request.directory, request.options
     problem = directory.problem
-    spacetime = watch(SpaceTime(problem), directory.blocks())
-    frames = len(spacetime.time)
+    motion_map = watch(spacetime.SpaceTime(problem), directory.blocks())
+    frames = len(motion_map.time)
     if frames < 2 or len(problem.recorded_beads) < 2:
         raise InputError(f"{directory.path}: has one frame or records one bead, of which there is no film")
-    recorded = round(spacetime.until / problem.every) + 1
+    recorded = round(motion_map.until / problem.every) + 1
     count = min(max(2, round(options.seconds * options.rate)), recorded)
     wanted = np.round(np.linspace(0, recorded - 1, count)).astype(int)
-    stage = _Stage(problem, spacetime, radii(directory.scene.setting), options.pixels)
+    stage = _Stage(problem, motion_map, radii(directory.scene.setting), options.pixels)
     started, done, read = perf_counter(), 0, 0
     with count_bar(name) as progress:
         for block in directory.blocks():
@@ -149,34 +146,34 @@ class _Stage:
 
     Args:
         problem: what is shown.
-        spacetime: velocity in space and time.
+        motion_map: velocity in space and time.
         relative_radii: radius of each bead over that of the reference bead, [chain, bead].
         pixels: width of a picture.
     """
 
-    def __init__(self, problem: Problem, spacetime: SpaceTime, relative_radii: Floats, pixels: int) -> None:
+    def __init__(self, problem: Problem, motion_map: spacetime.SpaceTime, relative_radii: Floats, pixels: int) -> None:
         self._problem = problem
         self._chains = shown_chains(problem)
         self._beads = problem.recorded_beads
         size = relative_radii[self._chains][:, self._beads - 1]
         self._widths = 0.95 * size / np.max(size)
-        self._scale = RootScale.of(problem, spacetime.beads, spacetime.velocity)
+        self._scale = spacetime.RootScale.of(problem, motion_map.beads, motion_map.velocity)
         self._front = 0
-        self._figure, self._drawn, self._time = self._laid_out(spacetime, pixels)
+        self._figure, self._drawn, self._time = self._laid_out(motion_map, pixels)
         self._canvas: Any = FigureCanvasAgg(self._figure)
         self._background = self._drawn_once()
 
     @styled
-    def _laid_out(self, spacetime: SpaceTime, pixels: int) -> tuple[Figure, _Drawn, AxisUnit]:
+    def _laid_out(self, motion_map: spacetime.SpaceTime, pixels: int) -> tuple[Figure, _Drawn, AxisUnit]:
         """Figure with the beads above the maps, and the unit of times."""
         sight = min(BEADS_IN_SIGHT, len(self._beads))
-        rows, _ = panels(self._problem, len(spacetime.chains))
+        rows, _ = spacetime.panels(self._problem, len(motion_map.chains))
         row_inches = INCHES / (sight + 1)
         above = max(1.0, row_inches * APART * len(self._chains) + 0.55)
         figure = Figure(figsize=(INCHES, 0.3 + above + 0.6 + 2.4 * rows), layout="constrained")
         figure.suptitle(title(self._problem, each_chain=True, panels=True))
         subfigures: Any = figure.subfigures(2, 1, height_ratios=[above, 0.6 + 2.4 * rows])
-        maps, time = draw_maps(subfigures[1], spacetime)
+        maps, time = spacetime.draw_maps(subfigures[1], motion_map)
         axis = subfigures[0].subplots()
         beads = EllipseCollection(
             [],
@@ -185,7 +182,7 @@ class _Stage:
             units="xy",
             offsets=np.empty((0, 2)),
             offset_transform=axis.transData,
-            cmap=RootScale.PALETTE,
+            cmap=spacetime.RootScale.PALETTE,
             norm=self._scale.norm,
             edgecolors="0.35",
             linewidths=0.5,

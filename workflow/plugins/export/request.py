@@ -1,6 +1,5 @@
 """A request for files: what is exported, and the options; what several formats need is computed once."""
 
-import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,23 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from granchain import SweepTable
-from granchain.parts import (
-    BLOCK_BYTES,
-    CutDumpWarning,
-    MeasuredFrames,
-    RunDirectory,
-    Trajectory,
-    collect,
-    count_bar,
-    hint,
-    measure,
-)
+from granchain.parts import RunDirectory, Trajectory, collect, count_bar, hint, measure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Writers = dict[str, Callable[[Path], object]]
 """Name of each file, and what writes it to a path."""
+
+PIECE_BYTES = 1 << 22
+"""Largest size of displacements and velocities in a piece of the frames."""
 
 LARGE = 100e6
 """Bytes from which on the size of a file is printed before it is written."""
@@ -67,14 +59,20 @@ class ExportRequest:
         return RunDirectory(self.path)
 
     @cached_property
-    def findings(self) -> MeasuredFrames:
-        """Tables and figures of the run."""
-        return measure(self.directory)
+    def _measured(self) -> "tuple[dict[str, str], dict[str, Callable[[], Figure]]]":
+        """Text of each table by the name of its file, and a function that draws each figure by its name."""
+        frames = measure(self.directory)
+        return frames.tables, frames.figures
+
+    @property
+    def tables(self) -> dict[str, str]:
+        """Name -> text of each table of the run as CSV."""
+        return self._measured[0]
 
     @cached_property
     def figures(self) -> "dict[str, Figure]":
         """Name -> figure of the run."""
-        return {name: draw() for name, draw in self.findings.figures.items()}
+        return {name: draw() for name, draw in self._measured[1].items()}
 
     @cached_property
     def sweep(self) -> SweepTable:
@@ -94,11 +92,10 @@ class ExportRequest:
         expected = total * problem.chains * beads * bytes_of_bead
         if expected > LARGE:
             hint(f"{name}: {total} frames of {problem.chains} x {beads} beads, {expected / 1e6:.0f} MB at most")
-        frames = max(1, BLOCK_BYTES // (16 * problem.chains * beads))
+        frames = max(1, PIECE_BYTES // (16 * problem.chains * beads))
         done = 0
-        with count_bar(name) as progress, warnings.catch_warnings():
-            warnings.simplefilter("ignore", CutDumpWarning)  # that the run is incomplete is said in words
-            for block in self.directory.blocks(every):
+        with count_bar(name) as progress:
+            for block in self.directory.blocks_so_far(every):
                 for start in range(0, block.frames, frames):
                     yield (piece := block[start : start + frames])
                     done += piece.frames

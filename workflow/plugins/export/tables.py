@@ -3,7 +3,7 @@
 import io
 from pathlib import Path
 
-from granchain.parts import to_csv
+from granchain.parts import quantity
 from workflow.plugins.export.request import ExportRequest, Writers
 
 CAPTIONS = "figures.csv"
@@ -15,7 +15,7 @@ SWEEP = "table.csv"
 
 def _texts(request: ExportRequest) -> dict[str, str]:
     """Name -> text of each table as CSV."""
-    return request.findings.tables if request.is_run else {SWEEP: request.sweep.to_csv()}
+    return request.tables if request.is_run else {SWEEP: request.sweep.to_csv()}
 
 
 def csv(request: ExportRequest) -> Writers:
@@ -32,11 +32,11 @@ def numbers(request: ExportRequest) -> Writers:
     for name, figure in request.figures.items():
         for place, (columns, caption) in enumerate(zip(panels(figure), captions(figure), strict=True), 1):
             file = f"figure-{name}-{place}.csv"
-            texts[file] = to_csv(columns)
+            texts[file] = quantity.to_csv(columns)
             rows.append((file, caption))
     if rows:
         files, sentences = zip(*rows, strict=True)
-        texts[CAPTIONS] = to_csv({"file": list(files), "caption": list(sentences)})
+        texts[CAPTIONS] = quantity.to_csv({"file": list(files), "caption": list(sentences)})
     return _of_texts(texts)
 
 

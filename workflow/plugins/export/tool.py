@@ -18,12 +18,11 @@ from granchain.parts import (
     complete,
     directory_of,
     file_names,
+    formats,
+    labelled,
     make_directory,
-    need,
     one_line,
     record_files,
-    width_from_words,
-    written_as,
 )
 from workflow.plugins.export.registry import FORMATS
 from workflow.plugins.export.request import ExportRequest, Options, Writers
@@ -66,14 +65,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--pixels", metavar="N", type=int, default=usual.pixels, help=f"width of a film (default {usual.pixels})"
     )
     parser.add_argument(
-        "--width", metavar="INCHES", type=width_from_words, help="width of figures, without titles (default: its own)"
+        "--width",
+        metavar="INCHES",
+        type=formats.width_from_words,
+        help="width of figures, without titles (default: its own)",
     )
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
     """Write the files; print them and their sizes."""
     options = Options(arguments.every, arguments.seconds, arguments.rate, arguments.pixels)
-    with written_as(("svg",), arguments.width):
+    with formats.written_as(("svg",), arguments.width):
         paths = write(
             arguments.directory,
             _formats(arguments.to.split(",")),
@@ -141,13 +143,13 @@ def export(
 
 
 def write(
-    path: Path, formats: Sequence[str], output: Path | None, options: Options, *, overwrite: bool = False
+    path: Path, names: Sequence[str], output: Path | None, options: Options, *, overwrite: bool = False
 ) -> list[Path]:
-    """Write the files of formats.
+    """Write the files of formats by their names.
 
     Args:
         path: directory of a run or a sweep.
-        formats: keys of `FORMATS`.
+        names: keys of `FORMATS`.
         output: directory of the files, or name of the file; None for the directory of the run or sweep.
         options: see `Options`.
         overwrite: whether existing files at another place than the run's directory may be replaced.
@@ -160,19 +162,19 @@ def write(
         RunError: a file cannot be written.
     """
     _refuse_options(options)
-    request = _request(path, formats, options)
-    for name in formats:
-        need(f"--to {name}", *FORMATS[name].packages)
-    named = output is not None and len(formats) == 1 and output.suffix == Path(FORMATS[formats[0]].file).suffix != ""
+    request = _request(path, names, options)
+    for name in names:
+        labelled.need(f"--to {name}", *FORMATS[name].packages)
+    named = output is not None and len(names) == 1 and output.suffix == Path(FORMATS[names[0]].file).suffix != ""
     folder = output.parent if output is not None and named else output or path
     ours = request.is_run and folder.is_dir() and folder.samefile(path)
 
     def name_of(file: str) -> str:
         return output.name if output is not None and named else file
 
-    _reserve(folder, [name_of(FORMATS[name].file) for name in formats if FORMATS[name].file], ours, overwrite)
+    _reserve(folder, [name_of(FORMATS[name].file) for name in names if FORMATS[name].file], ours, overwrite)
     files: Writers = {}
-    for name in formats:
+    for name in names:
         module, function = FORMATS[name].writer.split(":")
         made: Writers = getattr(importlib.import_module(f"workflow.plugins.export.{module}"), function)(request)
         files |= {name_of(file): write_file for file, write_file in made.items()}
@@ -237,7 +239,7 @@ def _refuse_options(options: Options) -> None:
             raise InputError(f"{option}: {value} given; {valid}")
 
 
-def _request(path: Path, formats: Sequence[str], options: Options) -> ExportRequest:
+def _request(path: Path, names: Sequence[str], options: Options) -> ExportRequest:
     """What is exported: a run, or a sweep, of which there are tables only.
 
     Raises:
@@ -249,7 +251,7 @@ def _request(path: Path, formats: Sequence[str], options: Options) -> ExportRequ
     if not is_run and not any((case / file_names.SCENE).is_file() for case in path.iterdir()):
         raise InputError(f"{path}: neither a run nor a sweep; it has no {file_names.SCENE}")
     of_sweeps = [name for name, each in FORMATS.items() if each.of_sweeps]
-    for name in formats:
+    for name in names:
         if not is_run and name not in of_sweeps:
             raise InputError(f"--to {name}: {path} is a sweep, which is exported to {' or '.join(of_sweeps)}")
     request = ExportRequest(path, options, is_run)

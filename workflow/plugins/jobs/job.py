@@ -29,18 +29,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from granchain import InputError
-from granchain.parts import (
-    MESSAGES,
-    Problem,
-    deck,
-    file_names,
-    frame_seconds,
-    onward_lines,
-    render_continuation,
-    restart_lines,
-    step_seconds,
-    window,
-)
+from granchain.parts import Problem, continuation, deck, file_names, step_time, window
 from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.schedulers import SLURM, Request, Scheduler
 from workflow.plugins.jobs.site import RANKS, JobOptions
@@ -72,7 +61,10 @@ def case_files(problem: Problem, scheduler: Scheduler = SLURM) -> dict[str, str]
     Raises:
         InputError: the scene asks for what only `granchain run` does.
     """
-    return {job_files.INPUT: render_input(problem, scheduler), file_names.CONTINUE: render_continuation(problem)}
+    return {
+        job_files.INPUT: render_input(problem, scheduler),
+        file_names.CONTINUE: continuation.render_continuation(problem),
+    }
 
 
 def render_array(
@@ -256,12 +248,12 @@ def render_input(problem: Problem, scheduler: Scheduler = SLURM) -> str:
         [
             "label stretch",
             "variable steps equal $(step+v_next:%.0f)",
-            *onward_lines(problem, timings=False),
+            *continuation.onward_lines(problem, timings=False),
             *read_flag,
             'if "${flag} == go && ${left} > 0 && $(step) < ${restart_step}" then "jump SELF stretch"',
         ],
         [
-            *restart_lines(problem),
+            *continuation.restart_lines(problem),
             *_keep_lines(problem),
             *read_flag,
             'if "${flag} == full" then "quit 1"',
@@ -324,10 +316,10 @@ def _frame_bytes(problem: Problem) -> int:
 
 def _stretch_lines(problem: Problem) -> list[str]:
     """Variables for the steps of a stretch: about `STRETCH` seconds, at the least those after which a run may stop."""
-    fixed, bead = step_seconds(problem)
+    fixed, bead = step_time.step_seconds(problem)
     beads, grain = problem.chains * problem.rows * bead, window.stride(problem)
-    frames = "".join(f"+{frame_seconds(dump.frame):.3g}/{dump.every}" for dump in _dumps(problem).values())
-    seconds = f"{fixed:.3g}+{beads:.3g}/v_ranks+{MESSAGES:g}*(v_ranks>1){frames}"
+    frames = "".join(f"+{step_time.frame_seconds(dump.frame):.3g}/{dump.every}" for dump in _dumps(problem).values())
+    seconds = f"{fixed:.3g}+{beads:.3g}/v_ranks+{step_time.MESSAGES:g}*(v_ranks>1){frames}"
     return [
         f"variable seconds equal {seconds}   # of a step, by a model",
         f"variable look equal ceil({STRETCH:g}/v_seconds/{grain})*{grain}",

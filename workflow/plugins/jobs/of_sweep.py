@@ -3,7 +3,7 @@
 import argparse
 from collections.abc import Callable
 
-from granchain.parts import CommandResult, definition_of
+from granchain.parts import CommandResult
 from workflow.plugins.jobs.options import add_job_arguments, job_options
 
 EXAMPLES = ("sweep sweep.yaml -o swept --slurm --time 02:00:00   # then, there: sbatch job.sbatch",)
@@ -25,7 +25,7 @@ def execute(arguments: argparse.Namespace, command: Callable[[argparse.Namespace
     from workflow.plugins.jobs.array import write_array  # takes half a second to import
 
     output = arguments.output
-    written = write_array(definition_of(arguments), output, options)
+    written = write_array(arguments, options)
     under_way = f", {written.under_way} in the queue or running" if written.under_way else ""
     print(f"{output}: {written.tasks} of {written.cases} cases to do{under_way}")
     if written.tasks:

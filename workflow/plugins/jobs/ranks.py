@@ -2,7 +2,7 @@
 
 import math
 
-from granchain.parts import MEMORY, MESSAGES, Problem, bead_seconds, cost, physics, size_text, time_text
+from granchain.parts import Problem, cost_model, numbers, physics, step_time
 from workflow.plugins.jobs.site import JobOptions
 
 PROCESS = 40_000_000
@@ -23,7 +23,7 @@ RANKS_OF_A_NODE = 32
 
 def memory(problem: Problem, ranks: int) -> float:
     """Memory of all ranks together, in bytes."""
-    return float(MEMORY * problem.chains * problem.rows + PROCESS * ranks)
+    return float(cost_model.MEMORY * problem.chains * problem.rows + PROCESS * ranks)
 
 
 def restart(problem: Problem) -> float:
@@ -34,19 +34,20 @@ def restart(problem: Problem) -> float:
 
 def sentence(problem: Problem, ranks: int) -> str:
     """All costs of a run on a number of ranks in one line."""
-    costs = cost(problem, ranks)
+    costs = cost_model.cost(problem, ranks)
     beads = math.ceil(problem.chains * problem.rows / ranks)
+    time, step = numbers.time_text(costs.seconds), numbers.time_text(costs.step)
+    sizes = map(numbers.size_text, (memory(problem, ranks), costs.frames, costs.frame, restart(problem)))
+    in_memory, frames, frame, in_restart = sizes
     return (
-        f"the run takes about {time_text(costs.seconds)} ({time_text(costs.step)} a step) on {ranks} "
-        f"rank{'s' * (ranks > 1)} of {beads} beads, {size_text(memory(problem, ranks))} of memory, and on the disk "
-        f"{size_text(costs.frames)} of frames ({size_text(costs.frame)} each) and {size_text(restart(problem))} "
-        "a restart"
+        f"the run takes about {time} ({step} a step) on {ranks} rank{'s' * (ranks > 1)} of {beads} beads, {in_memory} "
+        f"of memory, and on the disk {frames} of frames ({frame} each) and {in_restart} a restart"
     )
 
 
 def least_beads(problem: Problem) -> int:
     """Beads that a rank must have to be worth its messages."""
-    return math.ceil(EFFICIENCY / (1.0 - EFFICIENCY) * MESSAGES / bead_seconds(problem))
+    return math.ceil(EFFICIENCY / (1.0 - EFFICIENCY) * step_time.MESSAGES / step_time.bead_seconds(problem))
 
 
 def advised(problem: Problem, most_ranks: int) -> int:
@@ -57,10 +58,10 @@ def advised(problem: Problem, most_ranks: int) -> int:
 
 def too_many(problem: Problem, ranks: int) -> str:
     """A line that says that one rank would be faster by the model; empty if it would not."""
-    alone = cost(problem, 1)
-    if alone.step >= cost(problem, ranks).step:
+    alone = cost_model.cost(problem, 1)
+    if alone.step >= cost_model.cost(problem, ranks).step:
         return ""
-    return f"one rank would be faster: about {time_text(alone.seconds)} with --nodes 1 --ranks-per-node 1"
+    return f"one rank would be faster: about {numbers.time_text(alone.seconds)} with --nodes 1 --ranks-per-node 1"
 
 
 def with_ranks(options: JobOptions, problem: Problem) -> JobOptions:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from granchain import InputError
-from granchain.parts import Limits, describe, schema, strict_yaml
+from granchain.parts import Limits, complaints, schema, strict_yaml
 from workflow.plugins.jobs.registry import SCHEDULERS
 from workflow.plugins.jobs.schedulers import Scheduler
 
@@ -194,7 +194,7 @@ def load(path: Path) -> dict[str, Any]:
     try:
         JobOptions.model_validate(data)
     except ValidationError as error:
-        raise InputError(f"{path}: {describe(error, JobOptions)}") from None
+        raise InputError(f"{path}: {complaints.describe(error, JobOptions)}") from None
     return data
 
 
@@ -223,7 +223,7 @@ def options(named: dict[str, Any], site: Path | None = None) -> JobOptions:
         JobOptions.model_validate(named)
         return JobOptions.model_validate({**(load(site) if site is not None else {}), **named})
     except ValidationError as error:
-        words = describe(error, JobOptions)
+        words = complaints.describe(error, JobOptions)
         first, _, rest = words.partition(":")
         key, bracket, number = first.partition("[")
         if key not in named:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 
-from granchain.parts import Queue, Queued, Reached, Status, file_names
+from granchain.parts import file_names, status
 from workflow.plugins.jobs import job_files
 from workflow.plugins.jobs.registry import SCHEDULERS
 from workflow.plugins.jobs.schedulers import SLURM, ListedJob, Scheduler
@@ -22,7 +22,7 @@ GRACE = 600.0
 """Seconds after a job's time limit at which it has surely ended."""
 
 
-def queue() -> Queue | None:
+def queue() -> status.Queue | None:
     """The queue of the first scheduler that answers; None where there is none."""
     for scheduler in SCHEDULERS.values():
         answer = scheduler.queue(_output)
@@ -31,9 +31,9 @@ def queue() -> Queue | None:
     return None
 
 
-def queue_of(cluster: str, listed: Sequence[ListedJob]) -> Queue:
+def queue_of(cluster: str, listed: Sequence[ListedJob]) -> status.Queue:
     """The queue of the jobs that a scheduler lists; a task works in the directories of its line of cases.txt."""
-    queue = Queue(cluster)
+    queue = status.Queue(cluster)
     lists: dict[Path, list[str]] = {}
     for job in listed:
         where = Path(job.directory)
@@ -43,7 +43,7 @@ def queue_of(cluster: str, listed: Sequence[ListedJob]) -> Queue:
                 lists[where] = _lines(where / file_names.CASES)
             if job.task < len(lists[where]):
                 places = [where / name for name in lists[where][job.task].split()]
-        queue.jobs.extend(Queued(job.number, job.waiting, place.resolve()) for place in places)
+        queue.jobs.extend(status.Queued(job.number, job.waiting, place.resolve()) for place in places)
     return queue
 
 
@@ -93,7 +93,7 @@ def _seconds(moment: str) -> float:
         return 0.0
 
 
-def state(reached: Reached, queue: Queue | None, since: float) -> Status | None:
+def state(reached: status.Reached, queue: status.Queue | None, since: float) -> status.Status | None:
     """State of a directory by the report of its job; where the queue has the job, the queue is right.
 
     Args:
@@ -108,37 +108,39 @@ def state(reached: Reached, queue: Queue | None, since: float) -> Status | None:
     return _by_report(reached, account, queue, queued)
 
 
-def _by_report(reached: Reached, account: Path, queue: Queue | None, queued: Queued | None) -> Status:
+def _by_report(
+    reached: status.Reached, account: Path, queue: status.Queue | None, queued: status.Queued | None
+) -> status.Status:
     directory, steps, report = reached.directory, reached.steps, _report(account)
     state, number = report.get("state", ""), report.get("job", "")
     step = reached.step or 0
     if state == "done" or (not report and step == steps):  # jobs of version 0.1 wrote another report
-        return Status(directory, "done", steps, steps)
+        return status.Status(directory, "done", steps, steps)
     same_cluster = queue is not None and queue.cluster == report.get("cluster")
     if queue is not None and same_cluster and queued is None:
         queued = queue.job(number)
     if queued is not None:
         if queued.waiting:
-            return Status(directory, "waiting", step, steps, f"job {queued.number} is in the queue")
-        return Status(directory, "running", step, steps, f"job {queued.number}")
+            return status.Status(directory, "waiting", step, steps, f"job {queued.number} is in the queue")
+        return status.Status(directory, "running", step, steps, f"job {queued.number}")
     again, goes_on = _how_submitted(directory), reached.resumes
     if not report:
-        return Status(directory, "failed", step, steps, f"{account.name} cannot be read; {again} tries again")
+        return status.Status(directory, "failed", step, steps, f"{account.name} cannot be read; {again} tries again")
     if state in ("waiting", "running") and same_cluster:
         why = f"job {number} is gone: killed, or its node lost; {again} {goes_on}"
-        return Status(directory, "incomplete", step, steps, why)
+        return status.Status(directory, "incomplete", step, steps, why)
     moment = time.localtime(_seconds(report["at"]))
     reported = time.strftime("as reported on %Y-%m-%d %H:%M", moment) + f" by {report['host']}"
     if state == "waiting":
-        return Status(directory, "waiting", step, steps, f"job {number} {report['reason']}, {reported}")
+        return status.Status(directory, "waiting", step, steps, f"job {number} {report['reason']}, {reported}")
     if state == "running":
         if time.time() > _seconds(report["until"]) + GRACE:
             why = f"job {number} is past its time limit, so it was killed; {again} {goes_on}"
-            return Status(directory, "incomplete", step, steps, why)
-        return Status(directory, "running", step, steps, f"job {number}, {reported}")
+            return status.Status(directory, "incomplete", step, steps, why)
+        return status.Status(directory, "running", step, steps, f"job {number}, {reported}")
     if state == "incomplete":
-        return Status(directory, "incomplete", step, steps, f"{report['reason']}; {again} {goes_on}")
-    return Status(directory, "failed", step, steps, f"{report['reason']}; {again} tries again")
+        return status.Status(directory, "incomplete", step, steps, f"{report['reason']}; {again} {goes_on}")
+    return status.Status(directory, "failed", step, steps, f"{report['reason']}; {again} tries again")
 
 
 def submission(directory: Path) -> str | None:

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from analysis import quantity as quantity
     from analysis.compare import difference as difference
     from analysis.compare.common_times import paired as paired
+    from analysis.figures import spacetime as spacetime
     from analysis.figures import style as style
     from analysis.figures.errors import residual_figure as residual_figure
     from analysis.figures.spacetime import RootScale as RootScale
     from analysis.figures.spacetime import SpaceTime as SpaceTime
-    from analysis.figures.spacetime import draw_maps as draw_maps
     from analysis.figures.spacetime import panels as panels
     from analysis.figures.spacetime import spacetime_figure as spacetime_figure
     from analysis.figures.studies import MOST_LINES as MOST_LINES
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from analysis.figures.style import head as head
     from analysis.figures.style import legend_below as legend_below
     from analysis.figures.style import new_figure as new_figure
-    from analysis.figures.style import picture as picture
     from analysis.figures.style import shown_chains as shown_chains
     from analysis.figures.style import styled as styled
     from analysis.figures.style import title as title
@@ -43,8 +42,6 @@ if TYPE_CHECKING:
     from analysis.files import recording as recording
     from analysis.files import traces as traces
     from analysis.files.binary_dump import BinaryDump as BinaryDump
-    from analysis.files.binary_dump import CutDumpWarning as CutDumpWarning
-    from analysis.files.recording import all_ids as all_ids
     from analysis.files.traces import Channel as Channel
     from analysis.gauges import forces as forces
     from analysis.gauges.channels import beads_of as beads_of
@@ -59,7 +56,6 @@ if TYPE_CHECKING:
     from analysis.quantity import headings as headings
     from analysis.quantity import plain as plain
     from analysis.quantity import result as result
-    from analysis.quantity import to_csv as to_csv
     from analysis.shape import exact_wave as exact_wave
     from analysis.shape.long_waves import cell_beads as cell_beads
     from analysis.shape.long_waves import sound_speed as sound_speed
@@ -75,7 +71,6 @@ if TYPE_CHECKING:
     from analysis.tracking import leading_waves as leading_waves
     from analysis.tracking import peaks as peaks
     from analysis.tracking.pulses import Pulse as Pulse
-    from analysis.trajectory import BLOCK_BYTES as BLOCK_BYTES
     from analysis.trajectory import Flags as Flags
     from analysis.trajectory import Floats as Floats
     from analysis.trajectory import Integers as Integers
@@ -94,7 +89,7 @@ if TYPE_CHECKING:
     from lammps_inputs import installed_scenes as installed_scenes
     from lammps_inputs import laws as laws
     from lammps_inputs import library as library
-    from lammps_inputs import load as load
+    from lammps_inputs import numbers as numbers
     from lammps_inputs import physics as physics
     from lammps_inputs import plugins as plugins
     from lammps_inputs import references as references
@@ -102,12 +97,9 @@ if TYPE_CHECKING:
     from lammps_inputs import strict_yaml as strict_yaml
     from lammps_inputs import units as units
     from lammps_inputs import window as window
-    from lammps_inputs.complaints import describe as describe
+    from lammps_inputs.decks import continuation as continuation
     from lammps_inputs.decks import deck as deck
     from lammps_inputs.decks import scene_files as scene_files
-    from lammps_inputs.decks.continuation import onward_lines as onward_lines
-    from lammps_inputs.decks.continuation import render_continuation as render_continuation
-    from lammps_inputs.decks.continuation import restart_lines as restart_lines
     from lammps_inputs.facts import Fact as Fact
     from lammps_inputs.ingredients import registry as registry
     from lammps_inputs.ingredients.unequal import radii as radii
@@ -118,9 +110,7 @@ if TYPE_CHECKING:
     from lammps_inputs.links import Along as Along
     from lammps_inputs.numbers import known as known
     from lammps_inputs.numbers import plain_values as plain_values
-    from lammps_inputs.numbers import size_text as size_text
     from lammps_inputs.numbers import text as text
-    from lammps_inputs.numbers import time_text as time_text
     from lammps_inputs.output import Limits as Limits
     from lammps_inputs.output import too_far_apart as too_far_apart
     from lammps_inputs.scene import DEFAULT_ACCURACY as DEFAULT_ACCURACY
@@ -129,9 +119,11 @@ if TYPE_CHECKING:
     from lammps_inputs.units import Label as Label
     from lammps_inputs.units import Scale as Scale
     from workflow import cli as cli
+    from workflow import cost_model as cost_model
     from workflow import errors as errors
     from workflow import formats as formats
     from workflow import provenance as provenance
+    from workflow import step_time as step_time
     from workflow.arguments import AnyDefinition as AnyDefinition
     from workflow.arguments import AnyRun as AnyRun
     from workflow.arguments import AnyScene as AnyScene
@@ -143,11 +135,9 @@ if TYPE_CHECKING:
     from workflow.commands.analyze import analysis_of as analysis_of
     from workflow.commands.analyze import report as report
     from workflow.commands.deck import write as write
-    from workflow.commands.sweep import definition_of as definition_of
+    from workflow.commands.sweep import case_decks as case_decks
     from workflow.compiled import ieee as ieee
     from workflow.compiled import ieee_called_by_compiled as ieee_called_by_compiled
-    from workflow.cost_model import MEMORY as MEMORY
-    from workflow.cost_model import cost as cost
     from workflow.engines.lammps import mpi as mpi
     from workflow.engines.lammps.engine import run_deck as run_deck
     from workflow.engines.reference import engine as engine
@@ -163,8 +153,6 @@ if TYPE_CHECKING:
     from workflow.engines.reference.schemes import Scheme as Scheme
     from workflow.engines.reference.step_halving import StepHalving as StepHalving
     from workflow.engines.reference.uncertainty import Uncertainty as Uncertainty
-    from workflow.formats import width_from_words as width_from_words
-    from workflow.formats import written_as as written_as
     from workflow.measures.base import FrameMeter as FrameMeter
     from workflow.measures.base import Measurement as Measurement
     from workflow.measures.base import Recorded as Recorded
@@ -180,32 +168,22 @@ if TYPE_CHECKING:
     from workflow.quantities.evaluate import evaluate as evaluate
     from workflow.quantities.evaluate import of_frames as of_frames
     from workflow.quantities.evaluate import scene_to_run as scene_to_run
+    from workflow.runs import labelled as labelled
+    from workflow.runs import status as status
     from workflow.runs.engines import Engine as Engine
     from workflow.runs.engines import Work as Work
     from workflow.runs.engines import engine_called as engine_called
     from workflow.runs.engines import write_frames as write_frames
-    from workflow.runs.files import LAMMPS_FILES as LAMMPS_FILES
-    from workflow.runs.files import RECORD as RECORD
     from workflow.runs.files import complete as complete
-    from workflow.runs.files import write_json as write_json
     from workflow.runs.files import write_text as write_text
     from workflow.runs.job import Count as Count
     from workflow.runs.job import Job as Job
     from workflow.runs.job import Number as Number
     from workflow.runs.job import RecordPart as RecordPart
-    from workflow.runs.labelled import dataset as dataset
-    from workflow.runs.labelled import need as need
-    from workflow.runs.output_directory import listed as listed
     from workflow.runs.output_directory import make_directory as make_directory
     from workflow.runs.output_directory import record_files as record_files
     from workflow.runs.run import run as run
     from workflow.runs.run_directory import RunDirectory as RunDirectory
-    from workflow.runs.status import Queue as Queue
-    from workflow.runs.status import Queued as Queued
-    from workflow.runs.status import Reached as Reached
-    from workflow.runs.status import Status as Status
-    from workflow.runs.status import cluster_queue as cluster_queue
-    from workflow.runs.status import status as status
     from workflow.screen import CommandResult as CommandResult
     from workflow.screen import PrintedTable as PrintedTable
     from workflow.screen import cell as cell
@@ -216,10 +194,6 @@ if TYPE_CHECKING:
     from workflow.screen import print_heading as print_heading
     from workflow.screen import print_table as print_table
     from workflow.screen import with_hints as with_hints
-    from workflow.step_time import MESSAGES as MESSAGES
-    from workflow.step_time import bead_seconds as bead_seconds
-    from workflow.step_time import frame_seconds as frame_seconds
-    from workflow.step_time import step_seconds as step_seconds
     from workflow.study_kit import options as options
     from workflow.study_kit import page as page
     from workflow.study_kit.directory import Study as Study
@@ -236,19 +210,12 @@ if TYPE_CHECKING:
     from workflow.sweep import fields as fields
     from workflow.sweep.axes import heading as heading
     from workflow.sweep.axes import label as label
-    from workflow.sweep.file import Sweep as Sweep
-    from workflow.sweep.file import SweepCase as SweepCase
+    from workflow.sweep.collect import collect as collect
     from workflow.sweep.file import SweepPart as SweepPart
     from workflow.sweep.file import number as number
     from workflow.sweep.file import scene_in as scene_in
-    from workflow.sweep.file import scene_of as scene_of
     from workflow.sweep.file import scene_of_file as scene_of_file
     from workflow.sweep.file import validated as validated
-    from workflow.sweep.run_sweep import Asked as Asked
-    from workflow.sweep.run_sweep import begin as begin
-    from workflow.sweep.run_sweep import planned as planned
-    from workflow.sweep.run_sweep import refuse_if_queued as refuse_if_queued
-    from workflow.sweep.run_sweep import request as request
     from workflow.verdicts import analyse as analyse
     from workflow.verdicts import analysis_lines as analysis_lines
     from workflow.verdicts import places as places
@@ -256,13 +223,10 @@ if TYPE_CHECKING:
     from workflow.verdicts import validate as validate
     from workflow.verdicts import validate_run as validate_run
     from workflow.verdicts import validation_tables as validation_tables
-    from workflow.verdicts.analyse import MeasuredFrames as MeasuredFrames
+    from workflow.verdicts.analyse import analyse as analyse
     from workflow.verdicts.analyse import measure as measure
     from workflow.verdicts.validate_table import check_channels as check_channels
     from workflow.workers import computations as computations
-    from workflow.workers.pool import Pool as Pool
-    from workflow.workers.pool import Task as Task
-    from workflow.workers.pool import TaskResult as TaskResult
 else:
     _SOURCES = lazy_names.sources(__file__)
 
