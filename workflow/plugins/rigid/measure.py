@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from granchain.parts import Fact, FrameMeter, Measurement, Recorded, declare, result
+from granchain.parts import Fact, Measurement, Meter, Recorded, Survey, declare, result
 from workflow.plugins.rigid.runs import RigidRecord
 
 
@@ -40,12 +40,22 @@ class RoundingMeasurement(Measurement):
             )
 
     @classmethod
-    def meter(cls, run: Recorded) -> FrameMeter | None:
+    def meter(cls, run: Recorded) -> "RoundingMeter | None":
         """Rigid beads."""
-        if run.problem.system.holds(Fact.OVERLAPS):
-            return None
-        values = FirstByRounding(None, None, None)
+        return None if run.problem.system.holds(Fact.OVERLAPS) else RoundingMeter(run)
+
+
+class RoundingMeter(Meter):
+    """First collision that follows rounding, from the record of the run."""
+
+    def __init__(self, run: Recorded) -> None:
+        self.run = run
+
+    def finish(self, survey: Survey) -> RoundingMeasurement:
+        """The first collision."""
+        del survey
+        values, run = FirstByRounding(None, None, None), self.run
         if isinstance(run.job, RigidRecord) and run.job.rounding is not None:
             rounding = run.job.rounding
             values = FirstByRounding(rounding.collision, rounding.row, rounding.time / run.problem.scale.time)
-        return FrameMeter(lambda _: cls(run.problem, values))
+        return RoundingMeasurement(run.problem, values)

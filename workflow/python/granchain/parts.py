@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from workflow import lazy_names
 
 if TYPE_CHECKING:
-    from analysis import contacts as contacts
     from analysis import hermite as hermite
     from analysis import motion as motion
     from analysis.compare import difference as difference
@@ -45,7 +44,6 @@ if TYPE_CHECKING:
     from analysis.files.binary_dump import CutDumpWarning as CutDumpWarning
     from analysis.files.recording import all_ids as all_ids
     from analysis.files.traces import Channel as Channel
-    from analysis.gauges import forces as forces
     from analysis.gauges.channels import beads_of as beads_of
     from analysis.gauges.channels import read as read
     from analysis.gauges.channels import read_at as read_at
@@ -178,8 +176,10 @@ if TYPE_CHECKING:
     from workflow.errors import how_it_ended as how_it_ended
     from workflow.formats import width_from_words as width_from_words
     from workflow.formats import written_as as written_as
-    from workflow.measures.base import FrameMeter as FrameMeter
+    from workflow.measures import forces as forces
+    from workflow.measures import plastic as plastic
     from workflow.measures.base import Measurement as Measurement
+    from workflow.measures.base import Meter as Meter
     from workflow.measures.base import Recorded as Recorded
     from workflow.prepare.settings import refuse_unanalysable as refuse_unanalysable
     from workflow.prepare.settings import settle as settle
