@@ -1,8 +1,7 @@
-"""Which passages of a pulse are undisturbed: clear of the ends of the chain, of others, and of what a window has left.
+"""Which passages of a pulse are undisturbed: clear of the ends of the chain, and of others.
 
 What the leading pulse does to the end of a chain comes back to a bead no sooner than that pulse took from there to the
-end, for no other is faster. The higher a pulse, the faster it runs; so nothing that a window has left reaches the
-leading waves as long as the beads in it move more slowly than any of these waves is high.
+end, for no other is faster.
 """
 
 from collections.abc import Iterable

@@ -151,7 +151,7 @@ class FarEndMeter(Meter):
 def _arrived(series: tuple[Floats, Floats, ContactFrames], chains: Integers, wall: Gauge) -> tuple[float, float]:
     """Time and size of the largest force of some chains on the wall; NaN where nothing has arrived.
 
-    Between frames it follows from the strain, as in `analysis.gauges.forces`.
+    Between frames it follows from the strain, as in `workflow.measures.forces`.
     """
     time, force, frames = series
     total, static = force[:, chains].sum(axis=1), float(wall.static[chains].sum())

@@ -3,21 +3,21 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from granchain.parts import Fact, Measurement, Meter, Recorded, Survey, declare, result
+from granchain.parts import Fact, Measurement, Meter, Recorded, Survey, quantity
 from workflow.plugins.rigid.runs import RigidRecord
 
 
-@result
+@quantity.result
 class FirstByRounding:
     """First collision of rigid beads that follows rounding."""
 
-    collision: int | None = declare(
+    collision: int | None = quantity.declare(
         "number of the first collision that a change of the gap by 4e-15 of it changes: a displacement by 0.001 of the "
         "gap or the impulse by 0.001 m V; rounding decides it and those after it",
         undefined="none follows rounding",
     )
-    row: int | None = declare("number of the bead that strikes in it", undefined="as ``collision``")
-    time: float | None = declare("its time", "time", "as ``collision``", "t")
+    row: int | None = quantity.declare("number of the bead that strikes in it", undefined="as ``collision``")
+    time: float | None = quantity.declare("its time", "time", "as ``collision``", "t")
 
 
 @dataclass(frozen=True, repr=False)

@@ -13,15 +13,14 @@ from granchain.parts import (
     Floats,
     Measurement,
     Meter,
-    NoDispersionError,
     Problem,
     Recorded,
     Survey,
     Trajectory,
-    bands,
     laws,
+    long_waves,
     physics,
-    sound_speed,
+    unit_cell,
 )
 from workflow.plugins.sound.dispersion import Bands, Branches, Dispersion, Map
 from workflow.plugins.sound.loaded_pulse import LoadedPulse, Sound
@@ -75,7 +74,7 @@ class DispersionMeter(Meter):
         self._collected, self._why = None, ""
         try:
             self._collected = Dispersion(problem)
-        except NoDispersionError as error:
+        except unit_cell.NoDispersionError as error:
             self._why = str(error)
 
     def add(self, block: Trajectory) -> None:
@@ -90,7 +89,7 @@ class DispersionMeter(Meter):
             return DispersionMeasurement(self.problem, Bands(self._why), None)
         try:
             dispersion = self._collected.result()
-        except NoDispersionError as error:
+        except unit_cell.NoDispersionError as error:
             return DispersionMeasurement(self.problem, Bands(str(error)), None)
         return DispersionMeasurement(self.problem, dispersion.bands(), dispersion)
 
@@ -108,11 +107,11 @@ class SoundMeasurement(Measurement):
     @property
     def local_speed(self) -> Floats:
         """Speed of sound at each bead, [chain, bead] in beads / T."""
-        return sound_speed(self.problem.system)
+        return long_waves.sound_speed(self.problem.system)
 
     def lines(self) -> Iterator[str]:
         """Speed of sound, and the leading pulse against it."""
-        scale, wave, frequencies = self.problem.scale, self.values.pulse, bands(self.problem.system)
+        scale, wave, frequencies = self.problem.scale, self.values.pulse, unit_cell.bands(self.problem.system)
         if physics.ground_springs(self.problem.system):
             line = "long waves of sound do not run, as springs to the ground hold the beads"
             if frequencies is not None:
@@ -160,7 +159,7 @@ class SoundMeter(Meter):
     def finish(self, survey: Survey) -> SoundMeasurement:
         """Sound and the leading pulse of all frames."""
         wave = None if self._pulse is None else self._pulse.result()
-        sound = Sound.of(self.problem, wave, survey.crests, self._length)
+        sound = Sound.of(self.problem, wave, survey, self._length)
         return SoundMeasurement(self.problem, sound, self._length)
 
 

@@ -11,6 +11,7 @@ from workflow import lazy_names
 if TYPE_CHECKING:
     from analysis import hermite as hermite
     from analysis import motion as motion
+    from analysis import quantity as quantity
     from analysis.compare import difference as difference
     from analysis.compare.common_times import paired as paired
     from analysis.figures import style as style
@@ -29,9 +30,6 @@ if TYPE_CHECKING:
     from analysis.figures.style import CHAIN_COLOURS as CHAIN_COLOURS
     from analysis.figures.style import CHAIN_DASHES as CHAIN_DASHES
     from analysis.figures.style import AxisUnit as AxisUnit
-    from analysis.figures.style import axis_unit as axis_unit
-    from analysis.figures.style import head as head
-    from analysis.figures.style import legend_below as legend_below
     from analysis.figures.style import new_figure as new_figure
     from analysis.figures.style import picture as picture
     from analysis.figures.style import shown_chains as shown_chains
@@ -50,32 +48,22 @@ if TYPE_CHECKING:
     from analysis.gauges.gauge import at_frames as at_frames
     from analysis.gauges.gauge import gauges as gauges
     from analysis.quantity import Quantity as Quantity
-    from analysis.quantity import csv_of as csv_of
     from analysis.quantity import declare as declare
-    from analysis.quantity import declared as declared
-    from analysis.quantity import derived as derived
-    from analysis.quantity import headings as headings
     from analysis.quantity import plain as plain
     from analysis.quantity import result as result
     from analysis.quantity import to_csv as to_csv
     from analysis.shape import exact_wave as exact_wave
-    from analysis.shape.long_waves import cell_beads as cell_beads
-    from analysis.shape.long_waves import sound_speed as sound_speed
-    from analysis.shape.long_waves import speed_over_sound as speed_over_sound
-    from analysis.shape.unit_cell import NoDispersionError as NoDispersionError
-    from analysis.shape.unit_cell import UnitCell as UnitCell
+    from analysis.shape import long_waves as long_waves
+    from analysis.shape import unit_cell as unit_cell
     from analysis.shape.unit_cell import bands as bands
-    from analysis.shape.unit_cell import cell_of as cell_of
     from analysis.sharing import energies as energies
     from analysis.sharing import impulses as impulses
     from analysis.sharing.equipartition import exact_speed as exact_speed
-    from analysis.sharing.impulses import Impulses as Impulses
     from analysis.sharing.survey import Survey as Survey
     from analysis.sharing.survey import survey as survey
     from analysis.tracking import leading_waves as leading_waves
     from analysis.tracking import peaks as peaks
     from analysis.tracking.leading_waves import Waves as Waves
-    from analysis.tracking.pulses import Pulse as Pulse
     from analysis.trajectory import BLOCK_BYTES as BLOCK_BYTES
     from analysis.trajectory import Flags as Flags
     from analysis.trajectory import Floats as Floats
@@ -122,7 +110,6 @@ if TYPE_CHECKING:
     from lammps_inputs.limits import rates as rates
     from lammps_inputs.limits.closing import THETA_OF_EQ_5 as THETA_OF_EQ_5
     from lammps_inputs.limits.rates import stability_bound as stability_bound
-    from lammps_inputs.links import Along as Along
     from lammps_inputs.numbers import known as known
     from lammps_inputs.numbers import plain_values as plain_values
     from lammps_inputs.numbers import size_text as size_text
@@ -138,6 +125,7 @@ if TYPE_CHECKING:
     from lammps_inputs.units import make_scale as make_scale
     from lammps_inputs.units import sphere_mass as sphere_mass
     from workflow import cli as cli
+    from workflow import compiled as compiled
     from workflow import formats as formats
     from workflow import provenance as provenance
     from workflow.arguments import AnyDefinition as AnyDefinition
@@ -152,8 +140,6 @@ if TYPE_CHECKING:
     from workflow.commands.analyze import report as report
     from workflow.commands.deck import write as write
     from workflow.commands.sweep import definition_of as definition_of
-    from workflow.compiled import ieee as ieee
-    from workflow.compiled import ieee_called_by_compiled as ieee_called_by_compiled
     from workflow.cost_model import MEMORY as MEMORY
     from workflow.cost_model import cost as cost
     from workflow.engines.lammps import mpi as mpi
@@ -195,20 +181,16 @@ if TYPE_CHECKING:
     from workflow.quantities.evaluate import evaluate as evaluate
     from workflow.quantities.evaluate import of_frames as of_frames
     from workflow.quantities.evaluate import scene_to_run as scene_to_run
-    from workflow.runs.engines import Engine as Engine
-    from workflow.runs.engines import Work as Work
+    from workflow.runs import engines as engines
+    from workflow.runs import job as job
     from workflow.runs.engines import engine_called as engine_called
-    from workflow.runs.engines import write_frames as write_frames
     from workflow.runs.files import LAMMPS_FILES as LAMMPS_FILES
     from workflow.runs.files import RECORD as RECORD
     from workflow.runs.files import as_json as as_json
     from workflow.runs.files import complete as complete
     from workflow.runs.files import write_json as write_json
     from workflow.runs.files import write_text as write_text
-    from workflow.runs.job import Count as Count
     from workflow.runs.job import Job as Job
-    from workflow.runs.job import Number as Number
-    from workflow.runs.job import RecordPart as RecordPart
     from workflow.runs.labelled import dataset as dataset
     from workflow.runs.labelled import need as need
     from workflow.runs.output_directory import listed as listed
