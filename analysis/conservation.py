@@ -103,17 +103,6 @@ class Account:
         return float(np.max(np.abs(self.energy_input)))
 
 
-@result
-class ClosedAccount(Account):
-    """The account, and how well it is known."""
-
-    closed: float = declare("largest ``missing`` over the largest ``energy_input``", undefined="of a run that blew up")
-    between_frames: float = declare(
-        "uncertainty of what was exchanged between frames over the largest ``energy_input``"
-    )
-    stated: float | None = declare("error of the velocities that the run states", "V", "it states none")
-
-
 class EnergyBudget:
     """Adds up a run of all beads that is given block by block, with its exchange, from its first frame on."""
 

@@ -1,16 +1,11 @@
-"""Contacts over a run: the largest overlap that its frames show, and what contacts that yield keep.
-
-That is the largest force and overlap of each, the permanent overlap, and the energy lost.
-"""
+"""The largest overlap of contacts that the frames of a run show."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from analysis import motion
-from analysis.quantity import declare, result
-from analysis.trajectory import Flags, Floats, Integers, Trajectory
+from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, laws, physics
 
 FARTHEST = 0.25
@@ -68,128 +63,3 @@ class LargestOverlap:
             if self.each is not None:
                 of_moving = self.each[:, moving.start : moving.start + overlaps.shape[-1]]
                 np.maximum(of_moving, np.max(overlaps, axis=0), out=of_moving)
-
-
-LEAST_CONTACTS = 10
-"""Contacts along a chain from which on an exponent is fitted."""
-
-
-@result
-class Yielded:
-    """The contacts of all chains at the end of the run, without walls."""
-
-    contacts: int = declare("number of contacts with a permanent overlap", column="contacts with a permanent overlap")
-    permanent: float = declare(
-        "largest permanent overlap", "length", symbol="\\delta_r", column="largest permanent overlap"
-    )
-    dissipated: float = declare(
-        "energy dissipated in contacts of beads over the energy input of the kicks",
-        undefined="a push or drive supplies energy",
-        column="energy dissipated in plastic contacts / energy input",
-    )
-    decay: float = declare(
-        "exponent of the largest force of the contacts of the kicked chain over their number, fitted over the second "
-        "half of those that have begun to open",
-        undefined=f"fewer than {LEAST_CONTACTS} of these",
-        column="decay exponent of the largest contact forces",
-    )
-
-
-@result
-class YieldTable:
-    """Table of the contacts of all chains at the end of the run."""
-
-    chain: Integers = declare("number of the chain")
-    contact: Integers = declare("number of the contact, that of the bead behind it")
-    overlap: Floats = declare("largest overlap so far", "length", symbol="\\delta_m")
-    force: Floats = declare("largest force so far: that of first loading at this overlap", "force", symbol="F_m")
-    permanent: Floats = declare("permanent overlap", "length", symbol="\\delta_r")
-    opened: Integers = declare(
-        "whether it has begun to open, 0 or 1; of one that has not the record ends before its largest overlap"
-    )
-    dissipated: Floats = declare("energy dissipated by yielding", "energy")
-
-
-class YieldMeter:
-    """Reads the last frame of a run of all beads."""
-
-    def __init__(self) -> None:
-        self._last: Trajectory | None = None
-
-    @staticmethod
-    def applies(problem: Problem) -> bool:
-        """Whether frames hold the states of contacts that yield."""
-        return bool(problem.state_columns)
-
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        self._last = block.last()
-
-    def result(self) -> tuple[Yielded, YieldTable] | None:
-        """Permanent overlaps at the last frame so far, and their table; None if no frame has states of contacts."""
-        last = self._last
-        if last is None or last.contact_state is None:
-            return None
-        system = last.system_at(-1)
-        link = system.along[0]
-        law = link.law
-        shape = (system.chains, system.beads - 1)
-        largest = laws.turning_overlap(law)
-        force = np.broadcast_to(laws.whole_force(law, largest), shape)
-        permanent, dissipated = (
-            np.broadcast_to(find(*law), shape)
-            for find in (law.permanent, law.dissipated)  # type: ignore[attr-defined]
-        )
-        chain, contact = np.indices(shape)
-        opened = (motion.overlaps(system, last.displacement[-1]) < largest) & (largest > 0.0)
-        table = YieldTable(
-            chain=chain.ravel() + 1,
-            contact=contact.ravel() + 1,
-            overlap=largest.ravel(),
-            force=force.ravel(),
-            permanent=permanent.ravel(),
-            opened=opened.ravel().astype(np.int64),
-            dissipated=dissipated.ravel(),
-        )
-        kicked = physics.largest_excitation(system)[0] - 1
-        acted_on = physics.acted_on(system)
-        decay = power_law(force[kicked], opened[kicked])
-        return (
-            Yielded(
-                contacts=int(np.count_nonzero(permanent > 0.0)),
-                permanent=float(np.max(permanent)),
-                dissipated=float("nan") if acted_on else float(np.sum(dissipated)) / physics.energy(system),
-                decay=float("nan") if decay is None else decay.exponent,
-            ),
-            table,
-        )
-
-
-@dataclass(frozen=True)
-class PowerLaw:
-    """Largest force of contacts as ``factor * contact**exponent``.
-
-    Attributes:
-        contact: [contact] numbers of the fitted contacts, the second half of those that have begun to open.
-        factor: dimensionless force of contact 1.
-        exponent: slope of the logarithms.
-    """
-
-    contact: Floats
-    factor: float
-    exponent: float
-
-
-def power_law(force: Floats, opened: Flags) -> PowerLaw | None:
-    """Law of the forces [contact] of one chain, by least squares of logarithms; None for too few contacts that opened.
-
-    Args:
-        force: [contact] largest force so far, dimensionless.
-        opened: [contact] whether the contact has begun to open.
-    """
-    count = int(np.argmin(opened)) if not np.all(opened) else len(opened)
-    if count < 2 * LEAST_CONTACTS:
-        return None
-    contact = np.arange(count // 2, count, dtype=np.float64) + 1.0
-    exponent, logarithm = np.polyfit(np.log(contact), np.log(force[count // 2 : count]), 1)
-    return PowerLaw(np.asarray(contact), math.exp(logarithm), float(exponent))

@@ -7,6 +7,7 @@ import re
 import string
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, ParamSpec, TypeVar
 
@@ -84,10 +85,15 @@ def styled(draw: Callable[Parameters, Drawn]) -> Callable[Parameters, Drawn]:
 
     @functools.wraps(draw)
     def in_style(*arguments: Parameters.args, **options: Parameters.kwargs) -> Drawn:
-        with mpl.rc_context({**STYLE, **(_NARROW if is_narrow() else {})}):
+        with settings():
             return draw(*arguments, **options)
 
     return in_style
+
+
+def settings() -> AbstractContextManager[None]:
+    """Context in which what is drawn has the settings of every figure and those of the width that is asked for."""
+    return mpl.rc_context({**STYLE, **(_NARROW if is_narrow() else {})})
 
 
 def is_narrow() -> bool:

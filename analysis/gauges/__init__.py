@@ -1,1 +1,1 @@
-"""Force as gauges on walls, in contacts and inside beads measure it, and what walls give back; finds no waves."""
+"""Force as gauges on walls, in contacts and inside beads measure it; finds no waves."""

@@ -9,7 +9,7 @@ run is added to each. Both are bounds, so they add up.
 - An energy is a square of velocities: its relative error is twice that of the peak velocity.
 - A force changes by ``m omega`` times a velocity, with the largest angular frequency omega, half of it for two beads
   that move against each other; an impulse changes the velocities of two beads whenever a contact closes
-  (`analysis.gauges.forces.Readings.with_error`).
+  (`with_error` of the readings of forces).
 """
 
 import copy

@@ -1,20 +1,17 @@
-"""Which passages of a pulse are undisturbed: clear of the ends of the chain, of others, and of what a window has left.
+"""Which passages of a pulse are undisturbed: clear of the ends of the chain, and of others.
 
 What the leading pulse does to the end of a chain comes back to a bead no sooner than that pulse took from there to the
-end, for no other is faster. The higher a pulse, the faster it runs; so nothing that a window has left reaches the
-leading waves as long as the beads in it move more slowly than any of these waves is high.
+end, for no other is faster.
 """
 
-import math
 from collections.abc import Iterable
 
 import numpy as np
 
-from analysis.quantity import declare, derived, result
 from analysis.shape.exact_wave import SolitaryWave
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Flags, Floats, Integers, Trajectory, mirrored_bead
+from analysis.trajectory import Flags, Floats, Integers, mirrored_bead
 from lammps_inputs import Problem, physics
 
 CLEAR = 5
@@ -104,57 +101,3 @@ def _same(pulse: Pulse, other: Pulse, near: Floats) -> bool:
     _, place, other_place = np.intersect1d(pulse.bead, other.bead, return_indices=True)
     apart = np.abs(pulse.arrival[place] - other.arrival[other_place])
     return bool(2 * np.count_nonzero(apart < near[place]) > len(pulse))
-
-
-@result
-class Residual:
-    """Residual motion of the beads that the window has left."""
-
-    rows: int | None = declare("rows of the window", "rows")
-    residual_velocity: float = declare(
-        "largest velocity along the chain of a bead when the window left it; 0 if it left none", "V"
-    )
-    bead: int = declare("number of that bead; 0 if the window left none")
-    slowest_wave: float = declare(
-        "amplitude of the lowest leading wave, which ``residual_velocity`` must not exceed",
-        "V",
-        "the window has not moved",
-    )
-
-    @property
-    @derived()
-    def sentence(self) -> str:
-        """Whether residual motion could have caught up with a leading wave, in words."""
-        if self.bead == 0:
-            return "no motion is left behind the window"
-        residual = f"beads behind the window have residual velocities up to {self.residual_velocity:.2g} V"
-        if self.residual_velocity < self.slowest_wave:
-            return f"{residual}, less than every leading wave ({self.slowest_wave:.2g} V or more): nothing catches up"
-        return (
-            f"{residual}, a leading wave only {self.slowest_wave:.2g} V: residual motion might catch up; take a wider "
-            "window"
-        )
-
-
-class BehindWindow:
-    """Collects what leaves the window of a run that is given block by block."""
-
-    def __init__(self) -> None:
-        self._velocity = 0.0
-        self._bead = 0
-        self._before: Trajectory | None = None
-
-    def add(self, block: Trajectory) -> None:
-        """Take the next frames."""
-        before = self._before
-        if before is not None and block.first > before.first:
-            last = before.velocity[-1, :, : block.first - before.first].max(axis=0)
-            if last.max() > self._velocity:
-                self._velocity, self._bead = float(last.max()), int(before.beads[int(last.argmax())])
-        self._before = block
-
-    def result(self, waves: Waves) -> Residual:
-        """Residual motion in the frames so far, with the amplitude of the lowest leading wave."""
-        window = self._before.problem.window if self._before is not None else None
-        amplitude = waves.peak_velocity[waves.bead > window // 2] if window is not None else waves.peak_velocity[:0]
-        return Residual(window, self._velocity, self._bead, float(amplitude.min()) if len(amplitude) else math.nan)

@@ -8,10 +8,11 @@ import pytest
 from synthetic_waves import of_keys, surveyed
 
 from analysis.between_frames import Instants, interpolated
-from analysis.gauges.forces import ForceMeter, Readings
 from analysis.gauges.gauge import gauges
 from analysis.trajectory import Trajectory, watch
 from workflow.engines.reference import engine
+from workflow.measures.forces.force_meter import ForceMeter
+from workflow.measures.forces.readings import Readings
 
 DENSE = 0.05
 """Time between dense frames; coarse ones are the tenth or twentieth of them."""

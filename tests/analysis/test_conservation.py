@@ -9,7 +9,6 @@ from stock_lammps import scene
 from synthetic_waves import of_keys
 
 from analysis.conservation import STORED, Account, Conservation, EnergyBudget
-from analysis.figures.energy import budget_figure
 from analysis.quantity import plain
 from analysis.trajectory import watch
 from lammps_inputs import Kick, physics
@@ -17,6 +16,7 @@ from lammps_inputs.laws.in_time import Rectangular, Sine
 from lammps_inputs.loads import Load
 from lammps_inputs.units import make_scale
 from workflow.engines.reference.engine import run
+from workflow.measures.budget import BudgetMeasurement
 
 KICKS = (Kick(velocity=1.0), Kick(bead=8, velocity=-0.5))
 
@@ -190,7 +190,7 @@ def test_of_a_long_run_every_so_manieth_frame_and_the_last_count_wherever_blocks
     counted = sorted({*range(0, 1201, 3), problem.frames})
     assert account.time.tolist() == (np.array(counted) * problem.every).tolist()
     assert account.energy_input[-1] == pytest.approx(0.5 + 0.7 * duration)
-    assert "cut short" not in budget_figure(problem, account).get_suptitle()
+    assert "cut short" not in BudgetMeasurement(problem, account).draw().get_suptitle()
 
 
 @pytest.mark.parametrize("si", [False, True])

@@ -1,12 +1,14 @@
 """A measurement of a run beside its waves: taken while frames pass, then written, printed and drawn."""
 
-from collections.abc import Callable, Iterator
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from analysis import quantity
 from analysis.conservation import Conservation
 from analysis.sharing.run_error import UNMEASURED, MeasuredError
+from analysis.sharing.survey import Survey
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, Scene
 from workflow.runs.job import Job
@@ -34,6 +36,18 @@ class Recorded:
     problem: Problem
     error: MeasuredError = UNMEASURED
     job: Job = field(default_factory=Job)
+
+
+class Meter(ABC):
+    """Receives every block of frames of a run, and makes the measurement at the end."""
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames; by default nothing of them is needed."""
+        del block
+
+    @abstractmethod
+    def finish(self, survey: Survey) -> "Measurement | None":
+        """The measurement, with the waves, pulses and energies of the run; None where the frames do not show it."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -88,7 +102,7 @@ class Measurement:
         raise NotImplementedError
 
     @classmethod
-    def meter(cls, run: Recorded) -> "FrameMeter | None":
+    def meter(cls, run: Recorded) -> Meter | None:
         """Meter of the frames of a run; None where the run has none of it, or it follows from other measurements."""
         del run
         return None
@@ -109,16 +123,3 @@ class Measurement:
         """
         del run, conservation, between_frames
         return None
-
-
-def _ignore(block: Trajectory, /) -> None:
-    """Take nothing from the frames."""
-
-
-@dataclass(frozen=True)
-class FrameMeter:
-    """Receives every block of frames of a run, and makes the measurement at the end."""
-
-    finish: Callable[[Any], Measurement | None]
-    """Makes the measurement, or None, from the `Survey` of the run."""
-    add: Callable[[Trajectory], None] = _ignore

@@ -1,86 +1,50 @@
-"""Energy over time, where it stays in unlike beads, and motion behind a window."""
+"""Energy of the chains over time: the share of each, and where along the chain it is."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from analysis.conservation import ClosedAccount, Conservation
-from analysis.shape.long_waves import period_of
-from analysis.sharing.cells import CellEnergies, FinalEnergy, left
+import numpy as np
+
 from analysis.sharing.energies import EnergyFlow, Flow
 from analysis.sharing.survey import Survey
-from analysis.tracking.undisturbed import BehindWindow, Residual
-from lammps_inputs import physics
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem
 from lammps_inputs.facts import Fact
-from workflow.measures.base import MOST_CHAINS, FrameMeter, Measurement, Recorded
+from workflow.measures.base import MOST_CHAINS, Measurement, Meter, Recorded
 from workflow.screen import PrintedTable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from analysis.figures.energy import BudgetCurves
+MOST_MODES = 6
+"""That are drawn."""
 
-SMALLEST_LOSS = 1e-8
-"""Smallest share of the energy per cell that is printed; below it frames and time steps decide."""
+_CONSTANT = 1e-9
+"""Largest change of what is constant."""
 
 
-@dataclass(frozen=True, repr=False)
-class BudgetMeasurement(Measurement):
-    """The account, and how well it is known."""
+def _varies(values: Floats) -> bool:
+    """Whether any curve [instant, chain] changes over time."""
+    finite = values[np.isfinite(values).all(axis=1)]
+    return len(finite) > 1 and bool(np.max(np.ptp(finite, axis=0)) > _CONSTANT)
 
-    key, kind, figure = "budget", ClosedAccount, "budget"
 
-    values: ClosedAccount
+class EnergyMeter(Meter):
+    """Energies of the chains at some frames."""
 
-    @property
-    def sentence(self) -> str:
-        """How well it is closed, in one line."""
-        account = self.values
-        error = "" if account.stated is None else f", and the error of velocities in the run is {account.stated:.1e} V"
-        return (
-            f"the energy balance is closed to {account.closed:.1e} of the energy input; the uncertainty of what was "
-            f"exchanged between frames is {account.between_frames:.1e} of it{error}"
-        )
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self._flow = EnergyFlow(problem)
 
-    def lines(self) -> Iterator[str]:
-        """What went where, and how well that is known."""
-        yield self.values.sentence(self.problem.scale)
-        yield self.sentence
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames."""
+        self._flow.add(block)
 
-    @property
-    def drawable(self) -> bool:
-        """Whether there is more than one instant."""
-        return len(self.values.time) > 1
-
-    def curves(self) -> "BudgetCurves":
-        """Energies over time as they are drawn."""
-        from analysis.figures.energy import budget_curves
-
-        return budget_curves(self.values)
-
-    def draw(self) -> "Figure":
-        """The account over time."""
-        from analysis.figures.energy import budget_figure
-
-        return budget_figure(self.problem, self.values)
-
-    @classmethod
-    def of_energies(
-        cls, run: Recorded, conservation: Conservation, between_frames: float
-    ) -> "BudgetMeasurement | None":
-        """The budget of a run; None where nothing is exchanged, and where not all beads are recorded."""
-        if conservation.budget is None:
-            return None
-        account = conservation.budget.result()
-        stated = run.job.check or run.job.uncertainty
-        closed_account = ClosedAccount(
-            **vars(account),
-            closed=conservation.energy_drift,
-            between_frames=between_frames / account.most,
-            stated=None if stated is None else stated.velocity,
-        )
-        return cls(run.problem, closed_account)
+    def finish(self, survey: Survey) -> "EnergyMeasurement":
+        """Shares of the chains in all frames."""
+        del survey
+        return EnergyMeasurement(self.problem, self._flow.result())
 
 
 @dataclass(frozen=True, repr=False)
@@ -115,103 +79,57 @@ class EnergyMeasurement(Measurement):
             yield f"at the end the fastest mode of the rows has a share of {flow.fastest_mode_action:.6f} of the action"
 
     def draw(self) -> "Figure":
-        """Shares of the chains over time."""
-        from analysis.figures.energy import energy_figure
+        """Share of the energy of each chain (those drawn in other figures too), its centre and its spread, over time.
 
-        return energy_figure(self.problem, self.values)
+        Of rows on springs that vary, also the share of the action of each mode. Shares that no instant resolves are
+        moving means; what is constant, as the share of a single chain, is left out.
+        """
+        from analysis.figures import averages, style  # matplotlib takes half a second to import
+
+        problem, flow = self.problem, self.values
+        time, chains = style.axis_unit(problem, "time", float(flow.time[-1])), style.shown_chains(problem)
+        shares, centres = flow.share[:, chains], flow.centre[:, chains]
+        kinds = [kind for kind, values in (("share", shares), ("centre", centres)) if _varies(values)]
+        kinds += ["action"] * (flow.action is not None)
+        kinds = kinds or ["centre"]
+        with style.settings():
+            figure = style.new_figure(max(2.8, 0.8 + 2.2 * len(kinds)))
+            panels = figure.subplots(len(kinds), 1, sharex=True, squeeze=False)[:, 0]
+            t = flow.time * time.worth
+            for kind, panel in zip(kinds, panels, strict=True):
+                if kind == "share":
+                    width = max(averages.oscillations_to_average(share, 1.0) for share in shares.T)
+                    style.draw_chains(
+                        panel, chains, t, np.stack([averages.moving_mean(share, width) for share in shares.T], axis=1)
+                    )
+                    panel.set_ylabel(
+                        "share of the energy" + averages.averaged(averages.half_width(flow.time, width), time)
+                    )
+                    panel.set_ylim(0.0, max(1.0, 1.05 * float(np.nanmax(shares))))
+                elif kind == "centre":
+                    style.draw_chains(panel, chains, t, centres)
+                    for line, chain in zip(panel.lines[: len(chains)], chains, strict=True):
+                        centre, spread = flow.centre[:, chain], flow.spread[:, chain]
+                        panel.fill_between(
+                            t, centre - spread, centre + spread, alpha=0.15, color=line.get_color(), linewidth=0
+                        )
+                    panel.set_ylabel("centre of the energy (bead),\nband: standard deviation")
+                elif flow.action is not None:
+                    actions = flow.action.T[:MOST_MODES]
+                    greys = np.linspace(0.0, 0.6, len(actions))  # colours are the chains'
+                    for mode, (action, grey) in enumerate(zip(actions, greys, strict=True), 1):
+                        panel.plot(
+                            t, action, label=f"mode {mode}", linestyle=style.CHAIN_DASHES[mode - 1], color=str(grey)
+                        )
+                    panel.set_ylabel("share of the action")
+                    panel.set_ylim(0.0, 1.05)
+                    panel.legend(title="slowest first", fontsize="small", title_fontsize="small")
+            panels[-1].set_xlabel(time.label(Flow, "time"))
+            style.finish(figure, problem, panels, until=float(flow.time[-1]))
+        return figure
 
     @classmethod
-    def meter(cls, run: Recorded) -> FrameMeter | None:
+    def meter(cls, run: Recorded) -> EnergyMeter | None:
         """Energies of runs of all beads in which no pulse keeps its shape."""
         problem = run.problem
-        if not problem.whole or problem.system.holds(Fact.PULSE):
-            return None
-        flow = EnergyFlow(problem)
-        return FrameMeter(lambda _: cls(problem, flow.result()), flow.add)
-
-
-@dataclass(frozen=True, repr=False)
-class CellMeasurement(Measurement):
-    """Energy of the pulses, what stays in cells, and what a replaced bead reflects."""
-
-    key, kind = "cells", CellEnergies
-
-    values: CellEnergies
-
-    def lines(self) -> Iterator[str]:
-        """The energy of the pulse of each chain, and where the energy is as seen from a replaced bead."""
-        energies = self.values
-        cell = "bead" if energies.beads == 1 else f"cell of {energies.beads} beads"
-        for chain, (pulse, end) in enumerate(zip(energies.chains[:MOST_CHAINS], energies.last_bead, strict=False), 1):
-            if pulse is not None:
-                line = f"in chain {chain} the leading pulse carries {pulse.carried:.2%} of the energy input at bead "
-                line += str(pulse.last)
-                if math.isfinite(pulse.per_cell):
-                    small = pulse.per_cell <= SMALLEST_LOSS
-                    lost = f"less than {SMALLEST_LOSS:.0e}" if small else f"{pulse.per_cell:.1e}"
-                    line += f"; from bead {pulse.first} on {lost} of the energy input remains in each {cell}"
-                yield line
-            if end is not None:
-                yield f"in chain {chain} the kinetic energy of the last bead reaches {end:.2%} of the energy input"
-        for split in energies.replaced[:MOST_CHAINS]:
-            yield (
-                f"at the end chain {split.chain} has {split.before:.2%} of the energy input in beads before bead "
-                f"{split.bead}, {split.at:.2%} in it, {split.beyond:.2%} in beads beyond it"
-            )
-            if math.isfinite(split.reflected):
-                yield (
-                    f"bead {split.bead} of chain {split.chain} reflects {split.reflected:.2%} of the energy input, of "
-                    f"{split.incident:.2%} that is incident"
-                )
-
-    @classmethod
-    def meter(cls, run: Recorded) -> FrameMeter | None:
-        """Energies of runs of all beads in which a pulse stays together and no sound runs."""
-        problem, scene = run.problem, run.scene
-        system = problem.system
-        if (
-            not problem.whole
-            or physics.alike(system)
-            or not (system.holds(Fact.PULSE) and system.holds(Fact.SONIC_VACUUM))
-        ):
-            return None
-        final = FinalEnergy(problem)
-
-        def finish(survey: Survey) -> CellMeasurement:
-            chains, beads = range(1, problem.chains + 1), period_of(system)
-            each = tuple(left(survey, chain, beads) for chain in chains)
-            kicked = each[physics.largest_excitation(system)[0] - 1]
-            energies = CellEnergies(
-                beads=beads,
-                residual_energy=math.nan if kicked is None else kicked.per_cell,
-                chains=each,
-                last_bead=tuple(final.end(survey, chain) for chain in chains),
-                replaced=tuple(
-                    final.split(survey, replacement.chain, replacement.bead) for replacement in scene.replace or ()
-                ),
-            )
-            return cls(problem, energies)
-
-        return FrameMeter(finish, final.add)
-
-
-@dataclass(frozen=True, repr=False)
-class WindowMeasurement(Measurement):
-    """Whether it could catch up."""
-
-    key, kind = "window", Residual
-
-    values: Residual
-
-    def lines(self) -> Iterator[str]:
-        """The sentence."""
-        yield self.values.sentence
-
-    @classmethod
-    def meter(cls, run: Recorded) -> FrameMeter | None:
-        """Where there is a window."""
-        problem = run.problem
-        if problem.window is None:
-            return None
-        behind = BehindWindow()
-        return FrameMeter(lambda survey: cls(problem, behind.result(survey.waves)), behind.add)
+        return EnergyMeter(problem) if problem.whole and not problem.system.holds(Fact.PULSE) else None

@@ -9,9 +9,6 @@ from small_problems import problem as small
 from synthetic_waves import reference, surveyed
 
 from analysis.conservation import Account
-from analysis.contacts import YieldTable
-from analysis.figures.energy import budget_figure, energy_figure
-from analysis.figures.forces import yield_figure
 from analysis.figures.spacetime import BeadHistory, RootScale, SpaceTime, spacetime_figure
 from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, AxisUnit, axis_unit, shown_chains
 from analysis.figures.waves import distance_figure, passage, pulses, response_figure, shape_figure, time_title
@@ -21,6 +18,9 @@ from analysis.trajectory import blocks
 from lammps_inputs import Kick
 from lammps_inputs.units import make_scale
 from workflow.formats import written_as
+from workflow.measures.budget import BudgetMeasurement
+from workflow.measures.energy import EnergyMeasurement
+from workflow.measures.plastic import PlasticMeasurement, YieldTable
 from workflow.runs.figures import write_figure
 
 
@@ -235,7 +235,7 @@ def test_the_layers_of_the_budget_add_up_to_what_was_put_in_in_the_units_of_the_
     held |= {"ground": np.zeros(5), "walls": np.full(5, 0.01), "resonators": np.zeros(5)}
     account = Account(time, np.full(5, 0.5), **held, dissipated={"contact_damping": 0.02 * time})
     si = replace(small(), scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True))
-    figure = budget_figure(si, account)
+    figure = BudgetMeasurement(si, account).draw()
     (axis,) = figure.axes
     assert legends(figure) == ["energy input", "dissipated in contact damping", "walls", "contacts", "kinetic"]
     tops = [layer.get_paths()[0].vertices[:, 1].max() for layer in axis.collections]
@@ -258,7 +258,7 @@ def account_of(kinetic, time):
 def test_oscillations_that_instants_do_not_resolve_are_drawn_as_means(period, mean):
     time = np.arange(400.0)
     kinetic = 0.5 + 0.4 * np.sin(2.0 * np.pi * time / period)
-    (axis,) = budget_figure(small(), account_of(kinetic, time)).axes
+    (axis,) = BudgetMeasurement(small(), account_of(kinetic, time)).draw().axes
     x, y = axis.collections[0].get_paths()[0].vertices.T
     top = y[(y > 0.0) & (x > 50.0) & (x < 350.0)]
     assert ("mean over" in axis.get_ylabel()) == mean
@@ -269,7 +269,7 @@ def test_modes_are_grey_as_colours_are_those_of_chains():
     problem = reference(2, 0.1, 10, 8.0).problem
     time, values = np.arange(3.0), np.add.outer(np.arange(3.0), np.arange(2.0))
     flow = Flow(time, values / 10.0, np.zeros(3), values, 0.1 * values, action=values / 10.0)
-    modes = energy_figure(problem, flow).axes[-1].get_lines()
+    modes = EnergyMeasurement(problem, flow).draw().axes[-1].get_lines()
     colours = {to_rgb(line.get_color()) for line in modes}
     assert len(colours) == 2
     assert all(len(set(colour)) == 1 for colour in colours)
@@ -279,7 +279,7 @@ def test_a_panel_that_is_constant_is_left_out_of_the_energy():
     problem = reference(1, 0.0, 10, 8.0).problem
     time, one = np.arange(3.0), np.ones((3, 1))
     flow = Flow(time, one, np.zeros(3), time[:, np.newaxis] + one, 0.1 * one)
-    (panel,) = energy_figure(problem, flow).axes
+    (panel,) = EnergyMeasurement(problem, flow).draw().axes
     assert panel.get_ylabel().startswith("centre of the energy")
 
 
@@ -289,7 +289,7 @@ def test_contacts_that_have_not_begun_to_open_are_not_drawn_and_a_printed_power_
     opened = (contact <= 38).astype(np.int64)
     force[38:] = 1e-3
     table = YieldTable(np.ones(40, dtype=np.int64), contact, force, force, 0.1 * force, opened, force)
-    figure = yield_figure(small(chains=1), table)
+    figure = PlasticMeasurement(small(chains=1), None, table).draw()
     curve, law = figure.axes[0].get_lines()
     assert curve.get_xdata().tolist() == list(range(1, 39))
     assert law.get_xdata().tolist() == list(range(20, 39))

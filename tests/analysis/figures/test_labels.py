@@ -9,18 +9,13 @@ from stock_lammps import scene
 from synthetic_waves import of_keys
 
 from analysis.compare.difference import Deviation, ErrorMap
-from analysis.figures.energy import energy_figure
 from analysis.figures.errors import BAD, GOOD, residual_figure, validation_figure
-from analysis.figures.forces import force_figure
 from analysis.figures.spacetime import BeadHistory, SpaceTime, spacetime_figure
-from analysis.figures.spectra import spectra_figure
 from analysis.figures.studies import logarithmic
 from analysis.figures.style import CHAIN_COLOURS, head, new_figure, shown_chains, title
 from analysis.figures.waves import distance_figure, response_figure, shape_figure
 from analysis.files.traces import Channel, Traces
-from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges
-from analysis.gauges.spectra import VelocitySpectra
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.waveforms import Passages
 from analysis.sharing.energies import EnergyShares, Flow
@@ -28,6 +23,10 @@ from analysis.sharing.equipartition import Sharing
 from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, physics
+from workflow.measures.energy import EnergyMeasurement
+from workflow.measures.forces.measurement import ForceMeasurement
+from workflow.measures.forces.readings import Readings
+from workflow.measures.spectra import SpectrumMeasurement, VelocitySpectra
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
@@ -63,7 +62,7 @@ def test_the_energy_figure_has_the_share_centre_and_spread_of_each_chain(problem
     number = np.arange(1.0, CHAINS + 1.0)
     later = np.array([[1.0], [2.0], [3.0]])
     flow = Flow(time, later * number / 100.0, np.zeros(3), later * number, np.full((3, CHAINS), 0.5))
-    share, centre = energy_figure(problem, flow).axes
+    share, centre = EnergyMeasurement(problem, flow).draw().axes
     assert share.get_ylabel() == "share of the energy"
     assert centre.get_ylabel().startswith("centre of the energy (bead)")
     seconds = unit_on(centre.get_xlabel(), problem, "s")
@@ -83,7 +82,7 @@ def test_the_force_figure_has_each_gauge_and_chain_where_it_says(problem):
     nothing = np.zeros(force.shape)
     rest = (*[nothing] * 7, nothing > 0.0, nothing)
     readings = Readings(places, time, np.stack([nothing, force]), nothing, force, *rest)
-    axes = force_figure(problem, readings).axes
+    axes = ForceMeasurement(problem, [], readings).draw().axes
     assert [axis.get_title(loc="left") for axis in axes] == ["(a) contact 2", "(b) contact 7", "(c) sensor 5"]
     for gauge, axis in enumerate(axes, 1):
         newtons = unit_on(axis.figure.get_supylabel(), problem, "N")
@@ -98,7 +97,7 @@ def test_the_force_figure_has_each_gauge_and_chain_where_it_says(problem):
 def test_the_spectra_figure_has_each_bead_chain_and_drive_where_it_says(problem):
     amplitude = np.add.outer(np.array([0.2, 0.1]), np.add.outer(1e-3 * np.arange(CHAINS), np.array([0.3, 0.6])))
     spectra = VelocitySpectra((3, 8), 2.0, np.array([0.0, 0.1]), amplitude, np.array([0.07]), np.zeros((1, CHAINS, 2)))
-    axes = spectra_figure(problem, spectra).axes
+    axes = SpectrumMeasurement(problem, None, spectra).draw().axes
     hertz = 1.0 / problem.scale.time / unit_on(axes[-1].get_xlabel(), problem, "Hz")
     label = axes[0].figure.get_supylabel()
     velocity = unit_on(label, problem, "m/s")
@@ -117,7 +116,7 @@ def test_amplitudes_below_the_axis_of_a_spectrum_are_not_drawn_at_its_end(proble
     amplitude = np.full((3, CHAINS, 1), 0.5)
     amplitude[1:] = 1e-12
     spectra = VelocitySpectra((3,), 2.0, np.arange(3.0), amplitude, np.empty(0), np.zeros((1, CHAINS, 1)))
-    (axis,) = spectra_figure(problem, spectra).axes
+    (axis,) = SpectrumMeasurement(problem, None, spectra).draw().axes
     for _, line in all_shown(axis, problem):
         assert np.all(line.get_ydata()[1:] < axis.get_ylim()[0])
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from synthetic_waves import of_keys, surveyed
 
-from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
 from analysis.sharing.run_error import UNMEASURED, MeasuredError, with_run_error
 from analysis.trajectory import watch
 from workflow.engines.reference import engine
+from workflow.measures.forces.force_meter import ForceMeter
 from workflow.verdicts.analysis_report import EnergyShare, train
 
 ERROR = MeasuredError(velocity=3e-3, amplitude=1e-3, arrival=2e-2, measured=True)

@@ -10,12 +10,12 @@ from ingredient_scenes import COLUMN, HELD, STEEL
 from plain_scene import scene
 from wrong_runs import causes
 
-from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
 from analysis.sharing.impulses import measure
 from lammps_inputs import InputError, laws, library
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
+from workflow.measures.forces.force_meter import ForceMeter
 from workflow.prepare import pilot
 from workflow.prepare.settings import settle
 from workflow.runs.run import run

@@ -11,11 +11,9 @@ import plain_scene
 import pytest
 
 from analysis import motion
-from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.long_waves import period_of
-from analysis.sharing.cells import FinalEnergy, left
 from analysis.sharing.survey import survey
 from analysis.sharing.verdict import EquipartitionState
 from analysis.tracking.leading_waves import leading_waves
@@ -29,6 +27,8 @@ from lammps_inputs.laws import contact
 from lammps_inputs.limits.rates import stability_bound
 from workflow.cli import main
 from workflow.engines.reference import engine
+from workflow.measures.cells import CellMeter, left
+from workflow.measures.forces.force_meter import ForceMeter
 from workflow.runs.contacts import measure
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
@@ -178,7 +178,7 @@ def test_a_taper_hands_on_less_of_the_energy(taper, share):
     trajectory = engine.run(problem)
     last = trajectory.velocity[:, 0, -1].max()
     assert 0.5 * problem.system.mass[0, -1] * last**2 / physics.energy(problem.system) == pytest.approx(share, abs=5e-5)
-    found, final = survey(lambda: blocks(trajectory), problem), FinalEnergy(problem)
+    found, final = survey(lambda: blocks(trajectory), problem), CellMeter(problem)
     final.add(trajectory)
     assert final.end(found, 1) == pytest.approx(share, abs=5e-5)
 
@@ -261,7 +261,7 @@ def test_with_two_pulses_on_the_way_none_is_said_to_be_reflected():
     kicks = [{"bead": bead, "velocity": 1.0} for bead in (1, 2)]
     problem = library.from_plain({"name": "a", "beads": 40, "kick": kicks, "duration": 45.0, **beads}, "").problem()
     trajectory = engine.run(problem)
-    found, final = survey(lambda: blocks(trajectory), problem), FinalEnergy(problem)
+    found, final = survey(lambda: blocks(trajectory), problem), CellMeter(problem)
     final.add(trajectory)
     split = final.split(found, 1, 20)
     assert split.before + split.at + split.beyond == pytest.approx(1.0, abs=1e-6)

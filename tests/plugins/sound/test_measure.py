@@ -25,7 +25,9 @@ def problem(request):
 
 
 def sound_of(problem, bead_length, wave=None, crests=()):
-    return sound.SoundMeasurement(problem, Measured.of(problem, wave, crests, bead_length), bead_length)
+    return sound.SoundMeasurement(
+        problem, Measured.of(problem, wave, SimpleNamespace(crests=crests), bead_length), bead_length
+    )
 
 
 @pytest.mark.parametrize("si", [False, True])

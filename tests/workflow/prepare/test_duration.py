@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from analysis.gauges.forces import PULSE, ForceMeter
-from analysis.gauges.gauge import far_wall
+from analysis.gauges.gauge import PULSE, far_wall
 from lammps_inputs import InputError, library
 from workflow.engines.reference import engine
+from workflow.measures.forces.force_meter import ForceMeter
 from workflow.prepare.extent import with_duration
 
 AFTER = 6.0

@@ -9,9 +9,9 @@ from granchain.parts import (
     Survey,
     engine_called,
     leading_waves,
+    numbers,
     settle,
     shown_chains,
-    time_text,
     too_far_apart,
 )
 from workflow.plugins.pages.downsample import Thinned, thinned
@@ -81,6 +81,6 @@ def _refuse_slow(problem: Problem) -> None:
     seconds = estimated_seconds(problem)
     if seconds > MOST_SECONDS:
         raise InputError(
-            f"this scene takes about {time_text(seconds)}, more than the {MOST_SECONDS:g} s up to which this "
+            f"this scene takes about {numbers.time_text(seconds)}, more than the {MOST_SECONDS:g} s up to which this "
             "page computes; take a shorter duration or fewer beads, or save the scene and use `granchain run`"
         )

@@ -18,10 +18,10 @@ from granchain.parts import (
     fields,
     html,
     library,
+    numbers,
     provenance,
     references,
     strict_yaml,
-    time_text,
     with_hints,
 )
 from workflow.plugins.explore.compute import ComputedScene, computed
@@ -80,7 +80,7 @@ def answer(plain: dict[str, Any], source: str, validated: Callable[[Scene], None
         return Answer(None, str(error))
     except Exception as error:  # no memory, or a mistake of ours: the page goes on
         return Answer(None, f"{type(error).__name__}: {error}")
-    seconds = time_text(time.perf_counter() - started)
+    seconds = numbers.time_text(time.perf_counter() - started)
     return Answer(result, f"uncertainty of velocities {result.uncertainty:.1e} V; computed in {seconds}")
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from granchain.parts import (
     PrintedTable,
     RunDirectory,
-    collect,
     engine_called,
+    table_of,
     validate,
     validate_run,
     validation_tables,
@@ -69,7 +69,7 @@ def quantity_table(first: RunDirectory, second: RunDirectory) -> PrintedTable | 
 
     The uncertainty of a difference is the sum of both. None where neither run could be analysed.
     """
-    table = collect.table_of((first, second))
+    table = table_of((first, second))
     uncertainties = {name: table.uncertainty(name) for name in table.columns}
     lines = []
     for name, uncertainty in uncertainties.items():

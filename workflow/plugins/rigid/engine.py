@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from granchain.parts import Floats, Problem, Trajectory, frames_per_block, ieee, ieee_called_by_compiled, physics
+from granchain.parts import Floats, Problem, Trajectory, compiled, frames_per_block, physics
 from workflow.plugins.rigid.modes import Modes, advance, make_modes
 from workflow.plugins.rigid.roots import CONTACT, NEVER, PairDistance, first_contact
 
@@ -43,7 +43,7 @@ def make_heap(members: int) -> Heap:
     return Heap(np.full(members, np.inf), np.arange(members), np.arange(members))
 
 
-@ieee
+@compiled.ieee
 def reschedule(heap: Heap, member: int, time: float) -> None:
     """Give a member another time."""
     times, members, places = heap
@@ -123,7 +123,7 @@ def make_state(rows: Rows, modes: Modes) -> CollisionState:
     )
 
 
-@ieee_called_by_compiled
+@compiled.ieee_called_by_compiled
 def evolve(rows: Rows, pair: int, time: float, modes: Modes, near: Floats) -> None:
     """Write displacements and velocities of a pair of rows at a time into ``near``, [x and v, row of the pair, chain].
 
@@ -134,7 +134,7 @@ def evolve(rows: Rows, pair: int, time: float, modes: Modes, near: Floats) -> No
         advance(rows.x, rows.v, row, time - rows.time[row], modes, near, side)
 
 
-@ieee_called_by_compiled
+@compiled.ieee_called_by_compiled
 def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> None:
     """Set a pair of rows to ``near``, [x and v, row of the pair, chain], and exchange the velocities of one chain."""
     for side in range(2):
@@ -144,7 +144,7 @@ def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> Non
     rows.v[pair, chain], rows.v[pair + 1, chain] = near[1, 1, chain], near[1, 0, chain]
 
 
-@ieee_called_by_compiled
+@compiled.ieee_called_by_compiled
 def predict(state: CollisionState, pair: int, now: float, modes: Modes, gap: float, end: float) -> None:
     """Put the next contact of a pair of rows into the queue."""
     near, relative, waves = state.near, state.relative, state.waves
@@ -185,14 +185,14 @@ def predict(state: CollisionState, pair: int, now: float, modes: Modes, gap: flo
     reschedule(state.queue, pair, nearest)
 
 
-@ieee
+@compiled.ieee
 def predict_all(state: CollisionState, modes: Modes, gap: float, end: float) -> None:
     """Predict every pair from time 0."""
     for pair in range(len(state.chain)):
         predict(state, pair, 0.0, modes, gap, end)
 
 
-@ieee
+@compiled.ieee
 def collide(state: CollisionState, modes: Modes, gap: float, end: float, events: EventArrays) -> int:
     """Run until the arrays of events are full or nothing meets before the end; the number of events recorded."""
     rows, queue, near = state.rows, state.queue, state.near
@@ -341,7 +341,7 @@ def _start(problem: Problem) -> tuple[Rows, Modes]:
     return rows, make_modes(problem.chains, physics.kappa(problem.system))
 
 
-@ieee
+@compiled.ieee
 def _replay(
     rows: Rows,
     modes: Modes,

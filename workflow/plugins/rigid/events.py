@@ -5,26 +5,26 @@ from pathlib import Path
 import numpy as np
 
 from granchain import InputError
-from granchain.parts import Floats, Impulses, Integers, Problem, Scale, declare, declared, headings, result
+from granchain.parts import Floats, Integers, Problem, impulses, quantity, units
 
 EVENTS = "events.csv"
 """Name of the table in a run's directory."""
 
 
-@result
+@quantity.result
 class Collisions:
     """Collisions in the order in which they happen, [collision]; bead ``row`` of a chain strikes bead ``row + 1``."""
 
-    time: Floats = declare("time of the collision", "time", symbol="t")
-    chain: Integers = declare("number of the chain")
-    row: Integers = declare("number of the striking bead, which strikes the next")
-    striker: Floats = declare(
+    time: Floats = quantity.declare("time of the collision", "time", symbol="t")
+    chain: Integers = quantity.declare("number of the chain")
+    row: Integers = quantity.declare("number of the striking bead, which strikes the next")
+    striker: Floats = quantity.declare(
         "velocity of bead ``row`` before the collision, and of bead ``row + 1`` after it", "velocity"
     )
-    target: Floats = declare(
+    target: Floats = quantity.declare(
         "velocity of bead ``row + 1`` before the collision, and of bead ``row`` after it", "velocity"
     )
-    rounding: Integers = declare(
+    rounding: Integers = quantity.declare(
         "1 where rounding decides: from the collision on that ``rounding`` in ``analysis.json`` names, and at earlier "
         "ones of impulses below 0.001 m V that runs with a changed gap do not have; else 0",
         default=None,
@@ -45,10 +45,10 @@ class Collisions:
     def until(self, time: float) -> "Collisions":
         """The collisions up to a time, in units of T."""
         count = int(np.searchsorted(self.time, time, side="right"))
-        return Collisions(*(getattr(self, name)[:count] for name in declared(Collisions)))
+        return Collisions(*(getattr(self, name)[:count] for name in quantity.declared(Collisions)))
 
 
-def from_csv(path: Path, scale: Scale) -> Collisions:
+def from_csv(path: Path, scale: units.Scale) -> Collisions:
     """The collisions that a table in the scene's units holds.
 
     Raises:
@@ -57,8 +57,8 @@ def from_csv(path: Path, scale: Scale) -> Collisions:
     try:
         with path.open(encoding="utf-8") as file:
             head = file.readline().strip()
-            names = list(declared(Collisions))
-            with_units = headings(Collisions, scale)
+            names = list(quantity.declared(Collisions))
+            with_units = quantity.headings(Collisions, scale)
             # older tables have names without units, or do not mark rounding
             if head not in {",".join(heads) for heads in (with_units, with_units[:-1], names[:-1])}:
                 raise InputError(f"{path}: is not a table of collisions; its columns should be {', '.join(names)}")
@@ -76,7 +76,7 @@ def from_csv(path: Path, scale: Scale) -> Collisions:
     return Collisions(time / scale.time, chain, row, striker / velocity, target / velocity, *marks)
 
 
-def from_events(problem: Problem, events: Collisions, direction: int = 1) -> Impulses:
+def from_events(problem: Problem, events: Collisions, direction: int = 1) -> impulses.Impulses:
     """Impulses of rigid beads, a contact being one collision.
 
     Args:
@@ -96,4 +96,4 @@ def from_events(problem: Problem, events: Collisions, direction: int = 1) -> Imp
     _, index = np.unique(chain * problem.beads + row, return_index=True)  # the first of each place
     first[chain[index], row[index]] = events.impulse[index]
     time[chain[index], row[index]] = events.time[index]
-    return Impulses(np.arange(2, problem.beads + 1), first, total, contacts, time, 0.0)
+    return impulses.Impulses(np.arange(2, problem.beads + 1), first, total, contacts, time, 0.0)

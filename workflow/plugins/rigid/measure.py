@@ -3,21 +3,21 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from granchain.parts import Fact, FrameMeter, Measurement, Recorded, declare, result
+from granchain.parts import Fact, Measurement, Meter, Recorded, Survey, quantity
 from workflow.plugins.rigid.runs import RigidRecord
 
 
-@result
+@quantity.result
 class FirstByRounding:
     """First collision of rigid beads that follows rounding."""
 
-    collision: int | None = declare(
+    collision: int | None = quantity.declare(
         "number of the first collision that a change of the gap by 4e-15 of it changes: a displacement by 0.001 of the "
         "gap or the impulse by 0.001 m V; rounding decides it and those after it",
         undefined="none follows rounding",
     )
-    row: int | None = declare("number of the bead that strikes in it", undefined="as ``collision``")
-    time: float | None = declare("its time", "time", "as ``collision``", "t")
+    row: int | None = quantity.declare("number of the bead that strikes in it", undefined="as ``collision``")
+    time: float | None = quantity.declare("its time", "time", "as ``collision``", "t")
 
 
 @dataclass(frozen=True, repr=False)
@@ -40,12 +40,22 @@ class RoundingMeasurement(Measurement):
             )
 
     @classmethod
-    def meter(cls, run: Recorded) -> FrameMeter | None:
+    def meter(cls, run: Recorded) -> "RoundingMeter | None":
         """Rigid beads."""
-        if run.problem.system.holds(Fact.OVERLAPS):
-            return None
-        values = FirstByRounding(None, None, None)
+        return None if run.problem.system.holds(Fact.OVERLAPS) else RoundingMeter(run)
+
+
+class RoundingMeter(Meter):
+    """First collision that follows rounding, from the record of the run."""
+
+    def __init__(self, run: Recorded) -> None:
+        self.run = run
+
+    def finish(self, survey: Survey) -> RoundingMeasurement:
+        """The first collision."""
+        del survey
+        values, run = FirstByRounding(None, None, None), self.run
         if isinstance(run.job, RigidRecord) and run.job.rounding is not None:
             rounding = run.job.rounding
             values = FirstByRounding(rounding.collision, rounding.row, rounding.time / run.problem.scale.time)
-        return FrameMeter(lambda _: cls(run.problem, values))
+        return RoundingMeasurement(run.problem, values)

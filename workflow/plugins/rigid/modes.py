@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from granchain.parts import Floats, ieee_called_by_compiled
+from granchain.parts import Floats, compiled
 
 
 class Modes(NamedTuple):
@@ -41,7 +41,7 @@ def make_modes(chains: int, kappa: float) -> Modes:
     return Modes(omega, shape, 1.0 / (shape**2).sum(axis=1))
 
 
-@ieee_called_by_compiled
+@compiled.ieee_called_by_compiled
 def advance(x: Floats, v: Floats, row: int, elapsed: float, modes: Modes, later: Floats, side: int) -> None:
     """Write the motion of one row after a time without collisions into ``later[:, side]``.
 

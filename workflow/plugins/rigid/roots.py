@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from granchain.parts import Floats, ieee, ieee_called_by_compiled
+from granchain.parts import Floats, compiled
 
 EPS = float(np.finfo(np.float64).eps)
 
@@ -45,7 +45,7 @@ class PairDistance(NamedTuple):
     """frequencies of the oscillating terms, [mode]"""
 
 
-@ieee_called_by_compiled
+@compiled.ieee_called_by_compiled
 def advance_to(g: float, slope: float, bend: float) -> float:
     """The first positive root of ``g + slope s - bend s**2 / 2`` for g, bend >= 0; inf if there is none."""
     root = math.sqrt(slope * slope + 2.0 * bend * g)
@@ -54,7 +54,7 @@ def advance_to(g: float, slope: float, bend: float) -> float:
     return (slope + root) / bend if bend > 0.0 else math.inf
 
 
-@ieee_called_by_compiled
+@compiled.ieee_called_by_compiled
 def safe_step(
     g: float, slope: float, curvature: float, bounds: tuple[float, float], least: float, limit: float
 ) -> float:
@@ -80,7 +80,7 @@ def safe_step(
     return step
 
 
-@ieee
+@compiled.ieee
 def first_contact(distance: PairDistance, limit: float, now: float, gap: float) -> tuple[float, int]:
     """Time from now until a distance closes, and CONTACT; or LOOK_AGAIN and a time before which it does not; or NEVER.
 

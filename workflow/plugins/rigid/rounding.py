@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from granchain.parts import Along, Problem, physics
+from granchain.parts import Problem, physics
 from workflow.plugins.rigid.engine import CollisionRun, played_back, run
 
 CHANGE = 2.0**-48
@@ -96,5 +96,6 @@ def _among(collisions: CollisionRun, end: int, other: CollisionRun, gap: float) 
 
 def _with_gap(problem: Problem, gap: float) -> Problem:
     """A problem of rigid beads with another gap, in units of L."""
-    links = tuple(replace(link, gap=gap) if isinstance(link, Along) else link for link in problem.system.links)
+    along, links = problem.system.along, problem.system.links
+    links = (*(replace(link, gap=gap) for link in along), *links[len(along) :])  # contacts are the first
     return replace(problem, system=replace(problem.system, links=links))

@@ -8,34 +8,19 @@ from typing import Any
 import numpy as np
 
 from granchain import Scene
-from granchain.parts import (
-    Count,
-    Engine,
-    Fact,
-    Impulses,
-    Job,
-    Number,
-    Problem,
-    RecordPart,
-    Work,
-    csv_of,
-    file_names,
-    physics,
-    write_frames,
-    write_text,
-)
+from granchain.parts import Fact, Problem, engines, file_names, impulses, job, physics, quantity, write_text
 from workflow.plugins.rigid.events import EVENTS, Collisions, from_csv, from_events
 
 
-class RoundingRecord(RecordPart):
+class RoundingRecord(job.RecordPart):
     """First collision that follows rounding: its number and that of the striking bead, from 1; time in scene's unit."""
 
-    collision: Count
-    row: Count
-    time: Number
+    collision: job.Count
+    row: job.Count
+    time: job.Number
 
 
-class RigidRecord(Job):
+class RigidRecord(job.Job):
     """What ``run.json`` holds of a run of rigid beads.
 
     Attributes:
@@ -43,16 +28,16 @@ class RigidRecord(Job):
         rounding: where they begin to follow rounding.
     """
 
-    collisions: Count | None = None
+    collisions: job.Count | None = None
     rounding: RoundingRecord | None = None
 
 
-class RigidEngine(Engine):
+class RigidEngine(engines.Engine):
     """Collisions of rigid beads."""
 
     name = "collisions"
     title = "the engine of rigid beads"
-    files = (*Engine.files, EVENTS)
+    files = (*engines.Engine.files, EVENTS)
     table = EVENTS, Collisions
     record = RigidRecord
 
@@ -81,7 +66,7 @@ class RigidEngine(Engine):
         system = replace(problem.system, lacks=problem.system.lacks | {Fact.OVERLAPS})
         return replace(problem, system=system)
 
-    def compute(self, work: Work) -> dict[str, Any]:
+    def compute(self, work: engines.Work) -> dict[str, Any]:
         """Every collision, and the frames of the exact motion between them."""
         # numba takes a third of a second to import
         from workflow.plugins.rigid import engine, rounding
@@ -97,8 +82,8 @@ class RigidEngine(Engine):
         rounded = rounding.by_rounding(run)
         marks, first = rounded.collisions.astype(np.int64), rounded.first
         events = Collisions(run.time, run.chain, run.row, run.striker, run.target, marks)
-        write_text(path / EVENTS, csv_of(events, problem.scale))
-        ending = write_frames(path / file_names.DUMP, problem, engine.blocks(run), work.progress)
+        write_text(path / EVENTS, quantity.csv_of(events, problem.scale))
+        ending = engines.write_frames(path / file_names.DUMP, problem, engine.blocks(run), work.progress)
         if ending["outcome"] != "done":
             return ending
         computed = {**ending, "engine_seconds": seconds, "collisions": len(run)}
@@ -107,28 +92,30 @@ class RigidEngine(Engine):
         time_of_first = problem.scale.measured(float(run.time[first]), "time")
         return computed | {"rounding": {"collision": first + 1, "row": int(run.row[first]), "time": time_of_first}}
 
-    def sentence(self, job: Job) -> str:
+    def sentence(self, job: job.Job) -> str:
         """Number of collisions and time, with a warning where they follow rounding."""
         assert isinstance(job, RigidRecord)
         seconds = f"{job.engine_seconds:.2g} s"
         line = f"{job.collisions} collisions of rigid beads were computed in {seconds}; events.csv lists them"
         return line if job.rounding is None else f"{line}\nwarning: {_of_rounding(job.rounding)}"
 
-    def errors(self, job: Job) -> tuple[float, float] | None:
+    def errors(self, job: job.Job) -> tuple[float, float] | None:
         """None: the motion is exact between collisions."""
         del job
         return None
 
-    def is_complete(self, job: Job) -> bool:
+    def is_complete(self, job: job.Job) -> bool:
         """Whether a run came to its end."""
         return job.outcome == "done"
 
-    def impulses(self, path: Path, problem: Problem, direction: int = 1, until: float | None = None) -> Impulses:
+    def impulses(
+        self, path: Path, problem: Problem, direction: int = 1, until: float | None = None
+    ) -> impulses.Impulses:
         """Impulses by the collisions that ``events.csv`` lists."""
         collisions = from_csv(path / EVENTS, problem.scale)
         return from_events(problem, collisions if until is None else collisions.until(until), direction)
 
-    def rounded_from(self, job: Job) -> float | None:
+    def rounded_from(self, job: job.Job) -> float | None:
         """Time in the scene's unit of the first collision that follows rounding; None where none does."""
         return job.rounding.time if isinstance(job, RigidRecord) and job.rounding is not None else None
 

@@ -11,18 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from granchain.parts import (
-    Floats,
-    Integers,
-    NoDispersionError,
-    Problem,
-    Trajectory,
-    UnitCell,
-    cell_of,
-    declare,
-    physics,
-    result,
-)
+from granchain.parts import Floats, Integers, Problem, Trajectory, physics, quantity, unit_cell
 
 MOST_NUMBERS = 10_000_000
 """Largest number of velocities that are held in memory."""
@@ -40,37 +29,39 @@ WITHOUT_MAP = "there is no map"
 NO_POWER = "the branch has no power there, or less than other branches have in its mode shape"
 
 
-@result
+@quantity.result
 class Bands:
     """Bands of small waves; or the reason why they are unknown."""
 
-    why: str | None = declare("reason why there is no map", undefined="there is one")
-    beads: int | None = declare("beads of a cell, what repeats along the chains", "beads", WITHOUT_MAP, default=None)
-    bands: Floats | None = declare(
+    why: str | None = quantity.declare("reason why there is no map", undefined="there is one")
+    beads: int | None = quantity.declare(
+        "beads of a cell, what repeats along the chains", "beads", WITHOUT_MAP, default=None
+    )
+    bands: Floats | None = quantity.declare(
         "lowest and highest angular frequency of every branch, exact", "frequency", WITHOUT_MAP, "\\omega", default=None
     )
-    measured: Floats | None = declare(
+    measured: Floats | None = quantity.declare(
         "lowest and highest measured angular frequency of every branch (``dispersion.csv``)",
         "frequency",
         f"{WITHOUT_MAP}; of a branch that is measured at no wavenumber",
         default=None,
     )
-    bin: float | None = declare("resolution of measured frequencies", "frequency", WITHOUT_MAP, default=None)
+    bin: float | None = quantity.declare("resolution of measured frequencies", "frequency", WITHOUT_MAP, default=None)
 
 
-@result
+@quantity.result
 class Branches:
     """Table of the branches: an entry for each wavenumber and branch."""
 
-    wavenumber: Floats = declare("wavenumber, radians a bead", "rad/bead", symbol="q")
-    branch: Integers = declare("number of the branch, from the lowest")
-    frequency: Floats = declare("exact angular frequency", "frequency", symbol="\\omega")
-    measured: Floats = declare(
+    wavenumber: Floats = quantity.declare("wavenumber, radians a bead", "rad/bead", symbol="q")
+    branch: Integers = quantity.declare("number of the branch, from the lowest")
+    frequency: Floats = quantity.declare("exact angular frequency", "frequency", symbol="\\omega")
+    measured: Floats = quantity.declare(
         "angular frequency of the run: that of the largest power of the velocities in the branch's exact mode shape",
         "frequency",
         NO_POWER,
     )
-    uncertainty: Floats = declare(
+    uncertainty: Floats = quantity.declare(
         "uncertainty of ``measured``: the resolution ``bin``, and the change of the exact frequency over that "
         "of wavenumbers, 2 pi / beads",
         "frequency",
@@ -96,7 +87,7 @@ class Map:
     wavenumber: Floats
     frequency: Floats
     power: Floats
-    cell: UnitCell
+    cell: unit_cell.UnitCell
     folded: Floats
     exact: Floats
     measured: Floats
@@ -165,13 +156,13 @@ class Dispersion:
     """
 
     def __init__(self, problem: Problem) -> None:
-        self.cell = cell_of(problem.system)
+        self.cell = unit_cell.cell_of(problem.system)
         if not problem.whole:
-            raise NoDispersionError("it takes the velocities of all beads; record them all")
+            raise unit_cell.NoDispersionError("it takes the velocities of all beads; record them all")
         top = float(self.cell.bands().max())
         if problem.every * top > math.pi:
             limit = math.pi / top * problem.scale.time
-            raise NoDispersionError(
+            raise unit_cell.NoDispersionError(
                 f"frames are farther apart than half a period of its highest frequency, {limit:.3g}; record more often"
             )
         self._stride = max(1, int(0.7 * math.pi / (problem.every * top)))
@@ -198,7 +189,7 @@ class Dispersion:
         velocity = np.concatenate(self._velocity)
         frames, _, beads = velocity.shape
         if frames < 16:
-            raise NoDispersionError(f"{frames} frames are too few")
+            raise unit_cell.NoDispersionError(f"{frames} frames are too few")
         velocity *= np.hanning(frames + 2)[1:-1, np.newaxis, np.newaxis] * np.hanning(beads + 2)[1:-1]
         transform = np.fft.fft(np.fft.rfft(velocity[:, self._chain - 1], axis=0), axis=1)
         # exp(i (q n - omega t)) runs forward
@@ -211,7 +202,7 @@ class Dispersion:
         return Map(self._chain, wavenumber, frequency, power, self.cell, folded, exact, measured)
 
 
-def projected_power(cell: UnitCell, velocity: Floats) -> tuple[Floats, Floats, Floats]:
+def projected_power(cell: unit_cell.UnitCell, velocity: Floats) -> tuple[Floats, Floats, Floats]:
     """Power of velocities in the mode shapes of a cell, waves of both directions together.
 
     Args:

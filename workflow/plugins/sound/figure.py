@@ -7,19 +7,19 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from granchain.parts import AxisUnit, Problem, axis_unit, head, legend_below, new_figure, styled, title
+from granchain.parts import Problem, style
 from workflow.plugins.sound.dispersion import Branches, Map
 
 
-@styled
+@style.styled
 def dispersion_figure(problem: Problem, spectrum: Map) -> Figure:
     """The map of the chain with the largest excitation; exact branches as lines, borders of the bands dotted."""
     edges = spectrum.cell.bands()
-    unit = axis_unit(problem, "frequency", float(edges.max()))
+    unit = style.axis_unit(problem, "frequency", float(edges.max()))
     worth = unit.worth
     bands = edges * worth
     power, (left, right), (bottom, top) = spectrum.shown_power()
-    figure = new_figure(4.8, 6.4)
+    figure = style.new_figure(4.8, 6.4)
     axis = figure.subplots()
     image = axis.imshow(
         power,
@@ -44,14 +44,14 @@ def dispersion_figure(problem: Problem, spectrum: Map) -> Figure:
     axis.set_xticks(
         [-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi], [r"$-\pi$", r"$-\pi/2$", "0", r"$\pi/2$", r"$\pi$"]
     )
-    axis.set_xlabel(AxisUnit(1.0, "rad/bead").label(Branches, "wavenumber"))
+    axis.set_xlabel(style.AxisUnit(1.0, "rad/bead").label(Branches, "wavenumber"))
     axis.set_ylabel(unit.label(Branches, "frequency", "angular frequency"))
     bar = figure.colorbar(image, ax=axis)
     bar.set_label(r"$\log_{10}$ (power / maximum)")
     chain = f"; chain {spectrum.chain}" if problem.chains > 1 else ""
-    head(figure, f"{title(problem)}{chain}")
+    style.head(figure, f"{style.title(problem)}{chain}")
     # white on the map
-    legend_below(
+    style.legend_below(
         figure,
         [Line2D([], [], color="black", **dashes), Line2D([], [], color="0.4", **dots)],
         ["exact branches", "edges of bands"],

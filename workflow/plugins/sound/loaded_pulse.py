@@ -1,28 +1,22 @@
 """The leading pulse on top of a static load: its speed, and the contact force in it over that at rest."""
 
-from collections.abc import Iterable
-
 import numpy as np
 
 from granchain.parts import (
     Floats,
     Problem,
-    Pulse,
+    Survey,
     Trajectory,
-    bands,
-    cell_beads,
-    declare,
-    derived,
     direction_of,
     hermite,
     joined,
     laws,
+    long_waves,
     motion,
     physics,
+    quantity,
     rates,
-    result,
-    sound_speed,
-    speed_over_sound,
+    unit_cell,
 )
 
 CLEAR = 5
@@ -39,80 +33,87 @@ SMALLEST = 1e-3
 """Velocity, in units of V, of a pulse whose overlap counts."""
 
 
-@result
+@quantity.result
 class LoadedWave:
     """The leading pulse of the kicked chain, where it was last clear of the ends."""
 
-    chain: int = declare("number of the chain")
-    first: int = declare("first contact between which speed and force were measured")
-    last: int = declare("last contact between which speed and force were measured")
-    force_ratio: float = declare("mean of the largest total force of a contact over that at rest", symbol="F_m / F_0")
-    speed: float = declare("speed of the pulse", "speed", symbol="c")
-    sound: float = declare("mean speed of sound there, as ``speed`` of the chains", "speed", symbol="c_0")
-    theory: float = declare(
+    chain: int = quantity.declare("number of the chain")
+    first: int = quantity.declare("first contact between which speed and force were measured")
+    last: int = quantity.declare("last contact between which speed and force were measured")
+    force_ratio: float = quantity.declare(
+        "mean of the largest total force of a contact over that at rest", symbol="F_m / F_0"
+    )
+    speed: float = quantity.declare("speed of the pulse", "speed", symbol="c")
+    sound: float = quantity.declare("mean speed of sound there, as ``speed`` of the chains", "speed", symbol="c_0")
+    theory: float = quantity.declare(
         "speed of the long-wave theory's solitary wave of this force ratio over that of sound (Nesterenko)",
         undefined="beads differ",
     )
 
     @property
-    @derived(symbol="c / c_0")
+    @quantity.derived(symbol="c / c_0")
     def over_sound(self) -> float:
         """Speed of the pulse over that of sound."""
         return self.speed / self.sound
 
     @property
-    @derived(undefined="beads differ")
+    @quantity.derived(undefined="beads differ")
     def over_theory(self) -> float:
         """Speed of the pulse over that of the theory's wave."""
         return self.over_sound / self.theory
 
 
-@result
+@quantity.result
 class Sound:
     """Sound of chains under a static load, and the leading pulse."""
 
-    load: Floats = declare("least and largest force of a contact at rest", "force", symbol="F_0")
-    overlap: Floats = declare("least and largest overlap at rest", "length")
-    speed: Floats | None = declare(
+    load: Floats = quantity.declare("least and largest force of a contact at rest", "force", symbol="F_0")
+    overlap: Floats = quantity.declare("least and largest overlap at rest", "length")
+    speed: Floats | None = quantity.declare(
         "least and largest speed of sound of long waves, at each bead 1 / sqrt(m s): mean mass m of five beads "
         "(weights 1, 2, 2, 2, 1), mean compliance s of six contacts (1, 3, 4, 4, 3, 1), or whole cells",
         "speed",
         "a foundation holds beads, so that long waves do not run",
         "c_0",
     )
-    metres: Floats | None = declare(
+    metres: Floats | None = quantity.declare(
         "``speed`` in m/s",
         "m/s",
         "without a material, where beads or static loads differ along the chains, or no long waves run",
     )
-    cutoff: float = declare(
+    cutoff: float = quantity.declare(
         "highest angular frequency of small motions; an upper bound of it where beads, springs or loads do not repeat "
         "along the chains",
         "frequency",
     )
-    crest: float | None = declare(
+    crest: float | None = quantity.declare(
         "largest velocity of crests of sound, which are no pulses (analysis/README.md)", "velocity", "there is none"
     )
-    pulse: LoadedWave | None = declare(
+    pulse: LoadedWave | None = quantity.declare(
         "the leading pulse of the kicked chain", undefined="it did not run far enough, or does not keep its shape"
     )
 
     @classmethod
-    def of(
-        cls, problem: Problem, pulse: LoadedWave | None, crests: Iterable[Pulse], bead_length: float | None
-    ) -> "Sound":
-        """Sound in the chains of a problem; ``bead_length``: distance of neighbouring beads at rest in m, or None."""
+    def of(cls, problem: Problem, pulse: LoadedWave | None, survey: Survey, bead_length: float | None) -> "Sound":
+        """Sound in the chains of a problem.
+
+        Args:
+            problem: what was run.
+            pulse: the leading pulse; None where it did not run far enough.
+            survey: crests of sound in the run.
+            bead_length: distance of neighbouring beads at rest in m, or None.
+        """
         system = problem.system
         load, rest = (np.asarray(find(system.along[0].law)) for find in (laws.load, laws.rest))
-        branches = bands(system)
-        speed = None if physics.ground_springs(system) else _ends(sound_speed(system))
+        branches = unit_cell.bands(system)
+        speed = None if physics.ground_springs(system) else _ends(long_waves.sound_speed(system))
         return cls(
             load=_ends(load),
             overlap=_ends(rest),
             speed=speed,
             metres=None if bead_length is None or speed is None else speed / problem.scale.time * bead_length,
             cutoff=rates.modal_frequency(system) if branches is None else float(branches.max()),
-            crest=max((float(crest.peak_velocity.max()) for crest in crests), default=None),
+            crest=max((float(crest.peak_velocity.max()) for crest in survey.crests), default=None),
             pulse=pulse,
         )
 
@@ -172,7 +173,7 @@ class LoadedPulse:
         reached = contact[clear & np.isfinite(self._arrival[chain])]
         if len(reached) < CLEAR:
             return None
-        cell = cell_beads(system)
+        cell = long_waves.cell_beads(system)
         over = cell * min(-(-OVER // cell), max(1, (len(reached) - 1) // cell))
         used = reached[-over - 1 :] if direction > 0 else reached[: over + 1]
         first, last = (int(used[0]), int(used[-1])) if direction > 0 else (int(used[-1]), int(used[0]))
@@ -183,6 +184,10 @@ class LoadedPulse:
             return None
         ratio = float(np.mean(force[chain, used] / load[chain, used]))
         taken = float(self._arrival[chain, last] - self._arrival[chain, first])
-        sound = float(np.mean(sound_speed(system)[chain, used]))
-        theory = float(speed_over_sound(ratio, physics.exponent(system) or 1.5)) if physics.one_kind(system) else np.nan
+        sound = float(np.mean(long_waves.sound_speed(system)[chain, used]))
+        theory = (
+            float(long_waves.speed_over_sound(ratio, physics.exponent(system) or 1.5))
+            if physics.one_kind(system)
+            else np.nan
+        )
         return LoadedWave(number, first + 1, last + 1, ratio, abs(last - first) / taken, sound, theory)

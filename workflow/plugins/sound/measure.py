@@ -11,20 +11,19 @@ from granchain import Scene
 from granchain.parts import (
     Fact,
     Floats,
-    FrameMeter,
     Measurement,
-    NoDispersionError,
+    Meter,
+    Problem,
     Recorded,
     Survey,
-    bands,
+    Trajectory,
     laws,
+    long_waves,
     physics,
-    sound_speed,
+    unit_cell,
 )
-from workflow.plugins.sound.dispersion import Bands, Branches, Map
-from workflow.plugins.sound.dispersion import Dispersion as Collected
-from workflow.plugins.sound.loaded_pulse import LoadedPulse
-from workflow.plugins.sound.loaded_pulse import Sound as Measured
+from workflow.plugins.sound.dispersion import Bands, Branches, Dispersion, Map
+from workflow.plugins.sound.loaded_pulse import LoadedPulse, Sound
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -62,45 +61,57 @@ class DispersionMeasurement(Measurement):
         return dispersion_figure(self.problem, self.map)
 
     @classmethod
-    def meter(cls, run: Recorded) -> FrameMeter | None:
+    def meter(cls, run: Recorded) -> "DispersionMeter | None":
         """Dispersion of chains under a static load."""
-        problem = run.problem
-        if not physics.loaded(problem.system):
-            return None
+        return DispersionMeter(run.problem) if physics.loaded(run.problem.system) else None
+
+
+class DispersionMeter(Meter):
+    """The map of velocities, or the reason why there is none."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self._collected, self._why = None, ""
         try:
-            collected = Collected(problem)
-        except NoDispersionError as error:
-            why = Bands(str(error))
-            return FrameMeter(lambda _: cls(problem, why, None))
+            self._collected = Dispersion(problem)
+        except unit_cell.NoDispersionError as error:
+            self._why = str(error)
 
-        def finish(_: Survey) -> DispersionMeasurement:
-            try:
-                dispersion = collected.result()
-            except NoDispersionError as error:
-                return cls(problem, Bands(str(error)), None)
-            return cls(problem, dispersion.bands(), dispersion)
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames."""
+        if self._collected is not None:
+            self._collected.add(block)
 
-        return FrameMeter(finish, collected.add)
+    def finish(self, survey: Survey) -> DispersionMeasurement:
+        """Map and bands of all frames."""
+        del survey
+        if self._collected is None:
+            return DispersionMeasurement(self.problem, Bands(self._why), None)
+        try:
+            dispersion = self._collected.result()
+        except unit_cell.NoDispersionError as error:
+            return DispersionMeasurement(self.problem, Bands(str(error)), None)
+        return DispersionMeasurement(self.problem, dispersion.bands(), dispersion)
 
 
 @dataclass(frozen=True, repr=False)
 class SoundMeasurement(Measurement):
     """Speed of sound, and the leading pulse."""
 
-    key, kind = "sound", Measured
+    key, kind = "sound", Sound
 
-    values: Measured
+    values: Sound
     bead_length: float | None
     """Distance of neighbouring beads at rest, in m; None where there is no one such distance."""
 
     @property
     def local_speed(self) -> Floats:
         """Speed of sound at each bead, [chain, bead] in beads / T."""
-        return sound_speed(self.problem.system)
+        return long_waves.sound_speed(self.problem.system)
 
     def lines(self) -> Iterator[str]:
         """Speed of sound, and the leading pulse against it."""
-        scale, wave, frequencies = self.problem.scale, self.values.pulse, bands(self.problem.system)
+        scale, wave, frequencies = self.problem.scale, self.values.pulse, unit_cell.bands(self.problem.system)
         if physics.ground_springs(self.problem.system):
             line = "long waves of sound do not run, as springs to the ground hold the beads"
             if frequencies is not None:
@@ -126,19 +137,30 @@ class SoundMeasurement(Measurement):
             yield line
 
     @classmethod
-    def meter(cls, run: Recorded) -> FrameMeter | None:
+    def meter(cls, run: Recorded) -> "SoundMeter | None":
         """Sound under a static load; the pulse where it stays together and all beads are recorded."""
-        problem = run.problem
-        if not physics.loaded(problem.system):
-            return None
-        length = bead_length(run.scene)
-        pulse = LoadedPulse(problem) if problem.whole and problem.system.holds(Fact.PULSE) else None
+        return SoundMeter(run) if physics.loaded(run.problem.system) else None
 
-        def finish(survey: Survey) -> SoundMeasurement:
-            wave = None if pulse is None else pulse.result()
-            return cls(problem, Measured.of(problem, wave, survey.crests, length), length)
 
-        return FrameMeter(finish) if pulse is None else FrameMeter(finish, pulse.add)
+class SoundMeter(Meter):
+    """Speed of sound, and the leading pulse on it."""
+
+    def __init__(self, run: Recorded) -> None:
+        self.problem = run.problem
+        self._length = bead_length(run.scene)
+        pulses = run.problem.whole and run.problem.system.holds(Fact.PULSE)
+        self._pulse = LoadedPulse(run.problem) if pulses else None
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames."""
+        if self._pulse is not None:
+            self._pulse.add(block)
+
+    def finish(self, survey: Survey) -> SoundMeasurement:
+        """Sound and the leading pulse of all frames."""
+        wave = None if self._pulse is None else self._pulse.result()
+        sound = Sound.of(self.problem, wave, survey, self._length)
+        return SoundMeasurement(self.problem, sound, self._length)
 
 
 def bead_length(scene: Scene) -> float | None:

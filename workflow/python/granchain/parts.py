@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from workflow import lazy_names
 
 if TYPE_CHECKING:
-    from analysis import contacts as contacts
     from analysis import hermite as hermite
     from analysis import motion as motion
     from analysis import quantity as quantity
@@ -31,9 +30,6 @@ if TYPE_CHECKING:
     from analysis.figures.style import CHAIN_COLOURS as CHAIN_COLOURS
     from analysis.figures.style import CHAIN_DASHES as CHAIN_DASHES
     from analysis.figures.style import AxisUnit as AxisUnit
-    from analysis.figures.style import axis_unit as axis_unit
-    from analysis.figures.style import head as head
-    from analysis.figures.style import legend_below as legend_below
     from analysis.figures.style import new_figure as new_figure
     from analysis.figures.style import shown_chains as shown_chains
     from analysis.figures.style import styled as styled
@@ -43,34 +39,23 @@ if TYPE_CHECKING:
     from analysis.files import traces as traces
     from analysis.files.binary_dump import BinaryDump as BinaryDump
     from analysis.files.traces import Channel as Channel
-    from analysis.gauges import forces as forces
     from analysis.gauges.channels import beads_of as beads_of
     from analysis.gauges.channels import read as read
     from analysis.gauges.channels import read_at as read_at
     from analysis.gauges.gauge import at_frames as at_frames
     from analysis.gauges.gauge import gauges as gauges
-    from analysis.quantity import csv_of as csv_of
     from analysis.quantity import declare as declare
-    from analysis.quantity import declared as declared
-    from analysis.quantity import derived as derived
-    from analysis.quantity import headings as headings
     from analysis.quantity import plain as plain
     from analysis.quantity import result as result
     from analysis.shape import exact_wave as exact_wave
-    from analysis.shape.long_waves import cell_beads as cell_beads
-    from analysis.shape.long_waves import sound_speed as sound_speed
-    from analysis.shape.long_waves import speed_over_sound as speed_over_sound
-    from analysis.shape.unit_cell import NoDispersionError as NoDispersionError
-    from analysis.shape.unit_cell import UnitCell as UnitCell
+    from analysis.shape import long_waves as long_waves
+    from analysis.shape import unit_cell as unit_cell
     from analysis.shape.unit_cell import bands as bands
-    from analysis.shape.unit_cell import cell_of as cell_of
     from analysis.sharing import energies as energies
     from analysis.sharing import impulses as impulses
-    from analysis.sharing.impulses import Impulses as Impulses
     from analysis.sharing.survey import Survey as Survey
     from analysis.tracking import leading_waves as leading_waves
     from analysis.tracking import peaks as peaks
-    from analysis.tracking.pulses import Pulse as Pulse
     from analysis.trajectory import Flags as Flags
     from analysis.trajectory import Floats as Floats
     from analysis.trajectory import Integers as Integers
@@ -107,7 +92,6 @@ if TYPE_CHECKING:
     from lammps_inputs.laws.plastic import restitution_of as restitution_of
     from lammps_inputs.limits import rates as rates
     from lammps_inputs.limits.rates import stability_bound as stability_bound
-    from lammps_inputs.links import Along as Along
     from lammps_inputs.numbers import known as known
     from lammps_inputs.numbers import plain_values as plain_values
     from lammps_inputs.numbers import text as text
@@ -119,6 +103,7 @@ if TYPE_CHECKING:
     from lammps_inputs.units import Label as Label
     from lammps_inputs.units import Scale as Scale
     from workflow import cli as cli
+    from workflow import compiled as compiled
     from workflow import cost_model as cost_model
     from workflow import errors as errors
     from workflow import formats as formats
@@ -136,8 +121,6 @@ if TYPE_CHECKING:
     from workflow.commands.analyze import report as report
     from workflow.commands.deck import write as write
     from workflow.commands.sweep import case_decks as case_decks
-    from workflow.compiled import ieee as ieee
-    from workflow.compiled import ieee_called_by_compiled as ieee_called_by_compiled
     from workflow.engines.lammps import mpi as mpi
     from workflow.engines.lammps.engine import run_deck as run_deck
     from workflow.engines.reference import engine as engine
@@ -153,8 +136,10 @@ if TYPE_CHECKING:
     from workflow.engines.reference.schemes import Scheme as Scheme
     from workflow.engines.reference.step_halving import StepHalving as StepHalving
     from workflow.engines.reference.uncertainty import Uncertainty as Uncertainty
-    from workflow.measures.base import FrameMeter as FrameMeter
+    from workflow.measures import forces as forces
+    from workflow.measures import plastic as plastic
     from workflow.measures.base import Measurement as Measurement
+    from workflow.measures.base import Meter as Meter
     from workflow.measures.base import Recorded as Recorded
     from workflow.prepare.settings import settle as settle
     from workflow.quantities.columns import AT_BEAD as AT_BEAD
@@ -168,18 +153,13 @@ if TYPE_CHECKING:
     from workflow.quantities.evaluate import evaluate as evaluate
     from workflow.quantities.evaluate import of_frames as of_frames
     from workflow.quantities.evaluate import scene_to_run as scene_to_run
+    from workflow.runs import engines as engines
+    from workflow.runs import job as job
     from workflow.runs import labelled as labelled
     from workflow.runs import status as status
-    from workflow.runs.engines import Engine as Engine
-    from workflow.runs.engines import Work as Work
     from workflow.runs.engines import engine_called as engine_called
-    from workflow.runs.engines import write_frames as write_frames
     from workflow.runs.files import complete as complete
     from workflow.runs.files import write_text as write_text
-    from workflow.runs.job import Count as Count
-    from workflow.runs.job import Job as Job
-    from workflow.runs.job import Number as Number
-    from workflow.runs.job import RecordPart as RecordPart
     from workflow.runs.output_directory import make_directory as make_directory
     from workflow.runs.output_directory import record_files as record_files
     from workflow.runs.run import run as run
@@ -210,12 +190,12 @@ if TYPE_CHECKING:
     from workflow.sweep import fields as fields
     from workflow.sweep.axes import heading as heading
     from workflow.sweep.axes import label as label
-    from workflow.sweep.collect import collect as collect
     from workflow.sweep.file import SweepPart as SweepPart
     from workflow.sweep.file import number as number
     from workflow.sweep.file import scene_in as scene_in
     from workflow.sweep.file import scene_of_file as scene_of_file
     from workflow.sweep.file import validated as validated
+    from workflow.sweep.run_table import table_of as table_of
     from workflow.verdicts import analyse as analyse
     from workflow.verdicts import analysis_lines as analysis_lines
     from workflow.verdicts import places as places
@@ -223,7 +203,6 @@ if TYPE_CHECKING:
     from workflow.verdicts import validate as validate
     from workflow.verdicts import validate_run as validate_run
     from workflow.verdicts import validation_tables as validation_tables
-    from workflow.verdicts.analyse import analyse as analyse
     from workflow.verdicts.analyse import measure as measure
     from workflow.verdicts.validate_table import check_channels as check_channels
     from workflow.workers import computations as computations

@@ -3,9 +3,7 @@
 import argparse
 from pathlib import Path
 
-from workflow.quantities.evaluate import case
-from workflow.study_kit.directory import Study, csv_text
-from workflow.study_kit.options import add_jobs, add_output
+from granchain.parts import Study, case, csv_text, options
 
 EXAMPLES = ("hardness -o hard",)
 STUDY = Study("hardness", "hardness.csv is the table", tables=("hardness.csv",), cache="cases.jsonl")
@@ -14,8 +12,8 @@ STIFFNESS = (0.5, 1.0, 2.0)
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The directory."""
-    add_output(parser)
-    add_jobs(parser)
+    options.add_output(parser)
+    options.add_jobs(parser)
 
 
 def execute(arguments: argparse.Namespace) -> int:

@@ -5,21 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.quantity import QuantityColumn, declare, result
-from analysis.sharing.survey import Survey
-from analysis.trajectory import Trajectory
-from workflow.measures.base import FrameMeter, Measurement
-from workflow.runs.run_directory import RunDirectory
+from granchain.parts import Measurement, Meter, Problem, Recorded, Survey, Trajectory, quantity
 
 
-@result
+@quantity.result
 class Backwards:
     """Largest velocity backwards."""
 
-    largest: float = declare(
+    largest: float = quantity.declare(
         "largest velocity of any bead towards lower numbers, at the frames",
         "velocity",
-        columns=(QuantityColumn("largest_backwards", "largest velocity backwards"),),
+        columns=(quantity.QuantityColumn("largest_backwards", "largest velocity backwards"),),
     )
 
 
@@ -36,14 +32,23 @@ class Rebound(Measurement):
         yield f"largest velocity backwards {self.problem.scale.written(self.values.largest, 'velocity')}"
 
     @classmethod
-    def meter(cls, directory: RunDirectory) -> FrameMeter:
+    def meter(cls, run: Recorded) -> "ReboundMeter":
         """The largest over all frames."""
-        largest = [0.0]
+        return ReboundMeter(run.problem)
 
-        def add(block: Trajectory) -> None:
-            largest[0] = max(largest[0], float(np.nanmax(-block.velocity)))
 
-        def finish(_: Survey) -> Rebound:
-            return cls(directory.problem, Backwards(largest[0]))
+class ReboundMeter(Meter):
+    """Largest velocity backwards so far."""
 
-        return FrameMeter(finish, add)
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self._largest = 0.0
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames."""
+        self._largest = max(self._largest, float(np.nanmax(-block.velocity)))
+
+    def finish(self, survey: Survey) -> Rebound:
+        """The largest in all frames."""
+        del survey
+        return Rebound(self.problem, Backwards(self._largest))

@@ -1,18 +1,29 @@
 """Spectra of beads' velocities, and how much of a drive's motion reaches them."""
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from analysis import quantity
 from analysis.quantity import declare, result
 from analysis.shape.unit_cell import bands
+from analysis.sharing.survey import Survey
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.laws.in_time import Sine
+from workflow.measures.base import MOST_CHAINS, Measurement, Meter, Recorded
+from workflow.screen import PrintedTable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 LEAST_FRAMES = 16
+
+MOST_BEADS = 8
+"""Beads that the figure shows."""
 
 
 @result
@@ -160,7 +171,7 @@ def drives(problem: Problem) -> list[tuple[int, int, float]]:
     return [(chain, bead, omega / (2.0 * np.pi)) for chain, bead, omega in (*motions, *forces)]
 
 
-class SpectrumMeter:
+class SpectrumMeter(Meter):
     """Collects the velocities of a few beads from a run that is given block by block, all frames of which it holds.
 
     Args:
@@ -193,3 +204,77 @@ class SpectrumMeter:
         return VelocitySpectra(
             self.beads, self.after, frequency, amplitude, drive, np.reshape(at_drive, (-1, *unknown.shape))
         )
+
+    def finish(self, survey: Survey) -> "SpectrumMeasurement | None":
+        """The spectra and their highest lines; None of too few frames."""
+        del survey
+        spectra = self.result()
+        return None if spectra is None else SpectrumMeasurement(self.problem, spectra.found(self.problem), spectra)
+
+
+@dataclass(frozen=True, repr=False)
+class SpectrumMeasurement(Measurement):
+    """Spectra of the velocities of chosen beads."""
+
+    key, kind, figure = "spectra", SpectralLines, "spectra"
+    table = "spectra.csv", SpectrumTable
+
+    values: SpectralLines
+    spectra: VelocitySpectra
+
+    def lines(self) -> Iterator[PrintedTable]:
+        """The highest line of every bead, and what it has of the drives."""
+        spectra, highest, scale = self.spectra, self.values, self.problem.scale
+        words = {"frequency": "highest line at", "amplitude": "its velocity"}
+        head = ["bead", "chain", *quantity.headings(HighestLine, scale, words)]
+        for frequency in spectra.drive:
+            at = scale.heading(f"at {frequency / scale.time:.5g}", "cycles")
+            head.append(f"{at}, over bead {spectra.beads[0]}")
+        rows = []
+        for peak in sorted(highest.beads, key=lambda line: (spectra.beads.index(line.bead), line.chain)):
+            if peak.chain <= MOST_CHAINS:
+                line = [quantity.written(peak, name, scale, ".5g") for name in words]
+                passed_on = [quantity.cell(drive.transmissibility, ".5g") for drive in peak.at_drive]
+                rows.append([str(peak.bead) if peak.chain == 1 else "", str(peak.chain), *line, *passed_on])
+        start = scale.written(highest.after, "time", ".5g")
+        yield PrintedTable(f"spectra from t = {start} on", head, rows)
+
+    def rows(self) -> SpectrumTable:
+        """All lines."""
+        return self.spectra.table()
+
+    def draw(self) -> "Figure":
+        """One panel a bead (the first eight), a line for each chain of other figures, and frequencies of drives."""
+        from analysis.figures import style  # matplotlib takes half a second to import
+
+        problem, spectra = self.problem, self.spectra
+        velocity = style.axis_unit(problem, "velocity", float(np.max(spectra.amplitude)))
+        frequency = style.axis_unit(problem, "cycles", float(np.max(spectra.frequency)))
+        count, chains = min(len(spectra.beads), MOST_BEADS), style.shown_chains(problem)
+        top = float(np.max(spectra.amplitude, initial=1e-30)) * velocity.worth
+        with style.settings():
+            figure = style.new_figure(max(2.8, 1.0 + 1.6 * count))
+            axes = np.atleast_1d(figure.subplots(count, 1, sharex=True, sharey=True))
+            axes[0].set_ylim(spectra.DEEPEST * top, 2.0 * top)  # before the scale is logarithmic: a bead may be at rest
+            for place, axis in enumerate(axes):
+                height = spectra.amplitude[:, chains, place] * velocity.worth
+                style.draw_chains(axis, chains, spectra.frequency * frequency.worth, height)
+                axis.set_yscale("log")
+                for number, drive in enumerate(spectra.drive):
+                    label = None if number else "drive"
+                    look = {"color": "0.4", "linewidth": 0.9, "linestyle": ":"}
+                    axis.axvline(drive * frequency.worth, label=label, **look)
+                axis.set_title(f"bead {spectra.beads[place]}", loc="left")
+            figure.supylabel(velocity.label(SpectrumTable, "amplitude", "amplitude of the velocity"), fontsize="medium")
+            axes[-1].set_xlabel(frequency.label(SpectrumTable, "frequency"))
+            style.finish(figure, problem, axes)
+        return figure
+
+    @classmethod
+    def meter(cls, run: Recorded) -> SpectrumMeter | None:
+        """Spectra of the beads that the scene names."""
+        wanted, problem = run.scene.output.spectra, run.problem
+        if wanted is None:
+            return None
+        after = None if wanted.after is None else wanted.after / problem.scale.time
+        return SpectrumMeter(problem, wanted.beads, after)

@@ -10,11 +10,11 @@ from synthetic_waves import of_keys
 
 from analysis.files.traces import Channel
 from analysis.gauges.channels import beads_of, complaint, read, read_at
-from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
 from analysis.trajectory import watch
 from lammps_inputs import physics
 from workflow.engines.reference import engine
+from workflow.measures.forces.force_meter import ForceMeter
 
 
 def walled(**changes):

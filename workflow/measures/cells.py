@@ -5,12 +5,14 @@ is the least piece of a pattern that repeats, one bead without one.
 """
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from analysis import motion
 from analysis.quantity import declare, result
-from analysis.shape.long_waves import repeats_between
+from analysis.shape.long_waves import period_of, repeats_between
 from analysis.shape.waveforms import reach
 from analysis.sharing.equipartition import dissipates
 from analysis.sharing.survey import Survey
@@ -18,6 +20,12 @@ from analysis.tracking.pulses import Pulse
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Floats, Integers, Trajectory, along_the_way, direction_of
 from lammps_inputs import Problem, physics
+from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.unequal import Replacement
+from workflow.measures.base import MOST_CHAINS, Measurement, Meter, Recorded
+
+SMALLEST_LOSS = 1e-8
+"""Smallest share of the energy per cell that is printed; below it frames and time steps decide."""
 
 AT_REST = 0.01
 """Share of the incident energy in a bead up to which a pulse has left it."""
@@ -135,13 +143,14 @@ def _law(cell: Floats, share: Floats) -> tuple[float, float]:
     return float(-np.expm1(slope)), float(np.max(np.abs(share / np.exp(start + slope * cell) - 1.0)))
 
 
-class FinalEnergy:
+class CellMeter(Meter):
     """Energy of the beads in the last frame, and the largest kinetic energy of those at the far end.
 
     The run has all beads recorded and is given block by block.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, replaced: tuple[Replacement, ...] = ()) -> None:
+        self.problem, self._replaced = problem, replaced
         self._last = -1 if direction_of(problem) > 0 else 0
         self.beads: Floats | None = None
         self._end = np.zeros(problem.chains)
@@ -170,6 +179,21 @@ class FinalEnergy:
         reflected = incident - at - gone if _only_once(survey, chain, bead) and at < AT_REST * incident else math.nan
         return Split(chain, bead, before, at, beyond, incident, reflected)
 
+    def finish(self, survey: Survey) -> "CellMeasurement":
+        """What the leading pulses carry through unlike beads, and leave."""
+        system = self.problem.system
+        chains, beads = range(1, self.problem.chains + 1), period_of(system)
+        each = tuple(left(survey, chain, beads) for chain in chains)
+        kicked = each[physics.largest_excitation(system)[0] - 1]
+        energies = CellEnergies(
+            beads=beads,
+            residual_energy=math.nan if kicked is None else kicked.per_cell,
+            chains=each,
+            last_bead=tuple(self.end(survey, chain) for chain in chains),
+            replaced=tuple(self.split(survey, replacement.chain, replacement.bead) for replacement in self._replaced),
+        )
+        return CellMeasurement(self.problem, energies)
+
 
 def _only_once(survey: Survey, chain: int, bead: int) -> bool:
     """Whether the leading pulse, and nothing else, has come to a bead and passed on, and no energy is lost."""
@@ -191,3 +215,47 @@ def _crosses(pulse: Pulse, problem: Problem, place: int) -> bool:
     first, last = (along_the_way(problem, int(bead)) for bead in pulse.bead[[0, -1]])
     ahead = CLEAR if last > first else -CLEAR
     return min(first, last + ahead) < place - 2 and max(first, last + ahead) > place + 2
+
+
+@dataclass(frozen=True, repr=False)
+class CellMeasurement(Measurement):
+    """Energy of the pulses, what stays in cells, and what a replaced bead reflects."""
+
+    key, kind = "cells", CellEnergies
+
+    values: CellEnergies
+
+    def lines(self) -> Iterator[str]:
+        """The energy of the pulse of each chain, and where the energy is as seen from a replaced bead."""
+        energies = self.values
+        cell = "bead" if energies.beads == 1 else f"cell of {energies.beads} beads"
+        for chain, (pulse, end) in enumerate(zip(energies.chains[:MOST_CHAINS], energies.last_bead, strict=False), 1):
+            if pulse is not None:
+                line = f"in chain {chain} the leading pulse carries {pulse.carried:.2%} of the energy input at bead "
+                line += str(pulse.last)
+                if math.isfinite(pulse.per_cell):
+                    small = pulse.per_cell <= SMALLEST_LOSS
+                    lost = f"less than {SMALLEST_LOSS:.0e}" if small else f"{pulse.per_cell:.1e}"
+                    line += f"; from bead {pulse.first} on {lost} of the energy input remains in each {cell}"
+                yield line
+            if end is not None:
+                yield f"in chain {chain} the kinetic energy of the last bead reaches {end:.2%} of the energy input"
+        for split in energies.replaced[:MOST_CHAINS]:
+            yield (
+                f"at the end chain {split.chain} has {split.before:.2%} of the energy input in beads before bead "
+                f"{split.bead}, {split.at:.2%} in it, {split.beyond:.2%} in beads beyond it"
+            )
+            if math.isfinite(split.reflected):
+                yield (
+                    f"bead {split.bead} of chain {split.chain} reflects {split.reflected:.2%} of the energy input, of "
+                    f"{split.incident:.2%} that is incident"
+                )
+
+    @classmethod
+    def meter(cls, run: Recorded) -> CellMeter | None:
+        """Energies of runs of all beads in which a pulse stays together and no sound runs."""
+        problem = run.problem
+        pulses = problem.system.holds(Fact.PULSE) and problem.system.holds(Fact.SONIC_VACUUM)
+        if not (problem.whole and pulses) or physics.alike(problem.system):
+            return None
+        return CellMeter(problem, tuple(run.scene.replace or ()))

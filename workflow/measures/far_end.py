@@ -5,6 +5,7 @@ exceed the numerical noise, and its largest value must lie before the last frame
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,9 +21,11 @@ from analysis.gauges.gauge import (
     maximum,
 )
 from analysis.quantity import declare, result
+from analysis.sharing.survey import Survey
 from analysis.trajectory import Floats, Integers, Trajectory, direction_of
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.facts import Fact
+from workflow.measures.base import Measurement, Meter, Recorded
 
 PART = 10
 """The far end is the last row in so many."""
@@ -78,7 +81,7 @@ class Transmitted:
     )
 
 
-class FarEnd:
+class FarEndMeter(Meter):
     """Watches the end of the chains that the largest excitation goes towards; all beads must be recorded."""
 
     def __init__(self, problem: Problem) -> None:
@@ -139,11 +142,16 @@ class FarEnd:
             of_single_chain = math.nan
         return Transmitted(wall_force, of_single_chain, delay, transmitted)
 
+    def finish(self, survey: Survey) -> "FarEndMeasurement":
+        """Force, delay and energy of all frames."""
+        del survey
+        return FarEndMeasurement(self.problem, self.result())
+
 
 def _arrived(series: tuple[Floats, Floats, ContactFrames], chains: Integers, wall: Gauge) -> tuple[float, float]:
     """Time and size of the largest force of some chains on the wall; NaN where nothing has arrived.
 
-    Between frames it follows from the strain, as in `analysis.gauges.forces`.
+    Between frames it follows from the strain, as in `workflow.measures.forces`.
     """
     time, force, frames = series
     total, static = force[:, chains].sum(axis=1), float(wall.static[chains].sum())
@@ -221,3 +229,19 @@ def _about(k: int, energy: Floats, rate: Floats, spacing: float) -> Floats:
     """The polynomial of time, in frames, through energies and their rates at a frame and those on either side."""
     near = slice(k - 1, k + 2)
     return hermite.coefficients((-1, 0, 1), np.stack([energy[near], rate[near]], axis=1), spacing)
+
+
+@dataclass(frozen=True, repr=False)
+class FarEndMeasurement(Measurement):
+    """Force, delay and energy."""
+
+    key, kind = "far_end", Transmitted
+    at_the_end = True
+
+    values: Transmitted
+
+    @classmethod
+    def meter(cls, run: Recorded) -> FarEndMeter | None:
+        """The far end of runs of all beads, if these are elastic."""
+        problem = run.problem
+        return FarEndMeter(problem) if problem.whole and problem.system.holds(Fact.OVERLAPS) else None

@@ -8,9 +8,9 @@ import pytest
 from small_problems import problem
 from synthetic_waves import of_keys
 
-from analysis.gauges.reflection import UNCERTAIN, reflections
 from analysis.tracking.pulses import Pulse
 from lammps_inputs.facts import Fact
+from workflow.measures.forces.reflection import UNCERTAIN, reflections
 
 BEADS = 60
 PLAIN = problem(beads=BEADS)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from small_problems import problem, written_down
 
-from analysis.gauges.spectra import SpectrumMeter, VelocitySpectra, amplitude_at, amplitudes
 from analysis.quantity import csv_of
 from analysis.trajectory import watch
 from lammps_inputs.loads import Motion
 from lammps_inputs.units import make_scale
+from workflow.measures.spectra import SpectrumMeter, VelocitySpectra, amplitude_at, amplitudes
 
 EVERY, COUNT = 0.25, 400
 TIME = EVERY * np.arange(COUNT)

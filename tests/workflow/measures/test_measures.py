@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from analysis.gauges.far_end import Transmitted
-from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges as places_of
-from analysis.gauges.spectra import VelocitySpectra
 from analysis.quantity import csv_of
 from analysis.sharing.energies import Flow
 from lammps_inputs import Kick, Material, library
-from workflow.measures import energy, gauges
+from workflow.measures.energy import EnergyMeasurement
+from workflow.measures.far_end import FarEndMeasurement, Transmitted
+from workflow.measures.forces.measurement import ForceMeasurement
+from workflow.measures.forces.readings import Readings
+from workflow.measures.spectra import SpectrumMeasurement, VelocitySpectra
 from workflow.screen import print_table
 
 STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
@@ -43,7 +44,7 @@ def readings(problem, static):
 
 
 def measurement_of(seen, problem):
-    return gauges.ForceMeasurement(problem, seen.entries({}), seen)
+    return ForceMeasurement(problem, seen.entries({}), seen)
 
 
 @pytest.mark.parametrize("static", [0.0, 5.0])
@@ -110,7 +111,7 @@ def test_each_gauge_and_chain_has_its_column_in_forces_csv(problem, static):
 def test_what_comes_through_is_in_the_scenes_units_and_energy_a_share(problem):
     found = Transmitted(wall_force=2.0, wall_force_chain=1.5, delay=30.0, transmitted_energy=0.25)
     force, time = problem.scale.force, problem.scale.time
-    assert gauges.FarEndMeasurement(problem, found).plain() == pytest.approx(
+    assert FarEndMeasurement(problem, found).plain() == pytest.approx(
         {"wall_force": 2.0 * force, "wall_force_chain": 1.5 * force, "delay": 30.0 * time, "transmitted_energy": 0.25}
     )
 
@@ -129,7 +130,7 @@ def spectra(request):
     seen = VelocitySpectra(
         (1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([frequency * driven.scale.time]), at_drive
     )
-    return gauges.SpectrumMeasurement(driven, seen.found(driven), seen), driven.scale, frequency
+    return SpectrumMeasurement(driven, seen.found(driven), seen), driven.scale, frequency
 
 
 def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_driven(spectra):
@@ -148,7 +149,7 @@ def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_dr
 def test_energy_over_time_is_told_chain_by_chain(problem):
     part = np.array([[0.75, 0.25]])
     flow = Flow(np.array([3.0]), part, np.array([0.1]), 10.0 * part, np.array([[1.0, np.nan]]))
-    told = energy.EnergyMeasurement(problem, flow).plain()
+    told = EnergyMeasurement(problem, flow).plain()
     assert told["time"] == [3.0 * problem.scale.time]
     assert told["share"] == [[0.75, 0.25]]
     assert told["centre"] == [[7.5, 2.5]]
@@ -219,7 +220,7 @@ def test_of_the_energy_least_most_and_last_are_told_with_their_times(problem, pr
     share, time = np.array([1.0, 0.2, 0.7, 0.4]), np.arange(4.0)
     both = np.stack([share, 1.0 - share], axis=1)
     flow = Flow(time, both, 0.0 * time, 10.0 * both, both)
-    told = [line for line in printed(energy.EnergyMeasurement(problem, flow)).splitlines() if "+-" in line]
+    told = [line for line in printed(EnergyMeasurement(problem, flow)).splitlines() if "+-" in line]
     unit = problem.scale.time
     for line, words in zip(
         told,
@@ -252,6 +253,6 @@ def test_of_spectra_the_highest_line_and_what_is_passed_on_are_told(spectra, pri
 
 
 def test_a_measurement_is_displayed_as_its_numbers_in_the_scenes_units(problem):
-    found = gauges.FarEndMeasurement(problem, Transmitted(2.0, 1.0, 3.0, 0.5))
+    found = FarEndMeasurement(problem, Transmitted(2.0, 1.0, 3.0, 0.5))
     assert repr(found) == f"<far_end of {problem.name}, in the scene's units: {found.plain()}>"
     assert f"'delay': {3.0 * problem.scale.time!r}" in repr(found)

@@ -1,0 +1,23 @@
+"""Forces on walls, in contacts and inside beads, as gauges would measure them, and what walls reflect."""
+
+from collections.abc import Iterable
+
+from analysis.gauges.gauge import gauges
+from analysis.trajectory import Trajectory, watch
+from lammps_inputs import Problem
+from workflow.measures.forces.force_meter import ForceMeter
+from workflow.measures.forces.readings import Readings as Readings
+
+
+def read(
+    blocks: Iterable[Trajectory], problem: Problem, *, contacts: tuple[int, ...] = (), wall: bool = False
+) -> Readings:
+    """Readings of gauges in a run: at its walls, and in contacts (contact n is between bead n and the next).
+
+    Args:
+        blocks: consecutive frames of the run, [frame, chain, bead] each, the first frame being the start.
+        problem: what was run.
+        contacts: numbers of contacts.
+        wall: whether walls have gauges, too.
+    """
+    return watch(ForceMeter(problem, gauges(problem.system, wall=wall, contacts=contacts)), blocks).result()

@@ -1,0 +1,228 @@
+"""Contacts that yield: largest force and overlap of each, permanent overlap, and the energy dissipated."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from analysis import motion
+from analysis.quantity import declare, result
+from analysis.sharing.survey import Survey
+from analysis.trajectory import Flags, Floats, Integers, Trajectory
+from lammps_inputs import laws, physics
+from workflow.measures.base import Measurement, Meter, Recorded
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LEAST_CONTACTS = 10
+"""Contacts along a chain from which on an exponent is fitted."""
+
+
+@result
+class Yielded:
+    """The contacts of all chains at the end of the run, without walls."""
+
+    contacts: int = declare("number of contacts with a permanent overlap", column="contacts with a permanent overlap")
+    permanent: float = declare(
+        "largest permanent overlap", "length", symbol="\\delta_r", column="largest permanent overlap"
+    )
+    dissipated: float = declare(
+        "energy dissipated in contacts of beads over the energy input of the kicks",
+        undefined="a push or drive supplies energy",
+        column="energy dissipated in plastic contacts / energy input",
+    )
+    decay: float = declare(
+        "exponent of the largest force of the contacts of the kicked chain over their number, fitted over the second "
+        "half of those that have begun to open",
+        undefined=f"fewer than {LEAST_CONTACTS} of these",
+        column="decay exponent of the largest contact forces",
+    )
+
+
+@result
+class YieldTable:
+    """Table of the contacts of all chains at the end of the run."""
+
+    chain: Integers = declare("number of the chain")
+    contact: Integers = declare("number of the contact, that of the bead behind it")
+    overlap: Floats = declare("largest overlap so far", "length", symbol="\\delta_m")
+    force: Floats = declare("largest force so far: that of first loading at this overlap", "force", symbol="F_m")
+    permanent: Floats = declare("permanent overlap", "length", symbol="\\delta_r")
+    opened: Integers = declare(
+        "whether it has begun to open, 0 or 1; of one that has not the record ends before its largest overlap"
+    )
+    dissipated: Floats = declare("energy dissipated by yielding", "energy")
+
+
+class YieldMeter(Meter):
+    """Reads the last frame of a run of all beads."""
+
+    def __init__(self) -> None:
+        self._last: Trajectory | None = None
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames."""
+        self._last = block.last()
+
+    def result(self) -> tuple[Yielded, YieldTable] | None:
+        """Permanent overlaps at the last frame so far, and their table; None if no frame has states of contacts."""
+        last = self._last
+        if last is None or last.contact_state is None:
+            return None
+        system = last.system_at(-1)
+        link = system.along[0]
+        law = link.law
+        shape = (system.chains, system.beads - 1)
+        largest = laws.turning_overlap(law)
+        force = np.broadcast_to(laws.whole_force(law, largest), shape)
+        permanent, dissipated = (
+            np.broadcast_to(find(*law), shape)
+            for find in (law.permanent, law.dissipated)  # type: ignore[attr-defined]
+        )
+        chain, contact = np.indices(shape)
+        opened = (motion.overlaps(system, last.displacement[-1]) < largest) & (largest > 0.0)
+        table = YieldTable(
+            chain=chain.ravel() + 1,
+            contact=contact.ravel() + 1,
+            overlap=largest.ravel(),
+            force=force.ravel(),
+            permanent=permanent.ravel(),
+            opened=opened.ravel().astype(np.int64),
+            dissipated=dissipated.ravel(),
+        )
+        kicked = physics.largest_excitation(system)[0] - 1
+        acted_on = physics.acted_on(system)
+        decay = power_law(force[kicked], opened[kicked])
+        return (
+            Yielded(
+                contacts=int(np.count_nonzero(permanent > 0.0)),
+                permanent=float(np.max(permanent)),
+                dissipated=float("nan") if acted_on else float(np.sum(dissipated)) / physics.energy(system),
+                decay=float("nan") if decay is None else decay.exponent,
+            ),
+            table,
+        )
+
+    def finish(self, survey: Survey) -> "PlasticMeasurement | None":
+        """What the contacts keep; None if no frame has states of contacts."""
+        del survey
+        yielded = self.result()
+        if yielded is None or self._last is None:
+            return None
+        return PlasticMeasurement(self._last.problem, *yielded)
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """Largest force of contacts as ``factor * contact**exponent``.
+
+    Attributes:
+        contact: [contact] numbers of the fitted contacts, the second half of those that have begun to open.
+        factor: dimensionless force of contact 1.
+        exponent: slope of the logarithms.
+    """
+
+    contact: Floats
+    factor: float
+    exponent: float
+
+
+def power_law(force: Floats, opened: Flags) -> PowerLaw | None:
+    """Law of the forces [contact] of one chain, by least squares of logarithms; None for too few contacts that opened.
+
+    Args:
+        force: [contact] largest force so far, dimensionless.
+        opened: [contact] whether the contact has begun to open.
+    """
+    count = int(np.argmin(opened)) if not np.all(opened) else len(opened)
+    if count < 2 * LEAST_CONTACTS:
+        return None
+    contact = np.arange(count // 2, count, dtype=np.float64) + 1.0
+    exponent, logarithm = np.polyfit(np.log(contact), np.log(force[count // 2 : count]), 1)
+    return PowerLaw(np.asarray(contact), math.exp(logarithm), float(exponent))
+
+
+LEAST_DRAWN = 1e-4
+"""Share of the largest value below which none is drawn."""
+
+
+def _most(values: Floats) -> float:
+    """Largest of some values; 1 where there is none above 0."""
+    return float(np.max(values, initial=0.0)) or 1.0
+
+
+@dataclass(frozen=True, repr=False)
+class PlasticMeasurement(Measurement):
+    """What the contacts keep at the end."""
+
+    key, kind, figure = "plastic", Yielded, "plastic"
+    table = "plastic.csv", YieldTable
+
+    values: Yielded
+    contacts: YieldTable
+
+    def lines(self) -> Iterator[str]:
+        """How many have yielded, by how much, and how the largest force falls along the kicked chain."""
+        yielded, scale = self.values, self.problem.scale
+        line = (
+            f"{yielded.contacts} of {len(self.contacts.contact)} contacts have a permanent overlap, of at most "
+            f"{scale.written(yielded.permanent, 'length')}"
+        )
+        if math.isfinite(yielded.decay):
+            line += f"; the largest force falls as n^{yielded.decay:.3f} with the number n of the contact"
+        yield line
+
+    def rows(self) -> YieldTable:
+        """Each contact."""
+        return self.contacts
+
+    @property
+    def drawable(self) -> bool:
+        """Whether any contact has kept a permanent overlap, which logarithmic axes can show."""
+        return bool((self.contacts.permanent > 0.0).any())
+
+    def draw(self) -> "Figure":
+        """Largest force and permanent overlap over the number of the contact, on logarithmic axes.
+
+        Contacts that have not begun to open are left out: their numbers are those of the end of the record. The power
+        law of `Yielded` is drawn over the contacts that it was fitted to.
+        """
+        from analysis.figures import style  # matplotlib takes half a second to import
+
+        problem, table = self.problem, self.contacts
+        final = table.opened == 1
+        kinds = (("force", table.force), ("length", table.permanent))
+        force, length = (style.axis_unit(problem, kind, _most(values[final])) for kind, values in kinds)
+        with style.settings():
+            figure = style.new_figure(5.6)
+            axes = figure.subplots(2, 1, sharex=True)
+            for position, chain in enumerate(style.shown_chains(problem)):
+                of_chain = (table.chain == chain + 1) & final
+                for axis, unit, (_, values) in zip(axes, (force, length), kinds, strict=True):
+                    noticed = values[of_chain] > LEAST_DRAWN * _most(values[final])
+                    shown = np.where(noticed, values[of_chain] * unit.worth, np.nan)
+                    style.draw_chain(axis, position, chain, table.contact[of_chain], shown)
+            kicked = table.chain == physics.largest_excitation(problem.system)[0]
+            law = power_law(table.force[kicked], table.opened[kicked] == 1)
+            if law is not None:
+                fitted = law.factor * law.contact**law.exponent * force.worth
+                look = {"color": "black", "linestyle": (0, (1, 1)), "linewidth": 2.0}
+                axes[0].plot(law.contact, fitted, label=rf"$\propto n^{{{law.exponent:.3f}}}$", **look)
+            axes[0].set_ylabel(force.label(YieldTable, "force", "largest force"))
+            axes[1].set_ylabel(length.label(YieldTable, "permanent", "permanent overlap"))
+            axes[1].set_xlabel("contact $n$")
+            for axis in axes:
+                axis.set_xscale("log")
+                axis.set_yscale("log")
+            for setting in (axes[1].xaxis, axes[0].yaxis, axes[1].yaxis):
+                style.label_log_axis(setting)
+            style.finish(figure, problem, axes)
+        return figure
+
+    @classmethod
+    def meter(cls, run: Recorded) -> YieldMeter | None:
+        """Contacts that yield, of runs of all beads: frames hold their states."""
+        return YieldMeter() if run.problem.state_columns else None
