@@ -15,6 +15,7 @@ DOCUMENTED = (
     "workflow/python/granchain",
     "workflow/arguments.py",
     "workflow/runs/check.py",
+    "workflow/runs/completed_run.py",
     "workflow/runs/run.py",
     "workflow/runs/run_directory.py",
     "workflow/plugins/design/result.py",

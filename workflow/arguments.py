@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from lammps_inputs import Scene, library
 from lammps_inputs.numbers import plain_values
 from workflow.checked import Between, Valid, checked, path
-from workflow.runs.run import CompletedRun
+from workflow.runs.completed_run import CompletedRun
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import fields
 

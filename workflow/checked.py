@@ -126,12 +126,12 @@ def _further(signature: inspect.Signature) -> Iterable[tuple[str, Any]]:
 
 
 def _refuse_names(
-    function: str, signature: inspect.Signature, known: list[str], positional: tuple[Any, ...], by_name: dict[str, Any]
+    function: str, signature: inspect.Signature, names: list[str], positional: tuple[Any, ...], by_name: dict[str, Any]
 ) -> None:
     """Refuse a call whose arguments are not those of the function."""
     for name in by_name:
-        if name not in known:
-            hint = complaints.suggestion(name[:SHOWN], known) or f"; arguments are {', '.join(known)}"
+        if name not in names:
+            hint = complaints.suggestion(name[:SHOWN], names) or f"; arguments are {', '.join(names)}"
             raise InputError(f"{name[:SHOWN]}: is no argument of {function}{hint}")
     free = [
         name
@@ -139,14 +139,14 @@ def _refuse_names(
         if each.kind in (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     ]
     if len(positional) > len(free):
-        named = f"; {', '.join(name for name in known if name not in free)} are given by name" if known != free else ""
+        named = f"; {', '.join(name for name in names if name not in free)} are given by name" if names != free else ""
         raise InputError(f"{function}: {len(positional)} arguments given; {', '.join(free)}{named}")
     for name in free[: len(positional)]:
         if name in by_name:
             raise InputError(f"{name}: given twice, by its place and by its name")
     for name in free[len(positional) :]:
         if name not in by_name and signature.parameters[name].default is inspect.Parameter.empty:
-            raise InputError(f"{name}: is missing; {function} takes {', '.join(known)}")
+            raise InputError(f"{name}: is missing; {function} takes {', '.join(names)}")
 
 
 def _read(name: str, value: Any, read: Reader) -> Any:

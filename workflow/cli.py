@@ -263,7 +263,7 @@ def fill(subparser: argparse.ArgumentParser, module: Any) -> None:
     prints = vars(module).get("PRINTS", False)
     words = "print no progress and no hints" if prints else "print errors only"
     subparser.add_argument("-q", "--quiet", action="store_true", help=words)
-    if getattr(module, "DRAWS", False):
+    if vars(module).get("DRAWS", False):
         subparser.add_argument(
             "--formats",
             metavar="NAME,...",

@@ -137,7 +137,7 @@ def digest(functions: Iterable[Any]) -> str:
             continue
         done.add(value)
         name = value.__name__ if isinstance(value, ModuleType) else value.__module__
-        file = getattr(sys.modules.get(name), "__file__", None)
+        file = vars(sys.modules[name]).get("__file__") if name in sys.modules else None
         if file is not None:
             contents[name] = Path(file).read_bytes()
         if isinstance(value, FunctionType):

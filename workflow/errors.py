@@ -29,5 +29,5 @@ def complaint(lines: Iterable[str]) -> str:
 
 def first_line(error: Exception) -> str:
     """First line of the message of an error of LAMMPS."""
-    text = str(getattr(error, "message", error))  # LAMMPS's own exception would print itself in quotes
+    text = str(vars(error).get("message", error))  # LAMMPS's own exception would print itself in quotes
     return next((line.strip() for line in text.splitlines() if line.strip()), "unknown error")

@@ -220,7 +220,7 @@ class Contact(ByFormula):
     @property
     def yields(self) -> plastic.Yield | None:
         """Law of contacts that yield; None where they are elastic."""
-        law: plastic.Yield | None = getattr(self, "yield")
+        law: plastic.Yield | None = vars(self)["yield"]  # the name is a keyword of Python
         return law
 
     @property

@@ -28,7 +28,8 @@ from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.prepare.pilot import stride
 from workflow.runs.check import closing
-from workflow.runs.run import CompletedRun, run
+from workflow.runs.completed_run import CompletedRun
+from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.validate import TOLERANCES, validate

@@ -12,8 +12,7 @@ from analysis.columns import Columns
 from analysis.tracking.leading_waves import Waves
 from analysis.trajectory import FramesInUnits, Trajectory
 from lammps_inputs.scene import BaseScene
-from workflow.runs.check import Check
-from workflow.runs.run import CompletedRun
+from workflow.runs.completed_run import Check, CompletedRun
 from workflow.runs.run_directory import RunDirectory
 
 SWEEP = {"scene": "one-chain", "vary": {"kick.velocity": [1.0, 2.0]}, "engine": "reference"}

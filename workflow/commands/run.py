@@ -11,7 +11,7 @@ from workflow.engines.registry import engine_names
 from workflow.prepare.pilot import better_timestep
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import run as running
-from workflow.runs.check import Check
+from workflow.runs.completed_run import Check, CompletedRun
 from workflow.runs.contacts import LargestContactForce
 from workflow.runs.engines import engine_called
 from workflow.runs.output_directory import refuse_to_overwrite
@@ -108,7 +108,7 @@ def _resume(arguments: argparse.Namespace) -> CommandResult:
     return CommandResult(_tell(result, settings_of(directory.job)), result.directory.job.plain())
 
 
-def _tell(result: running.CompletedRun, settings: ChosenStep | None) -> int:
+def _tell(result: CompletedRun, settings: ChosenStep | None) -> int:
     """Say how a run ended; exit code 130 if it was interrupted, 1 if impossible or not as accurate as asked."""
     job = result.directory.job
     if result.outcome == "interrupted":
@@ -124,7 +124,7 @@ def _tell(result: running.CompletedRun, settings: ChosenStep | None) -> int:
     return code
 
 
-def _tell_error(result: running.CompletedRun, settings: ChosenStep | None) -> int:
+def _tell_error(result: CompletedRun, settings: ChosenStep | None) -> int:
     """Say how exact a run is; exit code 1 if not as accurate as asked."""
     problem, uncertainty = result.directory.problem, result.directory.job.uncertainty
     if result.check is not None:

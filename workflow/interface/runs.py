@@ -12,6 +12,7 @@ from workflow.engines.registry import EngineName
 from workflow.runs import check as checking
 from workflow.runs import resume as resuming
 from workflow.runs import run as running
+from workflow.runs.completed_run import CompletedRun
 from workflow.runs.deck_directory import write_deck
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.status import State, status
@@ -24,7 +25,7 @@ Ranks = Annotated[int, Between(1)]
 
 
 @dataclass(frozen=True, repr=False)
-class Run(running.CompletedRun):
+class Run(CompletedRun):
     """Run that came to an end: its ``directory``, its ``outcome`` and its ``check``.
 
     ``directory.path`` is the path of its files. ``outcome`` is "done", or "interrupted" with the frames until then; of
@@ -173,7 +174,7 @@ def resume(run: AnyRun, *, ranks: Ranks | None = None, check: bool = True) -> Ru
         >>> granchain.resume("out").outcome  # it was done before
         'done'
     """
-    directory = run.directory if isinstance(run, running.CompletedRun) else run
+    directory = run.directory if isinstance(run, CompletedRun) else run
     path = directory.path if isinstance(directory, RunDirectory) else Path(directory)
     begun = resuming.begun(path)
     with progress_bar(begun.scene.name, begun.problem) as progress:

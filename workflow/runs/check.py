@@ -6,17 +6,18 @@ Also the references that a run is compared with, or is: with ever more steps unt
 import math
 import time
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from analysis.compare.difference import Deviation, DeviationPlace, errors_of
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem, html, physics
+from lammps_inputs import Problem, physics
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving
 from workflow.engines.reference.uncertainty import Uncertainty
 from workflow.prepare.pilot import CADENCE, SPACING, stride
 from workflow.prepare.step_choice import ChosenStep, ReferenceFrames
+from workflow.runs.completed_run import Check
 from workflow.runs.run_directory import RunDirectory
 
 UNCERTAINTY_PART = 1.0 / 3.0
@@ -68,48 +69,6 @@ def closing(problem: Problem) -> Iterator[StepHalving]:
 
 LITTLE = 100_000
 """Number of recorded states of beads up to which all are compared; that takes some hundredths of a second."""
-
-
-@dataclass(frozen=True)
-class Check:
-    """Measured error of a run, dimensionless.
-
-    Attributes:
-        velocity: largest error of any velocity, of beads and resonators, in snapshots and the frames that are compared:
-            all of a little run, else those that `workflow.prepare.pilot` chooses.
-        where: at which bead or resonator, and time.
-        arrival: largest error of an arrival of the leading pulse, where `analysis.tracking.peaks.sharp`; NaN where none
-            is.
-        amplitude: largest error of a peak velocity of the leading pulse; NaN where none was seen.
-        reference: uncertainty of the reference.
-        seconds: what the check cost.
-    """
-
-    velocity: float
-    where: DeviationPlace | None
-    arrival: float
-    amplitude: float
-    reference: Uncertainty
-    seconds: float
-
-    def __repr__(self) -> str:
-        return (
-            f"<error: velocities {self.velocity:.1e} V, uncertainty of the reference {self.reference.velocity:.1e} V>"
-        )
-
-    def _repr_html_(self) -> str:
-        errors = {"velocities (V)": self.velocity, "peaks (V)": self.amplitude, "arrivals (T)": self.arrival}
-        uncertainty = {"velocities (V)": self.reference.velocity, "arrivals (T)": self.reference.arrival}
-        rows = [
-            (name, f"{error:.1e}", f"{uncertainty[name]:.1e}" if name in uncertainty else "")
-            for name, error in errors.items()
-            if math.isfinite(error)
-        ]
-        return html.table("error against the reference", ("", "largest", "uncertainty of the reference"), rows)
-
-    def plain(self) -> dict[str, object]:
-        """Plain data of the check, for ``run.json``."""
-        return asdict(self)
 
 
 def recorded(directory: RunDirectory) -> Check | None:

@@ -94,7 +94,7 @@ class ErrorPlace(RecordPart):
 
 
 class ErrorRecord(RecordPart):
-    """Measured error of a run, dimensionless: a `workflow.runs.check.Check`."""
+    """Measured error of a run, dimensionless: a `workflow.runs.completed_run.Check`."""
 
     velocity: Number | None
     where: ErrorPlace | None

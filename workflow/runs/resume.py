@@ -11,11 +11,12 @@ from lammps_inputs import InputError, Problem, file_names
 from lammps_inputs.decks import continuation
 from workflow.engines.lammps import files_on_disk
 from workflow.prepare.step_choice import ChosenStep
+from workflow.runs.completed_run import CompletedRun
 from workflow.runs.engines import Progress, Start, Work, engine_called
 from workflow.runs.files import RECORD, all_parts, alone, part_number, parts, write_text
 from workflow.runs.job import Job, restart_refused
 from workflow.runs.output_directory import complete_replacement, refuse_links, refuse_unwritable
-from workflow.runs.run import CompletedRun, carry_out, measure_error
+from workflow.runs.run import carry_out, measure_error
 from workflow.runs.run_directory import RunDirectory, fingerprint
 
 _AGAIN = "there is nothing to resume: run the scene again with another -o"

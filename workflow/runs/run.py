@@ -10,71 +10,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypedDict, Unpack
 
-from analysis.trajectory import FramesInUnits, Trajectory
-from lammps_inputs import InputError, Problem, Scene, file_names, html
+from lammps_inputs import InputError, Problem, Scene, file_names
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
 from workflow.prepare.settings import refuse_too_large, refuse_unanalysable, settle
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
 from workflow.runs import contacts
+from workflow.runs.completed_run import Check, CompletedRun
 from workflow.runs.engines import Progress, Start, Work, engine_called
 from workflow.runs.output_directory import prepared, refuse_links, refuse_unusable
 from workflow.runs.resumption import onwards
 from workflow.runs.run_directory import RunDirectory, fingerprint, provenance, results
 from workflow.runs.size import refuse_beforehand, refuse_too_long
-
-
-@dataclass(frozen=True)
-class CompletedRun:
-    """A run that came to an end.
-
-    Attributes:
-        directory: everything that it left.
-        outcome: "done", or "interrupted" with the frames until then.
-        check: its error against the reference; None if that was not asked for, or another engine than LAMMPS ran.
-    """
-
-    directory: RunDirectory
-    outcome: str
-    check: checking.Check | None = None
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """All frames, in units of V, T and L, read from the disk when they are asked for.
-
-        Its arrays are ``time`` [frame], ``displacement`` and ``velocity`` [frame, chain, bead], float64.
-
-        Examples:
-            >>> frames = granchain.run("one-chain", "frames", engine="reference").trajectory
-            >>> frames.velocity[0, 0, :3]  # the kick
-            array([1., 0., 0.])
-        """
-        return self.directory.trajectory
-
-    @property
-    def si(self) -> FramesInUnits:
-        """All frames in the scene's units: SI where it has a material, else reduced units; arrays as `trajectory`'s.
-
-        Examples:
-            >>> frames = granchain.run("one-chain", "in-units", engine="reference").si
-            >>> frames.velocity.ndim, len(frames.time) == len(frames.velocity)
-            (3, True)
-        """
-        return self.trajectory.measured()
-
-    def __repr__(self) -> str:
-        problem = self.directory.problem
-        error = "" if self.check is None else f", error of velocities {self.check.velocity:.1e} V"
-        engine = self.directory.engine
-        return f"<run of {problem.name} in {self.directory.path}: {self.outcome}, computed by {engine}{error}>"
-
-    def _repr_html_(self) -> str:
-        record = self.directory.account.plain()
-        shown = {"outcome": "outcome", "engine": "engine", "steps": "time steps", "ranks": "MPI ranks"}
-        shown["engine_seconds"] = "time of the engine (s)"
-        rows = [(words, record[key]) for key, words in shown.items() if key in record]
-        return html.table(repr(self)[1:-1], (), rows) + ("" if self.check is None else self.check._repr_html_())
 
 
 class RunningOptions(TypedDict, total=False):
@@ -312,7 +260,7 @@ def carry_out(result: RunDirectory, work: Work, *, check: bool, spent: float = 0
     return CompletedRun(result, "done", measure_error(result, work.settings) if check else None)
 
 
-def measure_error(result: RunDirectory, settings: ChosenStep | None) -> checking.Check | None:
+def measure_error(result: RunDirectory, settings: ChosenStep | None) -> Check | None:
     """Compare a run that is done with the reference, and record what was found; None where LAMMPS did not run."""
     if not engine_called(result.engine).own_step:
         return None

@@ -129,7 +129,7 @@ class Reached:
 
     @cached_property
     def resumes(self) -> str:
-        """From which step an incomplete run resumes, in words."""
+        """The step from which an incomplete run resumes, in words."""
         return goes_on_from(self.directory)
 
 

@@ -12,11 +12,12 @@ from workflow.engines.lammps import hosted
 from workflow.errors import RunError
 from workflow.prepare.settings import found_beforehand, refuse_unanalysable, refuse_unstable
 from workflow.runs import job
+from workflow.runs.completed_run import CompletedRun
 from workflow.runs.engines import engine_called
 from workflow.runs.files import RECORD, alone, write_json, write_text
 from workflow.runs.output_directory import complete_replacement, make_directory, others, record_files
 from workflow.runs.resume import resume
-from workflow.runs.run import CompletedRun, run
+from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.size import refuse_beforehand
 from workflow.runs.status import Queue, cluster_queue, status

@@ -23,7 +23,8 @@ from workflow.prepare import pilot
 from workflow.prepare.pilot import better_timestep
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
-from workflow.runs.check import Check, check, stride
+from workflow.runs.check import check, stride
+from workflow.runs.completed_run import Check
 from workflow.runs.exchange import accountant
 from workflow.runs.job import Job, UncertaintyRecord
 from workflow.runs.run import prepare_run, run, run_prepared

@@ -159,8 +159,8 @@ class SceneKeys:
         reason = too_far_apart(every * step / self.scale.time, self.scale)
         if not reason:
             return every
-        most = max(1, math.floor(FRAMES * self.scale.time / step))
-        divisor = next(number for number in range(min(most, every), 0, -1) if every % number == 0)
+        largest = max(1, math.floor(FRAMES * self.scale.time / step))
+        divisor = next(number for number in range(min(largest, every), 0, -1) if every % number == 0)
         self.notes.append(f"{reason}: `output.every` is {divisor} of the {every} steps between them")
         return divisor
 

@@ -136,12 +136,12 @@ def _plain_math(text: str) -> str:
 @functools.cache
 def sections() -> tuple[tuple[list[str], str], ...]:
     """Keys and text of every section."""
-    found = []
+    with_keys = []
     for section in re.split(r"^(?=##? [^\n]*\n\n)", page(), flags=re.M):  # not comments in code
         head, _, _ = section.partition("\n")
         if head.startswith("## "):
-            found.append((head.removeprefix("## ").split(", "), section))
-    return tuple(found)
+            with_keys.append((head.removeprefix("## ").split(", "), section))
+    return tuple(with_keys)
 
 
 def _plain(markdown: str) -> str:

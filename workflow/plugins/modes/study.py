@@ -215,20 +215,20 @@ def _check_case(scene: dict[str, Any], source: str, branch: BranchOfMode, number
     return computations.case("workflow.plugins.modes.lammps_check:computed", arguments, cost=state["period"])
 
 
-def _checked(branches: Sequence[BranchOfMode], most: int | None) -> list[tuple[BranchOfMode, int]]:
+def _checked(branches: Sequence[BranchOfMode], limit: int | None) -> list[tuple[BranchOfMode, int]]:
     """States that LAMMPS is started on, with their numbers.
 
     Args:
         branches: of which all states, or those of given energies, ends of branches, and those behind bifurcations.
-        most: largest number of these; None for all states.
+        limit: largest number of these; None for all states.
     """
     numbered = [
         (_ORDER[state["role"]], place, number)
         for place, branch in enumerate(branches)
         for number, state in enumerate(branch.states, 1)
-        if most is None or state["role"] != "branch" or number == len(branch.states)
+        if limit is None or state["role"] != "branch" or number == len(branch.states)
     ]
-    return [(branches[place], number) for _, place, number in sorted(sorted(numbered)[:most], key=lambda x: x[1:])]
+    return [(branches[place], number) for _, place, number in sorted(sorted(numbered)[:limit], key=lambda x: x[1:])]
 
 
 def _lammps_line(branch: BranchOfMode, number: int, value: dict[str, Any]) -> LammpsLine:
@@ -340,13 +340,13 @@ def requested(arguments: argparse.Namespace, problem: Problem, linear: LinearMod
             largest = scale.written(energy, "energy", ".6g")
             raise InputError(f"--at-energy: {number:g} given; above 0, and at most the largest energy, {largest}")
     alone = [mode for mode in range(count) if linear.alone(mode)]
-    most = 0 if arguments.no_lammps else None if arguments.every_state else MOST_CHECKED
+    limit = 0 if arguments.no_lammps else None if arguments.every_state else MOST_CHECKED
     if arguments.linear:
         return ModesRequest((), energy, points, (), 0)
     if arguments.mode is None:
         if not alone:
             raise InputError("--mode: each linear mode shares its frequency with another; none can be followed alone")
-        return ModesRequest(tuple(dict.fromkeys((alone[0], alone[-1]))), energy, points, energies, most)
+        return ModesRequest(tuple(dict.fromkeys((alone[0], alone[-1]))), energy, points, energies, limit)
     for number in arguments.mode:
         if not 1 <= number <= count:
             raise InputError(f"--mode: {number} given; the scene has modes 1 to {count}")
@@ -354,7 +354,7 @@ def requested(arguments: argparse.Namespace, problem: Problem, linear: LinearMod
             reason = "has the frequency 0" if number <= linear.zeros else "has the frequency of another mode"
             raise InputError(f"--mode: {number} given; it {reason}, so that no branch of it alone can be followed")
     modes = tuple(dict.fromkeys(number - 1 for number in arguments.mode))
-    return ModesRequest(modes, energy, points, energies, most)
+    return ModesRequest(modes, energy, points, energies, limit)
 
 
 def execute(arguments: argparse.Namespace) -> CommandResult:
