@@ -38,7 +38,6 @@ from workflow.runs import job
 from workflow.runs.figures import write_figure
 from workflow.runs.files import alone, as_json, write_bytes
 from workflow.runs.output_directory import make_directory, record_files
-from workflow.runs.run_directory import provenance
 from workflow.screen import count_bar, print_table
 from workflow.workers.computations import Computation, StoredResults, values
 from workflow.workers.pool import Pool
@@ -186,7 +185,7 @@ class Study:
     @staticmethod
     def with_provenance(report: Mapping[str, Any]) -> dict[str, Any]:
         """A report, and where and with what it was computed."""
-        return {**report, **provenance()}
+        return {**report, **job.provenance()}
 
     def mark(self, directory: Path, *, done: bool) -> None:
         """Record in ``run.json``, as `opened` does, the command of a directory and whether the study is finished."""

@@ -10,7 +10,7 @@ from analysis.gauges.forces import PULSE, ForceMeter
 from analysis.gauges.gauge import far_wall
 from lammps_inputs import InputError, library
 from workflow.engines.reference import engine
-from workflow.prepare.extent import with_duration
+from workflow.prepare.duration import with_duration
 
 AFTER = 6.0
 

@@ -14,13 +14,12 @@ A threshold study: scans of the field, brackets that are halved, and files.
 import argparse
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypedDict
+from typing import TYPE_CHECKING, Any
 
 from granchain import InputError
 from granchain.parts import (
     REDUCED,
     UNCERTAINTIES,
-    Between,
     CommandResult,
     Study,
     case,
@@ -46,10 +45,6 @@ TABLE, POINTS, FIGURE = "threshold.csv", "points.csv", "threshold"
 STUDY = Study(
     "threshold", f"{TABLE} is the table", tables=(TABLE, POINTS), figures=(FIGURE,), cache="evaluations.jsonl"
 )
-
-
-POINTS_OF_SCAN, TOLERANCE = 9, 1e-3
-"""Default number of values of the first scan, and largest half-width of a bracket over its place."""
 
 
 @dataclass(frozen=True)
@@ -293,10 +288,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--over", metavar="FIELD=A,B,...", help="one threshold for each value of a second field")
     words = ("values of the first scan (default 9)", "largest half-width of a bracket / its place (default 0.001)")
     parser.add_argument(
-        "--points", metavar="N", type=options.within(int, 2, 10_000), default=POINTS_OF_SCAN, help=words[0]
+        "--points", metavar="N", type=options.within(int, 2, 10_000), default=SearchedField.points, help=words[0]
     )
     bounds = options.within(float, 1e-12, 0.5)
-    parser.add_argument("--tolerance", metavar="X", type=bounds, default=TOLERANCE, help=words[1])
+    parser.add_argument("--tolerance", metavar="X", type=bounds, default=SearchedField.tolerance, help=words[1])
     options.add_output(parser)
     options.add_jobs(parser)
 
@@ -319,31 +314,17 @@ def _question(arguments: argparse.Namespace) -> Question:
     over = options.second_field(arguments.over)
     low, high = options.both_ends(ends, "--vary", "FIELD=0.02:0.5")
     wanted_level = quantity, options.number(level, "--where", "agree_1=50")
-    scan = ScanOptions(log=arguments.log, points=arguments.points, tolerance=arguments.tolerance)
-    return question_of(arguments.scene, plain, wanted_level, (field, low, high), over, scan)
-
-
-class ScanOptions(TypedDict, total=False):
-    """How a field is searched.
-
-    Attributes:
-        log: whether the range is divided by factors instead of differences.
-        points: values of the first scan.
-        tolerance: largest half-width of a bracket over its place.
-    """
-
-    log: bool
-    points: Annotated[int, Between(2, 10_000)]
-    tolerance: Annotated[float, Between(1e-12, 0.5)]
+    axis = SearchedField(low, high, arguments.log, points=arguments.points, tolerance=arguments.tolerance)
+    return question_of(arguments.scene, plain, wanted_level, field, axis, over)
 
 
 def question_of(
     name: str,
     plain: dict[str, Any],
     where: tuple[str, float],
-    vary: tuple[str, float, float],
+    field: str,
+    axis: SearchedField,
     over: options.SecondField,
-    scan: ScanOptions,
 ) -> Question:
     """The question where a quantity of a scene crosses a value.
 
@@ -351,26 +332,25 @@ def question_of(
         name: name of the scene in messages.
         plain: its plain data.
         where: name of the quantity, and the value.
-        vary: the varied field, and both ends of its range.
+        field: the varied field.
+        axis: its range, and how that is searched; whole numbers alone where the field takes no others.
         over: a second field and its values.
-        scan: how the range is searched.
 
     Raises:
         InputError: there is no such quantity or field, or the range is none.
     """
-    (quantity, level), (field, low, high) = where, vary
-    log, ends = scan.get("log", False), f"{low:g}:{high:g}"
+    (quantity, level), low, high = where, axis.low, axis.high
+    ends = f"{low:g}:{high:g}"
     try:
         integer = fields.is_whole(fields.parse(field, plain))
     except InputError as error:
         raise InputError(f"--vary: {error}") from None
-    if not low < high or (log and low <= 0.0):
-        above = ", both above 0 with --log" if log else ""
+    if not low < high or (axis.log and low <= 0.0):
+        above = ", both above 0 with --log" if axis.log else ""
         raise InputError(f"--vary: {ends} given; the smaller number first{above}, such as 0.02:0.5")
     if integer and not (float(low).is_integer() and float(high).is_integer()):
         raise InputError(f"--vary: {field} takes whole numbers; {ends} given")
-    axis = SearchedField(low, high, log, integer, scan.get("points", POINTS_OF_SCAN), scan.get("tolerance", TOLERANCE))
-    return Question(name, plain, quantity, level, field, axis, over)
+    return Question(name, plain, quantity, level, field, replace(axis, integer=integer), over)
 
 
 def _print(result: ThresholdResult, output: Path) -> None:

@@ -198,13 +198,13 @@ if TYPE_CHECKING:
     from workflow.runs.engines import Engine as Engine
     from workflow.runs.engines import Work as Work
     from workflow.runs.engines import engine_called as engine_called
-    from workflow.runs.engines import write_frames as write_frames
     from workflow.runs.files import LAMMPS_FILES as LAMMPS_FILES
     from workflow.runs.files import RECORD as RECORD
     from workflow.runs.files import as_json as as_json
     from workflow.runs.files import complete as complete
     from workflow.runs.files import write_json as write_json
     from workflow.runs.files import write_text as write_text
+    from workflow.runs.frames import write_frames as write_frames
     from workflow.runs.job import Count as Count
     from workflow.runs.job import Job as Job
     from workflow.runs.job import Number as Number
