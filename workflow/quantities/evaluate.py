@@ -18,7 +18,7 @@ from analysis.quantity import in_units, plain_at
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import usual_arrival
-from analysis.trajectory import Floats, Trajectory, blocks, joined, watch
+from analysis.trajectory import Floats, Trajectory, joined, watch
 from lammps_inputs import InputError, Problem, Scene, library, physics
 from lammps_inputs.numbers import known
 from workflow.measures.base import Measurement, Recorded
@@ -64,7 +64,7 @@ def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> 
     return scene
 
 
-def evaluate(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Measured:
+def of_scene(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Measured:
     """Quantities of a scene, run by the reference.
 
     Raises:
@@ -73,7 +73,7 @@ def evaluate(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Meas
     scene = scene_to_run(plain, names, source)
     problem = scene.model_copy(update={"accuracy": None}).problem()
     trajectory = joined(engine_called("reference").blocks(problem))
-    return of_frames(problem, lambda: blocks(trajectory), scene, names)
+    return of_frames(problem, trajectory.blocks, scene, names)
 
 
 def of_frames(
@@ -170,7 +170,7 @@ def evaluated(plain: dict[str, Any], names: tuple[str, ...], source: str, masses
     try:
         outside = None if tuple(masses) == NO_LIMIT else _mass_outside(masses, plain, source)
         with np.errstate(all="ignore"):
-            measured = evaluate(plain, names, source) if outside is None else {MASS: outside}
+            measured = of_scene(plain, names, source) if outside is None else {MASS: outside}
             answer = {"quantities": json.loads(json.dumps(measured))}
     except (InputError, ValueError, ArithmeticError) as error:
         answer = {"refused": str(error)}

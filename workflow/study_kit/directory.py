@@ -28,10 +28,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from analysis import quantity
-from analysis.trajectory import Floats
 from lammps_inputs.units import DIMENSIONLESS, Scale
 from workflow.formats import figure_files
 from workflow.runs import job
@@ -228,11 +225,6 @@ def csv_text(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str
         head: the columns; by default those of the first row.
     """
     return quantity.to_csv({name: [_unbounded(row[name]) for row in rows] for name in head or rows[0]})
-
-
-def floats(values: Sequence[Any]) -> Floats:
-    """Numbers for a figure, [value], in the unit of the values; NaN for None."""
-    return np.array([math.nan if value is None else float(value) for value in values], dtype=np.float64)
 
 
 def _unbounded(value: Any) -> Any:

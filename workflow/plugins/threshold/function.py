@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any, TypedDict, TypeVar, Unpack
 
 from granchain import InputError, load
-from granchain.parts import AnyScene, Between, Processes, SecondField, checked, hashable, plain_values, source_of
+from granchain.parts import AnyScene, Between, Processes, checked, numbers, options, source_of
 from workflow.plugins.threshold.crossings import SearchedField
 from workflow.plugins.threshold.study import ThresholdResult, carry_out, question_of
 
@@ -72,10 +72,10 @@ def threshold(
     field, ends = _single("vary", vary)
     if len(ends) != 2:
         raise InputError(f"vary: {len(ends)} numbers given; both ends of a range, such as {{{field!r}: (0.02, 0.5)}}")
-    second = SecondField()
+    second = options.SecondField()
     if over is not None:
         name, values = _single("over", over)
-        second = SecondField(name, tuple(map(hashable, plain_values(values))))
+        second = options.SecondField(name, tuple(map(options.hashable, numbers.plain_values(values))))
         if not values or len(set(map(repr, second.values))) < len(values):
             raise InputError("over: different values are needed, such as {'chains': [2, 3, 4]}")
     plain, source = load(scene).plain(), source_of(scene)

@@ -18,15 +18,13 @@ from typing import TYPE_CHECKING, Any
 
 from granchain import InputError
 from granchain.parts import (
-    REDUCED,
-    UNCERTAINTIES,
     CommandResult,
     Study,
-    case,
     cell,
+    columns,
     computations,
+    evaluate,
     fields,
-    floats,
     heading,
     label,
     library,
@@ -34,7 +32,7 @@ from granchain.parts import (
     options,
     print_files,
     print_table,
-    refuse_unknown,
+    units,
 )
 from workflow.plugins.threshold.crossings import Crossing, SearchedField, crossings, wanted
 
@@ -72,16 +70,16 @@ class Question:
     @property
     def uncertainty(self) -> str:
         """Name of the quantity's uncertainty; empty where it has none."""
-        return UNCERTAINTIES.get(self.quantity, "")
+        return columns.UNCERTAINTIES.get(self.quantity, "")
 
     def case(self, over: Any, value: float) -> computations.Computation:
         """Case of the scene with values in both fields."""
         number = int(value) if self.axis.integer else value
         scene = fields.put_all(self.over.put(self.scene, over), {self.field: number})
-        return case(scene, tuple(filter(None, (self.quantity, self.uncertainty))), self.source)
+        return evaluate.case(scene, tuple(filter(None, (self.quantity, self.uncertainty))), self.source)
 
     def __post_init__(self) -> None:
-        refuse_unknown(self.quantity, self.source, "quantity of a threshold")
+        columns.refuse_unknown(self.quantity, self.source, "quantity of a threshold")
         names = [name for name in (self.field, self.over.name) if name]
         if len({fields.parse(name, self.scene) for name in names}) < len(names):
             raise InputError(f"{self.source}: --over {self.over.name}: is the field whose threshold is searched")
@@ -239,8 +237,7 @@ def _threshold(question: Question, over: Any, crossing: Crossing, errors: list[f
 
 
 def _figure(result: ThresholdResult) -> "Figure":
-    from granchain.parts import MOST_LINES, Sought, map_figure, swept_figure
-    from granchain.parts import StudyAxis as Shown  # matplotlib takes half a second to import
+    from granchain.parts import studies  # matplotlib takes half a second to import
 
     question = result.question
     quantity, field = label(question.quantity, question.scene), label(question.field, question.scene)
@@ -249,22 +246,25 @@ def _figure(result: ThresholdResult) -> "Figure":
         for over, thresholds in result.by_over().items():
             lines += [(over, threshold.place, threshold.uncertainty) for threshold in thresholds]
             lines += [] if thresholds else [(over, None, None)]  # a tick at the foot
-        over, place, error = map(floats, zip(*lines, strict=True))
-        unit = "" if quantity.unit in ("", REDUCED) else f" {quantity.unit}"
+        over, place, error = map(studies.floats, zip(*lines, strict=True))
+        unit = "" if quantity.unit in ("", units.REDUCED) else f" {quantity.unit}"
         named = f"${quantity.symbol}$" if quantity.symbol else quantity.words
         comma = "," if field.symbol else ""
         crossing = replace(field, words=f"{field.words} where {named} = {question.level:g}{unit}{comma}")
-        over_field = Shown(label(question.over.name, question.scene), over)
-        return swept_figure(Shown(crossing, place, error), over_field, title=question.source)
-    values = Shown(quantity, floats([point.quantity for point in result.points]))
-    over_field = Shown(field, floats([point.value for point in result.points]))
+        over_field = studies.StudyAxis(label(question.over.name, question.scene), over)
+        return studies.swept_figure(studies.StudyAxis(crossing, place, error), over_field, title=question.source)
+    values = studies.StudyAxis(quantity, studies.floats([point.quantity for point in result.points]))
+    over_field = studies.StudyAxis(field, studies.floats([point.value for point in result.points]))
     beside = question.over.axis([point.over for point in result.points], question.scene)
-    if beside is not None and len(question.over.values) > MOST_LINES:
-        return map_figure(values, over_field, beside, question.source)
+    if beside is not None and len(question.over.values) > studies.MOST_LINES:
+        return studies.map_figure(values, over_field, beside, question.source)
     places, errors = (
-        floats([getattr(threshold, name) for threshold in result.thresholds]) for name in ("place", "uncertainty")
+        studies.floats([getattr(threshold, name) for threshold in result.thresholds])
+        for name in ("place", "uncertainty")
     )
-    return swept_figure(values, over_field, beside, question.source, sought=Sought(question.level, places, errors))
+    return studies.swept_figure(
+        values, over_field, beside, question.source, sought=studies.Sought(question.level, places, errors)
+    )
 
 
 # --- command ----------------------------------------------------------------------------------------------------------

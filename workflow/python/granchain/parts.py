@@ -12,8 +12,11 @@ if TYPE_CHECKING:
     from analysis import contacts as contacts
     from analysis import hermite as hermite
     from analysis import motion as motion
+    from analysis import quantity as quantity
     from analysis.compare import difference as difference
     from analysis.compare.common_times import paired as paired
+    from analysis.figures import spacetime as spacetime
+    from analysis.figures import studies as studies
     from analysis.figures import style as style
     from analysis.figures.errors import residual_figure as residual_figure
     from analysis.figures.spacetime import RootScale as RootScale
@@ -21,12 +24,6 @@ if TYPE_CHECKING:
     from analysis.figures.spacetime import draw_maps as draw_maps
     from analysis.figures.spacetime import panels as panels
     from analysis.figures.spacetime import spacetime_figure as spacetime_figure
-    from analysis.figures.studies import MOST_LINES as MOST_LINES
-    from analysis.figures.studies import Sought as Sought
-    from analysis.figures.studies import StudyAxis as StudyAxis
-    from analysis.figures.studies import largest_of as largest_of
-    from analysis.figures.studies import map_figure as map_figure
-    from analysis.figures.studies import swept_figure as swept_figure
     from analysis.figures.style import CHAIN_COLOURS as CHAIN_COLOURS
     from analysis.figures.style import CHAIN_DASHES as CHAIN_DASHES
     from analysis.figures.style import AxisUnit as AxisUnit
@@ -44,13 +41,9 @@ if TYPE_CHECKING:
     from analysis.files.binary_dump import BinaryDump as BinaryDump
     from analysis.files.binary_dump import CutDumpWarning as CutDumpWarning
     from analysis.files.recording import all_ids as all_ids
-    from analysis.files.traces import Channel as Channel
+    from analysis.gauges import channels as channels
     from analysis.gauges import forces as forces
-    from analysis.gauges.channels import beads_of as beads_of
-    from analysis.gauges.channels import read as read
-    from analysis.gauges.channels import read_at as read_at
-    from analysis.gauges.gauge import at_frames as at_frames
-    from analysis.gauges.gauge import gauges as gauges
+    from analysis.gauges import gauge as gauge
     from analysis.quantity import Quantity as Quantity
     from analysis.quantity import csv_of as csv_of
     from analysis.quantity import declare as declare
@@ -61,6 +54,7 @@ if TYPE_CHECKING:
     from analysis.quantity import result as result
     from analysis.quantity import to_csv as to_csv
     from analysis.shape import exact_wave as exact_wave
+    from analysis.shape import unit_cell as unit_cell
     from analysis.shape.long_waves import cell_beads as cell_beads
     from analysis.shape.long_waves import sound_speed as sound_speed
     from analysis.shape.long_waves import speed_over_sound as speed_over_sound
@@ -83,11 +77,9 @@ if TYPE_CHECKING:
     from analysis.trajectory import Floats as Floats
     from analysis.trajectory import Integers as Integers
     from analysis.trajectory import Trajectory as Trajectory
-    from analysis.trajectory import blocks as blocks
     from analysis.trajectory import direction_of as direction_of
     from analysis.trajectory import frames_per_block as frames_per_block
     from analysis.trajectory import joined as joined
-    from analysis.trajectory import of_atoms as of_atoms
     from analysis.trajectory import watch as watch
     from lammps_inputs import Problem as Problem
     from lammps_inputs import System as System
@@ -125,15 +117,11 @@ if TYPE_CHECKING:
     from lammps_inputs.limits.closing import THETA_OF_EQ_5 as THETA_OF_EQ_5
     from lammps_inputs.limits.rates import stability_bound as stability_bound
     from lammps_inputs.links import Along as Along
-    from lammps_inputs.numbers import known as known
-    from lammps_inputs.numbers import plain_values as plain_values
     from lammps_inputs.numbers import size_text as size_text
-    from lammps_inputs.numbers import text as text
     from lammps_inputs.numbers import time_text as time_text
     from lammps_inputs.output import Limits as Limits
     from lammps_inputs.output import too_far_apart as too_far_apart
     from lammps_inputs.scene import DEFAULT_ACCURACY as DEFAULT_ACCURACY
-    from lammps_inputs.units import REDUCED as REDUCED
     from lammps_inputs.units import SI as SI
     from lammps_inputs.units import Label as Label
     from lammps_inputs.units import Scale as Scale
@@ -150,8 +138,7 @@ if TYPE_CHECKING:
     from workflow.arguments import source_of as source_of
     from workflow.checked import Between as Between
     from workflow.checked import checked as checked
-    from workflow.commands.analyze import analysis_of as analysis_of
-    from workflow.commands.analyze import report as report
+    from workflow.commands import analyze as analyze
     from workflow.commands.deck import write as write
     from workflow.commands.sweep import definition_of as definition_of
     from workflow.compiled import ieee as ieee
@@ -163,15 +150,8 @@ if TYPE_CHECKING:
     from workflow.engines.lammps.worker import first_line as first_line
     from workflow.engines.reference import engine as engine
     from workflow.engines.reference import kernel as kernel
-    from workflow.engines.reference.kernel import DerivativeFrames as DerivativeFrames
-    from workflow.engines.reference.kernel import ShiftArrays as ShiftArrays
-    from workflow.engines.reference.kernel import TangentArrays as TangentArrays
-    from workflow.engines.reference.kernel_inputs import Term as Term
-    from workflow.engines.reference.kernel_inputs import Terms as Terms
-    from workflow.engines.reference.kernel_inputs import make_terms as make_terms
-    from workflow.engines.reference.schemes import BLANES_MOAN as BLANES_MOAN
-    from workflow.engines.reference.schemes import VERLET as VERLET
-    from workflow.engines.reference.schemes import Scheme as Scheme
+    from workflow.engines.reference import kernel_inputs as kernel_inputs
+    from workflow.engines.reference import schemes as schemes
     from workflow.engines.reference.step_halving import StepHalving as StepHalving
     from workflow.engines.reference.uncertainty import Uncertainty as Uncertainty
     from workflow.errors import complaint as complaint
@@ -183,18 +163,8 @@ if TYPE_CHECKING:
     from workflow.measures.base import Recorded as Recorded
     from workflow.prepare.settings import refuse_unanalysable as refuse_unanalysable
     from workflow.prepare.settings import settle as settle
-    from workflow.quantities.columns import AT_BEAD as AT_BEAD
-    from workflow.quantities.columns import KNOWN as KNOWN
-    from workflow.quantities.columns import MASS as MASS
-    from workflow.quantities.columns import QUANTITIES as QUANTITIES
-    from workflow.quantities.columns import UNCERTAINTIES as UNCERTAINTIES
-    from workflow.quantities.columns import column_called as column_called
-    from workflow.quantities.columns import refuse_unknown as refuse_unknown
-    from workflow.quantities.evaluate import NO_LIMIT as NO_LIMIT
-    from workflow.quantities.evaluate import case as case
-    from workflow.quantities.evaluate import evaluate as evaluate
-    from workflow.quantities.evaluate import of_frames as of_frames
-    from workflow.quantities.evaluate import scene_to_run as scene_to_run
+    from workflow.quantities import columns as columns
+    from workflow.quantities import evaluate as evaluate
     from workflow.runs.engines import Engine as Engine
     from workflow.runs.engines import Work as Work
     from workflow.runs.engines import engine_called as engine_called
@@ -240,27 +210,16 @@ if TYPE_CHECKING:
     from workflow.study_kit import page as page
     from workflow.study_kit.directory import Study as Study
     from workflow.study_kit.directory import csv_text as csv_text
-    from workflow.study_kit.directory import floats as floats
     from workflow.study_kit.kept_run import kept_run as kept_run
-    from workflow.study_kit.options import SecondField as SecondField
-    from workflow.study_kit.options import add_jobs as add_jobs
-    from workflow.study_kit.options import add_output as add_output
-    from workflow.study_kit.options import example_file as example_file
-    from workflow.study_kit.options import hashable as hashable
-    from workflow.study_kit.options import interrupted as interrupted
     from workflow.sweep import fields as fields
+    from workflow.sweep import file_parts as file_parts
     from workflow.sweep.axes import heading as heading
     from workflow.sweep.axes import label as label
     from workflow.sweep.collect import collect as collect
     from workflow.sweep.collect import table_of as table_of
     from workflow.sweep.file import Sweep as Sweep
     from workflow.sweep.file import SweepCase as SweepCase
-    from workflow.sweep.file import SweepPart as SweepPart
-    from workflow.sweep.file import number as number
-    from workflow.sweep.file import scene_in as scene_in
     from workflow.sweep.file import scene_of as scene_of
-    from workflow.sweep.file import scene_of_file as scene_of_file
-    from workflow.sweep.file import validated as validated
     from workflow.sweep.run_sweep import Asked as Asked
     from workflow.sweep.run_sweep import begin as begin
     from workflow.sweep.run_sweep import planned as planned
@@ -282,7 +241,6 @@ if TYPE_CHECKING:
     from workflow.verdicts.validate import TOLERANCES as TOLERANCES
     from workflow.verdicts.validate_run import compare_runs as compare_runs
     from workflow.verdicts.validate_run import scene_changes as scene_changes
-    from workflow.verdicts.validate_table import check_channels as check_channels
     from workflow.workers import computations as computations
     from workflow.workers.pool import Pool as Pool
     from workflow.workers.pool import Task as Task
