@@ -1,6 +1,7 @@
 """Sweeps: a scene and lists or ranges of its fields -> one run directory per case, computed on all cores.
 
-`file` is what a user writes and the cases that follow, `fields` the dotted paths in a scene, `run_sweep` the sweep with
-the directory of each case; `collect` gathers the cases into one table, `statistics` has statistics of its columns,
+`file` is what a user writes and the cases that follow, `file_parts` what every file with a scene has, `fields` the
+dotted paths in a scene, `run_sweep` the sweep with the directory of each case;
+`collect` gathers the cases into one table, `statistics` has statistics of its columns,
 `axes` the words for fields and quantities.
 """
