@@ -78,6 +78,30 @@ class Trajectory:
         until = f"to t = {self.time[-1]:.6g} T" if len(self.time) else "none yet"
         return f"<trajectory of {self.problem.name}: {_size(self.velocity)}, {until}, in units of T, L and V>"
 
+    @classmethod
+    def of_atoms(
+        cls,
+        problem: Problem,
+        time: Floats,
+        displacement: Floats,
+        velocity: Floats,
+        first: int = 1,
+        exchange: Floats | None = None,
+        contact_state: Floats | None = None,
+    ) -> "Trajectory":
+        """Frames of arrays [frame, line, bead], the chains' first and further lines after them, if at all."""
+        chains = problem.chains
+        further = np.stack([displacement, velocity], axis=1)[:, :, chains:] if displacement.shape[1] > chains else None
+        return cls(
+            problem, time, displacement[:, :chains], velocity[:, :chains], first, exchange, contact_state, further
+        )
+
+    def blocks(self) -> Iterator["Trajectory"]:
+        """Consecutive parts of bounded size, like those of a trajectory that is read from a file."""
+        size = frames_per_block(self.problem)
+        for start in range(0, self.frames, size):
+            yield self[start : start + size]
+
     @property
     def beads(self) -> Integers:
         """Numbers of the beads along the last axis, [bead] counted from 1.
@@ -191,7 +215,7 @@ class Trajectory:
         Returns:
             The new frames.
         """
-        moved = of_atoms(self.problem, time, displacement, velocity, self.first)
+        moved = Trajectory.of_atoms(self.problem, time, displacement, velocity, self.first)
         return replace(moved, contact_state=self.contact_state)
 
     def last(self, frames: int = 1) -> "Trajectory":
@@ -279,30 +303,6 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
         if all(isinstance(array, np.ndarray) for array in values):
             arrays[field.name] = np.concatenate(values)
     return replace(parts[0], **arrays)
-
-
-def of_atoms(
-    problem: Problem,
-    time: Floats,
-    displacement: Floats,
-    velocity: Floats,
-    first: int = 1,
-    exchange: Floats | None = None,
-    contact_state: Floats | None = None,
-) -> Trajectory:
-    """Frames of arrays [frame, line, bead], the chains' first and further lines after them, if at all."""
-    chains = problem.chains
-    further = np.stack([displacement, velocity], axis=1)[:, :, chains:] if displacement.shape[1] > chains else None
-    return Trajectory(
-        problem, time, displacement[:, :chains], velocity[:, :chains], first, exchange, contact_state, further
-    )
-
-
-def blocks(trajectory: Trajectory) -> Iterator[Trajectory]:
-    """A trajectory as blocks of bounded size, like one that is read from a file."""
-    size = frames_per_block(trajectory.problem)
-    for start in range(0, trajectory.frames, size):
-        yield trajectory[start : start + size]
 
 
 # --- in the mirror: a pulse that runs towards bead 1 becomes one that runs away from it; the equations do not change --

@@ -680,14 +680,16 @@ class BaseScene(ScenePart, metaclass=SceneType):
     def _problem(self) -> Problem:
         if self.duration is None:
             raise ValueError(
-                "this scene ends at a bead; workflow.prepare.extent.with_duration(scene) finds its duration"
+                "this scene ends at a bead; workflow.prepare.duration.with_duration(scene) finds its duration"
             )
         if self.accuracy is not None:
             raise ValueError(
                 "this scene asks for an accuracy; workflow.prepare.settings.with_settings(scene) finds its time step"
             )
         if self.window == "auto":
-            raise ValueError("this scene's window is `auto`; workflow.prepare.extent.with_window(scene) finds its rows")
+            raise ValueError(
+                "this scene's window is `auto`; workflow.prepare.window_width.with_window(scene) finds its rows"
+            )
         scale, system = self.scale, self.system
         every, steps = self._cadence()
         return Problem(

@@ -15,7 +15,7 @@ from workflow import lazy_names
 ROOT = Path(__file__).parents[1]
 PLUG_INS = ROOT / "workflow" / "plugins"
 FACES = ("granchain", "granchain.parts")
-MOST_NAMES = 250
+MOST_NAMES = 160
 """Names of the core that all plug-ins together may take."""
 BELOW = {
     "lammps_inputs": set(),

@@ -104,6 +104,11 @@ def largest_of(values: Floats) -> float:
     return float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
 
 
+def floats(values: Sequence[Any]) -> Floats:
+    """Numbers for a figure, [value], in the unit of the values; NaN for None."""
+    return np.array([math.nan if value is None else float(value) for value in values], dtype=np.float64)
+
+
 def logarithmic(values: ArrayLike) -> bool:
     """Whether distinct values are rather spaced by a factor than by a difference."""
     distinct = np.unique(np.asarray(values, dtype=np.float64))

@@ -13,7 +13,7 @@ import numpy as np
 
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError, dumps_of
 from analysis.files.dump_layout import header
-from analysis.trajectory import Floats, Integers, Trajectory, frames_per_block, joined, of_atoms
+from analysis.trajectory import Floats, Integers, Trajectory, frames_per_block, joined
 from lammps_inputs import InputError, Problem, physics
 
 
@@ -151,7 +151,7 @@ def _of_all_lines(problem: Problem, time: Floats, values: Floats) -> Trajectory:
     full[..., place] = values
     full[:, 0, place] -= rest_of_atoms(problem)
     displacement, velocity = full.reshape(len(time), 2, lines, problem.beads).swapaxes(0, 1)
-    return of_atoms(problem, time, displacement, velocity)
+    return Trajectory.of_atoms(problem, time, displacement, velocity)
 
 
 def _check_times(dump: BinaryDump, problem: Problem) -> None:

@@ -1,12 +1,14 @@
 """Traces of forces and motions as they would have been measured in a run."""
 
+from pathlib import Path
+
 import numpy as np
 
 from analysis.compare import common_times
 from analysis.files.traces import Channel
 from analysis.gauges.gauge import Gauge, at_frames, gauges
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import InputError, Problem
 
 
 def complaint(channel: Channel, problem: Problem) -> str | None:
@@ -20,6 +22,18 @@ def complaint(channel: Channel, problem: Problem) -> str | None:
         return None if exists else f"the scene has no {side} wall"
     first, last = {"contact": (1, beads - 1), "sensor": (2, beads - 1)}.get(channel.kind, (1, beads))
     return None if first <= channel.bead <= last else f"beads {first} to {last} of the scene have such"
+
+
+def check(path: Path, channels: tuple[Channel, ...], problem: Problem) -> None:
+    """Refuse traces of what the scene has not.
+
+    Raises:
+        InputError: naming the first of them.
+    """
+    for channel in channels:
+        wrong = complaint(channel, problem)
+        if wrong is not None:
+            raise InputError(f"{path}: has {channel.name}, but {wrong}")
 
 
 def beads_of(channels: tuple[Channel, ...], problem: Problem) -> tuple[int, ...]:

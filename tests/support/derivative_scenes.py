@@ -1,12 +1,10 @@
 """Twenty small scenes of all ingredients that have derivatives, and their derivatives by differences of runs."""
 
 import math
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis.trajectory import blocks
 from lammps_inputs import library
 from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.reference import engine
@@ -122,7 +120,7 @@ def values_of_run(plain: dict[str, Any], name: str, every: float) -> Any:
     scene = library.from_plain({**plain, "output": {"every": every}}, name)
     problem = scene.problem()
     run = engine.run(problem, steps_per_frame=8 * engine.default_steps_per_frame(problem))
-    values = of_frames(problem, partial(blocks, run), scene, SCENES[name].quantities)
+    values = of_frames(problem, run.blocks, scene, SCENES[name].quantities)
     return np.array([values[quantity] for quantity in SCENES[name].quantities], dtype=np.float64)
 
 

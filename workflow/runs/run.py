@@ -16,12 +16,12 @@ from workflow.errors import EndedError, RunError
 from workflow.prepare.settings import refuse_too_large, refuse_unanalysable, settle
 from workflow.prepare.step_choice import ChosenStep
 from workflow.runs import check as checking
-from workflow.runs import contacts
+from workflow.runs import contacts, job
 from workflow.runs.completed_run import Check, CompletedRun
 from workflow.runs.engines import Progress, Start, Work, engine_called
 from workflow.runs.output_directory import prepared, refuse_links, refuse_unusable
 from workflow.runs.resumption import onwards
-from workflow.runs.run_directory import RunDirectory, fingerprint, provenance, results
+from workflow.runs.run_directory import RunDirectory, fingerprint, results
 from workflow.runs.size import refuse_beforehand, refuse_too_long
 
 
@@ -168,7 +168,7 @@ def run_prepared(
         "engine": ready.engine,
         "ranks": ready.ranks,
         "steps": ready.problem.steps,
-        **provenance(),
+        **job.provenance(),
         "files_sha256": fingerprint(files),
         "settings": None if ready.step is None else ready.step.plain(),
     }

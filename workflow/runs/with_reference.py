@@ -2,13 +2,16 @@
 
 import math
 import time
+from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
 from analysis.conservation import FrameAccountant
+from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, file_names
 from workflow import cost_model
-from workflow.runs.engines import Engine, Work, write_frames
+from workflow.runs.engines import Engine, Work
+from workflow.runs.frames import write_frames
 from workflow.runs.job import Job
 
 
@@ -40,15 +43,23 @@ class ReferenceEngine(Engine):
         seconds = time.perf_counter() - started
         return {**ending, "engine_seconds": seconds, "uncertainty": asdict(uncertainty)}
 
-    def accountant(self, frames: Problem, run: Problem, job: Job) -> FrameAccountant:
+    def blocks(
+        self, problem: Problem, *, window: int | None = None, most_frames: int | None = None
+    ) -> Iterator[Trajectory]:
+        """Frames with the reference's default steps."""
+        from workflow.engines.reference import engine
+
+        return engine.blocks(problem, window=window, most_frames=most_frames)
+
+    def accountant(self, frames: Problem, run: Problem | None = None, job: Job | None = None) -> FrameAccountant:
         """Accountant of frames of a run, with the steps that the run itself took if it is the reference's."""
         from workflow.engines.reference import energy_exchange, engine, step_halving
 
-        uncertainty = job.uncertainty  # only the reference's runs have one
+        uncertainty = None if job is None else job.uncertainty  # only the reference's runs have one
         if uncertainty is None:
             return energy_exchange.Accountant(frames)
         most_steps = 2**step_halving.MOST_HALVINGS * engine.default_steps_per_frame(frames)
-        steps = uncertainty.steps_per_frame * round(frames.every / run.every)
+        steps = uncertainty.steps_per_frame * round(frames.every / (run or frames).every)
         return energy_exchange.Accountant(frames, min(steps, most_steps))
 
     def sentence(self, job: Job) -> str:

@@ -28,17 +28,13 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from analysis import quantity
-from analysis.trajectory import Floats
 from lammps_inputs.units import DIMENSIONLESS, Scale
 from workflow.formats import figure_files
 from workflow.runs import job
 from workflow.runs.figures import write_figure
 from workflow.runs.files import alone, as_json, write_bytes
 from workflow.runs.output_directory import make_directory, record_files
-from workflow.runs.run_directory import provenance
 from workflow.screen import count_bar, print_table
 from workflow.workers.computations import Computation, StoredResults, values
 from workflow.workers.pool import Pool
@@ -186,7 +182,7 @@ class Study:
     @staticmethod
     def with_provenance(report: Mapping[str, Any]) -> dict[str, Any]:
         """A report, and where and with what it was computed."""
-        return {**report, **provenance()}
+        return {**report, **job.provenance()}
 
     def mark(self, directory: Path, *, done: bool) -> None:
         """Record in ``run.json``, as `opened` does, the command of a directory and whether the study is finished."""
@@ -229,11 +225,6 @@ def csv_text(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str
         head: the columns; by default those of the first row.
     """
     return quantity.to_csv({name: [_unbounded(row[name]) for row in rows] for name in head or rows[0]})
-
-
-def floats(values: Sequence[Any]) -> Floats:
-    """Numbers for a figure, [value], in the unit of the values; NaN for None."""
-    return np.array([math.nan if value is None else float(value) for value in values], dtype=np.float64)
 
 
 def _unbounded(value: Any) -> Any:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.units import Label
 from workflow.screen import CommandResult
-from workflow.study_kit.directory import floats
 from workflow.sweep import fields
 from workflow.sweep.axes import label
 
@@ -118,7 +117,7 @@ class SecondField:
 
     def axis(self, values: Sequence[Any], scene: dict[str, Any]) -> "StudyAxis | None":
         """Values of the field in a figure, by their numbers from 1 where they are no numbers; None without a field."""
-        from analysis.figures.studies import StudyAxis  # matplotlib takes half a second to import
+        from analysis.figures.studies import StudyAxis, floats  # matplotlib takes half a second to import
 
         if not self.name:
             return None

@@ -21,62 +21,20 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, ValidationError, model_validator
+from pydantic import AfterValidator, Field, PlainValidator, model_validator
 
-from lammps_inputs import InputError, Scene, complaints, installed_scenes, library, schema, strict_yaml
+from lammps_inputs import InputError, Scene, library, schema, strict_yaml
 from lammps_inputs.numbers import text
 from workflow.engines.registry import EngineName
 from workflow.sweep import fields
+from workflow.sweep.file_parts import FilePart, Number, number, scene_in, scene_of_file, validated
 
 MAX_CASES = 100_000
 
-Number = int | float
 
-
-def number(value: Any) -> Number:
-    """A number that a scene may hold.
-
-    Raises:
-        ValueError: it is none.
-    """
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError("should be a number")
-    if not -1e30 <= value <= 1e30:
-        raise ValueError("should be a finite number up to 1e30")
-    return value
-
-
-class SweepPart(BaseModel):
-    """A part of a file, whose keys are known."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-
-Kind = TypeVar("Kind", bound=SweepPart)
-
-
-def validated(kind: type[Kind], data: Any, where: str, wanted: str = "") -> Kind:
-    """A part of a file from plain data.
-
-    Args:
-        kind: class of the part.
-        data: plain data of the part.
-        where: file and keys above the part's, for messages.
-        wanted: kind of the file, a sweep or a design, where the part is all of it.
-
-    Raises:
-        InputError: naming the key, what was given and what would be right.
-    """
-    try:
-        return kind.model_validate(data)
-    except ValidationError as error:
-        mistaken = library.mistaken(data, wanted) if wanted else ""
-        raise InputError(f"{where}{mistaken or complaints.describe(error, kind)}") from None
-
-
-class SpacedValues(SweepPart):
+class SpacedValues(FilePart):
     """Evenly spaced values, or evenly spaced logarithms, both ends among them."""
 
     first: Annotated[Any, PlainValidator(number), Field(alias="from")]
@@ -128,7 +86,7 @@ def _some(value: dict[str, Any]) -> dict[str, Any]:
     return value
 
 
-class _File(SweepPart):
+class _File(FilePart):
     scene: Any
     vary: Annotated[dict[str, Any], AfterValidator(_some)]
     combine: Literal["product", "zip"] = "product"
@@ -145,11 +103,6 @@ def schema_of_file() -> dict[str, Any]:
         "additionalProperties": {"anyOf": [{"type": "array"}, {"$ref": "#/$defs/Range"}]},
     }
     return document
-
-
-def scene_of_file() -> dict[str, Any]:
-    """JSON schema of a scene within a file of another kind, which need not be whole."""
-    return {key: value for key, value in schema.scene().items() if key not in ("$schema", "required")}
 
 
 @dataclass(frozen=True)
@@ -234,34 +187,6 @@ def _refuse_too_many(counts: dict[str, int], combine: str, path: Path) -> None:
     count = math.prod(counts.values()) if combine == "product" else max(counts.values())
     if count > MAX_CASES:
         raise InputError(f"{path}: vary: makes {count} cases; at most {MAX_CASES}")
-
-
-def scene_in(entry: Any, path: Path, key: str = "scene") -> dict[str, Any]:
-    """Plain data of the scene that a file names or holds, which need not be whole: what is varied may be missing.
-
-    Args:
-        entry: what the file has under the key.
-        path: the file.
-        key: the key, for messages.
-
-    Raises:
-        InputError: it is neither a scene's name, nor its file, nor the scene itself.
-    """
-    if isinstance(entry, dict):
-        return library.with_files(entry, path.parent)
-    if not isinstance(entry, str):
-        raise InputError(f"{path}: {key}: should be a name, a file, or the scene's `key: value` pairs")
-    installed = installed_scenes.installed()
-    if entry in installed:
-        return library.load_plain(installed[entry])
-    try:
-        place = path.parent / entry
-        if place.is_file():  # not a device or a pipe, which may never end
-            return library.load_plain(place)
-    except (OSError, ValueError):
-        pass
-    hint = complaints.suggestion(entry[:200], installed)
-    raise InputError(f"{path}: {key}: {entry[:60]!r} is neither a file nor an installed scene{hint}")
 
 
 # --- cases ------------------------------------------------------------------------------------------------------------

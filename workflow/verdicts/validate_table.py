@@ -11,8 +11,7 @@ from analysis.compare.difference import Deviation, DeviationPlace, Difference, d
 from analysis.compare.rounding import precision, rounding_error
 from analysis.files import table, text_dump, traces
 from analysis.files.table import TrajectoryTable
-from analysis.files.traces import Channel
-from analysis.gauges.channels import beads_of, complaint, read_at
+from analysis.gauges import channels
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import InputError, Problem, physics
 from lammps_inputs.deck_atoms import DeckAtoms
@@ -192,8 +191,8 @@ def validate_traces(
     problem, measured = directory.problem, traces.load(path)
     if measured.units and (dimensionless or not problem.scale.si):
         raise InputError(f"{path}: names units, but is to be in others (the scene has no material, or --units)")
-    check_channels(path, measured.channels, problem)
-    beads = beads_of(measured.channels, problem)
+    channels.check(path, measured.channels, problem)
+    beads = channels.beads_of(measured.channels, problem)
     missing = sorted(set(beads) - set(problem.recorded_beads.tolist()))
     if problem.window is not None or missing:
         raise InputError(f"{path}: needs the motion of bead {(missing or beads)[0]}, which the run did not record")
@@ -203,7 +202,7 @@ def validate_traces(
     run_frames = joined(directory.blocks())[: problem.frames + 1]
     run = common_times.of_recorded(run_frames, replace(problem, recorded=beads))
     try:
-        computed = read_at(run, measured.channels, measured.time)
+        computed = channels.read_at(run, measured.channels, measured.time)
     except InputError as error:
         raise InputError(f"{path}: {error}; if the table is in other units, see --units") from None
     apart = (computed - measured.values) / worth
@@ -230,7 +229,7 @@ def validate_traces(
     return result
 
 
-def _deviation(channel: Channel, apart: Floats, times: Floats, tolerance: float, problem: Problem) -> Deviation:
+def _deviation(channel: traces.Channel, apart: Floats, times: Floats, tolerance: float, problem: Problem) -> Deviation:
     defined = np.isfinite(apart)
     when = times[defined]
     bead = channel.bead or (problem.beads if channel.right else 1)
@@ -305,15 +304,3 @@ def remarks(path: Path, theirs: Trajectory, run_frames: Trajectory) -> Iterator[
     if theirs.time[-1] < 0.01 * run_frames.time[-1]:
         share = theirs.time[-1] / run_frames.time[-1]
         yield f"{path} ends at {share:.2g} of the run: is it in other units? (see --units)"
-
-
-def check_channels(path: Path, channels: tuple[Channel, ...], problem: Problem) -> None:
-    """Refuse traces of what the scene has not.
-
-    Raises:
-        InputError: naming the first of them.
-    """
-    for channel in channels:
-        wrong = complaint(channel, problem)
-        if wrong is not None:
-            raise InputError(f"{path}: has {channel.name}, but {wrong}")

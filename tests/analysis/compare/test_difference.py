@@ -13,7 +13,6 @@ from small_problems import problem, written_down
 from analysis.compare.difference import QUANTITIES, Difference, matched
 from analysis.figures.errors import validation_figure
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
-from analysis.trajectory import blocks
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
 
@@ -97,7 +96,7 @@ def test_arrival_and_amplitude_are_those_of_the_pulse(run):
     peaks = []
     for trajectory in (coarse, finer):
         finder = PeakFinder(first_only=True)
-        for block in blocks(trajectory):
+        for block in trajectory.blocks():
             finder.add(block)
         peaks.append(finder.result())
     here, there = (peak.where((peak.bead < 22) & (peak.velocity > 0.1)) for peak in peaks)

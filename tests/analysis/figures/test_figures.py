@@ -14,7 +14,6 @@ from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, AxisUnit, axis_unit
 from analysis.figures.waves import distance_figure, passage, pulses, response_figure, shape_figure, time_title
 from analysis.sharing.energies import Flow
 from analysis.sharing.survey import survey
-from analysis.trajectory import blocks
 from lammps_inputs import Kick
 from lammps_inputs.units import make_scale
 from workflow.formats import written_as
@@ -82,7 +81,7 @@ def test_any_scene_of_steel_beads_is_drawn_with_prefixed_units_and_a_curve_for_e
     trajectory = reference(chains, 0.1, 30, 40.0, recorded=recorded, kicks=[kick])
     steel = replace(trajectory.problem, scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True))
     trajectory = replace(trajectory, problem=steel)
-    result = survey(lambda: blocks(trajectory), steel)
+    result = survey(trajectory.blocks, steel)
     distance = distance_figure(steel, result.shared, result.energies, result.direction)
     response = response_figure(history(trajectory, (4, 11, 20)), result.waves)
     assert (response.axes[-2].get_xlabel(), response.axes[0].get_ylabel()) == (

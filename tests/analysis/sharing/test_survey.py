@@ -16,7 +16,7 @@ from analysis.sharing.is_solitary import Tolerances, characterise
 from analysis.sharing.survey import survey
 from analysis.tracking.peaks import find_peaks
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Trajectory, blocks, mirrored, mirrored_problem, watch
+from analysis.trajectory import Trajectory, mirrored, mirrored_problem, watch
 from lammps_inputs import Kick, library
 from workflow.engines.reference import engine
 
@@ -27,7 +27,7 @@ def shape_of(trajectory: Trajectory, peak: float, arrival: float, bead: int = 20
     speed = float(EXACT.speed_at(peak))
     at = arrival + (bead - 1 if direction > 0 else trajectory.problem.beads - bead) / speed
     passages = Passages(*(np.array([number]) for number in (1, bead, at, peak, speed, direction, 0.0)))
-    return watch(Waveforms(trajectory.problem, passages), blocks(trajectory)).shape()
+    return watch(Waveforms(trajectory.problem, passages), trajectory.blocks()).shape()
 
 
 @settings(max_examples=25)
@@ -259,7 +259,7 @@ def test_a_pulse_differs_from_one_of_closer_frames_by_no_more_than_it_states(rec
         for output in ({"every": 0.02}, {"every": every, "beads": recorded})
     )
     found = surveyed(coarse).characters[0]
-    true = find_peaks(blocks(fine))
+    true = find_peaks(fine.blocks())
     (k,) = np.flatnonzero((true.bead == found.bead) & (np.abs(true.time - found.arrival) < 0.5))
     assert abs(found.arrival - true.time[k]) <= found.arrival_error < 0.5
     assert abs(found.peak_velocity - true.velocity[k]) <= found.peak_velocity_error < 0.01

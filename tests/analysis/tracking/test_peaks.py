@@ -15,7 +15,7 @@ from synthetic_waves import of_keys, problem, reference, surveyed
 from analysis.tracking.leading_waves import leading_waves, with_speeds
 from analysis.tracking.peak_bounds import DOUBT, MARGIN, unfollowed
 from analysis.tracking.peaks import PeakFinder, Peaks, find_peaks, in_mirror, sharp
-from analysis.trajectory import Trajectory, blocks, watch
+from analysis.trajectory import Trajectory, watch
 from lammps_inputs import Kick, Problem
 from lammps_inputs.laws.in_time import HalfSine, Rectangular
 from lammps_inputs.loads import Load
@@ -65,11 +65,11 @@ def test_maxima_do_not_depend_on_how_times_were_rounded(fine):
 def test_a_pulse_towards_bead_1_is_the_mirror_image_of_one_away_from_it():
     away = reference(beads=30, duration=40.0)
     back = reference(beads=30, duration=40.0, kicks=[Kick(bead=30, velocity=-1.0)])
-    expected, found = find_peaks(blocks(away)), in_mirror(find_peaks(blocks(back)), back.problem)
+    expected, found = find_peaks(away.blocks()), in_mirror(find_peaks(back.blocks()), back.problem)
     assert len(found) == len(expected)
     assert np.array_equal(found.bead, expected.bead)
     np.testing.assert_allclose(found.velocity, expected.velocity, atol=1e-12)
-    waves = leading_waves(find_peaks(blocks(back)), back.problem)
+    waves = leading_waves(find_peaks(back.blocks()), back.problem)
     assert waves.at(2).peak_velocity[0] > 0.2
     assert np.all(waves.of_chain(1).speed[5:-2] > 0.0)
 
@@ -113,7 +113,7 @@ def gapped() -> Trajectory:
 
 
 def test_where_beads_fly_freely_the_time_of_the_maximum_is_not_defined(gapped):
-    peaks = find_peaks(blocks(gapped))
+    peaks = find_peaks(gapped.blocks())
     free = ~sharp(peaks) & (peaks.time > 0.0)
     assert np.count_nonzero(free) > 50
     assert np.all(np.isinf(peaks.time_error[free]))
@@ -125,7 +125,7 @@ def test_where_beads_fly_freely_the_time_of_the_maximum_is_not_defined(gapped):
 
 
 def test_the_centre_of_the_impulse_is_when_the_velocity_passes_half_its_height(gapped):
-    waves = leading_waves(find_peaks(blocks(gapped)), gapped.problem, "impulse")
+    waves = leading_waves(find_peaks(gapped.blocks()), gapped.problem, "impulse")
     for chain in (1, 2):
         for bead in (10, 20, 30):
             own = waves.where((waves.chain == chain) & (waves.bead == bead))

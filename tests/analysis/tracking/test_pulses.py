@@ -11,7 +11,7 @@ from analysis.shape.exact_wave import solitary_wave
 from analysis.tracking.peak_bounds import on_a_grid
 from analysis.tracking.peaks import find_peaks
 from analysis.tracking.pulses import Pulse, local_speed, of_one_kind, track_pulses, train_of
-from analysis.trajectory import Trajectory, blocks
+from analysis.trajectory import Trajectory
 from lammps_inputs import Kick
 from workflow.engines.reference import engine
 
@@ -20,7 +20,7 @@ EVERY = st.floats(0.03, 1.0)
 
 
 def found_in(trajectory: Trajectory, direction: int = 1) -> tuple[Pulse, ...]:
-    return track_pulses(find_peaks(blocks(trajectory), direction=direction), trajectory.problem)
+    return track_pulses(find_peaks(trajectory.blocks(), direction=direction), trajectory.problem)
 
 
 @settings(max_examples=25)
@@ -115,7 +115,7 @@ def test_a_run_that_ended_early_shows_the_pulse_as_far_as_it_came():
 
 
 def test_output_ten_times_coarser_changes_amplitudes_by_less_than_1e_4_and_arrivals_by_less_than_1e_3():
-    fine, coarse = (find_peaks(blocks(reference(every=every))) for every in (0.1, 1.0))
+    fine, coarse = (find_peaks(reference(every=every).blocks()) for every in (0.1, 1.0))
     for chain in (1, 2):
         for bead in range(2, 116):
             own = [(peaks.chain == chain) & (peaks.bead == bead) for peaks in (fine, coarse)]

@@ -15,7 +15,7 @@ from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import Peaks, find_peaks, in_mirror
 from analysis.tracking.succession import Change, changes, numbers
-from analysis.trajectory import blocks, watch
+from analysis.trajectory import watch
 from lammps_inputs import find
 from workflow.engines.reference import engine
 
@@ -143,7 +143,7 @@ def test_sharing_follows_one_pulse_in_each_chain_that_counts():
 @pytest.mark.parametrize("load", [{}, {"precompression": {"force": 0.13}}], ids=["free", "loaded"])
 def test_the_leading_pulse_begins_at_the_kicked_bead_where_its_speed_is_undefined(load):
     run = engine.run(of_keys(beads=24, kick={"velocity": 0.5, "bead": 9}, duration=18.0, **load))
-    waves = leading_waves(find_peaks(blocks(run)), run.problem)
+    waves = leading_waves(find_peaks(run.blocks()), run.problem)
     assert waves.bead[0] == 9
     assert np.isnan(waves.speed[0])
     assert np.all(waves.speed[1:] > 0.5)
@@ -155,5 +155,5 @@ def test_a_wave_that_a_larger_one_overlaps_has_no_difference_from_the_exact_wave
     arrival = 8.0 + (bead - 1) / speeds[0]
     run = exact_waves([(0.3, 8.0), (0.5, arrival + apart - (bead - 1) / speeds[1])])
     passage = Passages(*(np.array([number]) for number in (1, bead, arrival, 0.3, speeds[0], 1, 0.0)))
-    residual = watch(Waveforms(run.problem, passage), blocks(run)).shape().residual[0]
+    residual = watch(Waveforms(run.problem, passage), run.blocks()).shape().residual[0]
     assert np.isfinite(residual) == defined

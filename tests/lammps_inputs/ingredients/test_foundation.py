@@ -20,7 +20,7 @@ from lammps_inputs.laws.spring import Varying
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.errors import RunError
-from workflow.quantities.evaluate import evaluate
+from workflow.quantities.evaluate import of_scene
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
 
@@ -155,7 +155,7 @@ def test_sound_on_springs_that_vary_has_no_dispersion():
 
 def test_the_share_of_the_action_that_stays_is_a_quantity_of_studies():
     """That of the installed scene is the formula's, but for a start that is no pure mode."""
-    share = evaluate(find("landau-zener").plain(), ("fastest_mode_action",), "landau-zener")["fastest_mode_action"]
+    share = of_scene(find("landau-zener").plain(), ("fastest_mode_action",), "landau-zener")["fastest_mode_action"]
     coupling, rate, sweep = 0.03, 1.6 / 320.0, 0.8
     stays = math.exp(-math.pi * coupling**2 / (math.sqrt(1.0 + coupling) * rate))
     assert share == pytest.approx(stays, abs=2.0 * coupling / sweep * math.sqrt(stays * (1.0 - stays)))

@@ -18,7 +18,6 @@ from analysis.sharing.survey import survey
 from analysis.sharing.verdict import EquipartitionState
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from analysis.trajectory import blocks
 from lammps_inputs import file_names, find, library, physics
 from lammps_inputs.deck_lines import types_by_contact
 from lammps_inputs.decks import deck, scene_files
@@ -163,7 +162,7 @@ def test_least_is_left_behind_at_the_published_anti_resonances(ratio):
         kinds = {"heavy": {}, "light": {"mass": light}}
         case = scene(chains=1, coupling=None, beads=90, kinds=kinds, pattern=DIMER["pattern"], duration=96.0)
         trajectory = engine.run(case.problem())
-        return left(survey(lambda: blocks(trajectory), trajectory.problem), 1, 2).per_cell
+        return left(survey(trajectory.blocks, trajectory.problem), 1, 2).per_cell
 
     offset = np.array([-0.002, -0.001, 0.0, 0.001, 0.002])
     curvature, slope, _ = np.polyfit(offset, [left_behind(ratio + d) for d in offset], 2)
@@ -178,7 +177,7 @@ def test_a_taper_hands_on_less_of_the_energy(taper, share):
     trajectory = engine.run(problem)
     last = trajectory.velocity[:, 0, -1].max()
     assert 0.5 * problem.system.mass[0, -1] * last**2 / physics.energy(problem.system) == pytest.approx(share, abs=5e-5)
-    found, final = survey(lambda: blocks(trajectory), problem), CellMeter(problem)
+    found, final = survey(trajectory.blocks, problem), CellMeter(problem)
     final.add(trajectory)
     assert final.end(found, 1) == pytest.approx(share, abs=5e-5)
 
@@ -251,7 +250,7 @@ def test_residual_energy_per_cell_is_undefined_where_it_is_not_all_that_a_pulse_
         {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 45.0, **LOSSES[what]}, ""
     )
     trajectory = engine.run(case.problem())
-    found = left(survey(lambda: blocks(trajectory), trajectory.problem), 1, period_of(trajectory.problem.system))
+    found = left(survey(trajectory.blocks, trajectory.problem), 1, period_of(trajectory.problem.system))
     assert 0.0 < found.carried < 1.0
     assert np.isnan([found.per_cell, found.rate, found.deviation]).all()
 
@@ -261,7 +260,7 @@ def test_with_two_pulses_on_the_way_none_is_said_to_be_reflected():
     kicks = [{"bead": bead, "velocity": 1.0} for bead in (1, 2)]
     problem = library.from_plain({"name": "a", "beads": 40, "kick": kicks, "duration": 45.0, **beads}, "").problem()
     trajectory = engine.run(problem)
-    found, final = survey(lambda: blocks(trajectory), problem), CellMeter(problem)
+    found, final = survey(trajectory.blocks, problem), CellMeter(problem)
     final.add(trajectory)
     split = final.split(found, 1, 20)
     assert split.before + split.at + split.beyond == pytest.approx(1.0, abs=1e-6)

@@ -2,7 +2,6 @@
 
 import csv
 import json
-from functools import partial
 
 import derivative_scenes
 import numpy as np
@@ -10,7 +9,6 @@ import pytest
 from derivative_scenes import SCENES
 
 import granchain
-from analysis.trajectory import blocks
 from granchain import InputError
 from lammps_inputs import library
 from workflow.cli import main
@@ -65,7 +63,7 @@ def measured(plain, steps):
     plain = {key: value for key, value in plain.items() if key != "timestep"}
     scene = library.from_plain({**plain, "output": {"every": plain["output"]["every"] / 8}}, "scene")
     run = engine.run(scene.problem(), steps_per_frame=steps)
-    values = of_frames(run.problem, partial(blocks, run), scene, QUANTITIES)
+    values = of_frames(run.problem, run.blocks, scene, QUANTITIES)
     return np.array([values[name] for name in QUANTITIES])
 
 

@@ -17,7 +17,7 @@ from workflow.plugins.design import file
 from workflow.plugins.design.file import Variable
 from workflow.plugins.design.result import DesignResult, Sensitivity, Verified, sensitivity
 from workflow.plugins.design.search import DesignRecord, computed, search, worth
-from workflow.quantities.evaluate import evaluate
+from workflow.quantities.evaluate import of_scene
 from workflow.runs.run import run
 from workflow.sweep.collect import collect
 from workflow.workers.computations import StoredResults, values
@@ -197,8 +197,8 @@ def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, 
 def test_a_design_that_ends_at_a_bead_waits_for_what_is_wanted_at_the_wall():
     plain = {"name": "a", "beads": 30, "walls": {"right": {"stiffness": 0.1}}, "kick": {"velocity": 1.0}}
     names = ("wall_force", "delay", "transmitted_energy")
-    found = evaluate({**plain, "until_bead": 10}, names, "scene")
-    assert found == pytest.approx(evaluate({**plain, "duration": 90.0}, names, "scene"), rel=1e-6)
+    found = of_scene({**plain, "until_bead": 10}, names, "scene")
+    assert found == pytest.approx(of_scene({**plain, "duration": 90.0}, names, "scene"), rel=1e-6)
 
 
 def test_manufacture_is_off_to_both_sides_by_the_spread_at_most(tmp_path):
@@ -317,7 +317,7 @@ YIELDING = {"beads": 12, "contact": {"yield": {"overlap": 0.2}}, "kick": {"veloc
 def test_quantities_are_those_of_an_analysis(changes, names, tmp_path):
     """What only some runs have, too."""
     plain = {"name": "scene", **changes}
-    values = evaluate(plain, names, "scene")
+    values = of_scene(plain, names, "scene")
     run(library.from_plain(plain, "scene"), tmp_path / "r", engine="reference")
     assert main(["analyze", str(tmp_path / "r"), "--no-figures"]) == 0
     row = collect(tmp_path, [name for name in names if "@" in name]).rows[0]

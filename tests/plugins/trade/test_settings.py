@@ -17,7 +17,7 @@ from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine
 from workflow.plugins.trade import settings as choices
 from workflow.plugins.trade.settings import QUANTITIES, Truth, _interval, intervals, make_truth
-from workflow.runs.engines import write_frames
+from workflow.runs.frames import write_frames
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

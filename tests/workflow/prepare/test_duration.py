@@ -10,7 +10,7 @@ from analysis.gauges.gauge import PULSE, far_wall
 from lammps_inputs import InputError, library
 from workflow.engines.reference import engine
 from workflow.measures.forces.force_meter import ForceMeter
-from workflow.prepare.extent import with_duration
+from workflow.prepare.duration import with_duration
 
 AFTER = 6.0
 

@@ -17,7 +17,7 @@ from analysis.sharing.survey import survey
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import Kick, file_names, load
 from lammps_inputs.decks import deck, scene_files
-from workflow.prepare.extent import with_window
+from workflow.prepare.window_width import with_window
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
 

@@ -3,7 +3,7 @@
 import pytest
 
 from lammps_inputs import Output, library
-from workflow.quantities.evaluate import evaluate, scene_to_run
+from workflow.quantities.evaluate import of_scene, scene_to_run
 
 PAIR = {"name": "a", "chains": 2, "beads": 16, "coupling": {"stiffness": 0.1}, "kick": {"velocity": 1}, "duration": 20}
 BALL = {"name": "steel", "radius": 4.76e-3}
@@ -26,7 +26,7 @@ def test_a_scene_of_any_time_step_and_cadence_is_measured_as_with_neither(kind):
     assert scene_to_run(plain, (), kind).problem().every <= 0.3 * (1.0 + 1e-9)
     name = "peak_velocity@10"
     bare = {key: value for key, value in plain.items() if key not in ("timestep", "output", "scheme")}
-    measured, expected = (evaluate(each, (name,), kind)[name] for each in (plain, bare))
+    measured, expected = (of_scene(each, (name,), kind)[name] for each in (plain, bare))
     assert measured == pytest.approx(expected, rel=1e-3)
 
 

@@ -10,7 +10,7 @@ from random_scenes import draw
 from lammps_inputs import find, installed_scenes, physics
 from workflow.cli import main
 from workflow.quantities.columns import AT_BEAD, KNOWN, MASS, UNCERTAINTIES
-from workflow.quantities.evaluate import evaluate, of_frames, scene_to_run
+from workflow.quantities.evaluate import of_frames, of_scene, scene_to_run
 from workflow.runs.exchange import accountant
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -92,7 +92,7 @@ def test_each_quantity_of_frames_is_that_of_their_analysis(kind, tmp_path):
 )
 def test_a_number_without_the_rest_is_that_of_the_analysis(plain, name, number, tmp_path):
     row = analysed(plain, (name,), tmp_path)[1]
-    values = evaluate(plain, (name,), "scene")
+    values = of_scene(plain, (name,), "scene")
     assert unlike(values, row) == {}
     assert values[name] == (None if number is None else pytest.approx(number, rel=1e-9))
 

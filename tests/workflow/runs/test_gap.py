@@ -10,7 +10,7 @@ from lammps_inputs.decks import scene_files
 from lammps_inputs.limits.closing import gap_of_eq_5, theta
 from workflow.cli import main
 from workflow.engines.reference import engine
-from workflow.prepare.extent import with_duration
+from workflow.prepare.duration import with_duration
 from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")

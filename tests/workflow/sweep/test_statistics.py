@@ -13,7 +13,7 @@ from lammps_inputs import InputError, library
 from lammps_inputs.units import Label
 from workflow.cli import main
 from workflow.quantities.columns import QUANTITIES
-from workflow.quantities.evaluate import evaluate, mass_of
+from workflow.quantities.evaluate import mass_of, of_scene
 from workflow.sweep import statistics as grouping
 from workflow.sweep.collect import SweepTable
 
@@ -189,7 +189,7 @@ def test_quantities_at_a_bead_without_a_run_directory_are_those_that_collect_rea
     (tmp_path / "s").mkdir()
     granchain.analyze(granchain.run(scene, tmp_path / "s" / "run", engine="reference"))
     (row,) = granchain.collect(tmp_path / "s", names[:2]).rows
-    assert evaluate(scene, names, "test") == pytest.approx({name: row[name] for name in names}, rel=1e-12)
+    assert of_scene(scene, names, "test") == pytest.approx({name: row[name] for name in names}, rel=1e-12)
 
 
 # digits given with these numbers
@@ -200,7 +200,7 @@ HALF_SEVENTH, HALF_SIXTH = 0.5e-7, 0.5e-6
 def test_200_disordered_chains_have_the_statistics_of_an_independent_integration():
     names = ("peak_velocity@100", "participation")
     scenes = [{**CHAIN, "disorder": {"mass": 0.2, "seed": seed}} for seed in range(200)]
-    peaks, spread = np.array([list(evaluate(scene, names, "test").values()) for scene in scenes]).T
+    peaks, spread = np.array([list(of_scene(scene, names, "test").values()) for scene in scenes]).T
     assert peaks[:3] == pytest.approx([0.5755172, 0.5824558, 0.6120970], abs=HALF_SEVENTH)
     found = statistics(peaks)
     assert (found.values, found.undefined) == (200, 0)

@@ -15,7 +15,6 @@ from analysis.sharing.verdict import DecayFit, EquipartitionState, Verdict
 from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.pulses import Pulse, Train
 from analysis.tracking.succession import Change
-from analysis.trajectory import blocks
 from lammps_inputs.units import make_scale
 from workflow.engines.reference import engine
 from workflow.verdicts import analysis_report
@@ -127,7 +126,7 @@ def three():
     kicks = ((1, 1, 1.0), (1, 2, 1.0), (1, 3, 1.0))
     one = problem(chains=1, beads=90, kicks=kicks, timestep=0.1, steps_per_frame=1, frames=1400)
     run = engine.run(one)
-    return survey(lambda: blocks(run), one)
+    return survey(run.blocks, one)
 
 
 def test_amplitudes_of_a_train_are_those_that_its_pulses_have_far_from_the_ends(three):

@@ -13,7 +13,7 @@ from lammps_inputs import InputError, Output, Scene, file_names
 from lammps_inputs.decks import scene_files
 from workflow.cli import main
 from workflow.engines.reference import engine
-from workflow.runs.engines import write_frames
+from workflow.runs.frames import write_frames
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse

@@ -11,7 +11,7 @@ from analysis.sharing.verdict import SINGLE_CHAIN, EquipartitionState
 from analysis.tracking.undisturbed import APART
 from lammps_inputs import physics
 from lammps_inputs.window import LEAST_WINDOW
-from workflow.prepare.extent import SAME, WIDEST
+from workflow.prepare.window_width import SAME, WIDEST
 from workflow.verdicts import analyse, terms, validate
 
 ROOT = Path(__file__).parents[3]

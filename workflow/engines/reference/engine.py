@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.peaks import THRESHOLD
-from analysis.trajectory import EXCHANGES, Floats, Trajectory, frames_per_block, joined, of_atoms
+from analysis.trajectory import EXCHANGES, Floats, Trajectory, frames_per_block, joined
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.chains import coupled_chains
 from lammps_inputs.laws import dashpot
@@ -109,7 +109,7 @@ def blocks(
         """Frames from times [frame], motion [frame, line, bead], and exchange [frame, entry]."""
         first = 1 if problem.window is None else int(recorded[0])
         states = contact_state if contact_state.size else None
-        return of_atoms(problem, time, x, v, first, exchange if counts else None, states)
+        return Trajectory.of_atoms(problem, time, x, v, first, exchange if counts else None, states)
 
     yield block(np.zeros(1), *start, np.zeros((1, len(EXCHANGES))), state.contact_state[np.newaxis].copy())
     size = min(frames_per_block(problem), most_frames or problem.frames)

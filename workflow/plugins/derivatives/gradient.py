@@ -13,17 +13,16 @@ import numpy as np
 
 from granchain import Analysis, InputError
 from granchain.parts import (
-    REDUCED,
     Fact,
     Floats,
     RunDirectory,
-    column_called,
+    columns,
     count_bar,
     csv_text,
-    known,
     label,
+    numbers,
     record_files,
-    refuse_unknown,
+    units,
     write_text,
 )
 from workflow.plugins.derivatives.derivative import Derivative
@@ -74,7 +73,7 @@ def gradient(
             both sides of its own.
     """
     for name in quantities:
-        refuse_unknown(name, f"{source}: --gradient", "quantity")
+        columns.refuse_unknown(name, f"{source}: --gradient", "quantity")
         if reason := why_no_derivative(name):
             raise InputError(f"{source}: --gradient: {reason}")
     varied = VariedScene.of(plain, tuple(dict.fromkeys(quantities)), by, source)
@@ -129,7 +128,7 @@ class _Estimate:
         """
         slopes, differences = (4.0 * self.slopes - farther) / 3.0, np.abs(farther - self.slopes)
         for place, quantity in enumerate(varied.quantities):
-            value = known(float(self.values[place]))
+            value = numbers.known(float(self.values[place]))
             for number, (name, at) in enumerate(varied.values.items()):
                 entry = place, number
                 slope, unit = float(slopes[entry]), _unit(varied, quantity, name)
@@ -143,8 +142,8 @@ class _Estimate:
 
 def _unit(varied: VariedScene, quantity: str, name: str) -> str:
     """Unit of a quantity over that of a field, such as ``(m/s)/(N/m)``; empty of a number."""
-    units = [label(part, varied.plain).unit for part in (quantity, name)]
-    above, below = ("" if unit == REDUCED else unit for unit in units)
+    symbols = [label(part, varied.plain).unit for part in (quantity, name)]
+    above, below = ("" if unit == units.REDUCED else unit for unit in symbols)
     return above if not below else f"({above or '1'})/({below})"
 
 
@@ -164,7 +163,7 @@ def why_no_derivative(name: str) -> str:
 
     It changes in jumps alone, or is an error of a computation.
     """
-    column = column_called(name)
+    column = columns.column_called(name)
     if column is not None and column.place.quantity.counts:
         return f"{name} is a whole number, which changes in jumps; ask for {INSTEAD.get(name, 'another quantity')}"
     if name.endswith("_uncertainty"):
@@ -192,7 +191,10 @@ def values_and_slopes(plain: dict[str, Any], names: Sequence[str], by: Sequence[
         slopes = varied.slopes(motion, values, NEAR)
     except (InputError, ValueError, ArithmeticError) as error:
         return {"refused": str(error)}
-    return {"values": list(map(known, values.tolist())), "slopes": [list(map(known, row)) for row in slopes.tolist()]}
+    return {
+        "values": list(map(numbers.known, values.tolist())),
+        "slopes": [list(map(numbers.known, row)) for row in slopes.tolist()],
+    }
 
 
 def with_derivatives(

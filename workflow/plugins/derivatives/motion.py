@@ -17,22 +17,17 @@ import numpy as np
 
 from granchain import InputError
 from granchain.parts import (
-    BLANES_MOAN,
-    DerivativeFrames,
     Floats,
     Problem,
-    Scale,
-    ShiftArrays,
-    Term,
-    Terms,
     Trajectory,
     engine,
     frames_per_block,
     kernel,
-    make_terms,
+    kernel_inputs,
     motion,
-    of_atoms,
     physics,
+    schemes,
+    units,
 )
 from workflow.plugins.derivatives import tangent
 
@@ -78,7 +73,7 @@ class DerivativesOfMotion:
     dx: Floats
     dv: Floats
 
-    def moved(self, number: int, change: float, problem: Problem, scale: Scale | None = None) -> Trajectory:
+    def moved(self, number: int, change: float, problem: Problem, scale: units.Scale | None = None) -> Trajectory:
         """Frames of a problem in which a number differs by a small change, to first order in the change.
 
         Args:
@@ -91,7 +86,7 @@ class DerivativesOfMotion:
         x, v = self.x + change * self.dx[number], self.v + change * self.dv[number]
         x, v = x * (scale.length / problem.scale.length), v * (scale.velocity / problem.scale.velocity)
         time = np.arange(len(x), dtype=np.float64) * problem.every
-        return of_atoms(problem, time, np.asarray(x), np.asarray(v), 1, None, None)
+        return Trajectory.of_atoms(problem, time, np.asarray(x), np.asarray(v), 1, None, None)
 
     def small(self, number: int, size: float, moved: float) -> float:
         """Change of a number: a share of its size, or less where a velocity would change by more than that share of V.
@@ -105,7 +100,7 @@ class DerivativesOfMotion:
 
     def trajectory(self) -> Trajectory:
         """Frames of the run."""
-        return of_atoms(self.problem, self.time, self.x, self.v, 1, None, None)
+        return Trajectory.of_atoms(self.problem, self.time, self.x, self.v, 1, None, None)
 
 
 def derivatives_of_motion(
@@ -126,14 +121,14 @@ def derivatives_of_motion(
     tangent.refuse_without_slope(system)
     steps = engine.default_steps_per_frame(problem) if steps_per_frame is None else steps_per_frame
     state = engine.make_state(problem, None)
-    terms, _ = make_terms(system, as_lammps=False, step=0.0)
+    terms, _ = kernel_inputs.make_terms(system, as_lammps=False, step=0.0)
     shift = _shift_arrays(problem, sides, terms, state.parameters)
     arrays = tangent.make_arrays(terms, len(sides), state.x.size)
     for vector, side in zip(arrays.dv, sides, strict=True):
         starts = np.array([physics.initial_velocity(end.system).T for end in side.problems])
         vector.reshape(state.x.shape)[1:-1, : problem.chains] = np.tensordot(side.weights, starts, axes=1)
     program = kernel.make_derivative_program(terms)
-    stepping = engine.make_steps(BLANES_MOAN, problem.every / steps)
+    stepping = engine.make_steps(schemes.BLANES_MOAN, problem.every / steps)
     moving = _empty_frames(problem, len(sides))
     stretches = [_stretch(problem, side) for side in sides]
     direct = not system.dampers and not any(stretches)
@@ -141,7 +136,9 @@ def derivatives_of_motion(
     size = frames_per_block(problem)
     for first in (0, *range(1, problem.frames + 1, size)):
         place = slice(first, min(first + size, problem.frames + 1) if first else 1)
-        recorded_frames = DerivativeFrames(moving.x[place], moving.v[place], moving.dx[:, place], moving.dv[:, place])
+        recorded_frames = kernel.DerivativeFrames(
+            moving.x[place], moving.v[place], moving.dx[:, place], moving.dv[:, place]
+        )
         frames = recorded_frames if direct else _frames_of_all(recorded_frames, physics.lines(system), problem.beads)
         earlier, between = max(0, first - 1) * steps, steps if first else 0
         program.advance_derivatives(
@@ -154,11 +151,11 @@ def derivatives_of_motion(
     return moving
 
 
-def _frames_of_all(frames: DerivativeFrames, lines: int, beads: int) -> DerivativeFrames:
+def _frames_of_all(frames: kernel.DerivativeFrames, lines: int, beads: int) -> kernel.DerivativeFrames:
     """Arrays for as many frames of all atoms."""
     x, v = np.empty((2, len(frames.x), lines, beads))
     dx, dv = np.empty((2, *frames.dx.shape[:2], lines, beads))
-    return DerivativeFrames(x, v, dx, dv)
+    return kernel.DerivativeFrames(x, v, dx, dv)
 
 
 def _stretch(problem: Problem, sides: Sides) -> float:
@@ -167,8 +164,8 @@ def _stretch(problem: Problem, sides: Sides) -> float:
 
 
 def _completed(
-    frames: DerivativeFrames, time: Floats, problem: Problem, sides: Sequence[Sides], stretches: Sequence[float]
-) -> DerivativeFrames:
+    frames: kernel.DerivativeFrames, time: Floats, problem: Problem, sides: Sequence[Sides], stretches: Sequence[float]
+) -> kernel.DerivativeFrames:
     """Frames of all atoms with complete velocities, and derivatives at equal times.
 
     Velocities get what dashpots have given. The program's derivatives are those at times in units of T, which depends
@@ -182,14 +179,14 @@ def _completed(
         stretches: `_stretch` of each.
     """
     x, v = frames.x, frames.v + engine.given_by_dashpots(problem.system, frames.x)
-    system = of_atoms(problem, time, x, v).system_at(slice(None))
+    system = Trajectory.of_atoms(problem, time, x, v).system_at(slice(None))
     acceleration = motion.acceleration(system, x, time=time, velocity=v)
     dx, dv = [], []
     for side, stretch, x_rate, v_rate in zip(sides, stretches, frames.dx, frames.dv, strict=True):
         later = (stretch * time)[:, np.newaxis, np.newaxis]
         dx.append(x_rate + later * v)
         dv.append(v_rate + _given(side, x, x_rate) + later * acceleration)
-    return DerivativeFrames(x, v, np.array(dx), np.array(dv))
+    return kernel.DerivativeFrames(x, v, np.array(dx), np.array(dv))
 
 
 def bytes_of_frames(problem: Problem, numbers: int) -> float:
@@ -225,7 +222,9 @@ def _given(sides: Sides, x: Floats, dx: Floats) -> Floats:
     return np.asarray(np.sum(impulses, axis=0))
 
 
-def _shift_arrays(problem: Problem, sides: Sequence[Sides], terms: Terms, parameters: tuple[Any, ...]) -> ShiftArrays:
+def _shift_arrays(
+    problem: Problem, sides: Sequence[Sides], terms: kernel_inputs.Terms, parameters: tuple[Any, ...]
+) -> kernel.ShiftArrays:
     """Parameters of the sides, how they are weighed, and in what they differ.
 
     Raises:
@@ -233,7 +232,7 @@ def _shift_arrays(problem: Problem, sides: Sequence[Sides], terms: Terms, parame
     """
     ends = [end for side in sides for end in side.problems]
     first_side = np.cumsum([0, *(len(side.problems) for side in sides)])
-    made = [make_terms(end.system, as_lammps=False, step=0.0) for end in ends]
+    made = [kernel_inputs.make_terms(end.system, as_lammps=False, step=0.0) for end in ends]
     if not all(_alike((terms, parameters), other, problem.duration) for other in made):
         raise InputError("no derivative: a small change of the number changes the form of the equations of motion")
     groups = [terms.contacts, (*terms.across, *terms.ground), tuple(itertools.chain(*terms.dampers))]
@@ -245,14 +244,14 @@ def _shift_arrays(problem: Problem, sides: Sequence[Sides], terms: Terms, parame
         unequal = {name for name, arrays in of_number.items() if np.any(arrays != arrays[0])}
         differs[number] = [bool(unequal & group) for group in names]
     weights = np.concatenate([side.weights for side in sides])
-    return ShiftArrays(stacked, weights, differs, first_side)
+    return kernel.ShiftArrays(stacked, weights, differs, first_side)
 
 
-def _loads(terms: Terms) -> tuple[Term, ...]:
+def _loads(terms: kernel_inputs.Terms) -> tuple[kernel_inputs.Term, ...]:
     return (*terms.loads, *terms.motions)
 
 
-def _names(terms: Iterable[Term]) -> set[str]:
+def _names(terms: Iterable[kernel_inputs.Term]) -> set[str]:
     """Names of the parameters that terms read."""
     texts = (text for term in terms for text in (term.strain_text, term.rate_text, *term.parameters, term.over))
     return {name for text in texts for name in re.findall(r"[A-Za-z_]\w*", text)}
@@ -260,11 +259,17 @@ def _names(terms: Iterable[Term]) -> set[str]:
 
 def same_form(problem: Problem, other: Problem) -> bool:
     """Whether the forces of two problems differ in numbers alone, and change abruptly at the same times."""
-    made, others = (make_terms(system, as_lammps=False, step=0.0) for system in (problem.system, other.system))
+    made, others = (
+        kernel_inputs.make_terms(system, as_lammps=False, step=0.0) for system in (problem.system, other.system)
+    )
     return _alike(made, others, problem.duration)
 
 
-def _alike(made: tuple[Terms, tuple[Any, ...]], others: tuple[Terms, tuple[Any, ...]], duration: float) -> bool:
+def _alike(
+    made: tuple[kernel_inputs.Terms, tuple[Any, ...]],
+    others: tuple[kernel_inputs.Terms, tuple[Any, ...]],
+    duration: float,
+) -> bool:
     """`same_form` of terms and their parameters, over a duration in units of T."""
     (terms, values), (other_terms, other_values) = made, others
     if _form(terms) != _form(other_terms) or list(map(np.shape, values)) != list(map(np.shape, other_values)):
@@ -273,10 +278,10 @@ def _alike(made: tuple[Terms, tuple[Any, ...]], others: tuple[Terms, tuple[Any, 
     return all(np.max(apart) <= 1e-12 * duration for apart in times)
 
 
-def _form(terms: Terms) -> Terms:
+def _form(terms: kernel_inputs.Terms) -> kernel_inputs.Terms:
     """Terms with the text of the force in place of a formula's law, whose other texts have numbers in exponents."""
 
-    def with_texts(group: tuple[Term, ...]) -> tuple[Term, ...]:
+    def with_texts(group: tuple[kernel_inputs.Term, ...]) -> tuple[kernel_inputs.Term, ...]:
         laws = (term.law.source("", "force") if hasattr(term.law, "source") else term.law for term in group)
         return tuple(replace(term, law=law) for term, law in zip(group, laws, strict=True))
 

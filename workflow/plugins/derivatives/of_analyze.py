@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Callable
 from dataclasses import asdict
 
-from granchain.parts import CommandResult, RunDirectory, analysis_of, report
+from granchain.parts import CommandResult, RunDirectory, analyze
 from workflow.plugins.derivatives.derivative import HEAD
 from workflow.plugins.derivatives.gradient import with_derivatives
 
@@ -29,7 +29,7 @@ def execute(arguments: argparse.Namespace, command: Callable[[argparse.Namespace
     quantities = () if arguments.gradient is None else arguments.gradient.split(",")
     by = None if arguments.by is None else arguments.by.split(",")
     directory = RunDirectory(arguments.directory)
-    analysis = with_derivatives(lambda: analysis_of(arguments), directory, quantities, by)
+    analysis = with_derivatives(lambda: analyze.analysis_of(arguments), directory, quantities, by)
     lines = [derivative.cells() for derivative in analysis.derivatives]
-    result = report(arguments, analysis, ("derivatives of quantities by fields", HEAD, lines))
+    result = analyze.report(arguments, analysis, ("derivatives of quantities by fields", HEAD, lines))
     return CommandResult(result.code, result.data | {"gradient": list(map(asdict, analysis.derivatives))})

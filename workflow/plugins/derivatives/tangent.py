@@ -13,21 +13,18 @@ import numpy as np
 
 from granchain import InputError, Scene
 from granchain.parts import (
-    BLANES_MOAN,
     Flags,
     Floats,
     Problem,
-    Scheme,
     System,
-    TangentArrays,
-    Terms,
     dashpot,
     engine,
     kernel,
+    kernel_inputs,
     laws,
     library,
-    make_terms,
     physics,
+    schemes,
 )
 
 _LEFT_OUT = ("window", "timestep", "accuracy", "scheme", "output")
@@ -90,10 +87,10 @@ class TangentFlow:
 
     problem: Problem
     step: float
-    scheme: Scheme
+    scheme: schemes.Scheme
     state: engine.IntegratorState
     program: Any
-    arrays: TangentArrays
+    arrays: kernel.TangentArrays
 
     @property
     def free(self) -> Flags:
@@ -126,7 +123,7 @@ class TangentFlow:
         )
 
 
-def make_flow(problem: Problem, vectors: int, step: float, scheme: Scheme = BLANES_MOAN) -> TangentFlow:
+def make_flow(problem: Problem, vectors: int, step: float, scheme: schemes.Scheme = schemes.BLANES_MOAN) -> TangentFlow:
     """The start of a problem with so many vectors, all 0.
 
     Args:
@@ -142,16 +139,16 @@ def make_flow(problem: Problem, vectors: int, step: float, scheme: Scheme = BLAN
     refuse_without_slope(system)
     state = engine.make_state(problem, None)
     state.span[:] = 1, problem.beads, problem.beads, 1  # vectors move beads that are at rest
-    terms, _ = make_terms(system, as_lammps=False, step=step)
+    terms, _ = kernel_inputs.make_terms(system, as_lammps=False, step=step)
     arrays = make_arrays(terms, vectors, state.x.size)
     return TangentFlow(problem, step, scheme, state, kernel.make_tangent_program(terms), arrays)
 
 
-def make_arrays(terms: Terms, vectors: int, places: int) -> TangentArrays:
+def make_arrays(terms: kernel_inputs.Terms, vectors: int, places: int) -> kernel.TangentArrays:
     """Vectors that are 0, and scratch arrays of a state of so many places."""
     dx, dv = np.zeros((2, vectors, places))
     slopes, pulls = np.zeros((2, places))
     stiffness = np.zeros((len(terms.across) + len(terms.ground), places))
     damped = bool(terms.dampers) and terms.dashpots == "drift"
     nearby, gains = np.zeros((2, vectors if damped else 0, places))
-    return TangentArrays(dx, dv, slopes, pulls, stiffness, nearby, gains, np.zeros(places if damped else 0))
+    return kernel.TangentArrays(dx, dv, slopes, pulls, stiffness, nearby, gains, np.zeros(places if damped else 0))

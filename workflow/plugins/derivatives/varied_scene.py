@@ -7,24 +7,13 @@ then measured in frames that are moved a little along a derivative, both ways, a
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
 
 from granchain import InputError, Scene
-from granchain.parts import (
-    Floats,
-    Problem,
-    Trajectory,
-    blocks,
-    engine,
-    fields,
-    library,
-    of_frames,
-    scene_to_run,
-    stability_bound,
-)
+from granchain.parts import Floats, Problem, Trajectory, engine, evaluate, fields, library, rates
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.derivatives.motion import (
     MOST_BYTES,
@@ -95,7 +84,7 @@ class VariedScene:
         """A scene with its duration, time step and output written out."""
         every = plain.get("output", {}).get("every")
         plain = {key: value for key, value in plain.items() if key not in ("timestep", "accuracy")}
-        scene = with_short_frames(scene_to_run(plain, quantities, source), every)
+        scene = with_short_frames(evaluate.scene_to_run(plain, quantities, source), every)
         plain = {key: value for key, value in scene.plain().items() if key != "until_bead"}
         try:
             tangent.refuse_without_slope(scene.system)
@@ -183,7 +172,7 @@ class VariedScene:
     def measured(self, scene: Scene, trajectory: Trajectory) -> Floats:
         """Quantities of frames, [quantity], in the scene's units; NaN where undefined."""
         with np.errstate(all="ignore"):
-            values = of_frames(trajectory.problem, partial(blocks, trajectory), scene, self.quantities)
+            values = evaluate.of_frames(trajectory.problem, trajectory.blocks, scene, self.quantities)
         return np.array([math.nan if values[name] is None else values[name] for name in self.quantities])
 
 
@@ -197,7 +186,7 @@ def with_short_frames(scene: Scene, every: float | None) -> Scene:
     output = scene.output.model_copy(update={"every": every})
     scene = scene.model_copy(update={"timestep": None, "accuracy": None, "output": output}).resolved()
     problem = scene.problem()
-    parts = math.ceil(problem.every / (FRAMES * stability_bound(problem.system)) * (1.0 - 1e-9))
+    parts = math.ceil(problem.every / (FRAMES * rates.stability_bound(problem.system)) * (1.0 - 1e-9))
     duration = scene.scale.measured(problem.duration, "time")
     output = scene.output.model_copy(update={"every": duration / (problem.frames * parts)})
     return scene.model_copy(update={"timestep": None, "duration": duration, "output": output}).resolved()

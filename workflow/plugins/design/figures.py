@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from granchain.parts import CHAIN_COLOURS, CHAIN_DASHES, Floats, Integers, Label, largest_of, new_figure, styled
+from granchain.parts import Floats, Integers, studies, style, units
 
 
 @dataclass(frozen=True)
@@ -21,23 +21,23 @@ class Objective:
         beside: its value in what the best is set against; None if there is nothing.
     """
 
-    label: Label
+    label: units.Label
     sign: float
     beside: float | None
 
 
 def _single(height: float) -> Axes:
     """The axes of a figure that has no others."""
-    axis: Axes = new_figure(height, 6.0).subplots()
+    axis: Axes = style.new_figure(height, 6.0).subplots()
     return axis
 
 
-def _finished(axis: Axes, x: Label, y: Label, objective: Objective | None = None) -> Figure:
+def _finished(axis: Axes, x: units.Label, y: units.Label, objective: Objective | None = None) -> Figure:
     """Label both axes, with prefixes of SI units, put the legend above the axes, and return the figure."""
     if objective is not None and objective.beside is not None:
-        axis.axhline(objective.beside, color=CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="set against")
+        axis.axhline(objective.beside, color=style.CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="set against")
     for setting, label in ((axis.xaxis, x), (axis.yaxis, y)):
-        shown, worth = label.prefixed(largest_of(np.asarray(setting.get_data_interval())))
+        shown, worth = label.prefixed(studies.largest_of(np.asarray(setting.get_data_interval())))
         setting.set_label_text(shown.mathtext)
         if worth != 1.0:
             setting.set_major_formatter(FuncFormatter(lambda value, _, worth=worth: f"{value * worth:.6g}"))
@@ -47,15 +47,15 @@ def _finished(axis: Axes, x: Label, y: Label, objective: Objective | None = None
     return figure
 
 
-@styled
+@style.styled
 def history_figure(objective: Objective, values: Floats) -> Figure:
     """Objective [design] of every design in the order of the search (NaN: outside the limits), and the best so far."""
     axis = _single(3.2)
     number = np.arange(1, len(values) + 1)
     axis.plot(number, values, ".", color="0.7", markersize=3, label="designs")
     best = objective.sign * np.fmin.accumulate(objective.sign * values)
-    axis.plot(number, best, color=CHAIN_COLOURS[0], drawstyle="steps-post", label="best so far")
-    return _finished(axis, Label("design"), objective.label, objective)
+    axis.plot(number, best, color=style.CHAIN_COLOURS[0], drawstyle="steps-post", label="best so far")
+    return _finished(axis, units.Label("design"), objective.label, objective)
 
 
 def front(first: Floats, second: Floats) -> Integers:
@@ -65,31 +65,31 @@ def front(first: Floats, second: Floats) -> Integers:
     return np.asarray(order[second[order] < lowest])
 
 
-@styled
-def front_figure(objective: Objective, values: Floats, label: Label, others: Floats) -> Figure:
+@style.styled
+def front_figure(objective: Objective, values: Floats, label: units.Label, others: Floats) -> Figure:
     """Objective and a second quantity [design], with the Pareto fronts to small and large values of the second."""
     both_defined = np.isfinite(values) & np.isfinite(others)
     x, y = others[both_defined], values[both_defined]
     axis = _single(3.2)
     axis.plot(x, y, ".", color="0.7", markersize=3, label="designs")
-    for sign, colour, side in ((1.0, CHAIN_COLOURS[0], "left"), (-1.0, CHAIN_COLOURS[2], "right")):
+    for sign, colour, side in ((1.0, style.CHAIN_COLOURS[0], "left"), (-1.0, style.CHAIN_COLOURS[2], "right")):
         best = front(objective.sign * y, sign * x)
         order = best[np.argsort(x[best])]
         axis.plot(x[order], y[order], "o-", color=colour, markersize=4, label=f"front to the {side}")
     return _finished(axis, label, objective.label, objective)
 
 
-@styled
+@style.styled
 def members_figure(objective: Objective, best: float, members: Sequence[float]) -> Figure:
     """Histogram of the objective over designs within manufacturing tolerances."""
     axis = _single(2.6)
     axis.hist(members, bins=max(5, len(members) // 4), color="0.8")
-    axis.axvline(best, color=CHAIN_COLOURS[0], label="as designed")
-    return _finished(axis, objective.label, Label("number of members"))
+    axis.axvline(best, color=style.CHAIN_COLOURS[0], label="as designed")
+    return _finished(axis, objective.label, units.Label("number of members"))
 
 
-@styled
-def wall_figure(curves: Sequence[tuple[str, Floats, Floats]], time: Label, force: Label) -> Figure:
+@style.styled
+def wall_figure(curves: Sequence[tuple[str, Floats, Floats]], time: units.Label, force: units.Label) -> Figure:
     """Force of all chains together on their far wall over time.
 
     Args:
@@ -98,5 +98,5 @@ def wall_figure(curves: Sequence[tuple[str, Floats, Floats]], time: Label, force
     """
     axis = _single(3.0)
     for place, (name, times, forces) in enumerate(curves):
-        axis.plot(times, forces, color=CHAIN_COLOURS[place], linestyle=CHAIN_DASHES[place], label=name)
+        axis.plot(times, forces, color=style.CHAIN_COLOURS[place], linestyle=style.CHAIN_DASHES[place], label=name)
     return _finished(axis, time, force)

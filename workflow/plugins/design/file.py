@@ -28,20 +28,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, PlainValidator, model_validator
 
 from granchain import InputError
-from granchain.parts import (
-    AT_BEAD,
-    KNOWN,
-    SweepPart,
-    fields,
-    heading,
-    number,
-    refuse_unknown,
-    scene_in,
-    scene_of_file,
-    schema,
-    strict_yaml,
-    validated,
-)
+from granchain.parts import columns, fields, file_parts, heading, schema, strict_yaml
 
 # --- variables --------------------------------------------------------------------------------------------------------
 
@@ -144,7 +131,7 @@ def values_of(variables: Sequence[Variable], vector: Sequence[float]) -> dict[st
 MOST_PLACES = 64
 
 
-class Search(SweepPart):
+class Search(file_parts.FilePart):
     """Settings of the search."""
 
     evaluations: Annotated[int, Field(ge=20, le=10_000_000)] = 2000
@@ -154,14 +141,14 @@ class Search(SweepPart):
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
 
 
-class Manufacture(SweepPart):
+class Manufacture(file_parts.FilePart):
     """How an ensemble with manufacturing errors is drawn: relative spread of the fields, number of members."""
 
     spread: Annotated[float, Field(gt=0, le=0.5)] = 0.01
     members: Annotated[int, Field(ge=2, le=10_000)] = 32
 
 
-class Limit(SweepPart):
+class Limit(file_parts.FilePart):
     """Bounds of a quantity."""
 
     low: Annotated[Any, Field(alias="from")] = None
@@ -173,7 +160,7 @@ class Limit(SweepPart):
             raise ValueError("give from, to or both")
         for bound in (self.low, self.high):
             if bound is not None:
-                number(bound)
+                file_parts.number(bound)
         if self.low is not None and self.high is not None and self.high < self.low:
             raise ValueError(f"goes from {self.low} to {self.high}; the smaller first")
         return self
@@ -187,7 +174,7 @@ class Limit(SweepPart):
         return float(max(below, above))
 
 
-class File(SweepPart):
+class File(file_parts.FilePart):
     """The keys of a design file."""
 
     scene: Any
@@ -205,11 +192,11 @@ class File(SweepPart):
 Places = Annotated[int, Field(ge=1, le=MOST_PLACES)]
 
 
-class _Bounds(SweepPart):
+class _Bounds(file_parts.FilePart):
     """A number, or a list of so many."""
 
-    low: Annotated[Any, PlainValidator(number), Field(alias="from", json_schema_extra={"type": "number"})]
-    high: Annotated[Any, PlainValidator(number), Field(alias="to", json_schema_extra={"type": "number"})]
+    low: Annotated[Any, PlainValidator(file_parts.number), Field(alias="from", json_schema_extra={"type": "number"})]
+    high: Annotated[Any, PlainValidator(file_parts.number), Field(alias="to", json_schema_extra={"type": "number"})]
     spacing: Literal["linear", "log"] = "linear"
     places: Places | None = None
 
@@ -222,7 +209,7 @@ class _Bounds(SweepPart):
         return self
 
 
-class _Choices(SweepPart):
+class _Choices(file_parts.FilePart):
     """A list of so many choices."""
 
     of: list[Any]
@@ -301,12 +288,17 @@ def load(path: Path) -> Design:
 
 def schema_of_file() -> dict[str, Any]:
     """JSON schema of a design file, in whose scene the varied fields may be missing."""
-    file_schema, scene = schema.of(File, "design"), scene_of_file()
+    file_schema, scene = schema.of(File, "design"), file_parts.scene_of_file()
     file_schema["$defs"] |= scene.pop("$defs") | {
         kind.__name__[1:]: schema.of(kind, "field") for kind in (_Bounds, _Choices)
     }
     spot: dict[str, Any] = {"anyOf": [{"type": "string"}, scene]}
-    quantity = {"anyOf": [{"enum": list(KNOWN)}, {"type": "string", "pattern": f"^({'|'.join(AT_BEAD)})@[1-9][0-9]*$"}]}
+    quantity = {
+        "anyOf": [
+            {"enum": list(columns.KNOWN)},
+            {"type": "string", "pattern": f"^({'|'.join(columns.AT_BEAD)})@[1-9][0-9]*$"},
+        ]
+    }
     varied = [{"type": "array", "minItems": 2}, {"$ref": "#/$defs/Bounds"}, {"$ref": "#/$defs/Choices"}]
     file_schema["properties"] |= {
         "scene": spot,
@@ -326,21 +318,21 @@ def from_plain(data: Any, path: Path) -> Design:
     Raises:
         InputError: see `load`.
     """
-    file = validated(File, data, f"{path}: ", "design")
+    file = file_parts.validated(File, data, f"{path}: ", "design")
     if (file.minimize is None) == (file.maximize is None):
-        raise InputError(f"{path}: give either minimize or maximize, and a quantity: {', '.join(KNOWN)}")
+        raise InputError(f"{path}: give either minimize or maximize, and a quantity: {', '.join(columns.KNOWN)}")
     objectives = {key: [name] for key in ("minimize", "maximize") if (name := getattr(file, key)) is not None}
     for key, names in {**objectives, "where": file.where, "also": file.also}.items():
         for name in names:
-            refuse_unknown(name, f"{path}: {key}", "quantity")
+            columns.refuse_unknown(name, f"{path}: {key}", "quantity")
     if not file.vary:
         raise InputError(f"{path}: vary: names no field")
-    scene = scene_in(file.scene, path, "scene")
+    scene = file_parts.scene_in(file.scene, path, "scene")
     return Design(
         source=str(path),
         scene=scene,
         variables=tuple(_variable(name, entry, path, scene) for name, entry in file.vary.items()),
-        beside=None if file.beside is None else scene_in(file.beside, path, "beside"),
+        beside=None if file.beside is None else file_parts.scene_in(file.beside, path, "beside"),
         request=file,
     )
 
@@ -356,11 +348,11 @@ def _variable(name: str, entry: Any, path: Path, scene: dict[str, Any]) -> Varia
     if not isinstance(entry, dict):
         raise InputError(f"{where}: should be bounds such as {{from: 1, to: 10}}, or a list of choices")
     if "of" in entry:
-        choices = validated(_Choices, entry, f"{where}.")
+        choices = file_parts.validated(_Choices, entry, f"{where}.")
         if len(choices.of) < 2:
             raise InputError(f"{where}: needs two choices or more")
         return Variable(name, choices=tuple(choices.of), places=None if single else choices.places)
-    read = validated(_Bounds, entry, f"{where}.")
+    read = file_parts.validated(_Bounds, entry, f"{where}.")
     integer = fields.is_whole(keys)
     if integer and not all(isinstance(end, int) for end in (read.low, read.high)):
         raise InputError(f"{where}: takes whole numbers; {read.low} to {read.high} given")

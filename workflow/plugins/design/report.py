@@ -6,20 +6,7 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from granchain.parts import (
-    Floats,
-    Label,
-    RunDirectory,
-    SpaceTime,
-    at_frames,
-    direction_of,
-    gauges,
-    label,
-    page,
-    references,
-    spacetime_figure,
-    watch,
-)
+from granchain.parts import Floats, RunDirectory, direction_of, gauge, label, page, references, spacetime, units, watch
 from workflow.plugins.design.figures import Objective, front_figure, history_figure, members_figure, wall_figure
 from workflow.plugins.design.result import SET_AGAINST, DesignResult
 from workflow.plugins.design.search import RULED_OUT, worth
@@ -81,7 +68,7 @@ def _objective(result: DesignResult) -> Objective:
     return Objective(_label(result, result.design.objective), result.design.sign, beside)
 
 
-def _label(result: DesignResult, name: str) -> Label:
+def _label(result: DesignResult, name: str) -> units.Label:
     return label(name, result.design.scene)
 
 
@@ -97,8 +84,8 @@ def _of_search(result: DesignResult) -> list[page.PageFigure]:
 
 def _of_best(result: DesignResult) -> list[page.PageFigure]:
     best = result.verified[0].directory
-    spacetime = spacetime_figure(watch(SpaceTime(best.problem), best.blocks()))
-    pictures = [page.drawn("spacetime", spacetime, "The best in space and time, by LAMMPS.")]
+    map_of_best = spacetime.spacetime_figure(watch(spacetime.SpaceTime(best.problem), best.blocks()))
+    pictures = [page.drawn("spacetime", map_of_best, "The best in space and time, by LAMMPS.")]
     against = [] if result.beside is None else [(SET_AGAINST, result.beside.directory)]
     curves = [
         (name, *curve) for name, directory in [("the best", best), *against] if (curve := _wall(directory)) is not None
@@ -106,8 +93,8 @@ def _of_best(result: DesignResult) -> list[page.PageFigure]:
     if curves:
         scale = best.problem.scale
         labels = (
-            Label("time", "t", scale.symbol("time")),
-            Label("force on the wall, all chains", "F", scale.symbol("force")),
+            units.Label("time", "t", scale.symbol("time")),
+            units.Label("force on the wall, all chains", "F", scale.symbol("force")),
         )
         pictures.append(page.drawn("wall", wall_figure(curves, *labels), "Force on the far wall over time, by LAMMPS."))
     return pictures
@@ -116,13 +103,13 @@ def _of_best(result: DesignResult) -> list[page.PageFigure]:
 def _wall(directory: RunDirectory) -> tuple[Floats, Floats] | None:
     problem = directory.problem
     name = "right wall" if direction_of(problem) > 0 else "left wall"
-    wall = tuple(gauge for gauge in gauges(problem.system, wall=True) if gauge.name == name)
+    wall = tuple(each for each in gauge.gauges(problem.system, wall=True) if each.name == name)
     if not wall:
         return None
     times, forces = [], []
     for block in directory.blocks():
         times.append(block.time * problem.scale.time)
-        forces.append(at_frames(block, wall)[..., 0].sum(axis=1) * problem.scale.force)
+        forces.append(gauge.at_frames(block, wall)[..., 0].sum(axis=1) * problem.scale.force)
     return np.concatenate(times), np.concatenate(forces)
 
 

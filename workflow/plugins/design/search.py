@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
-from granchain.parts import MASS, NO_LIMIT, Floats, case, computations, fields
+from granchain.parts import Floats, columns, computations, evaluate, fields
 from workflow.plugins.design.file import Design, Variable, values_of
 
 # --- designs ----------------------------------------------------------------------------------------------------------
@@ -62,10 +62,10 @@ def computed(
     Raises:
         RunError: a process was killed.
     """
-    limit = design.request.where.get(MASS) if limited else None
-    masses = (limit.low, limit.high) if limit else NO_LIMIT
+    limit = design.request.where.get(columns.MASS) if limited else None
+    masses = (limit.low, limit.high) if limit else evaluate.NO_LIMIT
     scenes = [fields.put_all(design.scene, values) for values in designs]
-    cases = [case(scene, design.names, design.source, masses) for scene in scenes]
+    cases = [evaluate.case(scene, design.names, design.source, masses) for scene in scenes]
     results = evaluated(cases, **shown)
     return [
         DesignRecord(values, result.get("quantities", {}), result.get("refused", ""), result["seconds"])

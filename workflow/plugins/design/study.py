@@ -28,21 +28,16 @@ from granchain.parts import (
     CommandResult,
     Processes,
     Study,
-    add_jobs,
-    add_output,
     checked,
     csv_text,
     evaluate,
-    example_file,
     fields,
-    interrupted,
     kept_run,
     library,
-    of_frames,
     one_line,
+    options,
     print_files,
     print_table,
-    scene_to_run,
     strict_yaml,
 )
 from workflow.plugins.derivatives.derivative import HEAD, Derivative
@@ -134,7 +129,7 @@ def carry_out(design: Design, directory: Path, jobs: int | None = None, *, gradi
         ]
         beside = None
         if design.beside is not None:
-            quantities = evaluate(design.beside, design.names, f"{design.source}: beside")
+            quantities = evaluate.of_scene(design.beside, design.names, f"{design.source}: beside")
             beside = _in_lammps(design, design.beside, directory / BESIDE, DesignRecord({}, quantities, "", 0.0))
         slopes = gradient_at(best_scene.plain(), design) if gradient else []
         timed = [record.seconds for record in records if design.objective in record.quantities]
@@ -181,10 +176,10 @@ def _why_nothing(design: Design, records: list[DesignRecord]) -> str:
 
 def _in_lammps(design: Design, plain: dict[str, Any], path: Path, record: DesignRecord) -> Verified:
     """A scene in LAMMPS, run now or by an earlier start, beside its record by the reference."""
-    scene = scene_to_run(plain, design.names, design.source)
+    scene = evaluate.scene_to_run(plain, design.names, design.source)
     directory = kept_run(scene, "lammps", path)
     check = directory.job.check
-    lammps = of_frames(directory.problem, directory.blocks, scene, design.names)
+    lammps = evaluate.of_frames(directory.problem, directory.blocks, scene, design.names)
     error = math.nan if check is None or check.velocity is None else check.velocity
     return Verified(directory, record.values, record.quantities, lammps, error)
 
@@ -212,15 +207,15 @@ def _written(value: Any) -> str:
 # --- command ----------------------------------------------------------------------------------------------------------
 
 ANSWERS = "what design.json holds"
-FILE = f"DESIGN.yaml:\n{textwrap.indent(example_file(file), '  ')}"
+FILE = f"DESIGN.yaml:\n{textwrap.indent(options.example_file(file), '  ')}"
 EXAMPLES = ("design design.yaml -o designed          # the same command resumes",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("design", metavar="DESIGN.yaml", type=Path, help="a scene, bounds of its fields, an objective")
-    add_output(parser)
-    add_jobs(parser, "designs at a time (default all cores; of a job cores_per_node, or 1)")
+    options.add_output(parser)
+    options.add_jobs(parser, "designs at a time (default all cores; of a job cores_per_node, or 1)")
     parser.add_argument(
         "--gradient", action="store_true", help="after the search, step on from the best design along derivatives"
     )
@@ -232,7 +227,7 @@ def execute(arguments: argparse.Namespace) -> CommandResult:
     try:
         result = carry_out(design, arguments.output, arguments.jobs, gradient=arguments.gradient)
     except KeyboardInterrupt:
-        return interrupted()
+        return options.interrupted()
     _print(result, arguments)
     return CommandResult(0, result.plain())
 

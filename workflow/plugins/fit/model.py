@@ -11,23 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granchain import InputError, Scene
-from granchain.parts import (
-    REDUCED,
-    SI,
-    VERLET,
-    Channel,
-    Floats,
-    Problem,
-    Trajectory,
-    beads_of,
-    check_channels,
-    engine,
-    fields,
-    library,
-    read,
-    read_at,
-    traces,
-)
+from granchain.parts import Floats, Problem, Trajectory, channels, engine, fields, library, schemes, traces, units
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.derivatives.motion import Sides, derivatives_of_motion
 from workflow.plugins.derivatives.varied_scene import SceneInUnits, numbers
@@ -96,7 +80,7 @@ class Model:
             tangent.refuse_without_slope(start.system)
         if measured.units and not start.scale.si:
             raise InputError(f"{path}: names units, but {source} has no material, so it is in reduced units")
-        check_channels(path, measured.channels, start)
+        channels.check(path, measured.channels, start)
         self.unit_time = start.scale.time
         self._si = start.scale.si
         self.every = start.every * start.scale.time
@@ -107,7 +91,7 @@ class Model:
                 f"{path}: lasts {lasts / self.unit_time:.3g} T, too long to fit; cut it where the pulses have passed "
                 "(and see that its times, and --offset, are in the scene's units)"
             )
-        self.beads = beads_of(measured.channels, start)
+        self.beads = channels.beads_of(measured.channels, start)
         self._trajectories: dict[tuple[float, ...], Trajectory | None] = {}
 
     def _start(self, name: str) -> float:
@@ -127,7 +111,7 @@ class Model:
 
     def symbol(self, quantity: str) -> str:
         """Symbol of the unit of a quantity."""
-        return SI[quantity] if self._si else REDUCED
+        return units.SI[quantity] if self._si else units.REDUCED
 
     # --- parameters ---
 
@@ -211,7 +195,7 @@ class Model:
         return None if run is None else self._traces_of(run, parameters)
 
     def _traces_of(self, run: Trajectory, parameters: Floats) -> Floats:
-        return read_at(run, self.measured.channels, self.measured.time - self.offset(parameters))
+        return channels.read_at(run, self.measured.channels, self.measured.time - self.offset(parameters))
 
     def numerical_error(self, parameters: Floats, traces: Floats, jumps: Mask) -> Floats:
         """Root mean square, [channel], of the difference of a run with the scene's time step and LAMMPS's scheme.
@@ -225,7 +209,9 @@ class Model:
         """
         last = max(0.0, float(self.measured.time[-1]) - self.offset(parameters)) + _LATER * self.every
         problem = self._problem(self.scene_at(parameters), last, own_step=True)
-        run = engine.run(replace(problem, recorded=self.beads), scheme=VERLET, steps_per_frame=problem.steps_per_frame)
+        run = engine.run(
+            replace(problem, recorded=self.beads), scheme=schemes.VERLET, steps_per_frame=problem.steps_per_frame
+        )
         fitted = np.isfinite(self.measured.values) & ~jumps
         difference = np.where(fitted, self._traces_of(run, parameters) - traces, np.nan)
         return np.asarray(np.sqrt(np.nanmean(difference**2, axis=0)))
@@ -380,7 +366,7 @@ def aligned(model: Model, logarithms: Floats, size: Floats, *, flipped: bool = F
         return None
     # traces are interpolated between frames, since thousands of offsets are tried
     frames, unit = run.time * run.problem.scale.time, model.unit_time
-    shown = read(run, measured.channels) * [
+    shown = channels.read(run, measured.channels) * [
         getattr(run.problem.scale, channel.quantity) for channel in measured.channels
     ]
 
@@ -398,7 +384,7 @@ def aligned(model: Model, logarithms: Floats, size: Floats, *, flipped: bool = F
     return squares(model.residuals(parameters) / size), parameters
 
 
-def reversed_channels(model: Model, parameters: Floats, size: Floats) -> tuple[Channel, ...]:
+def reversed_channels(model: Model, parameters: Floats, size: Floats) -> tuple[traces.Channel, ...]:
     """Channels whose opposite sign at least halves the sum of squares, near parameters or the start.
 
     Args:
@@ -408,16 +394,16 @@ def reversed_channels(model: Model, parameters: Floats, size: Floats) -> tuple[C
     """
     measured = model.measured
     count = len(model.names)
-    channels: tuple[Channel, ...] = ()
+    flipped: tuple[traces.Channel, ...] = ()
     least = 0.5 * squares(model.residuals(parameters) / size)
     for point in (parameters[:count], np.zeros(count)):
         best = aligned(model, point, size, flipped=True)
-        traces = None if best is None else model.traces(best[1])
-        if traces is None:
+        computed = None if best is None else model.traces(best[1])
+        if computed is None:
             continue
-        signs = np.where(np.nansum(measured.values * traces, axis=0) < 0.0, -1.0, 1.0)
-        cost = squares((measured.values - signs * traces) / size)
+        signs = np.where(np.nansum(measured.values * computed, axis=0) < 0.0, -1.0, 1.0)
+        cost = squares((measured.values - signs * computed) / size)
         if cost < least:
             least = cost
-            channels = tuple(channel for channel, sign in zip(measured.channels, signs, strict=True) if sign < 0.0)
-    return channels
+            flipped = tuple(channel for channel, sign in zip(measured.channels, signs, strict=True) if sign < 0.0)
+    return flipped

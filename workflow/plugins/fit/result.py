@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from granchain.parts import Flags, Floats, cell, fields, html, known
+from granchain.parts import Flags, Floats, cell, fields, html, numbers
 from workflow.plugins.fit.estimate import FitResult
 from workflow.plugins.fit.goodness import LEVEL, TESTS, Goodness, clipped, goodness, resolution
 from workflow.plugins.fit.model import Model, reversed_channels
@@ -37,8 +37,8 @@ class Field:
         if self.low is not None and self.high is not None and self.high > self.low:
             wide = max(abs(self.low), abs(self.high)) / (self.high - self.low)
             digits = min(17, max(digits, 2 + math.ceil(math.log10(wide))))
-        numbers = (cell(number, f".{digits}g") for number in (self.value, self.low, self.high))
-        return [self.unit or "-", f"{self.start:.6g}", *numbers]
+        cells = (cell(number, f".{digits}g") for number in (self.value, self.low, self.high))
+        return [self.unit or "-", f"{self.start:.6g}", *cells]
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ def judged(model: Model, estimated: FitResult, size: Floats) -> Fit:
     for channel, unit, noise, largest, row in zip(
         measured.channels, units, estimated.noise, size, statistics, strict=True
     ):
-        chi_square, r, runs, *p = map(known, row)
+        chi_square, r, runs, *p = map(numbers.known, row)
         channels[channel.name] = Residuals(unit, float(noise), float(noise / largest), chi_square, r, runs, p)
     numerical = model.numerical_error(estimated.parameters, traces, estimated.jumps)
     below = estimated.noise < np.maximum(
@@ -211,10 +211,10 @@ def judged(model: Model, estimated: FitResult, size: Floats) -> Fit:
     return Fit(
         fits=fits,
         verdict=verdict,
-        p=known(test.joint),
+        p=numbers.known(test.joint),
         assumed=tuple(name for name, error in zip(fixed, test.change_error, strict=True) if np.isposinf(error)),
         free=free,
-        correlation=[[known(value) for value in row] for row in estimated.correlation.tolist()],
+        correlation=[[numbers.known(value) for value in row] for row in estimated.correlation.tolist()],
         channels=channels,
         rows=estimated.rows,
         left_out=int(np.sum(estimated.jumps & np.isfinite(measured.values))),

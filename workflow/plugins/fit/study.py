@@ -26,15 +26,15 @@ from granchain.parts import (
     CommandResult,
     Floats,
     Study,
-    add_output,
+    channels,
     checked,
     formats,
     installed_scenes,
     library,
     one_line,
+    options,
     print_files,
     print_table,
-    read_at,
     run,
     source_of,
     strict_yaml,
@@ -183,7 +183,7 @@ def _in_lammps(model: Model, estimated: FitResult, directory: Path) -> InLammps:
     plain = {key: value for key, value in fitted.items() if key not in ("until_bead", "output")}
     scene = library.from_plain({**plain, "duration": until}, model.source)
     done = run(scene, directory, overwrite=directory.exists())
-    theirs = read_at(done.trajectory, model.measured.channels, model.measured.time - offset)
+    theirs = channels.read_at(done.trajectory, model.measured.channels, model.measured.time - offset)
     traces = model.traces(estimated.parameters)
     assert traces is not None
     error = None if done.check is None else done.check.velocity
@@ -231,7 +231,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         help="by how much times of FILE are later than the scene's, such as --offset=-1e-5 (default: found, too)",
     )
-    add_output(parser)
+    options.add_output(parser)
     parser.add_argument(
         "--gradient", action="store_true", help="take derivatives from the tangent flow, not from differences of runs"
     )

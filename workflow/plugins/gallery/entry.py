@@ -20,11 +20,11 @@ from granchain.parts import (
     Trajectory,
     energies,
     engine_called,
+    evaluate,
     forces,
     kept_run,
     leading_waves,
     library,
-    of_frames,
     page,
     style,
     watch,
@@ -96,7 +96,7 @@ class Ran(RunDirectory):
     @cached_property
     def residual(self) -> float:
         """Share of the energy of the kicked chain's pulse that stays in a cell; NaN where it passed none."""
-        residual = of_frames(self.problem, self.blocks, self.scene, ("residual_energy",))["residual_energy"]
+        residual = evaluate.of_frames(self.problem, self.blocks, self.scene, ("residual_energy",))["residual_energy"]
         return float("nan") if residual is None else residual
 
     @cached_property

@@ -107,16 +107,10 @@ def _places(phrase: str) -> Iterator[tuple[str, str]]:
 
 def _suggestion(phrase: str) -> str:
     """The word that a phrase is closest to, in brackets: as it stands or in lower case, whole or its last part."""
-    from granchain.parts import fields, places
+    from granchain.parts import columns, fields, places
 
     names = {name for names, _ in handbook.terms() for name in names}
-    names |= {
-        *handbook.keys(),
-        *fields.all_fields(Scene),
-        *cli.COMMANDS,
-        *places.collect_columns(),
-        *vocabulary.words(),
-    }
+    names |= {*handbook.keys(), *fields.all_fields(Scene), *cli.COMMANDS, *columns.QUANTITIES, *vocabulary.words()}
     names |= {place.path[-1] for place in places.places() if place.path}
     names |= {name.rpartition(".")[2] for name in names}
     spelt = dict.fromkeys([phrase[:200], phrase[:200].lower(), phrase[:200].replace(" ", "_")])

@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 from pydantic import BaseModel
 
 from granchain import Scene, materials
-from granchain.parts import cli, complaints, example_file, installed_scenes, plugins
+from granchain.parts import cli, complaints, installed_scenes, options, plugins
 
 WIDTH = 100
 
@@ -151,5 +151,5 @@ def _keys(schema: Mapping[str, object], of_scene: Collection[str]) -> Iterator[s
 
 def of_file(kind: str) -> str:
     """Example of a file of a kind, below a heading."""
-    example = textwrap.indent(example_file(importlib.import_module(kinds()[kind])), " " * 6)
+    example = textwrap.indent(options.example_file(importlib.import_module(kinds()[kind])), " " * 6)
     return f"    in a {kind} file, which `granchain {kind} FILE -o DIR` takes:\n{example}"

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from granchain.parts import Floats, Problem, engine, stability_bound
+from granchain.parts import Floats, Problem, engine, rates
 from workflow.plugins.derivatives import tangent
 
 RECORDS = 200
@@ -30,7 +30,7 @@ _NEARBY = 1e-9
 
 def usual_step(problem: Problem) -> float:
     """Time step of the reference, in units of T, that leaves an error of some 1e-6 of V."""
-    return stability_bound(problem.system) / engine.STEPS_PER_BOUND
+    return rates.stability_bound(problem.system) / engine.STEPS_PER_BOUND
 
 
 def computed(plain: dict[str, Any], source: str, exponents: int, refinement: int, start: int, duration: float) -> Any:
@@ -86,10 +86,10 @@ def exponents_of(time: Floats, growth: Floats) -> tuple[Floats, Floats]:
     """
     first = round(ALIGNMENT * len(time))
     edges = np.linspace(first, len(time) - 1, BLOCKS + 1).round().astype(np.int64)
-    rates = np.diff(growth[edges], axis=0) / np.diff(time[edges])[:, np.newaxis]
+    slopes = np.diff(growth[edges], axis=0) / np.diff(time[edges])[:, np.newaxis]
     weights = np.diff(time[edges])[:, np.newaxis]
-    mean = np.sum(rates * weights, axis=0) / np.sum(weights)
-    return mean, np.std(rates, axis=0, ddof=1) / math.sqrt(BLOCKS)
+    mean = np.sum(slopes * weights, axis=0) / np.sum(weights)
+    return mean, np.std(slopes, axis=0, ddof=1) / math.sqrt(BLOCKS)
 
 
 def drift(time: Floats, growth: Floats) -> Floats:

@@ -31,13 +31,11 @@ from granchain.parts import (
     Problem,
     Study,
     computations,
-    declare,
     library,
     options,
-    plain,
     print_files,
     print_heading,
-    result,
+    quantity,
     units,
 )
 from workflow.plugins.derivatives import tangent
@@ -74,21 +72,21 @@ ROUNDING = 2.0**-53
 """Relative error of a rounded number in double precision."""
 
 
-@result
+@quantity.result
 class Exponent:
     """A Lyapunov exponent; the first is the largest."""
 
-    number: int = declare("number of the exponent, in descending order", digits="d")
-    exponent: float | None = declare(
+    number: int = quantity.declare("number of the exponent, in descending order", digits="d")
+    exponent: float | None = quantity.declare(
         "mean rate of growth of the logarithm of a deviation, mean over the runs",
         "rate",
         "it cannot be distinguished from 0, or the runs differ by more than their uncertainties",
         digits=".4g",
     )
-    uncertainty: float | None = declare(
+    uncertainty: float | None = quantity.declare(
         "standard error, from blocks of each run", "rate", "the exponent is undefined", digits=".1e"
     )
-    bound: float | None = declare(
+    bound: float | None = quantity.declare(
         "bound on the size of an exponent that cannot be distinguished from 0: below 10 over the duration, or within "
         "three uncertainties",
         "rate",
@@ -97,32 +95,32 @@ class Exponent:
     )
 
 
-@result
+@quantity.result
 class RunExponent:
     """An exponent of one run."""
 
-    step: float = declare("time step of the reference", "time", digits=".4g")
-    start: int = declare("0: start of the scene; 1: a start nearby", digits="d")
-    number: int = declare("number of the exponent, in descending order", digits="d")
-    exponent: float | None = declare(
+    step: float = quantity.declare("time step of the reference", "time", digits=".4g")
+    start: int = quantity.declare("0: start of the scene; 1: a start nearby", digits="d")
+    number: int = quantity.declare("number of the exponent, in descending order", digits="d")
+    exponent: float | None = quantity.declare(
         "mean rate of growth of the logarithm of a deviation",
         "rate",
         "that of the four runs cannot be distinguished from 0",
         digits=".4g",
     )
-    uncertainty: float | None = declare(
+    uncertainty: float | None = quantity.declare(
         "standard error, from blocks of the run", "rate", "the exponent is undefined", digits=".1e"
     )
 
 
-@result
+@quantity.result
 class RunningEstimate:
     """The largest exponent of one run up to a time."""
 
-    step: float = declare("time step of the reference", "time")
-    start: int = declare("0: start of the scene; 1: a start nearby")
-    time: float = declare("time since the start", "time")
-    exponent: float = declare("growth of the logarithm of the deviation until then, over the time", "rate")
+    step: float = quantity.declare("time step of the reference", "time")
+    start: int = quantity.declare("0: start of the scene; 1: a start nearby")
+    time: float = quantity.declare("time since the start", "time")
+    exponent: float = quantity.declare("growth of the logarithm of the deviation until then, over the time", "rate")
 
 
 @dataclass(frozen=True)
@@ -209,7 +207,7 @@ class LyapunovResult:
         scale = self.problem.scale
         until = self.predictable(1.0)
         return {
-            "exponents": plain(self.exponents, scale),
+            "exponents": quantity.plain(self.exponents, scale),
             "chaotic": self.chaotic,
             "predictable": None if until is None else scale.measured(until[0], "time"),
         }

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from granchain.parts import bands, units
+from granchain.parts import unit_cell, units
 from workflow.plugins.modes.tables import BranchOfMode, ModesResult
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def figures(result: ModesResult) -> "dict[str, Figure]":
         units.Label("displacement", "x", scale.symbol("length")),
         units.Label("time", "t", scale.symbol("time")),
     )
-    edges = bands(result.problem.system)
+    edges = unit_cell.bands(result.problem.system)
     measured = scale.measured(np.zeros(0) if edges is None else np.unique(edges), "frequency")
     return {
         FIGURES[0]: branch_figures.frequency_figure(curves, measured, (energy, frequency), name),

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from granchain.parts import Floats, Problem, deck, file_names, physics, recording, run_deck, stability_bound, text
+from granchain.parts import Floats, Problem, deck, file_names, numbers, physics, rates, recording, run_deck
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes.branches import shooting_of
 from workflow.plugins.modes.continuation import PeriodicState
@@ -58,7 +58,7 @@ def lammps_problem(problem: Problem, energy: float, period: float, steps: int, p
 
 def steps_per_period(problem: Problem, period: float) -> int:
     """Steps of LAMMPS in a period of the first run."""
-    return max(STEPS, math.ceil(PER_BOUND * period / stability_bound(problem.system)))
+    return max(STEPS, math.ceil(PER_BOUND * period / rates.stability_bound(problem.system)))
 
 
 def deck_files(problem: Problem, displacement: Floats, velocity: Floats) -> dict[str, str]:
@@ -66,7 +66,7 @@ def deck_files(problem: Problem, displacement: Floats, velocity: Floats) -> dict
     opening = float(np.max(np.diff(displacement[: problem.chains], axis=-1), initial=0.0))
     places = problem.layout.places[np.arange(len(displacement)) % problem.chains] + displacement
     lines = [
-        f"set atom {atom} x {text(places.flat[atom - 1])} vx {text(velocity.flat[atom - 1])}"
+        f"set atom {atom} x {numbers.text(places.flat[atom - 1])} vx {numbers.text(velocity.flat[atom - 1])}"
         for atom in physics.atom_ids(problem.system).tolist()
     ]
     return {
@@ -113,10 +113,10 @@ def computed(plain: dict[str, Any], source: str, mode: int, state: dict[str, Any
     if not measured:
         return value | {"growth": None, "fitted": None, "predicted": None}
     solver = replace(shooting_of(problem, linear_modes(problem, source), mode), steps=steps // 2)
-    rates = [_growth_rate(solver, state, run, base) for run, base in zip(problems, runs, strict=True)]
+    growths = [_growth_rate(solver, state, run, base) for run, base in zip(problems, runs, strict=True)]
     return value | {
-        "growth": [None if rate is None else rate[0] / period for rate in rates],
-        "fitted": [None if rate is None else rate[1] / period for rate in rates],
+        "growth": [None if rate is None else rate[0] / period for rate in growths],
+        "fitted": [None if rate is None else rate[1] / period for rate in growths],
         "predicted": growth / period,
     }
 

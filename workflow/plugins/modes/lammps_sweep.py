@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from granchain.parts import physics, stability_bound
+from granchain.parts import physics, rates
 from workflow.plugins.derivatives import tangent
 from workflow.plugins.modes.driven import at_period
 from workflow.plugins.modes.lammps_check import PER_BOUND, lammps_problem, run
@@ -49,7 +49,7 @@ def computed(
         that period, over their size, displacements times the drive's angular frequency.
     """
     problem = tangent.problem_of(plain, source)
-    bound = stability_bound(problem.system)
+    bound = rates.stability_bound(problem.system)
     x, v = np.zeros((2, physics.lines(problem.system), problem.beads))
     sweep = []
     for direction, period in (*itertools.product(["up"], periods), *itertools.product(["down"], reversed(periods))):

@@ -10,78 +10,84 @@ from typing import Any
 
 import numpy as np
 
-from granchain.parts import Floats, Problem, declare, plain, result
+from granchain.parts import Floats, Problem, quantity
 from workflow.plugins.modes.response import SAME
 
 UNMATCHED = "no stable response of the curve has this frequency"
 
 
-@result
+@quantity.result
 class ResponseLine:
     """A periodic response."""
 
-    response: int = declare("number of the response along the curve", digits="d")
-    role: str = declare(
+    response: int = quantity.declare("number of the response along the curve", digits="d")
+    role: str = quantity.declare(
         "``branch``: a point of the continuation; ``frequency``: of one of the sweep; ``bifurcation``: just behind one",
         digits="",
     )
-    frequency: float = declare("frequency of the drive, in cycles per unit time", "cycles", symbol="f", digits=".8g")
-    amplitude: float = declare("largest speed of the chosen bead over a period", "velocity", digits=".6g")
-    multiplier: float = declare("largest modulus of the Floquet multipliers", digits=".6g")
-    stable: str = declare("``yes`` where all multipliers are inside the unit circle, or ``no``", digits="")
-    residual: float = declare(
+    frequency: float = quantity.declare(
+        "frequency of the drive, in cycles per unit time", "cycles", symbol="f", digits=".8g"
+    )
+    amplitude: float = quantity.declare("largest speed of the chosen bead over a period", "velocity", digits=".6g")
+    multiplier: float = quantity.declare("largest modulus of the Floquet multipliers", digits=".6g")
+    stable: str = quantity.declare("``yes`` where all multipliers are inside the unit circle, or ``no``", digits="")
+    residual: float = quantity.declare(
         "change of displacements, times the middle angular frequency, and velocities by a period, over their norm",
         digits=".1e",
     )
-    least_overlap: float = declare(
+    least_overlap: float = quantity.declare(
         "overlap of neighbours where it is least over a period, at 64 times; less their distance where they are apart",
         "length",
         digits=".3g",
     )
 
 
-@result
+@quantity.result
 class ResponseBifurcation:
     """A change of stability along the response curve."""
 
-    kind: str = declare(
+    kind: str = quantity.declare(
         "``fold`` (multiplier 1, where the curve turns back), ``+1`` (elsewhere), ``-1`` (period doubling) or "
         "``Neimark-Sacker`` (a pair elsewhere on the unit circle)",
         digits="",
     )
-    frequency: float = declare("frequency of the drive there, in cycles per unit time", "cycles", digits=".8g")
-    uncertainty: float = declare("by the interval in which it is, and by twice the steps", "cycles", digits=".1e")
-    amplitude: float = declare("largest speed of the chosen bead there", "velocity", digits=".5g")
-    before: int = declare("multipliers outside the unit circle before it", digits="d")
-    after: int = declare("multipliers outside the unit circle after it", digits="d")
+    frequency: float = quantity.declare("frequency of the drive there, in cycles per unit time", "cycles", digits=".8g")
+    uncertainty: float = quantity.declare(
+        "by the interval in which it is, and by twice the steps", "cycles", digits=".1e"
+    )
+    amplitude: float = quantity.declare("largest speed of the chosen bead there", "velocity", digits=".5g")
+    before: int = quantity.declare("multipliers outside the unit circle before it", digits="d")
+    after: int = quantity.declare("multipliers outside the unit circle after it", digits="d")
 
 
-@result
+@quantity.result
 class SweepLine:
     """A step of the sweep in LAMMPS."""
 
-    direction: str = declare("``up`` or ``down``", digits="")
-    frequency: float = declare("frequency of the drive, in cycles per unit time", "cycles", digits=".8g")
-    periods: int = declare("periods that were run", digits="d")
-    amplitude: float = declare("largest speed of the chosen bead in the last period", "velocity", digits=".6g")
-    change: float = declare("change of the state by the last period, over its norm", digits=".1e")
-    response: int | None = declare(
+    direction: str = quantity.declare("``up`` or ``down``", digits="")
+    frequency: float = quantity.declare("frequency of the drive, in cycles per unit time", "cycles", digits=".8g")
+    periods: int = quantity.declare("periods that were run", digits="d")
+    amplitude: float = quantity.declare("largest speed of the chosen bead in the last period", "velocity", digits=".6g")
+    change: float = quantity.declare("change of the state by the last period, over its norm", digits=".1e")
+    response: int | None = quantity.declare(
         "number of the stable response of this frequency whose amplitudes are nearest", "", UNMATCHED, digits="d"
     )
-    deviation: float | None = declare(
+    deviation: float | None = quantity.declare(
         "relative deviation of the amplitude from that response's", "", UNMATCHED, digits=".1e"
     )
 
 
-@result
+@quantity.result
 class Jump:
     """A jump of LAMMPS's sweep from one piece of the curve, between folds, to another."""
 
-    direction: str = declare("``up`` or ``down``")
-    branch: str = declare("``upper`` or ``lower``: the piece that it leaves has the larger or smaller amplitude")
-    before: float = declare("last frequency before the jump", "cycles")
-    after: float = declare("first frequency after the jump", "cycles")
-    fold: float = declare("frequency of the nearer fold at which the piece ends", "cycles")
+    direction: str = quantity.declare("``up`` or ``down``")
+    branch: str = quantity.declare(
+        "``upper`` or ``lower``: the piece that it leaves has the larger or smaller amplitude"
+    )
+    before: float = quantity.declare("last frequency before the jump", "cycles")
+    after: float = quantity.declare("first frequency after the jump", "cycles")
+    fold: float = quantity.declare("frequency of the nearer fold at which the piece ends", "cycles")
 
 
 @dataclass(frozen=True)
@@ -223,8 +229,8 @@ class ResponseResult:
         """Plain data of the result in the scene's units, for scripts."""
         scale = self.problem.scale
         return {
-            "responses": plain(self.responses(), scale),
-            "bifurcations": plain(self.bifurcations(), scale),
-            "sweep": plain(self.steps(), scale),
-            "jumps": plain(self.jumps(), scale),
+            "responses": quantity.plain(self.responses(), scale),
+            "bifurcations": quantity.plain(self.bifurcations(), scale),
+            "sweep": quantity.plain(self.steps(), scale),
+            "jumps": quantity.plain(self.jumps(), scale),
         }

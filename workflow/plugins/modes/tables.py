@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from granchain.parts import Floats, Problem, bands, declare, plain, result
+from granchain.parts import Floats, Problem, quantity, unit_cell
 from workflow.plugins.modes.linear import LinearModes, centre
 
 _ROUNDING = 1e-13
@@ -15,99 +15,99 @@ _ROUNDING = 1e-13
 UNMEASURED = "the state is stable, or the growth is too slow or too fast to be measured"
 
 
-@result
+@quantity.result
 class LinearMode:
     """A linear mode."""
 
-    mode: int = declare("number of the mode, by ascending frequency", digits="d")
-    frequency: float = declare("angular frequency", "frequency", symbol="\\omega", digits=".8g")
-    participation: float = declare(
+    mode: int = quantity.declare("number of the mode, by ascending frequency", digits="d")
+    frequency: float = quantity.declare("angular frequency", "frequency", symbol="\\omega", digits=".8g")
+    participation: float = quantity.declare(
         "participation number of the atoms' mean kinetic energies e, (sum e)^2 / sum e^2", digits=".4g"
     )
-    bead: float = declare("mean number of the bead, weighted with these energies", digits=".4g")
-    chain: float = declare("mean number of the chain, weighted with these energies", digits=".4g")
+    bead: float = quantity.declare("mean number of the bead, weighted with these energies", digits=".4g")
+    chain: float = quantity.declare("mean number of the chain, weighted with these energies", digits=".4g")
 
 
-@result
+@quantity.result
 class StateLine:
     """A periodic state."""
 
-    mode: int = declare("number of the linear mode whose branch it is on", digits="d")
-    state: int = declare("number of the state along the branch", digits="d")
-    role: str = declare(
+    mode: int = quantity.declare("number of the linear mode whose branch it is on", digits="d")
+    state: int = quantity.declare("number of the state along the branch", digits="d")
+    role: str = quantity.declare(
         "``branch``: a point of the continuation; ``energy``: of a given energy; ``bifurcation``: just behind one",
         digits="",
     )
-    energy: float = declare("energy above rest", "energy", digits=".6g", symbol="E")
-    frequency: float = declare("angular frequency", "frequency", digits=".8g", symbol="\\omega")
-    residual: float = declare(
+    energy: float = quantity.declare("energy above rest", "energy", digits=".6g", symbol="E")
+    frequency: float = quantity.declare("angular frequency", "frequency", digits=".8g", symbol="\\omega")
+    residual: float = quantity.declare(
         "norm of the velocities at half a period over that of the start, both weighted as energies", digits=".1e"
     )
-    multiplier: float = declare(
+    multiplier: float = quantity.declare(
         "largest modulus of its Floquet multipliers, without the pair at 1 of its own motion", digits=".7g"
     )
-    tolerance: float = declare("deviation of that modulus from 1 that errors can cause", digits=".1e")
-    stable: str = declare(
+    tolerance: float = quantity.declare("deviation of that modulus from 1 that errors can cause", digits=".1e")
+    stable: str = quantity.declare(
         "``yes`` where no multiplier is outside the unit circle by more than that, or ``no``", digits=""
     )
-    participation: float = declare(
+    participation: float = quantity.declare(
         "participation number of the atoms' mean kinetic energies e, (sum e)^2 / sum e^2", digits=".4g"
     )
-    bead: float = declare("mean number of the bead, weighted with these energies", digits=".4g")
-    chain: float = declare("mean number of the chain, weighted with these energies")
-    least_overlap: float = declare(
+    bead: float = quantity.declare("mean number of the bead, weighted with these energies", digits=".4g")
+    chain: float = quantity.declare("mean number of the chain, weighted with these energies")
+    least_overlap: float = quantity.declare(
         "overlap of neighbours where it is least over a period, at 33 times; less their distance where they are apart",
         "length",
         digits=".3g",
     )
 
 
-@result
+@quantity.result
 class BifurcationLine:
     """A change of stability along a branch."""
 
-    mode: int = declare("number of the linear mode whose branch it is on", digits="d")
-    kind: str = declare(
+    mode: int = quantity.declare("number of the linear mode whose branch it is on", digits="d")
+    kind: str = quantity.declare(
         "where the multipliers leave or enter the unit circle: ``+1``, ``-1``, ``collision`` (a pair elsewhere), or "
         "``fold`` (at 1, where the energy has an extremum)",
         digits="",
     )
-    energy: float = declare("energy in the middle of the interval in which it is", "energy", digits=".6g")
-    uncertainty: float = declare("half of that interval", "energy", digits=".1e")
-    frequency: float = declare("angular frequency in the middle of the interval", "frequency", digits=".6g")
-    before: int = declare("multipliers outside the unit circle before it", digits="d")
-    after: int = declare("multipliers outside the unit circle after it", digits="d")
+    energy: float = quantity.declare("energy in the middle of the interval in which it is", "energy", digits=".6g")
+    uncertainty: float = quantity.declare("half of that interval", "energy", digits=".1e")
+    frequency: float = quantity.declare("angular frequency in the middle of the interval", "frequency", digits=".6g")
+    before: int = quantity.declare("multipliers outside the unit circle before it", digits="d")
+    after: int = quantity.declare("multipliers outside the unit circle after it", digits="d")
 
 
-@result
+@quantity.result
 class LammpsLine:
     """LAMMPS started on a periodic state."""
 
-    mode: int = declare("number of the linear mode whose branch the state is on", digits="d")
-    state: int = declare("number of the state along the branch", digits="d")
-    energy: float = declare("energy above rest", "energy", digits=".6g")
-    steps: int = declare("steps of LAMMPS in a period", digits="d")
-    velocity: float = declare("norm of the velocities after a period", "velocity", digits=".3g")
-    velocity_finer: float = declare("the same with twice the steps", "velocity", digits=".3g")
-    order: float = declare("binary logarithm of their ratio; the scheme's order is 2", digits=".3f")
-    distance: float = declare("distance from the start after a period", "length", digits=".2g")
-    periods: int = declare("periods that were run", digits="d")
-    later: float | None = declare(
+    mode: int = quantity.declare("number of the linear mode whose branch the state is on", digits="d")
+    state: int = quantity.declare("number of the state along the branch", digits="d")
+    energy: float = quantity.declare("energy above rest", "energy", digits=".6g")
+    steps: int = quantity.declare("steps of LAMMPS in a period", digits="d")
+    velocity: float = quantity.declare("norm of the velocities after a period", "velocity", digits=".3g")
+    velocity_finer: float = quantity.declare("the same with twice the steps", "velocity", digits=".3g")
+    order: float = quantity.declare("binary logarithm of their ratio; the scheme's order is 2", digits=".3f")
+    distance: float = quantity.declare("distance from the start after a period", "length", digits=".2g")
+    periods: int = quantity.declare("periods that were run", digits="d")
+    later: float | None = quantity.declare(
         "distance from the start after these", "length", "the state is unstable", digits=".2g"
     )
-    growth: float | None = declare(
+    growth: float | None = quantity.declare(
         "rate at which a small deviation along the unstable direction grows, with twice the steps",
         "rate",
         UNMEASURED,
         digits=".6g",
     )
-    uncertainty: float | None = declare(
+    uncertainty: float | None = quantity.declare(
         "the larger of its standard error and its difference from the rate with the steps",
         "rate",
         UNMEASURED,
         digits=".1e",
     )
-    predicted: float | None = declare(
+    predicted: float | None = quantity.declare(
         "logarithm of the largest multiplier over the period", "rate", UNMEASURED, digits=".6g"
     )
 
@@ -201,7 +201,7 @@ class ModesResult:
         scale, lines = self.problem.scale, []
         if self.linear.zeros:
             lines.append(f"linear modes of the frequency 0: {self.linear.zeros} of {len(self.linear.frequency)}")
-        edges = bands(self.problem.system)
+        edges = unit_cell.bands(self.problem.system)
         if edges is not None:
             texts = [" to ".join(f"{scale.measured(end, 'frequency'):.6g}" for end in band) for band in edges]
             lines.append(f"small waves of an infinite chain have frequencies from {', and from '.join(texts[:6])}")
@@ -237,8 +237,8 @@ class ModesResult:
         """Plain data of the result in the scene's units, for scripts."""
         scale = self.problem.scale
         return {
-            "modes": plain(self.modes(), scale),
-            "states": plain(self.states(), scale),
-            "bifurcations": plain(self.bifurcations(), scale),
-            "lammps": plain(self.checks, scale),
+            "modes": quantity.plain(self.modes(), scale),
+            "states": quantity.plain(self.states(), scale),
+            "bifurcations": quantity.plain(self.bifurcations(), scale),
+            "lammps": quantity.plain(self.checks, scale),
         }

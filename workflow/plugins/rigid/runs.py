@@ -8,7 +8,18 @@ from typing import Any
 import numpy as np
 
 from granchain import Scene
-from granchain.parts import Fact, Problem, engines, file_names, impulses, job, physics, quantity, write_text
+from granchain.parts import (
+    Fact,
+    Problem,
+    engines,
+    file_names,
+    impulses,
+    job,
+    physics,
+    quantity,
+    write_frames,
+    write_text,
+)
 from workflow.plugins.rigid.events import EVENTS, Collisions, from_csv, from_events
 
 
@@ -83,7 +94,7 @@ class RigidEngine(engines.Engine):
         marks, first = rounded.collisions.astype(np.int64), rounded.first
         events = Collisions(run.time, run.chain, run.row, run.striker, run.target, marks)
         write_text(path / EVENTS, quantity.csv_of(events, problem.scale))
-        ending = engines.write_frames(path / file_names.DUMP, problem, engine.blocks(run), work.progress)
+        ending = write_frames(path / file_names.DUMP, problem, engine.blocks(run), work.progress)
         if ending["outcome"] != "done":
             return ending
         computed = {**ending, "engine_seconds": seconds, "collisions": len(run)}

@@ -2,23 +2,28 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar, Unpack
+from typing import Annotated, Any, TypedDict, TypeVar, Unpack
 
 from granchain import InputError, load
-from granchain.parts import AnyScene, Processes, SecondField, checked, hashable, plain_values, source_of
-from workflow.plugins.threshold.study import ScanOptions, ThresholdResult, carry_out, question_of
+from granchain.parts import AnyScene, Between, Processes, checked, numbers, options, source_of
+from workflow.plugins.threshold.crossings import SearchedField
+from workflow.plugins.threshold.study import ThresholdResult, carry_out, question_of
 
 T = TypeVar("T")
 
 
-class SearchOptions(ScanOptions, total=False):
-    """How thresholds are searched.
+class SearchOptions(TypedDict, total=False):
+    """How a range is searched for thresholds.
 
     Attributes:
-        jobs: scenes at a time.
+        log: whether it is divided by factors instead of differences.
+        points: values of the first scan.
+        tolerance: largest half-width of a bracket over its place.
     """
 
-    jobs: Processes
+    log: bool
+    points: Annotated[int, Between(2, 10_000)]
+    tolerance: Annotated[float, Between(1e-12, 0.5)]
 
 
 @checked
@@ -29,6 +34,7 @@ def threshold(
     directory: Path | str,
     *,
     over: Mapping[str, Sequence[Any]] | None = None,
+    jobs: Processes | None = None,
     **search: Unpack[SearchOptions],
 ) -> ThresholdResult:
     """Find where a quantity crosses a value as a field of the scene varies; resumes an interrupted call.
@@ -41,8 +47,9 @@ def threshold(
         vary: the varied field and both ends of its range, such as ``{"coupling.stiffness": (0.02, 0.5)}``.
         directory: new, or resumed.
         over: a second field and its values, each with thresholds of its own, such as ``{"chains": [2, 3, 4]}``.
+        jobs: scenes at a time; as many as there are cores by default.
         **search: ``log``, whether the range is divided by factors; ``points``, values of the first scan; ``tolerance``,
-            largest half-width of a bracket over its place; ``jobs``, scenes at a time; by default those of the command.
+            largest half-width of a bracket over its place; by default those of the command.
 
     Returns:
         The thresholds with their brackets and uncertainties, and all computed points.
@@ -65,15 +72,15 @@ def threshold(
     field, ends = _single("vary", vary)
     if len(ends) != 2:
         raise InputError(f"vary: {len(ends)} numbers given; both ends of a range, such as {{{field!r}: (0.02, 0.5)}}")
-    second = SecondField()
+    second = options.SecondField()
     if over is not None:
         name, values = _single("over", over)
-        second = SecondField(name, tuple(map(hashable, plain_values(values))))
+        second = options.SecondField(name, tuple(map(options.hashable, numbers.plain_values(values))))
         if not values or len(set(map(repr, second.values))) < len(values):
             raise InputError("over: different values are needed, such as {'chains': [2, 3, 4]}")
-    jobs = search.pop("jobs", None)
     plain, source = load(scene).plain(), source_of(scene)
-    question = question_of(source, plain, (quantity, level), (field, ends[0], ends[1]), second, search)
+    axis = SearchedField(ends[0], ends[1], **search)
+    question = question_of(source, plain, (quantity, level), field, axis, second)
     return carry_out(question, Path(directory), jobs)
 
 

@@ -14,20 +14,17 @@ A threshold study: scans of the field, brackets that are halved, and files.
 import argparse
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypedDict
+from typing import TYPE_CHECKING, Any
 
 from granchain import InputError
 from granchain.parts import (
-    REDUCED,
-    UNCERTAINTIES,
-    Between,
     CommandResult,
     Study,
-    case,
     cell,
+    columns,
     computations,
+    evaluate,
     fields,
-    floats,
     heading,
     label,
     library,
@@ -35,7 +32,7 @@ from granchain.parts import (
     options,
     print_files,
     print_table,
-    refuse_unknown,
+    units,
 )
 from workflow.plugins.threshold.crossings import Crossing, SearchedField, crossings, wanted
 
@@ -46,10 +43,6 @@ TABLE, POINTS, FIGURE = "threshold.csv", "points.csv", "threshold"
 STUDY = Study(
     "threshold", f"{TABLE} is the table", tables=(TABLE, POINTS), figures=(FIGURE,), cache="evaluations.jsonl"
 )
-
-
-POINTS_OF_SCAN, TOLERANCE = 9, 1e-3
-"""Default number of values of the first scan, and largest half-width of a bracket over its place."""
 
 
 @dataclass(frozen=True)
@@ -77,16 +70,16 @@ class Question:
     @property
     def uncertainty(self) -> str:
         """Name of the quantity's uncertainty; empty where it has none."""
-        return UNCERTAINTIES.get(self.quantity, "")
+        return columns.UNCERTAINTIES.get(self.quantity, "")
 
     def case(self, over: Any, value: float) -> computations.Computation:
         """Case of the scene with values in both fields."""
         number = int(value) if self.axis.integer else value
         scene = fields.put_all(self.over.put(self.scene, over), {self.field: number})
-        return case(scene, tuple(filter(None, (self.quantity, self.uncertainty))), self.source)
+        return evaluate.case(scene, tuple(filter(None, (self.quantity, self.uncertainty))), self.source)
 
     def __post_init__(self) -> None:
-        refuse_unknown(self.quantity, self.source, "quantity of a threshold")
+        columns.refuse_unknown(self.quantity, self.source, "quantity of a threshold")
         names = [name for name in (self.field, self.over.name) if name]
         if len({fields.parse(name, self.scene) for name in names}) < len(names):
             raise InputError(f"{self.source}: --over {self.over.name}: is the field whose threshold is searched")
@@ -244,8 +237,7 @@ def _threshold(question: Question, over: Any, crossing: Crossing, errors: list[f
 
 
 def _figure(result: ThresholdResult) -> "Figure":
-    from granchain.parts import MOST_LINES, Sought, map_figure, swept_figure
-    from granchain.parts import StudyAxis as Shown  # matplotlib takes half a second to import
+    from granchain.parts import studies  # matplotlib takes half a second to import
 
     question = result.question
     quantity, field = label(question.quantity, question.scene), label(question.field, question.scene)
@@ -254,22 +246,25 @@ def _figure(result: ThresholdResult) -> "Figure":
         for over, thresholds in result.by_over().items():
             lines += [(over, threshold.place, threshold.uncertainty) for threshold in thresholds]
             lines += [] if thresholds else [(over, None, None)]  # a tick at the foot
-        over, place, error = map(floats, zip(*lines, strict=True))
-        unit = "" if quantity.unit in ("", REDUCED) else f" {quantity.unit}"
+        over, place, error = map(studies.floats, zip(*lines, strict=True))
+        unit = "" if quantity.unit in ("", units.REDUCED) else f" {quantity.unit}"
         named = f"${quantity.symbol}$" if quantity.symbol else quantity.words
         comma = "," if field.symbol else ""
         crossing = replace(field, words=f"{field.words} where {named} = {question.level:g}{unit}{comma}")
-        over_field = Shown(label(question.over.name, question.scene), over)
-        return swept_figure(Shown(crossing, place, error), over_field, title=question.source)
-    values = Shown(quantity, floats([point.quantity for point in result.points]))
-    over_field = Shown(field, floats([point.value for point in result.points]))
+        over_field = studies.StudyAxis(label(question.over.name, question.scene), over)
+        return studies.swept_figure(studies.StudyAxis(crossing, place, error), over_field, title=question.source)
+    values = studies.StudyAxis(quantity, studies.floats([point.quantity for point in result.points]))
+    over_field = studies.StudyAxis(field, studies.floats([point.value for point in result.points]))
     beside = question.over.axis([point.over for point in result.points], question.scene)
-    if beside is not None and len(question.over.values) > MOST_LINES:
-        return map_figure(values, over_field, beside, question.source)
+    if beside is not None and len(question.over.values) > studies.MOST_LINES:
+        return studies.map_figure(values, over_field, beside, question.source)
     places, errors = (
-        floats([getattr(threshold, name) for threshold in result.thresholds]) for name in ("place", "uncertainty")
+        studies.floats([getattr(threshold, name) for threshold in result.thresholds])
+        for name in ("place", "uncertainty")
     )
-    return swept_figure(values, over_field, beside, question.source, sought=Sought(question.level, places, errors))
+    return studies.swept_figure(
+        values, over_field, beside, question.source, sought=studies.Sought(question.level, places, errors)
+    )
 
 
 # --- command ----------------------------------------------------------------------------------------------------------
@@ -293,10 +288,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--over", metavar="FIELD=A,B,...", help="one threshold for each value of a second field")
     words = ("values of the first scan (default 9)", "largest half-width of a bracket / its place (default 0.001)")
     parser.add_argument(
-        "--points", metavar="N", type=options.within(int, 2, 10_000), default=POINTS_OF_SCAN, help=words[0]
+        "--points", metavar="N", type=options.within(int, 2, 10_000), default=SearchedField.points, help=words[0]
     )
     bounds = options.within(float, 1e-12, 0.5)
-    parser.add_argument("--tolerance", metavar="X", type=bounds, default=TOLERANCE, help=words[1])
+    parser.add_argument("--tolerance", metavar="X", type=bounds, default=SearchedField.tolerance, help=words[1])
     options.add_output(parser)
     options.add_jobs(parser)
 
@@ -319,31 +314,17 @@ def _question(arguments: argparse.Namespace) -> Question:
     over = options.second_field(arguments.over)
     low, high = options.both_ends(ends, "--vary", "FIELD=0.02:0.5")
     wanted_level = quantity, options.number(level, "--where", "agree_1=50")
-    scan = ScanOptions(log=arguments.log, points=arguments.points, tolerance=arguments.tolerance)
-    return question_of(arguments.scene, plain, wanted_level, (field, low, high), over, scan)
-
-
-class ScanOptions(TypedDict, total=False):
-    """How a field is searched.
-
-    Attributes:
-        log: whether the range is divided by factors instead of differences.
-        points: values of the first scan.
-        tolerance: largest half-width of a bracket over its place.
-    """
-
-    log: bool
-    points: Annotated[int, Between(2, 10_000)]
-    tolerance: Annotated[float, Between(1e-12, 0.5)]
+    axis = SearchedField(low, high, arguments.log, points=arguments.points, tolerance=arguments.tolerance)
+    return question_of(arguments.scene, plain, wanted_level, field, axis, over)
 
 
 def question_of(
     name: str,
     plain: dict[str, Any],
     where: tuple[str, float],
-    vary: tuple[str, float, float],
+    field: str,
+    axis: SearchedField,
     over: options.SecondField,
-    scan: ScanOptions,
 ) -> Question:
     """The question where a quantity of a scene crosses a value.
 
@@ -351,26 +332,25 @@ def question_of(
         name: name of the scene in messages.
         plain: its plain data.
         where: name of the quantity, and the value.
-        vary: the varied field, and both ends of its range.
+        field: the varied field.
+        axis: its range, and how that is searched; whole numbers alone where the field takes no others.
         over: a second field and its values.
-        scan: how the range is searched.
 
     Raises:
         InputError: there is no such quantity or field, or the range is none.
     """
-    (quantity, level), (field, low, high) = where, vary
-    log, ends = scan.get("log", False), f"{low:g}:{high:g}"
+    (quantity, level), low, high = where, axis.low, axis.high
+    ends = f"{low:g}:{high:g}"
     try:
         integer = fields.is_whole(fields.parse(field, plain))
     except InputError as error:
         raise InputError(f"--vary: {error}") from None
-    if not low < high or (log and low <= 0.0):
-        above = ", both above 0 with --log" if log else ""
+    if not low < high or (axis.log and low <= 0.0):
+        above = ", both above 0 with --log" if axis.log else ""
         raise InputError(f"--vary: {ends} given; the smaller number first{above}, such as 0.02:0.5")
     if integer and not (float(low).is_integer() and float(high).is_integer()):
         raise InputError(f"--vary: {field} takes whole numbers; {ends} given")
-    axis = SearchedField(low, high, log, integer, scan.get("points", POINTS_OF_SCAN), scan.get("tolerance", TOLERANCE))
-    return Question(name, plain, quantity, level, field, axis, over)
+    return Question(name, plain, quantity, level, field, replace(axis, integer=integer), over)
 
 
 def _print(result: ThresholdResult, output: Path) -> None:

@@ -15,22 +15,16 @@ if TYPE_CHECKING:
     from analysis.compare import difference as difference
     from analysis.compare.common_times import paired as paired
     from analysis.figures import spacetime as spacetime
+    from analysis.figures import studies as studies
     from analysis.figures import style as style
     from analysis.figures.errors import residual_figure as residual_figure
     from analysis.figures.spacetime import RootScale as RootScale
     from analysis.figures.spacetime import SpaceTime as SpaceTime
     from analysis.figures.spacetime import panels as panels
     from analysis.figures.spacetime import spacetime_figure as spacetime_figure
-    from analysis.figures.studies import MOST_LINES as MOST_LINES
-    from analysis.figures.studies import Sought as Sought
-    from analysis.figures.studies import StudyAxis as StudyAxis
-    from analysis.figures.studies import largest_of as largest_of
-    from analysis.figures.studies import map_figure as map_figure
-    from analysis.figures.studies import swept_figure as swept_figure
     from analysis.figures.style import CHAIN_COLOURS as CHAIN_COLOURS
     from analysis.figures.style import CHAIN_DASHES as CHAIN_DASHES
     from analysis.figures.style import AxisUnit as AxisUnit
-    from analysis.figures.style import new_figure as new_figure
     from analysis.figures.style import shown_chains as shown_chains
     from analysis.figures.style import styled as styled
     from analysis.figures.style import title as title
@@ -38,12 +32,8 @@ if TYPE_CHECKING:
     from analysis.files import recording as recording
     from analysis.files import traces as traces
     from analysis.files.binary_dump import BinaryDump as BinaryDump
-    from analysis.files.traces import Channel as Channel
-    from analysis.gauges.channels import beads_of as beads_of
-    from analysis.gauges.channels import read as read
-    from analysis.gauges.channels import read_at as read_at
-    from analysis.gauges.gauge import at_frames as at_frames
-    from analysis.gauges.gauge import gauges as gauges
+    from analysis.gauges import channels as channels
+    from analysis.gauges import gauge as gauge
     from analysis.quantity import declare as declare
     from analysis.quantity import plain as plain
     from analysis.quantity import result as result
@@ -60,11 +50,9 @@ if TYPE_CHECKING:
     from analysis.trajectory import Floats as Floats
     from analysis.trajectory import Integers as Integers
     from analysis.trajectory import Trajectory as Trajectory
-    from analysis.trajectory import blocks as blocks
     from analysis.trajectory import direction_of as direction_of
     from analysis.trajectory import frames_per_block as frames_per_block
     from analysis.trajectory import joined as joined
-    from analysis.trajectory import of_atoms as of_atoms
     from analysis.trajectory import watch as watch
     from lammps_inputs import Problem as Problem
     from lammps_inputs import System as System
@@ -92,16 +80,11 @@ if TYPE_CHECKING:
     from lammps_inputs.laws.plastic import restitution_of as restitution_of
     from lammps_inputs.limits import rates as rates
     from lammps_inputs.limits.rates import stability_bound as stability_bound
-    from lammps_inputs.numbers import known as known
-    from lammps_inputs.numbers import plain_values as plain_values
     from lammps_inputs.numbers import text as text
     from lammps_inputs.output import Limits as Limits
     from lammps_inputs.output import too_far_apart as too_far_apart
     from lammps_inputs.scene import DEFAULT_ACCURACY as DEFAULT_ACCURACY
-    from lammps_inputs.units import REDUCED as REDUCED
-    from lammps_inputs.units import SI as SI
     from lammps_inputs.units import Label as Label
-    from lammps_inputs.units import Scale as Scale
     from workflow import cli as cli
     from workflow import compiled as compiled
     from workflow import cost_model as cost_model
@@ -117,23 +100,15 @@ if TYPE_CHECKING:
     from workflow.arguments import source_of as source_of
     from workflow.checked import Between as Between
     from workflow.checked import checked as checked
-    from workflow.commands.analyze import analysis_of as analysis_of
-    from workflow.commands.analyze import report as report
+    from workflow.commands import analyze as analyze
     from workflow.commands.deck import write as write
     from workflow.commands.sweep import case_decks as case_decks
     from workflow.engines.lammps import mpi as mpi
     from workflow.engines.lammps.engine import run_deck as run_deck
     from workflow.engines.reference import engine as engine
     from workflow.engines.reference import kernel as kernel
-    from workflow.engines.reference.kernel import DerivativeFrames as DerivativeFrames
-    from workflow.engines.reference.kernel import ShiftArrays as ShiftArrays
-    from workflow.engines.reference.kernel import TangentArrays as TangentArrays
-    from workflow.engines.reference.kernel_inputs import Term as Term
-    from workflow.engines.reference.kernel_inputs import Terms as Terms
-    from workflow.engines.reference.kernel_inputs import make_terms as make_terms
-    from workflow.engines.reference.schemes import BLANES_MOAN as BLANES_MOAN
-    from workflow.engines.reference.schemes import VERLET as VERLET
-    from workflow.engines.reference.schemes import Scheme as Scheme
+    from workflow.engines.reference import kernel_inputs as kernel_inputs
+    from workflow.engines.reference import schemes as schemes
     from workflow.engines.reference.step_halving import StepHalving as StepHalving
     from workflow.engines.reference.uncertainty import Uncertainty as Uncertainty
     from workflow.measures import forces as forces
@@ -142,17 +117,9 @@ if TYPE_CHECKING:
     from workflow.measures.base import Meter as Meter
     from workflow.measures.base import Recorded as Recorded
     from workflow.prepare.settings import settle as settle
-    from workflow.quantities.columns import AT_BEAD as AT_BEAD
-    from workflow.quantities.columns import KNOWN as KNOWN
-    from workflow.quantities.columns import MASS as MASS
-    from workflow.quantities.columns import UNCERTAINTIES as UNCERTAINTIES
-    from workflow.quantities.columns import column_called as column_called
-    from workflow.quantities.columns import refuse_unknown as refuse_unknown
-    from workflow.quantities.evaluate import NO_LIMIT as NO_LIMIT
+    from workflow.quantities import columns as columns
+    from workflow.quantities import evaluate as evaluate
     from workflow.quantities.evaluate import case as case
-    from workflow.quantities.evaluate import evaluate as evaluate
-    from workflow.quantities.evaluate import of_frames as of_frames
-    from workflow.quantities.evaluate import scene_to_run as scene_to_run
     from workflow.runs import engines as engines
     from workflow.runs import job as job
     from workflow.runs import labelled as labelled
@@ -160,6 +127,7 @@ if TYPE_CHECKING:
     from workflow.runs.engines import engine_called as engine_called
     from workflow.runs.files import complete as complete
     from workflow.runs.files import write_text as write_text
+    from workflow.runs.frames import write_frames as write_frames
     from workflow.runs.output_directory import make_directory as make_directory
     from workflow.runs.output_directory import record_files as record_files
     from workflow.runs.run import run as run
@@ -178,23 +146,12 @@ if TYPE_CHECKING:
     from workflow.study_kit import page as page
     from workflow.study_kit.directory import Study as Study
     from workflow.study_kit.directory import csv_text as csv_text
-    from workflow.study_kit.directory import floats as floats
     from workflow.study_kit.kept_run import kept_run as kept_run
-    from workflow.study_kit.options import SecondField as SecondField
-    from workflow.study_kit.options import add_jobs as add_jobs
-    from workflow.study_kit.options import add_output as add_output
-    from workflow.study_kit.options import example_file as example_file
-    from workflow.study_kit.options import hashable as hashable
-    from workflow.study_kit.options import interrupted as interrupted
     from workflow.sweep import collect as collect
     from workflow.sweep import fields as fields
+    from workflow.sweep import file_parts as file_parts
     from workflow.sweep.axes import heading as heading
     from workflow.sweep.axes import label as label
-    from workflow.sweep.file import SweepPart as SweepPart
-    from workflow.sweep.file import number as number
-    from workflow.sweep.file import scene_in as scene_in
-    from workflow.sweep.file import scene_of_file as scene_of_file
-    from workflow.sweep.file import validated as validated
     from workflow.sweep.run_table import table_of as table_of
     from workflow.verdicts import analyse as analyse
     from workflow.verdicts import analysis_lines as analysis_lines
@@ -204,7 +161,6 @@ if TYPE_CHECKING:
     from workflow.verdicts import validate_run as validate_run
     from workflow.verdicts import validation_tables as validation_tables
     from workflow.verdicts.analyse import measure as measure
-    from workflow.verdicts.validate_table import check_channels as check_channels
     from workflow.workers import computations as computations
 else:
     _SOURCES = lazy_names.sources(__file__)

@@ -1,24 +1,22 @@
-"""The duration of a scene that ends at a bead, and the width of a window that is ``auto``.
+"""The duration of a scene that ends at a bead.
 
-Both are found by the reference integrator before anything else runs, within a limit on its processor time.
+It is found by a trial with the reference integrator before anything else runs, within a limit on its processor time.
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from analysis.gauges.gauge import PULSE, Gauge, at_frames, far_wall
-from analysis.tracking.leading_waves import Waves
-from lammps_inputs import InputError, Output, Problem, Scene, physics, window
+from lammps_inputs import InputError, Output, Scene, physics
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import lowest_modal_frequency
 from workflow import screen
-from workflow.engines.reference import engine
+from workflow.engines.registry import load_engine
 from workflow.processor_time import LimitReachedError, check, limited
 
 SECONDS = 4.0
-"""Processor time, in s, that the trial of a duration may take, and those of a window; the rest is for the time step."""
+"""Processor time, in s, that the trial may take; the rest is for the window and the time step."""
 
 _RISEN = 1e-3
 """Velocity in units of V, and force in its unit at V = 1, from which a pulse has arrived."""
@@ -107,7 +105,8 @@ def _with_duration(scene: Scene, wall: bool) -> Scene:
     share = 1.0 if scene.until_bead == scene.beads else 0.5
     largest, largest_force = np.zeros(problem.chains), np.zeros(problem.chains)
     rows = None if scene.window is None else min(scene.beads, _WINDOW if scene.window == "auto" else 2 * scene.window)
-    for block in engine.blocks(problem, window=rows, most_frames=math.ceil(problem.frames / _PARTS)):
+    most_frames = math.ceil(problem.frames / _PARTS)
+    for block in load_engine("reference").blocks(problem, window=rows, most_frames=most_frames):
         speed = np.abs(block.velocity[:, :, int(np.searchsorted(problem.recorded_beads, scene.until_bead))])
         force = np.zeros_like(speed) if far is None else at_frames(block, (far,))[..., 0] - far.static
         for time, velocity, pressing in zip(block.time, speed, force, strict=True):
@@ -153,58 +152,3 @@ def _trial(scene: Scene, duration: float, cadence: float, beads: tuple[int, ...]
             "output": Output(every=cadence * scene.scale.time, beads=beads),
         }
     )
-
-
-SAME = 1e-9
-"""Largest difference of a leading peak, in units of V, from that in a window twice as wide."""
-
-WIDEST = 1024
-
-_AROUND_KICKS = 32
-"""Rows that the reference integrates at the least beyond those between the kicks."""
-
-
-def with_window(scene: Scene) -> Scene:
-    """A scene with the rows of its window written out.
-
-    ``window: auto`` takes the least number of rows, doubled from 64 on, at which the leading pulse is the same as with
-    twice as many; where slower pulses trail and come into play again, that is many. No more than 1024 are tried: the
-    check of the run gives the remaining error. Where the trials reach the limit on processor time, the window is four
-    times as wide as the last that was tried, at most 1024 rows, and a hint says so.
-    """
-    if scene.window != "auto":
-        return scene
-    rows = window.LEAST_WINDOW
-    kicked = [kick.bead for kick in scene.kicks]
-    while window.behind(rows) < max(kicked) - min(kicked) + _AROUND_KICKS:
-        rows *= 2
-    problem = scene.model_copy(update={"window": rows, "accuracy": None}).problem()
-    try:
-        with limited(SECONDS):
-            waves = _leading(problem, rows)
-            while 2 * rows < min(problem.beads, WIDEST + 1):
-                wider = _leading(problem, 2 * rows)
-                if _difference(waves, wider) <= SAME:
-                    break
-                rows, waves = 2 * rows, wider
-    except LimitReachedError:
-        rows = min(WIDEST, 4 * rows)
-        screen.hint(
-            f"window: {rows} rows by a rule, not by trials, as these take more than {SECONDS:g} s of processor "
-            "time; a `window` of so many rows avoids them"
-        )
-    return scene.model_copy(update={"window": rows})
-
-
-def _leading(problem: Problem, rows: int) -> Waves:
-    unwindowed = replace(problem, window=None)
-    return engine.passages(unwindowed, window=window.behind(rows))
-
-
-def _difference(first: Waves, second: Waves) -> float:
-    """Largest difference of the peaks, in units of V; a bead that only one wave has reached differs by its peak."""
-    a, b = (
-        {(c, n): v for c, n, v in zip(w.chain.tolist(), w.bead.tolist(), w.peak_velocity.tolist(), strict=True)}
-        for w in (first, second)
-    )
-    return max((abs(a.get(place, 0.0) - b.get(place, 0.0)) for place in {*a, *b}), default=0.0)
